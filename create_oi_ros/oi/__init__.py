@@ -1,0 +1,38 @@
+"""The iRobot Create Open Interface (2006), as data and pure functions.
+
+No ROS, no serial port, no clock: bytes and values in, values and bytes out. Every command is a
+class of `commands`, every packet a field of `packets.Readings`; `stream` reads bytes in flight.
+Quantities are in the manual's units (mm, mm/s, degrees, mV, mA, mAh).
+"""
+
+from .codes import (
+    BaudCode, BumpsAndWheelDrops, Buttons, ChargingSources, ChargingState, DemoNumber,
+    DigitalInputs, DriverBits, Event, Infrared, LedBits, Mode, OutputBits, Overcurrents, Radius,
+    StreamState,
+)
+from .command import Command
+from .commands import (
+    ACTUATE, ANY, COMMANDS, NOTES_PER_SECOND, REST, SOUNDING, STARTED, Baud, Control, Cover,
+    CoverAndDock, Demo, DigitalOutputs, Drive, DriveDirect, Full, Leds, LowSideDrivers, Note,
+    PauseResumeStream, PlayScript, PlaySong, PwmLowSideDrivers, QueryList, Safe, Script, SendIr,
+    Sensors, ShowScript, Song, Spot, Start, Stream, WaitAngle, WaitDistance, WaitEvent, WaitTime,
+)
+from .packets import (
+    BITS_PER_BYTE, GROUPS, HEADER, NAMES, NUMBERS, PACKET_IDS, PACKETS, SLOT, Budget, Packet,
+    PacketList, Readings, frame_capacity, singles, size_of,
+)
+from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
+
+__all__ = [
+    'ACTUATE', 'ANY', 'BITS_PER_BYTE', 'COMMANDS', 'GROUPS', 'HEADER', 'NAMES',
+    'NOTES_PER_SECOND', 'NUMBERS', 'PACKETS', 'PACKET_IDS', 'REST', 'SLOT', 'SOUNDING', 'STARTED',
+    'Baud', 'BaudCode', 'Budget', 'BumpsAndWheelDrops', 'Buttons', 'ChargingSources',
+    'ChargingState', 'Checksum', 'Command', 'CommandReader', 'Control', 'Cover', 'CoverAndDock',
+    'Demo', 'DemoNumber', 'DigitalInputs', 'DigitalOutputs', 'Drive', 'DriveDirect', 'DriverBits',
+    'Event', 'Frame', 'Full', 'Garbage', 'Infrared', 'LedBits', 'Leds', 'LowSideDrivers', 'Mode',
+    'Note', 'OutputBits', 'Overcurrents', 'Packet', 'PacketList', 'PauseResumeStream',
+    'PlayScript', 'PlaySong', 'PwmLowSideDrivers', 'QueryList', 'Radius', 'Readings', 'Safe',
+    'Script', 'SendIr', 'Sensors', 'ShowScript', 'Song', 'Spot', 'Start', 'Stream', 'StreamReader',
+    'StreamState', 'UnknownOpcode', 'WaitAngle', 'WaitDistance', 'WaitEvent', 'WaitTime',
+    'frame_capacity', 'singles', 'size_of',
+]

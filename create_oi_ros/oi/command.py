@@ -1,0 +1,153 @@
+"""The machinery that turns a declaration of a command into its encoder and decoder.
+
+A subclass of `Command` states the protocol's facts on its class line and its payload as
+annotated fields. No number of the manual stands here: they are all in `commands`.
+"""
+
+import struct
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform, get_args, get_origin
+
+from .codes import Mode
+from .wire import BIG_ENDIAN, Counted, Wire
+
+
+class Field(NamedTuple):
+    """One field of a command's payload: its name and how it travels."""
+
+    name: str
+    wire: Wire
+
+
+class Tail(NamedTuple):
+    """The last field of a command whose length varies: its name, its count, its items' type."""
+
+    name: str
+    counted: Counted
+    item: type
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+class Command:
+    """A command of the Open Interface, an immutable value with keyword-only fields.
+
+    Holding a value out of range is allowed, sending it is not: `encode` raises ValueError.
+    """
+
+    opcode: ClassVar[int]
+    title: ClassVar[str]
+    """The manual's name."""
+    section: ClassVar[str]
+    """The manual's section."""
+    modes: ClassVar[frozenset[Mode]]
+    """The modes in which the robot obeys it."""
+    enters: ClassVar[Mode | None]
+    """The mode it changes to; None for no change."""
+    fields: ClassVar[tuple[Field, ...]]
+    tail: ClassVar[Tail | None]
+    by_opcode: ClassVar[dict[int, type['Command']]] = {}
+    _head: ClassVar[struct.Struct]
+
+    def __init_subclass__(
+        cls, *, opcode: int, title: str, section: str,
+        modes: frozenset[Mode], enters: Mode | None = None,
+    ) -> None:
+        dataclass(frozen=True, kw_only=True)(cls)
+        if opcode in cls.by_opcode:
+            raise TypeError(
+                f'opcode {opcode} of {title} is already that of {cls.by_opcode[opcode].title}')
+        cls.by_opcode[opcode] = cls
+        cls.opcode, cls.title, cls.section = opcode, title, section
+        cls.modes, cls.enters = modes, enters
+        cls.fields, cls.tail = _declared(cls)
+        count = 'B' if cls.tail else ''
+        formats = ''.join(field.wire.format for field in cls.fields)
+        cls._head = struct.Struct(f'{BIG_ENDIAN}B{formats}{count}')
+
+    def encode(self) -> bytes:
+        """Return the bytes to send; ValueError names field, value and range."""
+        values = [getattr(self, field.name) for field in self.fields]
+        for field, value in zip(self.fields, values):
+            if not field.wire.allows(value):
+                raise ValueError(refusal(self.title, field.name, value, field.wire))
+        if self.tail is None:
+            return self._head.pack(self.opcode, *values)
+        items = self._encode_tail(self.tail)
+        count = len(items) // self.tail.counted.item_size
+        return self._head.pack(self.opcode, *values, count) + items
+
+    def _encode_tail(self, tail: Tail) -> bytes:
+        items = getattr(self, tail.name)
+        if not tail.counted.allows(len(items)):
+            raise ValueError(
+                f'{self.title}: {tail.name} has {len(items)} {tail.counted.noun}; '
+                f'allowed: {tail.counted.describe()}')
+        encoded = bytearray()
+        for place, item in enumerate(items):
+            numbers = item if isinstance(item, tuple) else (item,)
+            if len(numbers) != tail.counted.item_size:
+                raise ValueError(
+                    f'{self.title}: {tail.name}[{place}] = {item!r} needs '
+                    f'{tail.counted.item_size} numbers')
+            for wire, number in zip(tail.counted.item, numbers):
+                if not wire.allows(number):
+                    raise ValueError(refusal(self.title, f'{tail.name}[{place}]', number, wire))
+                encoded.append(number)
+        return bytes(encoded)
+
+    @classmethod
+    def size(cls, start: bytes | bytearray) -> int:
+        """Tell how many bytes a command that begins so takes, as far as they can tell.
+
+        While the count of a command of varying length has not arrived, that is the number of
+        bytes up to and with the count.
+        """
+        head = cls._head.size
+        if cls.tail is None or len(start) < head:
+            return head
+        return head + start[head - 1] * cls.tail.counted.item_size
+
+    @classmethod
+    def decode(cls, encoded: bytes | bytearray) -> Self:
+        """Return the command that whole bytes stand for, whatever their values.
+
+        Raises ValueError where the bytes are of another command, too few or too many.
+        """
+        if not encoded or encoded[0] != cls.opcode or cls.size(encoded) != len(encoded):
+            raise ValueError(f'{bytes(encoded)!r} is no whole {cls.title} ({cls.opcode})')
+        _, *values = cls._head.unpack_from(encoded)
+        arguments: dict[str, Any] = {
+            field.name: field.wire.named(value) for field, value in zip(cls.fields, values)}
+        if cls.tail is not None:
+            arguments[cls.tail.name] = _decode_tail(cls.tail, bytes(encoded[cls._head.size:]))
+        return cls(**arguments)
+
+
+def refusal(title: str, name: str, value: object, wire: Wire) -> str:
+    """Say what was wrong with a value and what is allowed."""
+    return f'{title}: {name} = {value!r}; allowed: {wire.describe()}'
+
+
+def _declared(cls: type) -> tuple[tuple[Field, ...], Tail | None]:
+    """Read the annotated fields of a class: numbers first, then at most one counted tail."""
+    fields: list[Field] = []
+    tail: Tail | None = None
+    for name, annotation in cls.__dict__.get('__annotations__', {}).items():
+        kind, declaration = get_args(annotation)
+        if tail is not None:
+            raise TypeError(f'{cls.__name__}.{name} follows a counted field')
+        if isinstance(declaration, Counted):
+            tail = Tail(name, declaration, get_args(kind)[0] if get_origin(kind) else kind)
+        else:
+            fields.append(Field(name, declaration))
+    return tuple(fields), tail
+
+
+def _decode_tail(tail: Tail, encoded: bytes) -> Any:
+    if tail.item is bytes:
+        return encoded
+    size = tail.counted.item_size
+    if size == 1:
+        return tuple(encoded)
+    return tuple(
+        tail.item(*encoded[start:start + size]) for start in range(0, len(encoded), size))

@@ -1,0 +1,234 @@
+"""Every command of the Open Interface, declared once.
+
+The class line carries the opcode, the modes in which the robot obeys the command and the mode
+that it enters; the fields carry format, range and unit, in the order of the wire; the docstring
+says what the command does (manual: Open Interface Command Reference).
+"""
+
+from typing import Annotated, NamedTuple
+
+from .codes import (
+    BaudCode, DemoNumber, DriverBits, Event, LedBits, Mode, OutputBits, Radius, StreamState,
+)
+from .command import Command
+from .packets import PACKET_ID, PACKET_IDS
+from .wire import Counted, Wire, bits, choice, signed_choice
+
+STARTED = frozenset({Mode.PASSIVE, Mode.SAFE, Mode.FULL})
+"""The modes of commands that only need the Open Interface to have been started."""
+ANY = STARTED | {Mode.OFF}
+ACTUATE = frozenset({Mode.SAFE, Mode.FULL})
+"""The modes of commands that move or light something."""
+
+START = 'Getting Started Commands'
+MODES = 'Mode Commands'
+DEMOS = 'Demo Commands'
+ACTUATORS = 'Actuator Commands'
+INPUTS = 'Input Commands'
+SCRIPTS = 'Script Commands'
+WAITS = 'Wait Commands'
+
+SPEED = Wire('h', -500, 500, 'mm/s')
+BYTE = Wire('B', 0, 255)
+SIGNED_WORD = (-32768, 32767)
+DUTY = Wire('B', 0, 128, '1/128')
+SONG_NUMBER = Wire('B', 0, 15)
+SOUNDING = range(31, 128)
+"""Note numbers that make a sound; every other note number is a rest (manual: Song)."""
+REST = 0
+"""A note number that makes no sound, for those who do not care which."""
+NOTES_PER_SECOND = 64
+"""Note durations are in 64ths of a second (manual: Song)."""
+
+
+class Start(
+    Command, title='Start', opcode=128, section=START, modes=ANY, enters=Mode.PASSIVE,
+):
+    """Start the Open Interface; beeps once when that was off. Send it before anything else."""
+
+
+class Baud(Command, title='Baud', opcode=129, section=START, modes=STARTED):
+    """Change the baud rate until power is cycled; wait 100 ms before sending at the new rate."""
+
+    code: Annotated[int, choice('B', BaudCode)]
+
+
+class Control(
+    Command, title='Control', opcode=130, section=MODES, modes=STARTED, enters=Mode.SAFE,
+):
+    """Do what Safe does; deprecated, kept for the Roomba Open Interface."""
+
+
+class Safe(Command, title='Safe', opcode=131, section=MODES, modes=STARTED, enters=Mode.SAFE):
+    """Enter Safe mode: control with safety stops. Turns all LEDs off and ends charging."""
+
+
+class Full(Command, title='Full', opcode=132, section=MODES, modes=STARTED, enters=Mode.FULL):
+    """Enter Full mode: control without any safety stop. Ends charging."""
+
+
+class Spot(Command, title='Spot', opcode=134, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
+    """Start the Spot Cover demo."""
+
+
+class Cover(
+    Command, title='Cover', opcode=135, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE,
+):
+    """Start the Cover demo."""
+
+
+class Demo(Command, title='Demo', opcode=136, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
+    """Start a built-in demo, or abort the one that runs."""
+
+    demo: Annotated[int, choice('b', DemoNumber)]
+
+
+class Drive(Command, title='Drive', opcode=137, section=ACTUATORS, modes=ACTUATE):
+    """Drive along an arc; positive velocity is forward, positive radius turns left."""
+
+    velocity: Annotated[int, SPEED]
+    radius: Annotated[int, Wire('h', -2000, 2000, 'mm', names=Radius)]
+
+
+class LowSideDrivers(
+    Command, title='Low Side Drivers', opcode=138, section=ACTUATORS, modes=ACTUATE,
+):
+    """Switch the low side drivers on, at 100 % duty cycle, or off."""
+
+    bits: Annotated[int, bits('B', DriverBits)]
+
+
+class Leds(Command, title='LEDs', opcode=139, section=ACTUATORS, modes=ACTUATE):
+    """Set the Play and Advance LEDs, and colour (0 green, 255 red) and intensity of Power."""
+
+    bits: Annotated[int, bits('B', LedBits)]
+    color: Annotated[int, BYTE]
+    intensity: Annotated[int, BYTE]
+
+
+class Note(NamedTuple):
+    """One note of a song: a MIDI note number and a duration in 64ths of a second."""
+
+    number: int
+    duration: int
+
+
+class Song(Command, title='Song', opcode=140, section=ACTUATORS, modes=STARTED):
+    """Store a song. Note numbers outside of 31 to 127 are rests."""
+
+    number: Annotated[int, SONG_NUMBER]
+    notes: Annotated[
+        tuple[Note, ...], Counted(1, 16, (BYTE, Wire('B', 0, 255, '1/64 s')), 'notes')]
+
+
+class PlaySong(Command, title='Play Song', opcode=141, section=ACTUATORS, modes=ACTUATE):
+    """Play a stored song; ignored while a song plays."""
+
+    number: Annotated[int, SONG_NUMBER]
+
+
+class Sensors(Command, title='Sensors', opcode=142, section=INPUTS, modes=STARTED):
+    """Ask for one packet, once; the reply has neither id nor checksum."""
+
+    packet: Annotated[int, PACKET_ID]
+
+
+class CoverAndDock(
+    Command, title='Cover and Dock', opcode=143, section=DEMOS, modes=STARTED,
+    enters=Mode.PASSIVE,
+):
+    """Start the Cover and Dock demo."""
+
+
+class PwmLowSideDrivers(
+    Command, title='PWM Low Side Drivers', opcode=144, section=ACTUATORS, modes=ACTUATE,
+):
+    """Set the duty cycles of the low side drivers, in 128ths; driver 2 comes first."""
+
+    driver_2: Annotated[int, DUTY]
+    driver_1: Annotated[int, DUTY]
+    driver_0: Annotated[int, DUTY]
+
+
+class DriveDirect(Command, title='Drive Direct', opcode=145, section=ACTUATORS, modes=ACTUATE):
+    """Set the wheel speeds; the right wheel comes first."""
+
+    right: Annotated[int, SPEED]
+    left: Annotated[int, SPEED]
+
+
+class DigitalOutputs(
+    Command, title='Digital Outputs', opcode=147, section=ACTUATORS, modes=ACTUATE,
+):
+    """Set the three digital outputs of the cargo bay."""
+
+    bits: Annotated[int, bits('B', OutputBits)]
+
+
+class Stream(Command, title='Stream', opcode=148, section=INPUTS, modes=STARTED):
+    """Ask for a list of packets every 15 ms, with header, ids and checksum."""
+
+    packets: Annotated[tuple[int, ...], Counted(0, len(PACKET_IDS), (PACKET_ID,), 'packets')]
+
+
+class QueryList(Command, title='Query List', opcode=149, section=INPUTS, modes=STARTED):
+    """Ask for a list of packets, once; the reply has neither ids nor checksum."""
+
+    packets: Annotated[tuple[int, ...], Counted(0, 255, (PACKET_ID,), 'packets')]
+
+
+class PauseResumeStream(
+    Command, title='Pause/Resume Stream', opcode=150, section=INPUTS, modes=STARTED,
+):
+    """Halt the stream, or let it go on with the list that was asked for last."""
+
+    state: Annotated[int, choice('B', StreamState)]
+
+
+class SendIr(Command, title='Send IR', opcode=151, section=ACTUATORS, modes=ACTUATE):
+    """Send a character through low side driver 1 as the infrared receiver expects it."""
+
+    byte: Annotated[int, BYTE]
+
+
+class Script(Command, title='Script', opcode=152, section=SCRIPTS, modes=STARTED):
+    """Store a script: the bytes of other commands. An empty one clears the script."""
+
+    script: Annotated[bytes, Counted(0, 100, (BYTE,), 'bytes')]
+
+
+class PlayScript(Command, title='Play Script', opcode=153, section=SCRIPTS, modes=STARTED):
+    """Put the stored script into the robot's input queue; as a script's last command, loop."""
+
+
+class ShowScript(Command, title='Show Script', opcode=154, section=SCRIPTS, modes=STARTED):
+    """Ask for the stored script: its length in bytes and the bytes. Halts the stream."""
+
+
+class WaitTime(Command, title='Wait Time', opcode=155, section=WAITS, modes=STARTED):
+    """Wait for a time; the robot hears nothing meanwhile. Resolution 15 ms."""
+
+    time: Annotated[int, Wire('B', 0, 255, '1/10 s')]
+
+
+class WaitDistance(Command, title='Wait Distance', opcode=156, section=WAITS, modes=STARTED):
+    """Wait until the robot has travelled; resets the distance of packet 19 and its groups."""
+
+    distance: Annotated[int, Wire('h', *SIGNED_WORD, 'mm')]
+
+
+class WaitAngle(Command, title='Wait Angle', opcode=157, section=WAITS, modes=STARTED):
+    """Wait until the robot has turned; resets the angle of packet 20 and its groups."""
+
+    angle: Annotated[int, Wire('h', *SIGNED_WORD, 'deg')]
+
+
+class WaitEvent(Command, title='Wait Event', opcode=158, section=WAITS, modes=STARTED):
+    """Wait for an event, or, with its negative, for the inverse of the event."""
+
+    event: Annotated[int, signed_choice('b', Event)]
+
+
+COMMANDS: tuple[type[Command], ...] = tuple(
+    Command.by_opcode[opcode] for opcode in sorted(Command.by_opcode))
+"""All commands, by opcode."""
