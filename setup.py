@@ -1,0 +1,35 @@
+"""Install create_oi_ros as an ament_python package."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+NAME = 'create_oi_ros'
+SHARE = f'share/{NAME}'
+
+setup(
+    name=NAME,
+    version='0.1.0',
+    packages=find_packages(include=[NAME, f'{NAME}.*']),
+    package_data={NAME: ['py.typed', 'sim/worlds/*']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (SHARE, ['package.xml']),
+        *((f'{SHARE}/{folder}', glob(f'{folder}/*.*'))
+          for folder in ('launch', 'config', 'urdf', 'rviz')),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=True,
+    author='create_oi_ros contributors',
+    maintainer='create_oi_ros contributors',
+    maintainer_email='create-oi-ros@example.com',
+    description='A ROS 2 driver for the iRobot Create (Open Interface), with a simulated robot.',
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'create_node = create_oi_ros.node:main',
+            'create_run = create_oi_ros.run:main',
+            'create_sim = create_oi_ros.sim.server:main',
+        ],
+    },
+)

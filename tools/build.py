@@ -1,0 +1,44 @@
+"""
+Build the messages and the package with colcon, into install/.
+
+usage: python tools/build.py KIND, from the repository root (see make_venv.py for KIND).
+"""
+
+from collections.abc import Mapping
+import importlib.util
+import os
+from pathlib import Path
+import sys
+
+from step import step
+
+VENV = Path('.venv').resolve()
+
+
+def wheels_environment() -> Mapping[str, str]:
+    """Return an environment where the only ROS is the one in .venv."""
+    return os.environ | {
+        'PATH': f'{VENV}/bin:{os.environ["PATH"]}',
+        'VIRTUAL_ENV': str(VENV),
+        'AMENT_PREFIX_PATH': str(VENV),
+        'CMAKE_PREFIX_PATH': str(VENV),
+    }
+
+
+def base_paths(kind: str) -> list[str]:
+    """Return the folders of the packages to build; tf2_msgs has no wheel, so ours stands in."""
+    here = kind == 'jazzy' and importlib.util.find_spec('tf2_msgs')
+    return ['.', 'msg_defs', *([] if here else ['tools/tf2_msgs'])]
+
+
+def main(kind: str) -> None:
+    """Run colcon."""
+    paths = base_paths(kind)
+    print(f'build: {len(paths)} packages with colcon (log/build.log)', flush=True)
+    step(['colcon', 'build', '--base-paths', *paths, '--symlink-install',
+          '--event-handlers', 'console_direct+', '--cmake-args', '-Wno-dev', '-DBUILD_TESTING=OFF'],
+         'build.log', 'the build failed', wheels_environment() if kind == 'wheels' else None)
+
+
+if __name__ == '__main__':
+    main(sys.argv[1])

@@ -1,0 +1,22 @@
+"""One step of set-up or build: quiet while it works, one line and the end of its log if not."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+import subprocess
+import sys
+
+LAST_LINES = 12
+
+
+def step(command: Sequence[str | Path], log: str, failure: str,
+         env: Mapping[str, str] | None = None) -> None:
+    """Run a command with its output in log/; leave with `failure` where it does not succeed."""
+    path = Path('log') / log
+    path.parent.mkdir(exist_ok=True)
+    with path.open('ab') as out:
+        start = out.tell()
+        code = subprocess.run(command, stdout=out, stderr=out, env=env).returncode
+    if code:
+        lines = path.read_bytes()[start:].decode(errors='replace').splitlines()
+        print(*lines[-LAST_LINES:], sep='\n', file=sys.stderr)
+        sys.exit(f'make: {failure} (all of it: {path})')
