@@ -11,6 +11,8 @@ from dataclasses import dataclass, fields
 from enum import Enum
 import math
 
+from create_oi_ros.sim.battery import BatteryConfig
+
 
 class EncoderSign(Enum):
     """How the single-channel encoders decide which way a wheel turned."""
@@ -66,6 +68,7 @@ class BodyConfig:
     """Part of the right wheel's travel that is lost to slip at all times, 0 to 1."""
     left_slip: float = 0.0
     contact: Contact = Contact.SLIP
+    battery: BatteryConfig = BatteryConfig()
     wheel_lateral: float = 0.129
     """Distance of each wheel from the robot's centre line, where its drop switch looks, metres."""
     caster_forward: float = 0.13

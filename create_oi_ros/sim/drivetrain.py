@@ -20,17 +20,17 @@ _NODE = 0.5 - 0.5 / math.sqrt(3)
 
 
 class Motion(NamedTuple):
-    """What one piece of time did: displacement in the world, and what the encoders counted."""
+    """What one piece of time did, if nothing is in the way: metres and radians."""
 
     dx: float
     dy: float
     turn: float
-    """True change of yaw, radians, counter-clockwise."""
+    """True change of yaw, counter-clockwise."""
     travel: float
-    """True travel of the robot's centre along its heading, metres."""
-    counted_right: float
-    """Signed metres, as the single-channel encoder has it."""
-    counted_left: float
+    """True travel of the robot's centre along its heading."""
+    right: float
+    """Travel of the tyres' treads, forwards positive."""
+    left: float
 
 
 class Wheel:
@@ -82,21 +82,21 @@ class Wheel:
         return math.copysign(self._limit, rest) if rest else 0.0
 
     def advance(self, h: float, acceleration: float) -> float:
-        """Turn for h seconds, at most `ramp_time`; return the metres that the encoder counts."""
+        """Turn for h seconds, at most `ramp_time`; return the tread's travel, metres."""
         goal = self.goal
         travel = (self.speed + acceleration * h / 2) * h
         speed = self.speed + acceleration * h
         self.speed = goal if abs(goal - speed) < _STEADY else speed
-        counted = self.count(travel)
+        return travel
+
+    def count(self, travel: float) -> float:
+        """Return the signed metres that the encoder makes of the tread's travel."""
+        if self._sign is EncoderSign.TRUE:
+            return travel
+        counted = abs(travel) if self._up else -abs(travel)
         if self.speed == 0 and self.target == 0:
             self._up = True
         return counted
-
-    def count(self, travel: float) -> float:
-        """Return the signed metres that the encoder makes of the tyre's true travel."""
-        if self._sign is EncoderSign.TRUE:
-            return travel
-        return abs(travel) if self._up else -abs(travel)
 
 
 class Drivetrain:
@@ -139,8 +139,8 @@ class Drivetrain:
         right_gain, left_gain = right_acceleration * right.grip, left_acceleration * left.grip
         motion = glide(h, yaw, speed, rate, (right_gain + left_gain) / 2,
                        (right_gain - left_gain) / self._separation)
-        return motion._replace(counted_right=right.advance(h, right_acceleration),
-                               counted_left=left.advance(h, left_acceleration))
+        return motion._replace(right=right.advance(h, right_acceleration),
+                               left=left.advance(h, left_acceleration))
 
     def roll(self, h: float, yaw: float, speed: float, rate: float) -> Motion:
         """Be pushed for h seconds at a twist of m/s and rad/s: the wheels follow the floor."""
@@ -148,8 +148,19 @@ class Drivetrain:
         motion = glide(h, yaw, speed, rate, 0.0, 0.0)
         for wheel, rolled in ((self.right, speed + half), (self.left, speed - half)):
             wheel.speed = rolled if wheel.grounded and not wheel.held else 0.0
-        return motion._replace(counted_right=self.right.count(self.right.speed * h),
-                               counted_left=self.left.count(self.left.speed * h))
+        return motion._replace(right=self.right.speed * h, left=self.left.speed * h)
+
+    def let_go(self) -> None:
+        """End a push: the gears stop whatever the motors do not drive."""
+        for wheel in (self.right, self.left):
+            if wheel.target == 0:
+                wheel.speed = 0.0
+
+    def stall(self, part: float) -> None:
+        """Take this part, 0 to 1, of what both wheels have in common from their speeds."""
+        common = (self.right.speed + self.left.speed) / 2 * part
+        self.right.speed -= common
+        self.left.speed -= common
 
 
 def glide(h: float, yaw: float, speed: float, rate: float,

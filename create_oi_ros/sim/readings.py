@@ -98,3 +98,9 @@ def checked(name: str, value: int) -> int:
     if not isinstance(value, int) or not low <= value <= high:
         raise ValueError(f'{name} is {value!r}: a whole number within {low} to {high} is wanted')
     return bool(value) if isinstance(Readings._field_defaults[name], bool) else int(value)
+
+
+def clamped(name: str, value: float) -> int:
+    """Return the whole number nearest to value that the field can hold."""
+    low, high = RANGES[name]
+    return round(min(high, max(low, value)))

@@ -1,0 +1,42 @@
+"""What flows in and out of the battery: electronics, motors, low side drivers, chargers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from create_oi_ros.sim.battery import Battery, BatteryConfig
+
+LOW_SIDE_LIMITS = (0.5, 0.5, 1.5)
+"""Amperes that low side drivers 0, 1 and 2 give at most (manual)."""
+
+
+class Electrics:
+    """The battery and all that hangs on it.  Amperes; duty cycles 0 to 1."""
+
+    __slots__ = ('battery', 'on', 'charging_allowed', 'charger', 'base_powered', 'docked',
+                 'duties', 'loads')
+
+    def __init__(self, config: BatteryConfig) -> None:
+        self.battery = Battery(config)
+        self.on = self.charging_allowed = self.base_powered = True
+        self.charger = self.docked = False
+        self.duties: Sequence[float] = (0.0, 0.0, 0.0)
+        self.loads: Sequence[float] = (0.0, 0.0, 0.0)
+
+    @property
+    def home_base(self) -> bool:
+        """The robot touches a Home Base that has power."""
+        return self.docked and self.base_powered
+
+    def step(self, dt: float, motors: float) -> None:
+        """Let dt seconds pass while the wheels' motors draw so many amperes."""
+        config = self.battery.config
+        drawn = motors + (config.electronics if self.on else config.standby)
+        for load, duty, limit in zip(self.loads, self.duties, LOW_SIDE_LIMITS):
+            drawn += min(load, limit) * duty
+        self.battery.step(dt, drawn, self.charging_allowed and (self.charger or self.home_base))
+
+    def overloads(self) -> list[bool]:
+        """Return which low side drivers are on and asked for more than they give: 0, 1, 2."""
+        return [duty > 0 and load > limit
+                for load, duty, limit in zip(self.loads, self.duties, LOW_SIDE_LIMITS)]

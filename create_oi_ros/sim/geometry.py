@@ -1,0 +1,129 @@
+"""Plane geometry for rooms: segments, discs and polygons, in metres in the world frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+import math
+
+Point = tuple[float, float]
+
+
+class Segment:
+    """A straight piece of wall without thickness."""
+
+    __slots__ = ('ax', 'ay', 'ux', 'uy', 'length')
+
+    def __init__(self, a: Point, b: Point) -> None:
+        self.ax, self.ay = a
+        self.length = math.dist(a, b)
+        if self.length == 0:
+            raise ValueError(f'a wall from {a} to the same point has no length')
+        self.ux, self.uy = (b[0] - a[0]) / self.length, (b[1] - a[1]) / self.length
+
+    @property
+    def ends(self) -> tuple[Point, Point]:
+        """Both ends, for drawing."""
+        return ((self.ax, self.ay),
+                (self.ax + self.ux * self.length, self.ay + self.uy * self.length))
+
+    def away(self, x: float, y: float) -> tuple[float, float]:
+        """Return the vector from the segment's nearest point to (x, y)."""
+        x -= self.ax
+        y -= self.ay
+        ux, uy = self.ux, self.uy
+        along = x * ux + y * uy
+        along = 0.0 if along < 0 else self.length if along > self.length else along
+        return x - along * ux, y - along * uy
+
+    def gap(self, x: float, y: float) -> float:
+        """Return the distance from (x, y), metres."""
+        return math.hypot(*self.away(x, y))
+
+    def hit(self, x: float, y: float, dx: float, dy: float) -> float:
+        """Return how far a ray from (x, y) along the unit vector (dx, dy) runs; inf: for ever."""
+        cross = dx * self.uy - dy * self.ux
+        if abs(cross) < 1e-12:
+            return math.inf
+        x, y = self.ax - x, self.ay - y
+        ray = (x * self.uy - y * self.ux) / cross
+        along = (x * dy - y * dx) / cross
+        return ray if ray >= 0 and 0 <= along <= self.length else math.inf
+
+
+class Disc:
+    """A round obstacle."""
+
+    __slots__ = ('x', 'y', 'radius')
+
+    def __init__(self, x: float, y: float, radius: float) -> None:
+        if not radius > 0:
+            raise ValueError(f'a radius of {radius} must be above 0')
+        self.x, self.y, self.radius = x, y, radius
+
+    def away(self, x: float, y: float) -> tuple[float, float]:
+        """Return the vector from the disc's nearest point to (x, y)."""
+        dx, dy = x - self.x, y - self.y
+        far = math.hypot(dx, dy) or 1e-9
+        part = 1 - self.radius / far
+        return dx * part, dy * part
+
+    def gap(self, x: float, y: float) -> float:
+        """Return the distance from (x, y), metres; negative inside."""
+        return math.hypot(x - self.x, y - self.y) - self.radius
+
+    def hit(self, x: float, y: float, dx: float, dy: float) -> float:
+        """Return how far a ray from (x, y) along the unit vector (dx, dy) runs; inf: for ever."""
+        x, y = self.x - x, self.y - y
+        along = x * dx + y * dy
+        inside = self.radius ** 2 - (x * x + y * y - along * along)
+        if inside < 0:
+            return math.inf
+        ray = along - math.sqrt(inside)
+        return ray if ray >= 0 else math.inf
+
+
+Obstacle = Segment | Disc
+
+
+class Polygon:
+    """A closed region of floor."""
+
+    __slots__ = ('points', 'edges')
+
+    def __init__(self, points: Sequence[Point]) -> None:
+        if len(points) < 3:
+            raise ValueError(f'a polygon of {len(points)} points: at least 3 are wanted')
+        self.points = tuple(points)
+        self.edges = chain([*points, points[0]])
+
+    def __contains__(self, point: Point) -> bool:
+        x, y = point
+        inside = False
+        ax, ay = self.points[-1]
+        for bx, by in self.points:
+            if (ay > y) != (by > y) and x < (bx - ax) * (y - ay) / (by - ay) + ax:
+                inside = not inside
+            ax, ay = bx, by
+        return inside
+
+    def edge_gap(self, x: float, y: float) -> float:
+        """Return the distance from (x, y) to the border, from inside as from outside."""
+        return min(edge.gap(x, y) for edge in self.edges)
+
+
+def chain(points: Sequence[Point]) -> tuple[Segment, ...]:
+    """Return the segments that join the points in their order."""
+    return tuple(Segment(a, b) for a, b in zip(points, points[1:]))
+
+
+def reach(obstacles: Iterable[Obstacle], x: float, y: float, dx: float, dy: float) -> float:
+    """Return how far a ray runs before it meets the first of the obstacles; inf: for ever."""
+    return min((each.hit(x, y, dx, dy) for each in obstacles), default=math.inf)
+
+
+def sees(obstacles: Iterable[Obstacle], a: Point, b: Point) -> bool:
+    """Return whether nothing stands between a and b."""
+    far = math.dist(a, b)
+    if far == 0:
+        return True
+    return reach(obstacles, *a, (b[0] - a[0]) / far, (b[1] - a[1]) / far) >= far - 1e-9

@@ -1,0 +1,51 @@
+"""Sensor values that someone outside holds over what the physics says."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from create_oi_ros.sim.readings import checked, Readings
+
+
+class Overlay:
+    """Values by field of `Readings`, each until its time (seconds) is over."""
+
+    __slots__ = ('_values', '_ends')
+
+    def __init__(self) -> None:
+        # Fields differ in type; `checked` has made each value its field's.
+        self._values: dict[str, Any] = {}
+        self._ends: dict[str, float] = {}
+
+    @property
+    def deadline(self) -> float:
+        """When the next value ends; inf: never."""
+        return min(self._ends.values(), default=math.inf)
+
+    def force(self, values: dict[str, int], until: float) -> None:
+        """Hold values; all or, with a ValueError, none."""
+        good = {name: checked(name, value) for name, value in values.items()}
+        self._values.update(good)
+        self._ends.update(dict.fromkeys(good, until))
+
+    def release(self, names: tuple[str, ...]) -> None:
+        """Hold the named fields no longer; ValueError for a name that is no field."""
+        for name in names:
+            checked(name, 0)
+        for name in names:
+            self._values.pop(name, None)
+            self._ends.pop(name, None)
+
+    def release_all(self) -> None:
+        """Hold nothing."""
+        self._values.clear()
+        self._ends.clear()
+
+    def expire(self, now: float) -> None:
+        """Release what has come to its end."""
+        self.release(tuple(name for name, end in self._ends.items() if end <= now))
+
+    def over(self, readings: Readings) -> Readings:
+        """Return the readings with the held values in their place."""
+        return readings._replace(**self._values) if self._values else readings
