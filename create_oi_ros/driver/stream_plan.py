@@ -1,0 +1,88 @@
+"""
+Which packets the driver asks for, and when it changes the list.
+
+The robot sends one list of packets every 15 ms, and the list must fit into that slot. What must
+be seen at once (mode, bumps, cliffs, requested speeds) is in every list; distance and angle only
+when the odometry asks, because reading them costs precision; the rest as often as there is room.
+A frame of the list that is asked for may arrive late, so frames of the lists before it are
+accepted too.
+"""
+
+from collections.abc import Iterator
+from itertools import cycle
+
+from .. import oi
+
+ESSENTIAL = (
+    'bumps_and_wheel_drops', 'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right',
+    'oi_mode', 'requested_right_velocity', 'requested_left_velocity',
+)
+FREQUENT = (
+    'wall', 'virtual_wall', 'overcurrents', 'infrared', 'buttons', 'charging_sources',
+    'song_playing', 'wall_signal', 'cliff_left_signal', 'cliff_front_left_signal',
+    'cliff_front_right_signal', 'cliff_right_signal', 'digital_inputs', 'analog_signal',
+)
+MOTION = ('distance', 'angle')
+SLOW = (
+    'charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
+    'battery_capacity', 'song_number',
+)
+ALL = ESSENTIAL + FREQUENT + MOTION + SLOW
+"""Every reading that the driver keeps; unused bytes and echoes of Drive are not among them."""
+
+
+def _lists(baud: int) -> tuple[oi.PacketList, list[oi.PacketList], oi.PacketList]:
+    """Return the list for most frames, the lists with the rest, and the list with motion."""
+    everything = oi.PacketList.named(*ALL)
+    if everything.budget(baud).fits:
+        return oi.PacketList.named(*ESSENTIAL, *FREQUENT), [], everything
+    parts, part = [], list(ESSENTIAL)
+    for name in FREQUENT + SLOW:
+        if not oi.PacketList.named(*part, name).budget(baud).fits:
+            parts.append(oi.PacketList.named(*part))
+            part = list(ESSENTIAL)
+        part.append(name)
+    parts.append(oi.PacketList.named(*part))
+    return parts[0], parts, oi.PacketList.named(*ESSENTIAL, *MOTION)
+
+
+class StreamPlan:
+    """Decides which Stream command to send next."""
+
+    def __init__(self, baud: int) -> None:
+        """Plan for a baud rate."""
+        self.short, self._parts, self.full = _lists(baud)
+        self.budget = self.full.budget(baud)
+        self._rotation: Iterator[oi.PacketList] = cycle(self._parts or [self.short])
+        self._asked: oi.PacketList | None = None
+        self._asked_at = 0.0
+
+    @property
+    def lists(self) -> tuple[oi.PacketList, ...]:
+        """All lists whose frames may arrive."""
+        return (self.short, self.full, *self._parts)
+
+    def restart(self) -> None:
+        """Forget what was asked for: the robot may have been switched off."""
+        self._asked = None
+
+    def next_stream(self, now: float, *, motion_due: bool) -> oi.Stream | None:
+        """
+        Return the command that changes the list, when it is time for one.
+
+        The list with motion is taken back after one slot, without waiting for a reply, so that
+        normally one frame carries it however late the line is.
+        """
+        if self._asked is None:
+            return self._ask(self.full, now)
+        if now - self._asked_at < oi.SLOT:
+            return None
+        if motion_due:
+            return None if self._asked is self.full else self._ask(self.full, now)
+        if self._asked is self.full or self._parts:
+            return self._ask(next(self._rotation), now)
+        return None
+
+    def _ask(self, packets: oi.PacketList, now: float) -> oi.Stream:
+        self._asked, self._asked_at = packets, now
+        return oi.Stream(packets=packets.ids)

@@ -1,0 +1,114 @@
+"""
+The wanted mode and the actual one: why it dropped, and when it may come back.
+
+In Safe mode the robot itself falls to Passive on a cliff, a wheel drop or a powered charger
+(manual: Safe Mode). This machine notices, names the cause, and decides when a fresh command may
+bring the wanted mode back.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+
+from .. import oi
+
+CLEAR_FOR = 1.0
+"""Seconds that the cause of a drop must have been gone before the mode may come back."""
+MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
+
+
+class Cause(Enum):
+    """What takes the robot out of Safe mode."""
+
+    CLIFF_LEFT = 'cliff left'
+    CLIFF_FRONT_LEFT = 'cliff front left'
+    CLIFF_FRONT_RIGHT = 'cliff front right'
+    CLIFF_RIGHT = 'cliff right'
+    WHEEL_DROP_LEFT = 'left wheel dropped'
+    WHEEL_DROP_RIGHT = 'right wheel dropped'
+    WHEEL_DROP_CASTER = 'caster dropped'
+    CHARGER = 'charger powered'
+    POWER = 'robot was switched off'
+    UNKNOWN = 'unknown cause'
+
+
+def causes_in(readings: oi.Readings) -> Iterator[Cause]:
+    """Name what in these readings would take the robot out of Safe mode."""
+    drops = readings.bumps_and_wheel_drops
+    seen = {
+        Cause.CLIFF_LEFT: readings.cliff_left,
+        Cause.CLIFF_FRONT_LEFT: readings.cliff_front_left,
+        Cause.CLIFF_FRONT_RIGHT: readings.cliff_front_right,
+        Cause.CLIFF_RIGHT: readings.cliff_right,
+        Cause.WHEEL_DROP_LEFT: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT,
+        Cause.WHEEL_DROP_RIGHT: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
+        Cause.WHEEL_DROP_CASTER: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER,
+        Cause.CHARGER: readings.charging_sources,
+    }
+    return (cause for cause, present in seen.items() if present)
+
+
+@dataclass(frozen=True)
+class ModeStatus:
+    """What is known of the robot's mode; `actual` is None while there is no robot."""
+
+    actual: oi.Mode | None
+    wanted: oi.Mode
+    causes: tuple[Cause, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """Why the robot is not in the wanted mode, in words; '' where it is."""
+        if self.actual is None:
+            return 'no robot answers'
+        return ', '.join(cause.value for cause in self.causes)
+
+
+class Supervision:
+    """Watches the mode frame by frame."""
+
+    def __init__(self, wanted: oi.Mode, *, recover: bool) -> None:
+        self.recover = recover
+        self.status = ModeStatus(None, wanted)
+        self._before: tuple[Cause, ...] = ()
+        self._cause_seen_at = -float('inf')
+        self._released = False
+
+    def want(self, mode: oi.Mode) -> None:
+        """Change the wanted mode; what dropped the last one no longer matters."""
+        self.status = ModeStatus(self.status.actual, mode)
+
+    def lost(self) -> None:
+        """Note that no robot answers."""
+        self.status = ModeStatus(None, self.status.wanted)
+
+    def observe(self, readings: oi.Readings, now: float) -> bool:
+        """Take a frame's readings in; True when the robot has just left the wanted mode."""
+        present = tuple(causes_in(readings))
+        if present:
+            self._cause_seen_at = now
+        before, actual = self.status, readings.oi_mode
+        dropped = before.actual == before.wanted != actual
+        causes = before.causes
+        if dropped:
+            causes = present or self._before or (
+                (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
+            self._released = False
+        elif actual == before.wanted:
+            causes = ()
+        self._before = present
+        if (actual, causes) != (before.actual, before.causes):
+            self.status = ModeStatus(actual, before.wanted, causes)
+        return dropped
+
+    def commands_paused(self) -> None:
+        """Note that the commands have paused or been zero: the next one is a fresh wish."""
+        self._released = True
+
+    def may_recover(self, now: float) -> bool:
+        """Tell whether a fresh non-zero command may bring the wanted mode back."""
+        status = self.status
+        return (
+            self.recover and self._released and bool(status.causes)
+            and status.actual is not None and status.actual != status.wanted
+            and now - self._cause_seen_at >= CLEAR_FOR)

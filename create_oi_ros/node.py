@@ -1,0 +1,206 @@
+"""The ROS node `create`: topics, services and parameters around a session with the robot."""
+
+from copy import copy
+import sys
+import time
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+
+try:
+    from create_oi_msgs.msg import Mode
+    from create_oi_msgs.srv import SetMode
+except ImportError as error:
+    raise SystemExit(
+        f'create_node: {error}. Build create_oi_msgs as well: `colcon build --base-paths '
+        'PATH/create_oi_ros PATH/create_oi_ros/msg_defs`, then source install/setup.bash'
+    ) from error
+
+from . import convert, diagnostics, oi, parameters
+from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Severity
+from .ending import block_signals, call_on_signal
+from .odometry import Estimate
+from .session import Session
+from .topics import Edge, header, sensor_topics
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""For what changes rarely: who comes late gets the present state."""
+DIAGNOSTICS_PERIOD = 1.0
+
+
+class CreateNode(Node):
+    """Publishes what the robot senses, and lets others drive it."""
+
+    def __init__(self) -> None:
+        """Declare everything; ValueError says which parameter is wrong. Opens nothing."""
+        super().__init__('create')
+        self.ended = Future()
+        """Done when the node has to end; its result is the exit code."""
+        self.parameters = parameters.declare(self)
+        self.add_on_set_parameters_callback(parameters.check)
+        self.add_post_set_parameters_callback(self._parameters_changed)
+        self.session = Session(
+            Driver(self.parameters.settings()), self.parameters.port,
+            on_event=self._on_event, on_failure=lambda: self.ended.set_result(1))
+        self._mode_published: ModeStatus | None = None
+        self._declare_topics()
+        self._declare_services()
+        self._counts = copy(self.session.driver.counts)
+        self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+        self._publish_mode()
+
+    def _declare_topics(self) -> None:
+        self._odom = self.create_publisher(Odometry, 'odom', 10)
+        self._tf = self.create_publisher(TFMessage, '/tf', 100)
+        self._joints = self.create_publisher(JointState, 'joint_states', 10)
+        self._mode = self.create_publisher(Mode, 'mode', LATCHED)
+        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._sensors = [
+            (topic, Edge(topic), self.create_publisher(topic.type, topic.name, 10))
+            for topic in sensor_topics(
+                charge_known=self.parameters.battery_technology == 'nimh')]
+        if self.parameters.enable_stamped_cmd_vel:
+            self.create_subscription(TwistStamped, 'cmd_vel', self._on_stamped_velocity, 1)
+        else:
+            self.create_subscription(Twist, 'cmd_vel', self._on_velocity, 1)
+
+    def _declare_services(self) -> None:
+        self.create_service(SetMode, 'set_mode', self._set_mode)
+        self.create_service(Trigger, 'stop', self._stop)
+        self.create_service(Trigger, 'reset_odometry', self._reset_odometry)
+
+    # From ROS to the robot: on the executor's thread.
+
+    def _on_velocity(self, twist: Twist) -> None:
+        with self.session.request() as (driver, now):
+            driver.drive(twist.linear.x, twist.angular.z, now)
+
+    def _on_stamped_velocity(self, message: TwistStamped) -> None:
+        self._on_velocity(message.twist)
+
+    async def _set_mode(
+        self, request: SetMode.Request, response: SetMode.Response,
+    ) -> SetMode.Response:
+        answered = Future(executor=self.executor)
+        with self.session.request() as (driver, now):
+            if request.mode in list(oi.Mode):
+                driver.set_mode(oi.Mode(request.mode), now, lambda *answer: (
+                    answered.set_result(answer)))
+            else:
+                answered.set_result((False, f'mode {request.mode}; allowed: 1 to 3'))
+        response.success, response.message = await answered
+        return response
+
+    def _stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        with self.session.request() as (driver, now):
+            response.success = driver.stop(now)
+        response.message = 'wheels stopped' if response.success else 'no robot answers'
+        return response
+
+    def _reset_odometry(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        with self.session.request() as (driver, _now):
+            driver.reset_odometry()
+        response.success, response.message = True, 'odom starts again where the robot is'
+        return response
+
+    def _parameters_changed(self, changed: list[Parameter]) -> None:
+        self.parameters = parameters.changed(self.parameters, changed)
+        with self.session.request() as (driver, _now):
+            driver.set_limits(self.parameters.limits())
+
+    # From the robot to ROS: on the session's thread.
+
+    def _on_event(self, event: DriverEvent) -> None:
+        match event:
+            case Moved():
+                self._publish_motion(event.estimate, self._stamp(event.stamp))
+                self._publish_sensors(event)
+            case Notice():
+                self._log(event)
+        self._publish_mode()
+
+    def _stamp(self, monotonic: float) -> Time:
+        """Return a moment of the driver's clock as a time of the node's clock."""
+        age = round((time.monotonic() - monotonic) * convert.NANOSECONDS)
+        return convert.time(self.get_clock().now().nanoseconds - age)
+
+    def _publish_motion(self, estimate: Estimate, stamp: Time) -> None:
+        base, odom = self.parameters.base_frame, self.parameters.odom_frame
+        self._odom.publish(convert.odometry(estimate, header(odom, stamp), base))
+        self._joints.publish(convert.joint_states(estimate, header('', stamp)))
+        if self.parameters.publish_tf:
+            self._tf.publish(TFMessage(
+                transforms=[convert.transform(estimate, header(odom, stamp), base)]))
+
+    def _publish_sensors(self, moved: Moved) -> None:
+        stamp = self._stamp(moved.stamp)
+        period = 1 / self.parameters.sensor_rate
+        for topic, edge, publisher in self._sensors:
+            if edge.due(moved.readings, moved.stamp, period):
+                publisher.publish(topic.convert(
+                    moved.readings, header(self.parameters.base_frame, stamp)))
+
+    def _publish_mode(self) -> None:
+        status = self.session.driver.status
+        if status != self._mode_published:
+            self._mode_published = status
+            now = self.get_clock().now().to_msg()
+            self._mode.publish(convert.mode(status, header(self.parameters.base_frame, now)))
+
+    def _publish_diagnostics(self) -> None:
+        name = self.get_fully_qualified_name().lstrip('/')
+        with self.session.request() as (driver, _now):
+            message = DiagnosticArray(status=[
+                diagnostics.serial_link(
+                    name, driver, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
+                diagnostics.mode(name, driver)])
+            self._counts = copy(driver.counts)
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)
+
+    def _log(self, notice: Notice) -> None:
+        match notice.severity:
+            case Severity.INFO:
+                self.get_logger().info(notice.text)
+            case Severity.WARNING:
+                self.get_logger().warning(notice.text)
+            case Severity.ERROR:
+                self.get_logger().error(notice.text)
+
+
+def main() -> int:
+    """Run the node until it is told to stop; 0 when it was, 2 when a parameter is wrong."""
+    block_signals()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = CreateNode()
+    except ValueError as error:
+        print(f'create_node: {error}', file=sys.stderr)
+        return 2
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        call_on_signal(lambda: node.ended.set_result(0))
+        node.session.start()
+        executor.spin_until_future_complete(node.ended)
+    finally:
+        node.session.close()
+        node.destroy_node()
+        rclpy.shutdown()
+    return int(node.ended.result())
+
+
+if __name__ == '__main__':
+    sys.exit(main())

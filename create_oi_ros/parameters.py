@@ -1,0 +1,155 @@
+"""
+The node's parameters, each declared once: the field is the parameter.
+
+Name, type and default are the dataclass field's; description, range and whether it may be set
+while the node runs are in its metadata. Declaring them in ROS is one loop.
+"""
+
+from dataclasses import dataclass, field, fields, MISSING, replace
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import (
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterException,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from .driver import MotionLimits, Settings
+from .odometry import Geometry
+from .oi import BaudCode, Mode
+
+START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
+BAUDS = tuple(code.rate for code in BaudCode)
+
+
+def parameter(
+    default: Any, description: str, *, low: float | None = None, high: float | None = None,
+    choices: tuple[Any, ...] = (), fixed: bool = False,
+) -> Any:
+    """Declare one parameter; a fixed one is read when the node starts and never after."""
+    return field(default=default, metadata={
+        'description': description, 'low': low, 'high': high, 'choices': choices, 'fixed': fixed})
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What a user can set; SI units."""
+
+    port: str = parameter(
+        '/dev/ttyUSB0', 'Serial device of the robot, or a pyserial URL (socket://HOST:PORT)',
+        fixed=True)
+    baud: int = parameter(
+        57600, 'Baud rate, bit/s', choices=BAUDS, fixed=True)
+    mode_on_start: str = parameter(
+        'safe', 'Mode that the robot is put into', choices=tuple(START_MODES), fixed=True)
+    mode_on_exit: str = parameter(
+        'passive', 'Mode that the robot is left in; only in passive does it charge',
+        choices=tuple(START_MODES), fixed=True)
+    recover_mode: bool = parameter(
+        True, 'Whether a fresh velocity command brings back a mode that a cliff, a wheel drop or '
+        'a charger ended, once its cause has been gone for a second', fixed=True)
+    cmd_vel_timeout: float = parameter(
+        0.5, 'Seconds after the last velocity command at which the wheels stop',
+        low=0.05, high=10.0)
+    enable_stamped_cmd_vel: bool = parameter(
+        False, 'Whether cmd_vel is geometry_msgs/TwistStamped instead of Twist', fixed=True)
+    wheel_separation: float = parameter(
+        MotionLimits.wheel_separation, 'Distance between the wheels, m', low=0.1, high=0.5,
+        fixed=True)
+    max_wheel_speed: float = parameter(
+        MotionLimits.max_wheel_speed, 'Highest speed of either wheel, m/s', low=0.0, high=0.5)
+    linear_scale: float = parameter(
+        1.0, 'True distance over the distance that the robot reports', low=0.5, high=2.0,
+        fixed=True)
+    angular_scale: float = parameter(
+        1.0, 'True angle over the angle that the robot reports', low=0.5, high=2.0, fixed=True)
+    odom_frame: str = parameter('odom', 'Frame of the odometry', fixed=True)
+    base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor', fixed=True)
+    publish_tf: bool = parameter(True, 'Whether to publish odom_frame -> base_frame on /tf',
+                                 fixed=True)
+    sensor_rate: float = parameter(
+        20.0, 'Rate at which sensor topics are published when nothing changes, Hz',
+        low=0.1, high=66.0)
+    battery_technology: str = parameter(
+        'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
+        choices=('nimh', 'alkaline'), fixed=True)
+
+    def settings(self) -> Settings:
+        """Return what the driver needs of them."""
+        return Settings(
+            baud=self.baud, mode_on_start=START_MODES[self.mode_on_start],
+            mode_on_exit=START_MODES[self.mode_on_exit], recover_mode=self.recover_mode,
+            limits=self.limits(), geometry=Geometry(
+                wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
+                angular_scale=self.angular_scale))
+
+    def limits(self) -> MotionLimits:
+        """Return what bounds the motion; may change while the node runs."""
+        return MotionLimits(
+            wheel_separation=self.wheel_separation, max_wheel_speed=self.max_wheel_speed,
+            timeout=self.cmd_vel_timeout)
+
+
+def descriptor(name: str) -> ParameterDescriptor:
+    """Describe a parameter to ROS."""
+    facts = _declaration(name).metadata
+    described = ParameterDescriptor(description=facts['description'], read_only=facts['fixed'])
+    if facts['low'] is not None:
+        described.floating_point_range = [
+            FloatingPointRange(from_value=facts['low'], to_value=facts['high'])]
+    if facts['choices']:
+        described.additional_constraints = f'one of {_listed(facts["choices"])}'
+    return described
+
+
+def declare(node: Node) -> Parameters:
+    """Declare all parameters; ValueError says which value is wrong and what is allowed."""
+    values = {}
+    for declaration in fields(Parameters):
+        assert declaration.default is not MISSING
+        try:
+            values[declaration.name] = node.declare_parameter(
+                declaration.name, declaration.default, descriptor(declaration.name)).value
+        except (InvalidParameterTypeException, InvalidParameterValueException,
+                ParameterException) as error:
+            raise ValueError(f'parameter {declaration.name}: {error}') from error
+        reason = refusal(declaration.name, values[declaration.name])
+        if reason:
+            raise ValueError(reason)
+    return Parameters(**values)
+
+
+def check(parameters: list[Parameter]) -> SetParametersResult:
+    """Refuse new values that are out of their sets; ROS itself holds the ranges."""
+    reasons = [
+        reason for parameter in parameters
+        if parameter.name in Parameters.__dataclass_fields__
+        and (reason := refusal(parameter.name, parameter.value))]
+    return SetParametersResult(successful=not reasons, reason='; '.join(reasons))
+
+
+def changed(parameters: Parameters, new: list[Parameter]) -> Parameters:
+    """Take over values that were set while the node runs."""
+    known = Parameters.__dataclass_fields__
+    return replace(parameters, **{p.name: p.value for p in new if p.name in known})
+
+
+def refusal(name: str, value: Any) -> str:
+    """Say why a value is not allowed, or ''."""
+    choices = _declaration(name).metadata['choices']
+    if choices and value not in choices:
+        return f'parameter {name} = {value!r}; allowed: {_listed(choices)}'
+    if isinstance(value, float) and value != value:
+        return f'parameter {name} is not a number'
+    return ''
+
+
+def _declaration(name: str) -> Any:
+    return Parameters.__dataclass_fields__[name]
+
+
+def _listed(choices: tuple[Any, ...]) -> str:
+    return ', '.join(str(choice) for choice in choices)

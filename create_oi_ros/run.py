@@ -1,0 +1,185 @@
+"""
+`create_run`: a robot and its node in one terminal, with a status line a second.
+
+Without `--port` the robot is a simulated one on a pseudo terminal.
+"""
+
+import argparse
+from math import atan2, degrees
+import os
+from pathlib import Path
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+from create_oi_msgs.msg import Mode
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from sensor_msgs.msg import BatteryState
+
+from .ending import block_signals, call_on_signal
+
+GRACE = 1.5
+"""Seconds that a child has to end by itself once it was asked to."""
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+MODES = {value: name for name, value in vars(Mode).items() if name.isupper()}
+
+
+class Children:
+    """The processes that were started, in the order in which they are to end."""
+
+    def __init__(self) -> None:
+        self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
+
+    def start(self, module: str, *arguments: str) -> None:
+        """Start a module of this package, out of reach of the terminal's Ctrl-C."""
+        command = [sys.executable, '-m', f'{__package__}.{module}', *arguments]
+        process = subprocess.Popen(command, start_new_session=True)
+        self._processes.insert(0, (module, process))
+
+    def ended(self) -> str | None:
+        """Name a process that has ended, with its exit code."""
+        for module, process in self._processes:
+            if process.poll() is not None:
+                return f'{module} has ended with exit code {process.returncode}'
+        return None
+
+    def end(self) -> None:
+        """End all: the node first, so that it can say goodbye to the robot."""
+        for _, process in self._processes:
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+            try:
+                process.wait(GRACE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+class Status(Node):
+    """Listens to the driver and prints a line a second."""
+
+    def __init__(self, children: Children) -> None:
+        super().__init__('create_run')
+        self.ended = Future()
+        self._children = children
+        self._frames = 0
+        self._odom: Odometry | None = None
+        self._mode: Mode | None = None
+        self._battery: BatteryState | None = None
+        self._link: dict[str, str] = {}
+        self.create_subscription(Odometry, 'odom', self._on_odom, 10)
+        self.create_subscription(Mode, 'mode', self._on_mode, LATCHED)
+        self.create_subscription(BatteryState, 'battery_state', self._on_battery, 10)
+        self.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
+        self.create_timer(1.0, self._print)
+
+    def _on_odom(self, odom: Odometry) -> None:
+        self._odom = odom
+        self._frames += 1
+
+    def _on_mode(self, mode: Mode) -> None:
+        self._mode = mode
+
+    def _on_battery(self, battery: BatteryState) -> None:
+        self._battery = battery
+
+    def _on_diagnostics(self, diagnostics: DiagnosticArray) -> None:
+        for status in diagnostics.status:
+            if status.name.endswith('serial link'):
+                self._link = {value.key: value.value for value in status.values}
+
+    def _print(self) -> None:
+        ended = self._children.ended()
+        if ended is not None:
+            print(f'create_run: {ended}; see above for why', file=sys.stderr)
+            self.ended.set_result(1)
+            return
+        print('  '.join((
+            f'{self._frames:3d} frames/s', self._mode_text(), self._odom_text(),
+            self._battery_text(),
+            f'faults {self._link.get("damaged frames", "-")} frames '
+            f'{self._link.get("garbage bytes", "-")} bytes')), flush=True)
+        self._frames = 0
+
+    def _mode_text(self) -> str:
+        if self._mode is None:
+            return 'no node yet'
+        reason = f' ({self._mode.reason})' if self._mode.reason else ''
+        return f'{MODES[self._mode.mode]:7s}{reason}'
+
+    def _odom_text(self) -> str:
+        if self._odom is None:
+            return 'no odometry yet'
+        pose, twist = self._odom.pose.pose, self._odom.twist.twist
+        yaw = degrees(2 * atan2(pose.orientation.z, pose.orientation.w))
+        return (f'x {pose.position.x:+.3f} m  y {pose.position.y:+.3f} m  yaw {yaw:+6.1f} deg  '
+                f'{twist.linear.x:+.2f} m/s  {twist.angular.z:+.2f} rad/s')
+
+    def _battery_text(self) -> str:
+        if self._battery is None:
+            return 'battery -'
+        return f'battery {self._battery.voltage:.1f} V {self._battery.percentage:.0%}'
+
+
+def introduction(port: str, simulated: bool) -> str:
+    """Say what runs and what to try next, with commands that work on this machine."""
+    robot = 'a simulated Create' if simulated else 'the robot'
+    lines = [
+        f'create_run: node /create drives {robot} on {port}, '
+        f'ROS domain {os.environ.get("ROS_DOMAIN_ID", "0")}.']
+    environment = os.environ.get('CREATE_OI_ENV')
+    if environment is not None:
+        example = Path(environment).parent / 'examples' / 'drive.py'
+        lines += ['In another shell, drive it and watch its odometry:',
+                  f'    source {environment} && python {example}']
+    if shutil.which('ros2') is not None:
+        lines += ['Watch a topic, or drive by keyboard:', '    ros2 topic echo /bumper',
+                  '    ros2 run teleop_twist_keyboard teleop_twist_keyboard']
+    return '\n'.join([*lines, 'Ctrl-C stops the robot and everything here.'])
+
+
+def _watch(children: Children) -> int:
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    status = Status(children)
+    executor = SingleThreadedExecutor()
+    executor.add_node(status)
+    call_on_signal(lambda: status.ended.set_result(0))
+    executor.spin_until_future_complete(status.ended)
+    # Ending the children comes before tearing down: the robot may be moving.
+    children.end()
+    status.destroy_node()
+    rclpy.shutdown()
+    return int(status.ended.result())
+
+
+def main() -> int:
+    """Run until Ctrl-C; the exit code is 1 when a part ended by itself."""
+    parser = argparse.ArgumentParser(prog='create_run', description=__doc__)
+    parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
+    parser.add_argument('--world', default='room', help='world of the simulated robot')
+    arguments = parser.parse_args()
+    children = Children()
+    with tempfile.TemporaryDirectory(prefix='create-') as folder:
+        port = arguments.port or f'{folder}/create'
+        print(introduction(port, arguments.port is None), flush=True)
+        try:
+            if arguments.port is None:
+                children.start('sim.server', '--link', port, '--world', arguments.world)
+            children.start('node', '--ros-args', '-p', f'port:={port}')
+            block_signals()
+            return _watch(children)
+        finally:
+            children.end()
+
+
+if __name__ == '__main__':
+    sys.exit(main())
