@@ -1,0 +1,69 @@
+"""
+What the manual leaves open about the firmware, each with the switch that turns the guess.
+
+`Create(body, guesses=Guesses(boot_seconds=0.0))`, or `create_sim --guess boot_seconds=0`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+import math
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guesses:
+    """Every undocumented choice of the firmware; the defaults are what we think most likely."""
+
+    boot_seconds: float = 3.0
+    """The boot loader runs so long after power-on: digital outputs are high (manual: Digital
+    Outputs), and nothing is heard (guess)."""
+    banner: bool = True
+    """Some 140 bytes of ASCII are said at power-on (reported)."""
+    opcode_7_resets: bool = True
+    """The undocumented opcode 7 restarts the robot (reported)."""
+    dock_ends_safe: bool = False
+    """The Home Base counts as 'charger plugged in and powered' in Safe.  Were it so, no robot
+    could leave its dock in Safe."""
+    passive_stops_drivers: bool = True
+    """Whatever leads to Passive turns the low side drivers off, as it stops the wheels."""
+    start_ends_demo: bool = True
+    """Start, sent while a demo runs, ends it."""
+    stream_while_waiting: bool = True
+    """The stream goes on while a script waits."""
+    overrun: bool = False
+    """At 115200, bytes less than 200 microseconds apart are lost (manual: Baud, 'may').  Bytes
+    received in one call count as sent back to back."""
+    transmit_buffer: int = 256
+    """Bytes that may wait for the wire; a stream that asks for more than a slot holds loses
+    what does not fit, and so is corrupted (manual: Stream)."""
+
+    @classmethod
+    def parse(cls, texts: list[str]) -> Guesses:
+        """Read 'name=value' texts; ValueError says what is allowed."""
+        values: dict[str, Any] = {}
+        for text in texts:
+            name, _, value = text.partition('=')
+            values[name] = cls._value(name, value)
+        return cls(**values)
+
+    @classmethod
+    def _value(cls, name: str, text: str) -> bool | int | float:
+        defaults = {field.name: field.default for field in fields(cls)}
+        if name not in defaults:
+            raise ValueError(f'no guess {name!r}: one of {", ".join(defaults)}')
+        default: Any = defaults[name]
+        if isinstance(default, bool):
+            if text not in ('0', '1', 'false', 'true'):
+                raise ValueError(f'{name}={text}: true or false is wanted')
+            return text in ('1', 'true')
+        try:
+            value: int | float = type(default)(text)
+        except ValueError:
+            value = math.nan
+        if not 0 <= value < math.inf:
+            raise ValueError(f'{name}={text}: a number, not negative, is wanted')
+        return value
+
+
+LIKELY = Guesses()

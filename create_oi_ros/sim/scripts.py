@@ -1,0 +1,88 @@
+"""The wait commands: each becomes a question, asked once a slot until the answer is yes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+import math
+
+from create_oi_ros.oi import Event, SLOT
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.readings import Readings
+
+Over = Callable[[], bool]
+"""Whether a wait is over."""
+_REACHED = 1e-6
+"""Millimetres or degrees by which a sum of floats may miss what it means to be."""
+
+_SENSORS: dict[Event, tuple[str, ...]] = {
+    Event.WHEEL_DROP: ('drop_caster', 'drop_left', 'drop_right'),
+    Event.FRONT_WHEEL_DROP: ('drop_caster',),
+    Event.LEFT_WHEEL_DROP: ('drop_left',),
+    Event.RIGHT_WHEEL_DROP: ('drop_right',),
+    Event.BUMP: ('bump_left', 'bump_right'),
+    Event.LEFT_BUMP: ('bump_left',),
+    Event.RIGHT_BUMP: ('bump_right',),
+    Event.VIRTUAL_WALL: ('virtual_wall',),
+    Event.WALL: ('wall',),
+    Event.CLIFF: ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right'),
+    Event.LEFT_CLIFF: ('cliff_left',),
+    Event.FRONT_LEFT_CLIFF: ('cliff_front_left',),
+    Event.FRONT_RIGHT_CLIFF: ('cliff_front_right',),
+    Event.RIGHT_CLIFF: ('cliff_right',),
+    Event.HOME_BASE: ('home_base',),
+    Event.ADVANCE_BUTTON: ('advance',),
+    Event.PLAY_BUTTON: ('play',),
+    Event.DIGITAL_INPUT_0: ('digital_input_0',),
+    Event.DIGITAL_INPUT_1: ('digital_input_1',),
+    Event.DIGITAL_INPUT_2: ('digital_input_2',),
+    Event.DIGITAL_INPUT_3: ('digital_input_3',),
+}
+
+
+def cliff(readings: Readings) -> bool:
+    """Tell whether any of the four cliff sensors sees one."""
+    return any(getattr(readings, name) for name in _SENSORS[Event.CLIFF])
+
+
+def wheel_drop(readings: Readings) -> bool:
+    """Tell whether any of the three wheels has dropped."""
+    return any(getattr(readings, name) for name in _SENSORS[Event.WHEEL_DROP])
+
+
+def until_slot(slots: Callable[[], int], count: int) -> Over:
+    """Wait for a number of slots."""
+    last = slots() + count
+    return lambda: slots() >= last
+
+
+def slots_of(tenths: int) -> int:
+    """Return the slots that Wait Time takes: 'with a resolution of 15 ms'."""
+    return math.ceil(tenths / 10 / SLOT - _REACHED)
+
+
+def until_travelled(body: Body, distance: int) -> Over:
+    """Wait for a travel in mm, forwards positive; resets the distance of packet 19."""
+    body.take_distance()
+    start = body.distance_total
+    return lambda: _reached(body.distance_total - start, distance)
+
+
+def until_turned(body: Body, angle: int) -> Over:
+    """Wait for a turn in degrees, counter-clockwise positive; resets the angle of packet 20."""
+    body.take_angle()
+    start = body.angle_total
+    return lambda: _reached(body.angle_total - start, angle)
+
+
+def _reached(value: float, goal: int) -> bool:
+    return value >= goal - _REACHED if goal >= 0 else value <= goal + _REACHED
+
+
+def until_event(body: Body, passive: Callable[[], bool], event: int) -> Over:
+    """Wait for an event, or, where it is negative, for its inverse."""
+    wanted = event > 0
+    number = Event(abs(event))
+    if number is Event.OI_MODE_PASSIVE:
+        return lambda: passive() is wanted
+    names = _SENSORS[number]
+    return lambda: any(getattr(body.sense(), name) for name in names) is wanted

@@ -1,0 +1,164 @@
+"""
+The robot's serial port: its rate, what a wrong rate makes of bytes, and what fits on the wire.
+
+The port does not delay anything: what is sent is there to be fetched at once, and whoever wants
+bytes to leave at the baud rate paces them (the server does, when asked).  It keeps account of
+the time that the wire would need, so that a stream that asks for too much is corrupted.
+"""
+
+from __future__ import annotations
+
+from create_oi_ros.oi import BaudCode, BITS_PER_BYTE
+
+DEFAULT_BAUD = BaudCode.B57600.rate
+SLOW_BAUD = BaudCode.B19200.rate
+"""Bits per second at power-on, and after the two ways of the manual's Serial Port Settings."""
+BAUD_PAUSE = 0.1
+"""Seconds after Baud in which nothing is heard or said (manual: Baud)."""
+FAST_BAUD = BaudCode.B115200.rate
+FAST_SPACING = 0.0002
+"""Seconds between the onsets of characters at 115200, or some are lost (manual: Baud)."""
+LONGEST_REPLY = 1 << 14
+"""Bytes: more than the longest reply, so only a host that never stops asking loses any."""
+
+
+def heard(data: bytes, sent_at: int, heard_at: int) -> bytes:
+    """
+    Return what a receiver at one rate makes of bytes sent at another, both in bits per second.
+
+    The line is sampled as a UART does it: a falling edge, then eight bits, each in its middle.
+    """
+    if sent_at == heard_at:
+        return data
+    levels: list[int] = []
+    for byte in data:
+        levels += [0, *(byte >> place & 1 for place in range(8)), 1]
+    line, end = levels + [1] * (BITS_PER_BYTE * (1 + sent_at // heard_at)), len(levels)
+    ratio = sent_at / heard_at
+    received = bytearray()
+    at = 0.0
+    while at < end:
+        if line[int(at)]:
+            at = int(at) + 1
+            continue
+        received.append(sum(line[int(at + (place + 1.5) * ratio)] << place for place in range(8)))
+        at += (BITS_PER_BYTE - 0.5) * ratio
+        # A stop bit that is low is a framing error: a UART waits for the line to rise.
+        while at < end and not line[int(at)]:
+            at = int(at) + 1
+    return bytes(received)
+
+
+class Uart:
+    """One end of the line; times are seconds on the robot's clock."""
+
+    __slots__ = ('baud', 'host_baud', '_out', '_wire_free', '_paused_until', '_last_onset',
+                 '_overrun', '_buffer')
+
+    def __init__(self, *, overrun: bool, buffer: int) -> None:
+        self.baud = DEFAULT_BAUD
+        self.host_baud: int | None = None
+        """What the other end is set to; None: always the right rate."""
+        self._out = bytearray()
+        self._wire_free = 0.0
+        self._paused_until = 0.0
+        self._last_onset = -1.0
+        self._overrun = overrun
+        self._buffer = buffer
+
+    def change(self, baud: int, time: float) -> None:
+        """Change the rate by the Baud command."""
+        self.baud = baud
+        self._paused_until = time + BAUD_PAUSE
+
+    def paused(self, time: float) -> bool:
+        """Tell whether a change of rate is not over yet."""
+        return time < self._paused_until
+
+    def receive(self, data: bytes, time: float) -> bytes:
+        """Return what arrives of the bytes that the host sent, the last of them just now."""
+        if self.paused(time):
+            return b''
+        if self.host_baud not in (None, self.baud):
+            data = heard(data, self.host_baud or self.baud, self.baud)
+        return self._without_overrun(data, time) if self._overrun else data
+
+    def _without_overrun(self, data: bytes, time: float) -> bytes:
+        if self.baud < FAST_BAUD:
+            return data
+        kept = bytearray()
+        spacing = BITS_PER_BYTE / self.baud
+        for place, byte in enumerate(data):
+            onset = time + place * spacing
+            if onset - self._last_onset >= FAST_SPACING:
+                kept.append(byte)
+                self._last_onset = onset
+        return bytes(kept)
+
+    def reply(self, data: bytes, time: float) -> None:
+        """Say the answer to a command."""
+        self._send(data, time, LONGEST_REPLY)
+
+    def stream(self, frame: bytes, time: float) -> None:
+        """Say a frame of the stream, as far as it fits into the buffer."""
+        self._send(frame, time, self._buffer)
+
+    def _send(self, data: bytes, time: float, room: int) -> None:
+        if self.paused(time):
+            return
+        byte_time = BITS_PER_BYTE / self.baud
+        start = max(time, self._wire_free)
+        data = data[:max(0, room - int((start - time) / byte_time))]
+        self._wire_free = start + len(data) * byte_time
+        if self.host_baud not in (None, self.baud):
+            data = heard(data, self.baud, self.host_baud or self.baud)
+        self._out += data
+
+    def take(self) -> bytes:
+        """Return what was said since the last call."""
+        data = bytes(self._out)
+        self._out.clear()
+        return data
+
+    def reset(self, baud: int, time: float) -> None:
+        """Begin anew after the power was gone."""
+        self.baud = baud
+        self._wire_free = self._paused_until = time
+
+
+class BaudPin:
+    """Watches the baud rate change pin for three low pulses (manual: Serial Port Settings)."""
+
+    PULSES = 3
+    SHORTEST, LONGEST = 0.05, 0.5
+    """Seconds."""
+    AFTER_POWER_ON = 2.0
+    GAP = 2.0
+    """Seconds high after which the count begins anew (guess)."""
+    SLACK = 1e-6
+
+    __slots__ = ('_count', '_high', '_since', '_deaf_until')
+
+    def __init__(self, power_on: float) -> None:
+        self._count = 0
+        self._high = True
+        self._since = power_on
+        self._deaf_until = power_on + self.AFTER_POWER_ON
+
+    def see(self, high: bool, time: float) -> bool:
+        """Look at the pin; True when the third pulse has just ended."""
+        if high == self._high:
+            return False
+        lasted = time - self._since
+        self._high, self._since = high, time
+        if not high:
+            if lasted > self.GAP:
+                self._count = 0
+            return False
+        right = self.SHORTEST - self.SLACK <= lasted <= self.LONGEST + self.SLACK
+        begun = time - lasted >= self._deaf_until
+        self._count = self._count + 1 if right and begun else 0
+        if self._count < self.PULSES:
+            return False
+        self._count = 0
+        return True
