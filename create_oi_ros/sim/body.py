@@ -25,71 +25,36 @@ from __future__ import annotations
 
 import math
 from random import Random
-from typing import NamedTuple
 
-from create_oi_ros.sim import surroundings
-from create_oi_ros.sim.config import BodyConfig, Contact
-from create_oi_ros.sim.drivetrain import Drivetrain, Motion, Wheel
+from create_oi_ros.sim.config import BodyConfig
 from create_oi_ros.sim.electrics import Electrics
-from create_oi_ros.sim.encoders import Accumulator, Rounding
+from create_oi_ros.sim.encoders import Rounding
+from create_oi_ros.sim.mechanics import Mechanics, Truth
 from create_oi_ros.sim.overlay import Overlay
 from create_oi_ros.sim.readings import clamped, Readings
+from create_oi_ros.sim.surroundings import beams, CLIFF_BELOW, WALL_SEEN
 from create_oi_ros.sim.world import Pose, World
 
-_LONGEST_PIECE = 0.015
-"""Seconds: at 0.5 m/s 7.5 mm, so no wall is jumped."""
-_BLOCKED = 0.5
-"""Part of the way lost to an obstacle from which the motors labour (guess)."""
 _MOMENT = 1e-9
 """Seconds by which a sum of times may miss a deadline."""
-
-
-class Truth(NamedTuple):
-    """What really happened, for teachers and tests; no firmware may look at it."""
-
-    pose: Pose
-    """World frame; yaw within -pi to pi."""
-    speed: float
-    """True forward velocity, m/s."""
-    rate: float
-    """True yaw rate, rad/s."""
-    travelled: float
-    """True signed travel of the centre along its heading, metres."""
-    turned: float
-    """True turn, radians, unwrapped."""
-    measured_travelled: float
-    """The same by the encoders, before any rounding, metres."""
-    measured_turned: float
-    """The same by the encoders, before any rounding, radians."""
 
 
 class Body:
     """A Create's mechanics, sensors and battery."""
 
-    __slots__ = ('config', 'world', '_time', '_deadline', '_pose', '_travelled', '_turned',
-                 '_surroundings', '_wheels', '_distance', '_angle', '_lost', '_electrics',
-                 '_overlay', '_sensed', '_random', '_lifted', '_dropped', '_caster_grounded',
-                 '_push', '_push_end', '_slip_end')
+    __slots__ = ('config', 'world', '_time', '_deadline', '_mechanics', '_electrics',
+                 '_overlay', '_sensed', '_random', '_push_end', '_slip_end')
 
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
                  config: BodyConfig = BodyConfig()) -> None:
         self.config = config
         self.world = world
         self._time, self._deadline = 0.0, math.inf
-        self._pose = world.start
-        self._travelled = self._turned = 0.0
-        self._surroundings = surroundings.Surroundings(world, config.body_radius)
-        self._wheels = Drivetrain(config)
-        self._distance, self._angle = Accumulator(rounding), Accumulator(rounding)
-        self._lost = 0.0
+        self._mechanics = Mechanics(world, config, rounding)
         self._electrics = Electrics(config.battery)
         self._overlay = Overlay()
         self._sensed: Readings | None = None
         self._random = Random(seed)
-        self._lifted = False
-        self._dropped = (False, False, False)
-        self._caster_grounded = True
-        self._push = (0.0, 0.0)
         self._push_end = self._slip_end = math.inf
         self.place(world.start)
 
@@ -97,8 +62,8 @@ class Body:
 
     def drive(self, *, right: float, left: float) -> None:
         """Set the target wheel speeds, m/s, clamped to the wheels' maximum (0.5)."""
-        self._wheels.right.command(right)
-        self._wheels.left.command(left)
+        self._mechanics.wheels.right.command(right)
+        self._mechanics.wheels.left.command(left)
         self._sensed = None
 
     def low_side(self, *, duty0: float, duty1: float, duty2: float) -> None:
@@ -134,21 +99,21 @@ class Body:
 
     def take_distance(self) -> int:
         """Packet 19: millimetres since the last call, -32768 to 32767; the call resets it."""
-        return self._distance.take()
+        return self._mechanics.distance.take()
 
     def take_angle(self) -> int:
         """Packet 20: degrees counter-clockwise since the last call; the call resets it."""
-        return self._angle.take()
+        return self._mechanics.angle.take()
 
     @property
     def distance_total(self) -> float:
         """Millimetres by the encoders since the start, signed, unrounded; never reset."""
-        return self._distance.total
+        return self._mechanics.distance.total
 
     @property
     def angle_total(self) -> float:
         """Degrees by the encoders since the start, signed, unrounded; never reset."""
-        return self._angle.total
+        return self._mechanics.angle.total
 
     @property
     def battery_flat(self) -> bool:
@@ -159,10 +124,7 @@ class Body:
 
     def truth(self) -> Truth:
         """Return what really happened."""
-        pushed = self._push_end < math.inf and not self._lifted
-        speed, rate = self._push if pushed else self._wheels.twist()
-        return Truth(self._pose, speed * (1 - self._lost), rate, self._travelled, self._turned,
-                     self._distance.total / 1000, math.radians(self._angle.total))
+        return self._mechanics.truth()
 
     def force(self, *, seconds: float = math.inf, **values: int) -> None:
         """
@@ -187,42 +149,38 @@ class Body:
     def place(self, pose: Pose) -> None:
         """Put the robot elsewhere without turning its wheels; obstacles push it out."""
         _finite('a pose', *pose)
-        self._pose = pose._replace(yaw=math.remainder(pose.yaw, math.tau))
-        self._lost = 0.0
-        self._surroundings.move_to(pose.x, pose.y)
-        free = None if self._lifted else self._surroundings.push_out(pose.x, pose.y,
-                                                                     (pose.x, pose.y))
-        if free is not None:
-            self._pose = self._pose._replace(x=free[0], y=free[1])
-        self._stand()
+        self._mechanics.place(pose)
+        self._electrics.docked = self._mechanics.docked
+        self._sensed = None
 
     def push(self, *, speed: float, rate: float, seconds: float) -> None:
         """Roll the robot by hand at m/s and rad/s for some seconds; the wheels must follow."""
         _finite('a push', speed, rate, seconds)
         self._push_end = _after(self._time, seconds)
-        self._push = (speed, rate)
+        self._mechanics.pushed = (speed, rate)
         self._set_deadline()
 
     def slip(self, *, right: float, left: float, seconds: float) -> None:
         """For some seconds let the wheels lose these parts, 0 to 1, of their travel."""
         _finite('a slip', right, left, seconds)
         self._slip_end = _after(self._time, seconds)
-        self._wheels.right.slip, self._wheels.left.slip = _fraction(right), _fraction(left)
+        self._mechanics.wheels.right.slip, self._mechanics.wheels.left.slip = _fraction(right), _fraction(left)
         self._set_deadline()
 
     def lift(self, lifted: bool) -> None:
         """Lift the robot, or put it down: all wheels drop, no floor is seen, nothing moves it."""
-        self._lifted = lifted
-        self.place(self._pose)
+        self._mechanics.lifted = lifted
+        self.place(self._mechanics.pose)
 
     def drop(self, *, right: bool = False, left: bool = False, caster: bool = False) -> None:
         """Say which wheels hang down by hand; a drive wheel that does has no grip."""
-        self._dropped = (right, left, caster)
-        self._stand()
+        self._mechanics.dropped = (right, left, caster)
+        self._mechanics.stand()
+        self._sensed = None
 
     def hold(self, *, right: bool = False, left: bool = False) -> None:
         """Say which drive wheels somebody holds; told to turn, they draw too much current."""
-        for wheel, held in ((self._wheels.right, right), (self._wheels.left, left)):
+        for wheel, held in ((self._mechanics.wheels.right, right), (self._mechanics.wheels.left, left)):
             wheel.held = held
             wheel.speed = 0.0 if held else wheel.speed
         self._sensed = None
@@ -253,7 +211,7 @@ class Body:
     def load(self, *, ld0: float = 0.0, ld1: float = 0.0, ld2: float = 0.0) -> None:
         """Say what hangs on the low side drivers: amperes each would draw when fully on."""
         _finite('a load', ld0, ld1, ld2)
-        self._electrics.loads = (ld0, ld1, ld2)
+        self._electrics.loads = tuple(max(0.0, each) for each in (ld0, ld1, ld2))
         self._sensed = None
 
     # Time.
@@ -262,16 +220,11 @@ class Body:
         """Let pass the longest time in which nothing changes its nature; return its seconds."""
         h = min(longest, self._deadline - self._time)
         if h > _MOMENT or h == longest:
-            wheels = self._wheels
-            if self._push_end < math.inf:
-                h = min(h, _LONGEST_PIECE)
-                self._move(wheels.roll(h, self._pose.yaw, *self._push))
-            elif not wheels.at_rest:
-                h = wheels.horizon(min(h, _LONGEST_PIECE))
-                self._move(wheels.advance(h, self._pose.yaw))
-            else:
-                self._lost = 0.0
-            self._electrics.step(h, self._drawn())
+            mechanics = self._mechanics
+            h = mechanics.horizon(h)
+            mechanics.advance(h)
+            self._electrics.docked = mechanics.docked
+            self._electrics.step(h, mechanics.drawn())
             self._time += h
             self._sensed = None
         if self._time >= self._deadline - _MOMENT:
@@ -286,109 +239,39 @@ class Body:
         now = self._time + _MOMENT
         if self._push_end <= now:
             self._push_end = math.inf
-            self._wheels.let_go()
+            self._mechanics.pushed = None
+            self._mechanics.wheels.let_go()
         if self._slip_end <= now:
             self._slip_end = math.inf
-            self._wheels.right.slip = self.config.right_slip
-            self._wheels.left.slip = self.config.left_slip
+            self._mechanics.wheels.right.slip = self.config.right_slip
+            self._mechanics.wheels.left.slip = self.config.left_slip
         self._overlay.expire(now)
         self._set_deadline()
         self._sensed = None
-
-    # Physics.
-
-    def _move(self, motion: Motion) -> None:
-        """Take the motion as far as obstacles allow, and count it."""
-        x, y, yaw = self._pose
-        travel, right, left = motion.travel, motion.right, motion.left
-        place = (x + motion.dx, y + motion.dy)
-        self._lost = 0.0
-        if motion.travel:
-            self._surroundings.move_to(*place)
-            free = (self._surroundings.push_out(*place, (x, y))
-                    if self._surroundings.obstacles and not self._lifted else None)
-            if free is not None:
-                heading = yaw + motion.turn / 2
-                travel = (free[0] - x) * math.cos(heading) + (free[1] - y) * math.sin(heading)
-                right, left = self._yield(1 - travel / motion.travel, right, left)
-                place = free
-        self._pose = Pose(*place, math.remainder(yaw + motion.turn, math.tau))
-        self._travelled += travel
-        self._turned += motion.turn
-        self._count(self._wheels.right.count(right), self._wheels.left.count(left))
-        self._stand()
-
-    def _yield(self, lost: float, right: float, left: float) -> tuple[float, float]:
-        """Note that an obstacle took part of the way; return what the treads then travel."""
-        self._lost = lost = _fraction(lost)
-        if self.config.contact is Contact.SLIP:
-            return right, left
-        self._wheels.stall(lost)
-        common = (right + left) / 2 * lost
-        return right - common, left - common
-
-    def _count(self, right: float, left: float) -> None:
-        """Add what the encoders counted, metres, to what packets 19 and 20 will say."""
-        if right or left:
-            self._distance.add(500 * (right + left))
-            self._angle.add(math.degrees((right - left) / self.config.encoder_separation))
-
-    def _stand(self) -> None:
-        """Work out which wheels have floor below them and whether the robot is docked."""
-        self._sensed = None
-        config, pose, up = self.config, self._pose, not self._lifted
-        right, left, caster = self._dropped
-        self._wheels.right.grounded = up and not right and self._floor(0, -config.wheel_lateral)
-        self._wheels.left.grounded = up and not left and self._floor(0, config.wheel_lateral)
-        self._caster_grounded = up and not caster and self._floor(config.caster_forward, 0)
-        self._electrics.docked = up and surroundings.docked(self.world, pose, config.body_radius)
-
-    def _floor(self, forward: float, left: float) -> bool:
-        """Return whether there is floor at a point of the robot."""
-        near = self._surroundings
-        return near.firm or near.floor(self._pose.ahead(forward, left)) is not None
-
-    def _overloaded(self, wheel: Wheel) -> bool:
-        """Return whether a wheel is told to turn and cannot."""
-        stalls = self.config.contact is Contact.STALL and self._lost > _BLOCKED
-        return wheel.target != 0 and (wheel.held or stalls)
-
-    def _drawn(self) -> float:
-        """Return what the wheels' motors draw, amperes."""
-        config, drawn = self.config.battery, 0.0
-        for wheel in (self._wheels.right, self._wheels.left):
-            if self._overloaded(wheel):
-                drawn += config.wheel_stalled
-            elif wheel.target and self._lost > _BLOCKED:
-                drawn += config.wheel_blocked
-            elif wheel.target or wheel.speed:
-                drawn += config.wheel_idle + config.wheel_per_speed * abs(wheel.speed)
-        return drawn
 
     # Sensors.
 
     def _look(self) -> Readings:
         """Work out what the physics says."""
-        electrics, battery = self._electrics, self._electrics.battery
-        bumps, wall, floors = self._feel()
+        mechanics, electrics, battery = self._mechanics, self._electrics, self._electrics.battery
+        bumps, wall, floors = mechanics.feel()
         signals = self._noisy(floors)
-        virtual_wall, infrared = surroundings.beams(self.world, self._pose,
-                                                    electrics.base_powered)
+        virtual_wall, infrared = beams(self.world, mechanics.pose, electrics.base_powered)
         overloads = electrics.overloads()
-        right, left = self._wheels.right, self._wheels.left
+        right, left = mechanics.wheels.right, mechanics.wheels.left
         return Readings(
             bump_left=bumps[0], bump_right=bumps[1], drop_left=not left.grounded,
-            drop_right=not right.grounded, drop_caster=not self._caster_grounded,
-            wall=wall >= surroundings.WALL_SEEN, wall_signal=wall,
-            cliff_left=floors[0] < surroundings.CLIFF_BELOW,
-            cliff_front_left=floors[1] < surroundings.CLIFF_BELOW,
-            cliff_front_right=floors[2] < surroundings.CLIFF_BELOW,
-            cliff_right=floors[3] < surroundings.CLIFF_BELOW,
+            drop_right=not right.grounded, drop_caster=not mechanics.caster_grounded,
+            wall=wall >= WALL_SEEN, wall_signal=wall,
+            cliff_left=floors[0] < CLIFF_BELOW,
+            cliff_front_left=floors[1] < CLIFF_BELOW,
+            cliff_front_right=floors[2] < CLIFF_BELOW,
+            cliff_right=floors[3] < CLIFF_BELOW,
             cliff_left_signal=signals[0], cliff_front_left_signal=signals[1],
             cliff_front_right_signal=signals[2], cliff_right_signal=signals[3],
             virtual_wall=virtual_wall, infrared=infrared,
-            overcurrent_left_wheel=self._overloaded(left),
-            overcurrent_right_wheel=self._overloaded(right), overcurrent_ld0=overloads[0],
+            overcurrent_left_wheel=mechanics.overloaded(left),
+            overcurrent_right_wheel=mechanics.overloaded(right), overcurrent_ld0=overloads[0],
             overcurrent_ld1=overloads[1], overcurrent_ld2=overloads[2],
             charging_state=battery.state, voltage=clamped('voltage', 1000 * battery.voltage),
             current=clamped('current', 1000 * battery.current),
@@ -396,16 +279,6 @@ class Body:
             charge=clamped('charge', 1000 * battery.charge),
             capacity=clamped('capacity', 1000 * battery.config.capacity),
             home_base=electrics.home_base, internal_charger=electrics.charger)
-
-    def _feel(self) -> tuple[tuple[bool, bool], int, tuple[int, ...]]:
-        """Return bumps left and right, the wall sensor's signal, the cliff sensors' four."""
-        if self._lifted:
-            return (False, False), 0, (0, 0, 0, 0)
-        pose, near = self._pose, self._surroundings
-        floors = near.cliff_signals(pose)
-        if not near.obstacles:
-            return (False, False), 0, floors
-        return near.bumps(pose), near.wall_signal(pose), floors
 
     def _noisy(self, floors: tuple[int, ...]) -> tuple[int, ...]:
         """Return the floor's signals as read: up to 15 more or less, never below 0."""

@@ -1,0 +1,172 @@
+"""The robot as a thing on the floor: where it is, what its wheels do, what they bump into."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from create_oi_ros.sim.config import BodyConfig, Contact
+from create_oi_ros.sim.drivetrain import Drivetrain, Motion, Wheel
+from create_oi_ros.sim.encoders import Accumulator, Rounding
+from create_oi_ros.sim.surroundings import docked, Surroundings
+from create_oi_ros.sim.world import Pose, World
+
+_LONGEST_PIECE = 0.015
+"""Seconds: at 0.5 m/s 7.5 mm, so no wall is jumped."""
+_BLOCKED = 0.5
+"""Part of the way lost to an obstacle from which the motors labour (guess)."""
+
+
+class Truth(NamedTuple):
+    """What really happened, for teachers and tests; no firmware may look at it."""
+
+    pose: Pose
+    """World frame; yaw within -pi to pi."""
+    speed: float
+    """True forward velocity, m/s."""
+    rate: float
+    """True yaw rate, rad/s."""
+    travelled: float
+    """True signed travel of the centre along its heading, metres."""
+    turned: float
+    """True turn, radians, unwrapped."""
+    measured_travelled: float
+    """The same by the encoders, before any rounding, metres."""
+    measured_turned: float
+    """The same by the encoders, before any rounding, radians."""
+
+
+class Mechanics:
+    """A round body on two driven wheels and a caster."""
+
+    __slots__ = ('wheels', 'near', 'pose', 'distance', 'angle', 'pushed', 'lifted', 'dropped',
+                 'caster_grounded', 'docked', '_config', '_world', '_travelled', '_turned',
+                 '_lost')
+
+    def __init__(self, world: World, config: BodyConfig, rounding: Rounding) -> None:
+        self.wheels = Drivetrain(config)
+        self.near = Surroundings(world, config.body_radius)
+        self.pose = world.start
+        self.distance = Accumulator(rounding)
+        """Millimetres."""
+        self.angle = Accumulator(rounding)
+        """Degrees."""
+        self.pushed: tuple[float, float] | None = None
+        """The twist, m/s and rad/s, at which somebody rolls the robot."""
+        self.lifted = False
+        self.dropped = (False, False, False)
+        """Wheels that hang down by somebody's hand: right, left, caster."""
+        self.caster_grounded = True
+        self.docked = False
+        self._config, self._world = config, world
+        self._travelled = self._turned = 0.0
+        self._lost = 0.0
+
+    def truth(self) -> Truth:
+        """Return what really happened."""
+        speed, rate = self.wheels.twist()
+        if self.pushed and not self.lifted:
+            speed, rate = self.pushed
+        return Truth(self.pose, speed * (1 - self._lost), rate, self._travelled, self._turned,
+                     self.distance.total / 1000, math.radians(self.angle.total))
+
+    def place(self, pose: Pose) -> None:
+        """Be put elsewhere without a turn of the wheels; obstacles push the body out."""
+        x, y = pose.x, pose.y
+        self.near.move_to(x, y)
+        free = None if self.lifted else self.near.push_out(x, y, (x, y))
+        self.pose = Pose(*(free or (x, y)), math.remainder(pose.yaw, math.tau))
+        self._lost = 0.0
+        self.stand()
+
+    def stand(self) -> None:
+        """Work out which wheels have floor below them and whether the robot is docked."""
+        config, up = self._config, not self.lifted
+        right, left, caster = self.dropped
+        self.wheels.right.grounded = up and not right and self._floor(0, -config.wheel_lateral)
+        self.wheels.left.grounded = up and not left and self._floor(0, config.wheel_lateral)
+        self.caster_grounded = up and not caster and self._floor(config.caster_forward, 0)
+        self.docked = up and docked(self._world, self.pose, config.body_radius)
+
+    def _floor(self, forward: float, left: float) -> bool:
+        """Return whether there is floor at a point of the robot."""
+        return self.near.firm or self.near.floor(self.pose.ahead(forward, left)) is not None
+
+    def horizon(self, longest: float) -> float:
+        """Return the seconds, at most `longest`, that one `advance` may span."""
+        if self.pushed:
+            return min(longest, _LONGEST_PIECE)
+        if self.wheels.at_rest:
+            return longest
+        return self.wheels.horizon(min(longest, _LONGEST_PIECE))
+
+    def advance(self, h: float) -> None:
+        """Move on by h seconds, at most `horizon`."""
+        if self.pushed:
+            self._move(self.wheels.roll(h, self.pose.yaw, *self.pushed))
+        elif not self.wheels.at_rest:
+            self._move(self.wheels.advance(h, self.pose.yaw))
+        else:
+            self._lost = 0.0
+
+    def _move(self, motion: Motion) -> None:
+        """Take the motion as far as obstacles allow, and count it."""
+        (x, y, yaw), near = self.pose, self.near
+        travel, right, left = motion.travel, motion.right, motion.left
+        to_x, to_y = x + motion.dx, y + motion.dy
+        self._lost = 0.0
+        if travel:
+            near.move_to(to_x, to_y)
+            free = None
+            if near.obstacles and not self.lifted:
+                free = near.push_out(to_x, to_y, (x, y))
+            if free is not None:
+                to_x, to_y = free
+                heading = yaw + motion.turn / 2
+                travel = (to_x - x) * math.cos(heading) + (to_y - y) * math.sin(heading)
+                right, left = self._yield(1 - travel / motion.travel, right, left)
+        self.pose = Pose(to_x, to_y, math.remainder(yaw + motion.turn, math.tau))
+        self._travelled += travel
+        self._turned += motion.turn
+        self._count(self.wheels.right.count(right), self.wheels.left.count(left))
+        self.stand()
+
+    def _yield(self, lost: float, right: float, left: float) -> tuple[float, float]:
+        """Note that an obstacle took part of the way; return what the treads then travel."""
+        self._lost = lost = min(1.0, max(0.0, lost))
+        if self._config.contact is Contact.SLIP:
+            return right, left
+        self.wheels.stall(lost)
+        common = (right + left) / 2 * lost
+        return right - common, left - common
+
+    def _count(self, right: float, left: float) -> None:
+        """Add what the encoders counted, metres, to what packets 19 and 20 will say."""
+        self.distance.add(500 * (right + left))
+        self.angle.add(math.degrees((right - left) / self._config.encoder_separation))
+
+    def overloaded(self, wheel: Wheel) -> bool:
+        """Return whether a wheel is told to turn and cannot."""
+        stalls = self._config.contact is Contact.STALL and self._lost > _BLOCKED
+        return wheel.target != 0 and (wheel.held or stalls)
+
+    def drawn(self) -> float:
+        """Return what the wheels' motors draw, amperes."""
+        config, drawn = self._config.battery, 0.0
+        for wheel in (self.wheels.right, self.wheels.left):
+            if self.overloaded(wheel):
+                drawn += config.wheel_stalled
+            elif wheel.target and self._lost > _BLOCKED:
+                drawn += config.wheel_blocked
+            elif wheel.target or wheel.speed:
+                drawn += config.wheel_idle + config.wheel_per_speed * abs(wheel.speed)
+        return drawn
+
+    def feel(self) -> tuple[tuple[bool, bool], int, tuple[int, ...]]:
+        """Return bumps left and right, the wall sensor's signal, the cliff sensors' four."""
+        if self.lifted:
+            return (False, False), 0, (0, 0, 0, 0)
+        floors = self.near.cliff_signals(self.pose)
+        if not self.near.obstacles:
+            return (False, False), 0, floors
+        return self.near.bumps(self.pose), self.near.wall_signal(self.pose), floors
