@@ -12,6 +12,7 @@ has been used.  A pack that is too hot waits too.  A fault stops all of it until
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 import math
 
 from create_oi_ros.sim.readings import Charging
@@ -86,11 +87,7 @@ class Battery:
     def voltage(self) -> float:
         """Volts at the terminals, under the present current."""
         level = self.charge / self.config.capacity
-        for (low, bottom), (high, top) in zip(_CURVE, _CURVE[1:]):
-            if level <= high:
-                break
-        rest = bottom + (top - bottom) * (min(level, 1.0) - low) / (high - low)
-        return rest + self.current * self.config.resistance
+        return _at_rest(min(level, 1.0)) + self.current * self.config.resistance
 
     def step(self, dt: float, drawn: float, charger: bool) -> None:
         """Let dt seconds pass with `drawn` amperes used and, perhaps, a charger connected."""
@@ -138,3 +135,11 @@ class Battery:
         if level < 1 and not (self.state is Charging.TRICKLE and level > config.recharge_below):
             return Charging.FULL
         return (Charging.WAITING if self._trickled >= config.trickle_time else Charging.TRICKLE)
+
+
+def _at_rest(level: float) -> float:
+    """Return the volts without load at a fraction of the capacity, 0 to 1."""
+    for (low, bottom), (high, top) in pairwise(_CURVE):
+        if level <= high:
+            return bottom + (top - bottom) * (level - low) / (high - low)
+    return _CURVE[-1][1]

@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from random import Random
 
-from create_oi_ros.sim.config import BodyConfig
+from create_oi_ros.sim.config import BodyConfig, IDEAL
 from create_oi_ros.sim.electrics import Electrics
 from create_oi_ros.sim.encoders import Rounding
 from create_oi_ros.sim.mechanics import Mechanics, Truth
@@ -46,7 +46,7 @@ class Body:
                  '_overlay', '_sensed', '_random', '_push_end', '_slip_end')
 
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
-                 config: BodyConfig = BodyConfig()) -> None:
+                 config: BodyConfig = IDEAL) -> None:
         self.config = config
         self.world = world
         self._time, self._deadline = 0.0, math.inf
@@ -164,7 +164,8 @@ class Body:
         """For some seconds let the wheels lose these parts, 0 to 1, of their travel."""
         _finite('a slip', right, left, seconds)
         self._slip_end = _after(self._time, seconds)
-        self._mechanics.wheels.right.slip, self._mechanics.wheels.left.slip = _fraction(right), _fraction(left)
+        wheels = self._mechanics.wheels
+        wheels.right.slip, wheels.left.slip = _fraction(right), _fraction(left)
         self._set_deadline()
 
     def lift(self, lifted: bool) -> None:
@@ -180,7 +181,8 @@ class Body:
 
     def hold(self, *, right: bool = False, left: bool = False) -> None:
         """Say which drive wheels somebody holds; told to turn, they draw too much current."""
-        for wheel, held in ((self._mechanics.wheels.right, right), (self._mechanics.wheels.left, left)):
+        wheels = self._mechanics.wheels
+        for wheel, held in ((wheels.right, right), (wheels.left, left)):
             wheel.held = held
             wheel.speed = 0.0 if held else wheel.speed
         self._sensed = None

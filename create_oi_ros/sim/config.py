@@ -50,7 +50,7 @@ class BodyConfig:
     encoder_separation: float = 0.258
     """The separation by which the firmware works out the angle, metres (guess: the true one)."""
     wheel_radius: float = 0.033
-    """Metres (reported: 0.033 to 0.036).  For the reader: the physics works in metres of travel."""
+    """Metres (reported: 0.033 to 0.036); for drawings, the physics knows only metres of travel."""
     body_radius: float = 0.165
     """Metres (reported: diameter 330 mm)."""
     max_wheel_speed: float = 0.5
@@ -86,3 +86,7 @@ class BodyConfig:
         for name in ('right_slip', 'left_slip'):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f'{name} is {getattr(self, name)}: it must be within 0 to 1')
+
+
+IDEAL = BodyConfig()
+"""Equal wheels, no slip, the speeds that were asked for."""

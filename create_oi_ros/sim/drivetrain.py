@@ -118,7 +118,7 @@ class Drivetrain:
         return right.speed == 0 == left.speed and right.goal == 0 == left.goal
 
     def twist(self) -> tuple[float, float]:
-        """True forward velocity (m/s) and yaw rate (rad/s) that the wheels ask of the body."""
+        """Return the forward velocity (m/s) and yaw rate (rad/s) that the wheels give the body."""
         right = self.right.speed * self.right.grip
         left = self.left.speed * self.left.grip
         return (right + left) / 2, (right - left) / self._separation

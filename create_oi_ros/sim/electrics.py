@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from create_oi_ros.sim.battery import Battery, BatteryConfig
 
@@ -32,11 +32,15 @@ class Electrics:
         """Let dt seconds pass while the wheels' motors draw so many amperes."""
         config = self.battery.config
         drawn = motors + (config.electronics if self.on else config.standby)
-        for load, duty, limit in zip(self.loads, self.duties, LOW_SIDE_LIMITS):
+        for load, duty, limit in self._drivers():
             drawn += min(load, limit) * duty
         self.battery.step(dt, drawn, self.charging_allowed and (self.charger or self.home_base))
 
     def overloads(self) -> list[bool]:
         """Return which low side drivers are on and asked for more than they give: 0, 1, 2."""
         return [duty > 0 and load > limit
-                for load, duty, limit in zip(self.loads, self.duties, LOW_SIDE_LIMITS)]
+                for load, duty, limit in self._drivers()]
+
+    def _drivers(self) -> Iterator[tuple[float, float, float]]:
+        """Return each low side driver's load, duty cycle and limit."""
+        return zip(self.loads, self.duties, LOW_SIDE_LIMITS, strict=True)

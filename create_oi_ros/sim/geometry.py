@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 import math
 
 Point = tuple[float, float]
@@ -113,7 +114,7 @@ class Polygon:
 
 def chain(points: Sequence[Point]) -> tuple[Segment, ...]:
     """Return the segments that join the points in their order."""
-    return tuple(Segment(a, b) for a, b in zip(points, points[1:]))
+    return tuple(Segment(a, b) for a, b in pairwise(points))
 
 
 def reach(obstacles: Iterable[Obstacle], x: float, y: float, dx: float, dy: float) -> float:

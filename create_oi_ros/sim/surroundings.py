@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from create_oi_ros.sim.geometry import Disc, Obstacle, Point, reach, sees
+from create_oi_ros.sim.geometry import Obstacle, Point, reach, sees
 from create_oi_ros.sim.readings import NO_INFRARED
 from create_oi_ros.sim.world import HomeBase, Pose, World
 

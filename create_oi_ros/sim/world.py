@@ -265,7 +265,7 @@ def _fraction(number: float) -> float:
 
 
 def _points(numbers: Sequence[float]) -> list[Point]:
-    return list(zip(numbers[::2], numbers[1::2]))
+    return list(zip(numbers[::2], numbers[1::2], strict=True))
 
 
 def _pose(numbers: Sequence[float]) -> Pose:
