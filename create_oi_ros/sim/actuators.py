@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
+from create_oi_ros import oi
 from create_oi_ros.oi import DriverBits, LedBits, OutputBits, Radius
 from create_oi_ros.oi.commands import DUTY
 from create_oi_ros.sim.body import Body
@@ -75,6 +76,24 @@ class Actuators:
         self.turn_wheels(Wheels())
         self.switch_drivers(0, 0, 0)
 
+    def obey(self, command: oi.Command) -> None:
+        """Do what a command says that is in range; others are not for the actuators."""
+        match command:
+            case oi.Drive(velocity=velocity, radius=radius):
+                self.drive(velocity, radius)
+            case oi.DriveDirect(right=right, left=left):
+                self.drive_direct(right, left)
+            case oi.Leds(bits=bits, color=color, intensity=intensity):
+                self.lights = Lights(LedBits(bits), color, intensity)
+            case oi.DigitalOutputs(bits=bits):
+                self.outputs = OutputBits(bits)
+            case oi.LowSideDrivers(bits=bits):
+                self.switch_drivers(*(DUTY.high if bits & bit else 0 for bit in DriverBits))
+            case oi.PwmLowSideDrivers(driver_0=driver_0, driver_1=driver_1, driver_2=driver_2):
+                self.switch_drivers(driver_0, driver_1, driver_2)
+            case oi.SendIr(byte=byte):
+                self.infrared_sent.append(byte)
+
     def drive(self, velocity: int, radius: int) -> None:
         """Obey Drive: packets 39 and 40 change, 41 and 42 stay."""
         self.velocity, self.radius = velocity, radius
@@ -96,10 +115,6 @@ class Actuators:
         full = DUTY.high
         self._body.low_side(
             duty0=driver_0 / full, duty1=driver_1 / full, duty2=driver_2 / full)
-
-    def switch_drivers_by_bits(self, bits: int) -> None:
-        """Switch each low side driver fully on or off."""
-        self.switch_drivers(*(DUTY.high if bits & bit else 0 for bit in DriverBits))
 
     def moves_into_cliff(self) -> bool:
         """Tell whether a cliff matters (manual: Safe Mode): forwards, or on a small radius."""

@@ -2,20 +2,36 @@
 The ten demos, as behaviours that one recognises: a few lines each, not iRobot's own programs.
 
 A demo is a generator.  It looks at `Controls`, sets the wheels, and yields; a slot later it is
-asked to go on.  It ends by returning, and whoever aborts it closes it.
+asked to go on.  It ends by returning, and whoever aborts it closes it.  Speeds are in mm/s,
+distances in mm, angles in degrees counter-clockwise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+import math
 from random import Random
 
-from create_oi_ros.oi import DemoNumber, Note
-from create_oi_ros.sim.actuators import Actuators, Wheels
+from create_oi_ros.oi import DemoNumber, Infrared, Note, SLOT
+from create_oi_ros.sim.actuators import Actuators, MM, Wheels
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.readings import Readings
+from create_oi_ros.sim.scripts import cliff
 
 Demo = Iterator[None]
+
+_BEAMS = Infrared.HOME_BASE_RESERVED
+RED = Infrared.HOME_BASE_RED_BUOY - _BEAMS
+GREEN = Infrared.HOME_BASE_GREEN_BUOY - _BEAMS
+"""Bits of the Home Base's characters; red is on the right of a robot that comes in."""
+
+CRUISE, TURNING, CREEP = 250.0, 150.0, 100.0
+PACHELBEL = (78, 76, 74, 73, 71, 69, 71, 73, 74, 73, 71, 69, 67, 66, 67, 64)
+"""The Canon's first violin, its first sixteen notes (MIDI numbers)."""
+G_MAJOR, D_MAJOR_7, C_MAJOR = (55, 59, 62, 67), (62, 66, 69, 73), (60, 64, 67, 72)
+"""Banjo's chords, one note for each cliff sensor from left to right."""
+NOTE_LENGTH = 20
+"""64ths of a second."""
 
 
 class Controls:
@@ -24,6 +40,7 @@ class Controls:
     def __init__(self, body: Body, actuators: Actuators, random: Random,
                  sound: Callable[[Sequence[Note]], None]) -> None:
         self._body, self._actuators = body, actuators
+        self._separation = body.config.encoder_separation * MM
         self.random = random
         self.sound = sound
 
@@ -33,8 +50,20 @@ class Controls:
         return self._body.sense()
 
     @property
+    def blocked(self) -> bool:
+        """There is something ahead into which a demo does not drive."""
+        sense = self.sense
+        return sense.bump_left or sense.bump_right or sense.virtual_wall or cliff(sense)
+
+    @property
+    def beams(self) -> int:
+        """The buoys of a Home Base that are seen: a sum of RED and GREEN."""
+        seen = self.sense.infrared
+        return seen & (RED | GREEN) if _BEAMS < seen < Infrared.NONE else 0
+
+    @property
     def angle(self) -> float:
-        """Degrees turned since the start, counter-clockwise."""
+        """Degrees turned since the start."""
         return self._body.angle_total
 
     @property
@@ -43,20 +72,252 @@ class Controls:
         return self._body.distance_total
 
     def drive(self, right: float, left: float) -> None:
-        """Set the wheels, mm/s."""
+        """Set the wheels."""
         self._actuators.turn_wheels(Wheels(right, left))
+
+    def curve(self, speed: float, radius: float) -> None:
+        """Drive on a circle; a positive radius turns left."""
+        outward = speed * self._separation / 2 / radius
+        self.drive(speed + outward, speed - outward)
+
+
+# Pieces of behaviour.
+
+def wait(seconds: float) -> Demo:
+    """Go on as now."""
+    for _ in range(round(seconds / SLOT)):
+        yield
+
+
+def roll(controls: Controls, distance: float, speed: float = CRUISE) -> Demo:
+    """Drive straight, backwards for a negative distance; forwards only while nothing blocks."""
+    start = controls.distance
+    forward = distance > 0
+    controls.drive(*(speed if forward else -speed,) * 2)
+    while abs(controls.distance - start) < abs(distance):
+        if forward and controls.blocked:
+            return
+        yield
+
+
+def turn(controls: Controls, degrees: float, speed: float = TURNING) -> Demo:
+    """Turn in place, counter-clockwise for a positive angle."""
+    start = controls.angle
+    sign = math.copysign(speed, degrees)
+    controls.drive(sign, -sign)
+    while abs(controls.angle - start) < abs(degrees):
+        yield
+
+
+def back_off(controls: Controls, least: float, most: float) -> Demo:
+    """Go back a little and turn away from the side that met something, by a random angle."""
+    sense = controls.sense
+    left = sense.bump_left or sense.cliff_left or sense.cliff_front_left
+    right = sense.bump_right or sense.cliff_right or sense.cliff_front_right
+    if left == right:
+        left = controls.random.random() < 0.5
+    yield from roll(controls, -60, CREEP)
+    angle = controls.random.uniform(least, most)
+    yield from turn(controls, -angle if left else angle)
+
+
+def spiral(controls: Controls, first: float, last: float, pitch: float = 120.0) -> Demo:
+    """Circle with a radius that goes from the first to the last, until something blocks."""
+    start = controls.angle
+    step = math.copysign(pitch, last - first)
+    radius = first
+    while (radius - last) * step < 0:
+        controls.curve(CRUISE, radius)
+        yield
+        if controls.blocked:
+            return
+        radius = first + step * (controls.angle - start) / 360
+
+
+def follow_wall(controls: Controls, seconds: float) -> Demo:
+    """Keep the wall on the right at an even distance; bump, turn left, go on."""
+    wanted = 1200
+    for _ in range(round(seconds / SLOT)) if seconds < math.inf else iter(int, 1):
+        if controls.blocked:
+            yield from roll(controls, -20, CREEP)
+            yield from turn(controls, 25)
+        error = (controls.sense.wall_signal - wanted) / wanted
+        bend = max(-0.6, min(0.4, 0.4 * error))
+        controls.drive(TURNING * (1 + bend), TURNING * (1 - bend))
+        yield
+
+
+# The demos.
+
+def cover(controls: Controls) -> Demo:
+    """Cover a room: spiral, bounce at random, follow walls, over and over."""
+    while True:
+        yield from spiral(controls, 100, 800)
+        for _ in range(controls.random.randint(3, 6)):
+            yield from roll(controls, 5000)
+            yield from back_off(controls, 60, 170)
+        yield from follow_wall(controls, 15)
+        yield from turn(controls, controls.random.uniform(60, 120))
+        yield from roll(controls, 500)
+
+
+def cover_and_dock(controls: Controls) -> Demo:
+    """Cover, until a Home Base is seen; then dock with it."""
+    while True:
+        for _ in cover(controls):
+            if controls.beams:
+                break
+            yield
+        yield from dock(controls)
+        if controls.sense.home_base:
+            return
+        # Out of the beams, or the next try begins where this one failed.
+        yield from turn(controls, controls.random.uniform(90, 180))
+
+
+def dock(controls: Controls) -> Demo:
+    """Follow the seam between the two beams; end on the contacts, or when all beams are lost."""
+    lost = 0
+    while lost < 400:
+        sense = controls.sense
+        if sense.home_base:
+            return
+        if sense.bump_left or sense.bump_right:
+            yield from roll(controls, -300, CREEP)
+            continue
+        beams = controls.beams
+        lost = 0 if beams else lost + 1
+        if beams == RED | GREEN:
+            controls.drive(CREEP, CREEP)
+        elif beams:
+            controls.curve(CREEP, 250 if beams == RED else -250)
+        else:
+            controls.drive(CREEP, -CREEP)
+        yield
+
+
+def spot_cover(controls: Controls) -> Demo:
+    """Spiral outward, then inward."""
+    yield from spiral(controls, 80, 500)
+    yield from spiral(controls, 500, 80)
+
+
+def mouse(controls: Controls) -> Demo:
+    """Search for a wall, then drive along it around the room."""
+    while not (controls.blocked or controls.sense.wall):
+        yield from roll(controls, 50)
+    yield from follow_wall(controls, math.inf)
 
 
 def figure_eight(controls: Controls) -> Demo:
     """Drive one circle to the left, one to the right, and so on."""
     while True:
-        for right, left in ((250, 100), (100, 250)):
+        for side in (1, -1):
             start = controls.angle
-            controls.drive(right, left)
+            controls.curve(CRUISE, side * 300)
             while abs(controls.angle - start) < 360:
                 yield
 
 
+def wimp(controls: Controls) -> Demo:
+    """Drive forward when pushed from behind, away from an obstacle when one is met."""
+    while True:
+        controls.drive(0, 0)
+        yield from wait(0.5)
+        start = controls.distance
+        while controls.distance - start < 5:
+            yield
+        yield from roll(controls, 500)
+        if controls.blocked:
+            yield from roll(controls, -100)
+            yield from turn(controls, controls.random.choice((-1, 1)) * 150)
+            yield from roll(controls, 300)
+
+
+def home(controls: Controls) -> Demo:
+    """Spin to find a virtual wall, drive towards it, stop at the first obstacle."""
+    yield from _seek(controls)
+    controls.drive(0, 0)
+
+
+def tag(controls: Controls) -> Demo:
+    """Do as in Home, turn around, and go for the next virtual wall."""
+    while True:
+        yield from _seek(controls)
+        yield from roll(controls, -100)
+        yield from turn(controls, 180)
+        # Not the one that was just tagged: it is still seen here.
+        while controls.sense.virtual_wall:
+            yield from roll_blindly(controls, 50)
+            if _bumped(controls):
+                break
+
+
+def roll_blindly(controls: Controls, distance: float) -> Demo:
+    """Drive forwards until a bump only."""
+    start = controls.distance
+    controls.drive(CRUISE, CRUISE)
+    while controls.distance - start < distance and not _bumped(controls):
+        yield
+
+
+def _bumped(controls: Controls) -> bool:
+    return controls.sense.bump_left or controls.sense.bump_right
+
+
+def _seek(controls: Controls) -> Demo:
+    """Spin until a virtual wall is seen, drive while it is seen; end at a bump or a cliff."""
+    while not (_bumped(controls) or cliff(controls.sense)):
+        if controls.sense.virtual_wall:
+            controls.drive(CRUISE, CRUISE)
+        else:
+            controls.drive(CREEP, -CREEP)
+        yield
+
+
+def pachelbel(controls: Controls) -> Demo:
+    """Play the next note of the Canon whenever a cliff sensor sees one anew."""
+    place = 0
+    for fresh in _fresh_cliffs(controls):
+        if any(fresh):
+            controls.sound((Note(PACHELBEL[place], NOTE_LENGTH),))
+            place = (place + 1) % len(PACHELBEL)
+        yield
+
+
+def banjo(controls: Controls) -> Demo:
+    """Play a note of a chord for each cliff sensor; the bumper chooses the chord."""
+    for fresh in _fresh_cliffs(controls):
+        sense = controls.sense
+        chord = (C_MAJOR if sense.bump_left and sense.bump_right
+                 else D_MAJOR_7 if sense.bump_left or sense.bump_right else G_MAJOR)
+        notes = [Note(number, NOTE_LENGTH) for number, new in zip(chord, fresh, strict=True)
+                 if new]
+        if notes:
+            controls.sound(notes)
+        yield
+
+
+def _fresh_cliffs(controls: Controls) -> Iterator[tuple[bool, ...]]:
+    """Yield, for ever, which of the four sensors sees a cliff that it did not see before."""
+    before = (False,) * 4
+    while True:
+        sense = controls.sense
+        now = (sense.cliff_left, sense.cliff_front_left,
+               sense.cliff_front_right, sense.cliff_right)
+        yield tuple(new and not old for new, old in zip(now, before, strict=True))
+        before = now
+
+
 DEMOS: dict[DemoNumber, Callable[[Controls], Demo]] = {
+    DemoNumber.COVER: cover,
+    DemoNumber.COVER_AND_DOCK: cover_and_dock,
+    DemoNumber.SPOT_COVER: spot_cover,
+    DemoNumber.MOUSE: mouse,
     DemoNumber.DRIVE_FIGURE_EIGHT: figure_eight,
+    DemoNumber.WIMP: wimp,
+    DemoNumber.HOME: home,
+    DemoNumber.TAG: tag,
+    DemoNumber.PACHELBEL: pachelbel,
+    DemoNumber.BANJO: banjo,
 }

@@ -19,12 +19,13 @@ from random import Random
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
-from create_oi_ros.oi.commands import SPEED
+from create_oi_ros.oi.commands import ACTUATORS, INPUTS, WAITS
 from create_oi_ros.sim import scripts, sensing
 from create_oi_ros.sim.actuators import Actuators, DARK, Lights, Wheels
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.demos import Controls, Demo, DEMOS
 from create_oi_ros.sim.guesses import Guesses, LIKELY
+from create_oi_ros.sim.limits import obeyable
 from create_oi_ros.sim.power import BANNER, Power
 from create_oi_ros.sim.readings import Readings
 from create_oi_ros.sim.songs import BEEP, DESCENDING, Speaker
@@ -34,33 +35,8 @@ _RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""
 _CHUNK = 256
 """Bytes read at once, so that a flood costs no more for being long."""
-_EARLY = 1e-9
-
-
-def obeyable(command: oi.Command) -> oi.Command | None:
-    """Return the command as the robot takes it: velocities clamped; None: out of range."""
-    changed: dict[str, int] = {}
-    for field in command.fields:
-        value = getattr(command, field.name)
-        if field.wire.allows(value):
-            continue
-        if field.wire is not SPEED:
-            return None
-        changed[field.name] = max(SPEED.low, min(SPEED.high, value))
-    if not changed:
-        return command if command.tail is None or _tail_allowed(command, command.tail) else None
-    values = {field.name: getattr(command, field.name) for field in command.fields}
-    return type(command)(**{**values, **changed})
-
-
-def _tail_allowed(command: oi.Command, tail: oi.command.Tail) -> bool:
-    items = getattr(command, tail.name)
-    if not tail.counted.allows(len(items)):
-        return False
-    return all(
-        wire.allows(number) for item in items
-        for wire, number in zip(
-            tail.counted.item, item if isinstance(item, tuple) else (item,), strict=True))
+_EARLY = 1e-6
+_ENDED = object()
 
 
 class Create:
@@ -70,19 +46,17 @@ class Create:
                  guesses: Guesses = LIKELY, seed: int = 0) -> None:
         self.body = body
         self.guesses = guesses
-        self.checksum = checksum
         self.mode = Mode.OFF
         self.actuators = Actuators(body)
         self.speaker = Speaker()
         self.demo: oi.DemoNumber | None = None
         """The demo that runs."""
         self.script = b''
-        self.frames = 0
-        """Stream frames sent so far."""
         self._slots = 0
         self._epoch: float | None = None
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
         self._power = Power()
+        self._telemetry = sensing.Telemetry(body, checksum)
         self._controls = Controls(body, self.actuators, Random(seed), self._sound)
         self._forget()
 
@@ -93,12 +67,10 @@ class Create:
         self._queue = oi.CommandReader()
         self._script_plays = False
         self._wait: scripts.Over | None = None
-        self._stream = oi.PacketList(())
-        self._streaming = False
+        self._telemetry.forget()
         self._selected = oi.DemoNumber.COVER
         self._pressed = (False, False)
         self._run_demo(None)
-        self._snapshot: dict[str, int] | None = None
         self.actuators.reset()
         self.speaker = Speaker()
         self.body.allow_charging(True)
@@ -157,7 +129,7 @@ class Create:
                 case oi.UnknownOpcode(byte):
                     if byte == _RESET_OPCODE and self.guesses.opcode_7_resets:
                         self._boot()
-                case oi.PlayScript() if self.mode is not Mode.OFF and self.script:
+                case oi.PlayScript() if self.mode in oi.PlayScript.modes and self.script:
                     put_off = self._load_script() or put_off
                 case oi.Command() as command:
                     self._obey(command)
@@ -192,7 +164,10 @@ class Create:
     def _slot(self) -> None:
         self.body.step(oi.SLOT)
         self._slots += 1
-        self._snapshot = None
+        self._telemetry.refresh()
+        if self._power.on and self.body.battery_flat:
+            self._power.default_baud = DEFAULT_BAUD
+            self._switch_off()
         if not self._power.on:
             return
         readings = self.body.sense()
@@ -203,12 +178,13 @@ class Create:
         if self._wait is None:
             self._watch_buttons(readings)
         self._go_on()
-        if self._streaming and (self._wait is None or self.guesses.stream_while_waiting):
-            self._send_frame()
+        if self._telemetry.streaming and (
+                self._wait is None or self.guesses.stream_while_waiting):
+            self._uart.stream(self._telemetry.frame(self._own_values()), self.time)
 
     def _go_on(self) -> None:
         """Let the demo and the script do their next thing."""
-        if self._behaviour is not None and next(self._behaviour, self) is self:
+        if self._behaviour is not None and next(self._behaviour, _ENDED) is _ENDED:
             self._run_demo(None)
         if self._wait is not None and self._wait():
             self._wait = None
@@ -236,14 +212,17 @@ class Create:
         return self._power.on
 
     def power(self, on: bool, now: float) -> None:
-        """Switch the robot on or off with its power button."""
+        """Switch the robot on or off with its power button; a flat battery switches nothing on."""
         self.step(now)
-        if on and not self._power.on:
+        if on and not self._power.on and not self.body.battery_flat:
             self._boot()
         elif not on and self._power.on:
-            self._power.on = False
-            self._forget()
-            self.body.power(False)
+            self._switch_off()
+
+    def _switch_off(self) -> None:
+        self._power.on = False
+        self._forget()
+        self.body.power(False)
 
     def toggle_power(self, now: float) -> None:
         """Press the power button, or raise pin 3 (manual: 'on a low-to-high transition')."""
@@ -300,7 +279,7 @@ class Create:
         if self.demo is not None:
             self.actuators.turn_wheels(Wheels())
         self.demo = demo
-        self._behaviour: Demo | None = DEMOS[demo](self._controls) if demo in DEMOS else None
+        self._behaviour: Demo | None = DEMOS[demo](self._controls) if demo is not None else None
 
     def _sound(self, notes: Sequence[oi.Note]) -> None:
         self.speaker.sound(notes, self.time)
@@ -337,11 +316,13 @@ class Create:
             return
         if accepted.enters is not None:
             self._change_mode(accepted, accepted.enters)
-        section = accepted.section
-        if section == oi.commands.ACTUATORS:
-            self._actuate(accepted)
-        elif section == oi.commands.INPUTS:
-            self._answer(accepted)
+        if accepted.section == ACTUATORS:
+            self.actuators.obey(accepted)
+            self.speaker.obey(accepted, self.time)
+        elif accepted.section == INPUTS:
+            self._uart.reply(self._telemetry.answer(accepted, self._own_values()), self.time)
+        elif accepted.section == WAITS:
+            self._begin_wait(accepted)
         else:
             self._obey_other(accepted)
 
@@ -352,40 +333,6 @@ class Create:
             elif self.demo is not None and not self.guesses.start_ends_demo:
                 return
         self._enter(mode)
-
-    def _actuate(self, command: oi.Command) -> None:
-        actuators = self.actuators
-        match command:
-            case oi.Drive(velocity=velocity, radius=radius):
-                actuators.drive(velocity, radius)
-            case oi.DriveDirect(right=right, left=left):
-                actuators.drive_direct(right, left)
-            case oi.Leds(bits=bits, color=color, intensity=intensity):
-                actuators.lights = Lights(oi.LedBits(bits), color, intensity)
-            case oi.DigitalOutputs(bits=bits):
-                actuators.outputs = oi.OutputBits(bits)
-            case oi.LowSideDrivers(bits=bits):
-                actuators.switch_drivers_by_bits(bits)
-            case oi.PwmLowSideDrivers(driver_0=driver_0, driver_1=driver_1, driver_2=driver_2):
-                actuators.switch_drivers(driver_0, driver_1, driver_2)
-            case oi.SendIr(byte=byte):
-                actuators.infrared_sent.append(byte)
-            case oi.Song(number=number, notes=notes):
-                self.speaker.songs[number] = notes
-            case oi.PlaySong(number=number):
-                self.speaker.play(number, self.time)
-
-    def _answer(self, command: oi.Command) -> None:
-        match command:
-            case oi.Sensors(packet=packet):
-                self._reply_packets((packet,))
-            case oi.QueryList(packets=packets):
-                self._reply_packets(packets)
-            case oi.Stream(packets=packets):
-                self._stream = sensing.packet_list(packets)
-                self._streaming = bool(packets)
-            case oi.PauseResumeStream(state=state):
-                self._streaming = state == oi.StreamState.RESUME and bool(self._stream.ids)
 
     def _obey_other(self, command: oi.Command) -> None:
         match command:
@@ -402,10 +349,8 @@ class Create:
             case oi.Script(script=script):
                 self.script = script
             case oi.ShowScript():
-                self._streaming = False
+                self._telemetry.streaming = False
                 self._uart.reply(bytes([len(self.script)]) + self.script, self.time)
-            case _ if command.section == oi.commands.WAITS:
-                self._begin_wait(command)
 
     def _change_baud(self, baud: int) -> None:
         self._power.default_baud = DEFAULT_BAUD
@@ -414,48 +359,22 @@ class Create:
             self._queue.clear()
 
     def _begin_wait(self, command: oi.Command) -> None:
-        match command:
-            case oi.WaitTime(time=tenths):
-                over = scripts.until_slot(lambda: self._slots, scripts.slots_of(tenths))
-            case oi.WaitDistance(distance=distance):
-                over = scripts.until_travelled(self.body, distance)
-            case oi.WaitAngle(angle=angle):
-                over = scripts.until_turned(self.body, angle)
-            case oi.WaitEvent(event=event):
-                over = scripts.until_event(
-                    self.body, lambda: self.mode is Mode.PASSIVE, event)
-            case _:
-                return
+        over = scripts.waiting(
+            command, self.body, lambda: self._slots, lambda: self.mode is Mode.PASSIVE)
         if over():
             return
         self._wait = over
         if not self._script_plays:
             self._queue.clear()
 
-    # Sensors.
-
-    def _reply_packets(self, ids: tuple[int, ...]) -> None:
-        packets = sensing.packet_list(ids)
-        self._uart.reply(packets.pack_reply(self._values(packets)), self.time)
-
-    def _send_frame(self) -> None:
-        frame = sensing.pack_frame(
-            self._stream, self._values(self._stream),
-            header_in_sum=self.checksum is oi.Checksum.HARDWARE)
-        self._uart.stream(frame, self.time)
-        self.frames += 1
-
-    def _values(self, packets: oi.PacketList) -> list[int]:
-        """Return values in the order of a list; asking for distance and angle resets them."""
-        if self._snapshot is None:
-            self._snapshot = sensing.sensed(self.body.sense())
-        known = self._snapshot | self._own_values()
-        take = {'distance': self.body.take_distance, 'angle': self.body.take_angle}
-        return [take[name]() if name in take else known[name] for name in packets.names]
-
     def _own_values(self) -> dict[str, int]:
+        """Return the values of the packets that are no sensors of the body."""
         return {
             'oi_mode': self.mode, 'song_number': self.speaker.number,
-            'song_playing': self.speaker.song_playing(self.time),
-            'stream_packets': len(self._stream.ids), **self.actuators.requested,
+            'song_playing': self.speaker.song_playing(self.time), **self.actuators.requested,
         }
+
+    @property
+    def frames(self) -> int:
+        """Stream frames sent so far."""
+        return self._telemetry.frames

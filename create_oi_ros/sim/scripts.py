@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 import math
 
+from create_oi_ros import oi
 from create_oi_ros.oi import Event, SLOT
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.readings import Readings
@@ -47,6 +48,21 @@ def cliff(readings: Readings) -> bool:
 def wheel_drop(readings: Readings) -> bool:
     """Tell whether any of the three wheels has dropped."""
     return any(getattr(readings, name) for name in _SENSORS[Event.WHEEL_DROP])
+
+
+def waiting(command: oi.Command, body: Body, slots: Callable[[], int],
+            passive: Callable[[], bool]) -> Over:
+    """Return the question that a wait command asks."""
+    match command:
+        case oi.WaitTime(time=tenths):
+            return until_slot(slots, slots_of(tenths))
+        case oi.WaitDistance(distance=distance):
+            return until_travelled(body, distance)
+        case oi.WaitAngle(angle=angle):
+            return until_turned(body, angle)
+        case oi.WaitEvent(event=event):
+            return until_event(body, passive, event)
+    raise ValueError(f'{command} is no wait command')
 
 
 def until_slot(slots: Callable[[], int], count: int) -> Over:

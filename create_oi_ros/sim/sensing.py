@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from enum import IntFlag
 from functools import lru_cache
 from operator import attrgetter, mul
 
+from create_oi_ros import oi
 from create_oi_ros.oi import (
     BumpsAndWheelDrops,
     Buttons,
@@ -15,6 +16,7 @@ from create_oi_ros.oi import (
     Overcurrents,
     PacketList,
 )
+from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.readings import Readings
 
 
@@ -91,10 +93,62 @@ def packet_list(ids: tuple[int, ...]) -> PacketList:
     return PacketList(ids)
 
 
-def pack_frame(packets: PacketList, values: Sequence[int], *, header_in_sum: bool) -> bytes:
-    """Encode a stream frame, even one that is too long to have a length."""
-    if packets.length > 0xff:
-        # Groups in a list can ask for more than a length byte can say, and than any baud rate
-        # carries in a slot (manual: Stream, 'will eventually become corrupted').
-        return packets.pack_reply(values)
-    return packets.pack_frame(values, header_in_sum=header_in_sum)
+class Telemetry:
+    """What the host wants to know, and the stream that tells it without being asked."""
+
+    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_sensed', '_take')
+
+    def __init__(self, body: Body, checksum: oi.Checksum) -> None:
+        self._body = body
+        self._header_in_sum = checksum is oi.Checksum.HARDWARE
+        self._take = {'distance': body.take_distance, 'angle': body.take_angle}
+        self.frames = 0
+        """Frames made so far."""
+        self.forget()
+
+    def forget(self) -> None:
+        """Be as after power-on."""
+        self.streaming = False
+        """Whether a frame is due in every slot."""
+        self._list = PacketList(())
+        self._sensed: dict[str, int] | None = None
+
+    def refresh(self) -> None:
+        """Look anew; values are updated every 15 ms (manual: Input Commands)."""
+        self._sensed = None
+
+    def answer(self, command: oi.Command, own: dict[str, int]) -> bytes:
+        """Return the reply to an input command; `own` has the packets that the body lacks."""
+        match command:
+            case oi.Sensors(packet=packet):
+                return self._reply((packet,), own)
+            case oi.QueryList(packets=packets):
+                return self._reply(packets, own)
+            case oi.Stream(packets=packets):
+                self._list = packet_list(packets)
+                self.streaming = bool(packets)
+            case oi.PauseResumeStream(state=state):
+                self.streaming = state == oi.StreamState.RESUME and bool(self._list.ids)
+        return b''
+
+    def _reply(self, ids: tuple[int, ...], own: dict[str, int]) -> bytes:
+        packets = packet_list(ids)
+        return packets.pack_reply(self._values(packets, own))
+
+    def frame(self, own: dict[str, int]) -> bytes:
+        """Return the next frame of the stream, even one that is too long to have a length."""
+        self.frames += 1
+        packets, values = self._list, self._values(self._list, own)
+        if packets.length > 0xff:
+            # Groups in a list can ask for more than a length byte can say, and than any baud
+            # rate carries in a slot (manual: Stream, 'will eventually become corrupted').
+            return packets.pack_reply(values)
+        return packets.pack_frame(values, header_in_sum=self._header_in_sum)
+
+    def _values(self, packets: PacketList, own: dict[str, int]) -> list[int]:
+        """Return values in the order of a list; asking for distance and angle resets them."""
+        if self._sensed is None:
+            self._sensed = sensed(self._body.sense())
+        known = {**self._sensed, **own, 'stream_packets': len(self._list.ids)}
+        take = self._take
+        return [take[name]() if name in take else known[name] for name in packets.names]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from create_oi_ros.oi import Note, NOTES_PER_SECOND, REST, SOUNDING
+from create_oi_ros.oi import Command, Note, NOTES_PER_SECOND, PlaySong, REST, Song, SOUNDING
 
 BEEP = (Note(84, 10),)
 """What Start sounds like when the interface was off (manual: Start, 'beeps once'; pitch guess)."""
@@ -25,6 +25,14 @@ class Speaker:
         self._notes: Sequence[Note] = ()
         self._begun = self._end = 0.0
         self._is_song = False
+
+    def obey(self, command: Command, time: float) -> None:
+        """Do what a command says that is in range; others are not for the speaker."""
+        match command:
+            case Song(number=number, notes=notes):
+                self.songs[number] = notes
+            case PlaySong(number=number):
+                self.play(number, time)
 
     def play(self, number: int, time: float) -> bool:
         """Play a stored song; False: there is none, or one plays already."""

@@ -1,0 +1,32 @@
+"""Whether the robot takes the values of a command: it must be able to receive nonsense."""
+
+from __future__ import annotations
+
+from create_oi_ros.oi import Command
+from create_oi_ros.oi.command import Tail
+from create_oi_ros.oi.commands import SPEED
+
+
+def obeyable(command: Command) -> Command | None:
+    """Return the command as the robot takes it: velocities clamped; None: out of range."""
+    if command.tail is not None and not _tail_allowed(command, command.tail):
+        return None
+    changed: dict[str, int] = {}
+    for field in command.fields:
+        value = getattr(command, field.name)
+        if field.wire.allows(value):
+            continue
+        if field.wire is not SPEED:
+            return None
+        changed[field.name] = max(SPEED.low, min(SPEED.high, value))
+    if not changed:
+        return command
+    values = {field.name: getattr(command, field.name) for field in command.fields}
+    return type(command)(**{**values, **changed})
+
+
+def _tail_allowed(command: Command, tail: Tail) -> bool:
+    items = getattr(command, tail.name)
+    return tail.counted.allows(len(items)) and all(
+        wire.allows(number) for item in items for wire, number in zip(
+            tail.counted.item, item if isinstance(item, tuple) else (item,), strict=True))
