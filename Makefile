@@ -1,7 +1,7 @@
-# One line each; `make build` and all that need it set up whatever is missing.
+# One line each; whatever is missing is set up and built first. ARGS= is handed on.
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: run test build bench demo lint clean
+.PHONY: run test build lint clean
 
 # An installed ROS is used where it is sourced; anywhere else the wheels are.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -9,12 +9,10 @@ READY := .venv/ready
 BUILT := install/built
 ENTER := source ./env.sh &&
 
-run: build ; @$(ENTER) exec create_run $(ARGS)
-test: lint ; @$(ENTER) python -m pytest test $(ARGS)
+run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
+test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov)
 build: $(BUILT)
-bench: build ; @$(ENTER) python -m bench $(ARGS)
-demo: build ; @$(ENTER) exec create_run --demo $(ARGS)
-lint: build ; @$(ENTER) ruff check --quiet . && mypy --no-error-summary
+lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 # What the shell has of another ROS or of env.sh must not reach the wheels.

@@ -11,12 +11,12 @@ setup(
     name=NAME,
     version='0.1.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed', 'sim/worlds/*']},
+    package_data={NAME: ['py.typed', 'sim/worlds/*.world']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
         *((f'{SHARE}/{folder}', glob(f'{folder}/*.*'))
-          for folder in ('launch', 'config', 'urdf', 'rviz')),
+          for folder in ('launch', 'config', 'urdf', 'rviz') if glob(f'{folder}/*.*')),
     ],
     install_requires=['setuptools'],
     zip_safe=True,
@@ -27,8 +27,8 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'create_node = create_oi_ros.node:main',
-            'create_run = create_oi_ros.run:main',
+            'create_node = create_oi_ros.start:create_node',
+            'create_run = create_oi_ros.start:create_run',
             'create_sim = create_oi_ros.sim.server:main',
         ],
     },

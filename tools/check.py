@@ -35,8 +35,8 @@ def lacks_compiler():
 
 def lacking_python_part():
     """Return what is missing of this Python's own parts, with the way to get it."""
-    name = 'python{}.{}'.format(*sys.version_info)
-    apt = 'for {}: sudo apt-get install {}-'.format(sys.executable, name)
+    major, minor = sys.version_info[:2]
+    apt = f'for {sys.executable}: sudo apt-get install python{major}.{minor}-'
     if not all(map(importlib.util.find_spec, ('venv', 'ensurepip'))):
         return 'no venv module ' + apt + 'venv'
     if not os.path.exists(os.path.join(sysconfig.get_path('include'), 'Python.h')):
@@ -46,14 +46,13 @@ def lacking_python_part():
 
 def unsuitable(kind):
     """Return why another Python is needed, if one is."""
-    version = sys.version_info[:2]
-    if not OLDEST <= version <= NEWEST:
-        return ('Python {}.{} is too {}: 3.11, 3.12 or 3.13 is needed; '
-                'name one with make PYTHON=...').format(
-                    version[0], version[1], 'old' if version < OLDEST else 'new')
+    major, minor = sys.version_info[:2]
+    if not OLDEST <= (major, minor) <= NEWEST:
+        return (f'{sys.executable} is Python {major}.{minor}, and 3.11, 3.12 or 3.13 is needed: '
+                'install one, or name it with make PYTHON=...')
     if kind == 'jazzy' and subprocess.call([sys.executable, '-c', 'import rclpy']):
-        return ('{} cannot import the rclpy of the ROS that is sourced; '
-                'name one that can with make PYTHON=...').format(sys.executable)
+        return (f'{sys.executable} cannot import the rclpy of the ROS that is sourced: '
+                'name one that can with make PYTHON=...')
     return None
 
 
@@ -65,8 +64,7 @@ def lacking(kind):
     if lacks_compiler():
         return 'no working C and C++ compiler: sudo apt-get install build-essential'
     if shutil.disk_usage('.').free < DISK_BYTES:
-        return 'less than {:.0f} GB free on the disk of {}: free some'.format(
-            DISK_BYTES / 1e9, os.getcwd())
+        return f'less than {DISK_BYTES / 1e9:.0f} GB free on the disk of {os.getcwd()}: free some'
     return lacking_python_part() or lacking_of_ros(kind)
 
 

@@ -7,7 +7,6 @@ tools; for `jazzy`, ROS is the system's and .venv adds the tools to it.
 
 from pathlib import Path
 import shutil
-import subprocess
 import sys
 import venv
 

@@ -22,7 +22,7 @@ def adapt(file: Path) -> None:
     """Replace the foreign paths in one file."""
     text = before = file.read_text()
     for foreign, ours in HEADERS:
-        text = foreign.sub(lambda _: ours, text)
+        text = foreign.sub(ours, text)
     if text != before:
         file.write_text(text)
 

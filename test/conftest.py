@@ -1,0 +1,6 @@
+"""What all tests share: properties are tried on the same examples in every run."""
+
+from hypothesis import settings
+
+settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
+settings.load_profile('repeatable')
