@@ -1,4 +1,5 @@
-"""The iRobot Create Open Interface (2006), as data and pure functions.
+"""
+The iRobot Create Open Interface (2006), as data and pure functions.
 
 No ROS, no serial port, no clock: bytes and values in, values and bytes out. Every command is a
 class of `commands`, every packet a field of `packets.Readings`; `stream` reads bytes in flight.
@@ -6,20 +7,79 @@ Quantities are in the manual's units (mm, mm/s, degrees, mV, mA, mAh).
 """
 
 from .codes import (
-    BaudCode, BumpsAndWheelDrops, Buttons, ChargingSources, ChargingState, DemoNumber,
-    DigitalInputs, DriverBits, Event, Infrared, LedBits, Mode, OutputBits, Overcurrents, Radius,
+    BaudCode,
+    BumpsAndWheelDrops,
+    Buttons,
+    ChargingSources,
+    ChargingState,
+    DemoNumber,
+    DigitalInputs,
+    DriverBits,
+    Event,
+    Infrared,
+    LedBits,
+    Mode,
+    OutputBits,
+    Overcurrents,
+    Radius,
     StreamState,
 )
 from .command import Command
 from .commands import (
-    ACTUATE, ANY, COMMANDS, NOTES_PER_SECOND, REST, SOUNDING, STARTED, Baud, Control, Cover,
-    CoverAndDock, Demo, DigitalOutputs, Drive, DriveDirect, Full, Leds, LowSideDrivers, Note,
-    PauseResumeStream, PlayScript, PlaySong, PwmLowSideDrivers, QueryList, Safe, Script, SendIr,
-    Sensors, ShowScript, Song, Spot, Start, Stream, WaitAngle, WaitDistance, WaitEvent, WaitTime,
+    ACTUATE,
+    ANY,
+    Baud,
+    COMMANDS,
+    Control,
+    Cover,
+    CoverAndDock,
+    Demo,
+    DigitalOutputs,
+    Drive,
+    DriveDirect,
+    Full,
+    Leds,
+    LowSideDrivers,
+    Note,
+    NOTES_PER_SECOND,
+    PauseResumeStream,
+    PlayScript,
+    PlaySong,
+    PwmLowSideDrivers,
+    QueryList,
+    REST,
+    Safe,
+    Script,
+    SendIr,
+    Sensors,
+    ShowScript,
+    Song,
+    SOUNDING,
+    Spot,
+    Start,
+    STARTED,
+    Stream,
+    WaitAngle,
+    WaitDistance,
+    WaitEvent,
+    WaitTime,
 )
 from .packets import (
-    BITS_PER_BYTE, GROUPS, HEADER, NAMES, NUMBERS, PACKET_IDS, PACKETS, SLOT, Budget, Packet,
-    PacketList, Readings, frame_capacity, singles, size_of,
+    BITS_PER_BYTE,
+    Budget,
+    frame_capacity,
+    GROUPS,
+    HEADER,
+    NAMES,
+    NUMBERS,
+    Packet,
+    PACKET_IDS,
+    PacketList,
+    PACKETS,
+    Readings,
+    singles,
+    size_of,
+    SLOT,
 )
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 

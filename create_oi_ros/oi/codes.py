@@ -60,7 +60,8 @@ class DemoNumber(IntEnum):
 
 
 class Radius(IntEnum):
-    """Special radii of Drive, in mm (manual: Drive, opcode 137, Special cases).
+    """
+    Special radii of Drive, in mm (manual: Drive, opcode 137, Special cases).
 
     The manual gives two codes for driving straight, hex 8000 and 7FFF.
     """

@@ -1,12 +1,15 @@
-"""The machinery that turns a declaration of a command into its encoder and decoder.
+"""
+The machinery that turns a declaration of a command into its encoder and decoder.
 
 A subclass of `Command` states the protocol's facts on its class line and its payload as
 annotated fields. No number of the manual stands here: they are all in `commands`.
 """
 
-import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform, get_args, get_origin
+from dataclasses import fields as fields_of
+import struct
+from typing import Any, ClassVar, dataclass_transform, get_args, get_origin, NamedTuple, Self
 
 from .codes import Mode
 from .wire import BIG_ENDIAN, Counted, Wire
@@ -29,7 +32,8 @@ class Tail(NamedTuple):
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class Command:
-    """A command of the Open Interface, an immutable value with keyword-only fields.
+    """
+    A command of the Open Interface, an immutable value with keyword-only fields.
 
     Holding a value out of range is allowed, sending it is not: `encode` raises ValueError.
     """
@@ -56,20 +60,22 @@ class Command:
         if opcode in cls.by_opcode:
             raise TypeError(
                 f'opcode {opcode} of {title} is already that of {cls.by_opcode[opcode].title}')
-        cls.by_opcode[opcode] = cls
         cls.opcode, cls.title, cls.section = opcode, title, section
         cls.modes, cls.enters = modes, enters
         cls.fields, cls.tail = _declared(cls)
         count = 'B' if cls.tail else ''
         formats = ''.join(field.wire.format for field in cls.fields)
         cls._head = struct.Struct(f'{BIG_ENDIAN}B{formats}{count}')
+        cls.by_opcode[opcode] = cls
 
     def encode(self) -> bytes:
         """Return the bytes to send; ValueError names field, value and range."""
-        values = [getattr(self, field.name) for field in self.fields]
-        for field, value in zip(self.fields, values):
-            if not field.wire.allows(value):
-                raise ValueError(refusal(self.title, field.name, value, field.wire))
+        values = []
+        for name, wire in self.fields:
+            value = getattr(self, name)
+            if not wire.allows(value):
+                raise ValueError(refusal(self.title, name, value, wire))
+            values.append(value)
         if self.tail is None:
             return self._head.pack(self.opcode, *values)
         items = self._encode_tail(self.tail)
@@ -78,6 +84,9 @@ class Command:
 
     def _encode_tail(self, tail: Tail) -> bytes:
         items = getattr(self, tail.name)
+        if not isinstance(items, Sequence):
+            raise ValueError(
+                f'{self.title}: {tail.name} = {items!r}; allowed: {tail.counted.describe()}')
         if not tail.counted.allows(len(items)):
             raise ValueError(
                 f'{self.title}: {tail.name} has {len(items)} {tail.counted.noun}; '
@@ -97,7 +106,8 @@ class Command:
 
     @classmethod
     def size(cls, start: bytes | bytearray) -> int:
-        """Tell how many bytes a command that begins so takes, as far as they can tell.
+        """
+        Tell how many bytes a command that begins so takes, as far as they can tell.
 
         While the count of a command of varying length has not arrived, that is the number of
         bytes up to and with the count.
@@ -109,7 +119,8 @@ class Command:
 
     @classmethod
     def decode(cls, encoded: bytes | bytearray) -> Self:
-        """Return the command that whole bytes stand for, whatever their values.
+        """
+        Return the command that whole bytes stand for, whatever their values.
 
         Raises ValueError where the bytes are of another command, too few or too many.
         """
@@ -132,14 +143,15 @@ def _declared(cls: type) -> tuple[tuple[Field, ...], Tail | None]:
     """Read the annotated fields of a class: numbers first, then at most one counted tail."""
     fields: list[Field] = []
     tail: Tail | None = None
-    for name, annotation in cls.__dict__.get('__annotations__', {}).items():
-        kind, declaration = get_args(annotation)
+    for declared in fields_of(cls):
+        kind, declaration = get_args(declared.type)
         if tail is not None:
-            raise TypeError(f'{cls.__name__}.{name} follows a counted field')
+            raise TypeError(f'{cls.__name__}.{declared.name} follows a counted field')
         if isinstance(declaration, Counted):
-            tail = Tail(name, declaration, get_args(kind)[0] if get_origin(kind) else kind)
+            item = get_args(kind)[0] if get_origin(kind) else kind
+            tail = Tail(declared.name, declaration, item)
         else:
-            fields.append(Field(name, declaration))
+            fields.append(Field(declared.name, declaration))
     return tuple(fields), tail
 
 

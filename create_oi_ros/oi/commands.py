@@ -1,4 +1,5 @@
-"""Every command of the Open Interface, declared once.
+"""
+Every command of the Open Interface, declared once.
 
 The class line carries the opcode, the modes in which the robot obeys the command and the mode
 that it enters; the fields carry format, range and unit, in the order of the wire; the docstring
@@ -8,11 +9,19 @@ says what the command does (manual: Open Interface Command Reference).
 from typing import Annotated, NamedTuple
 
 from .codes import (
-    BaudCode, DemoNumber, DriverBits, Event, LedBits, Mode, OutputBits, Radius, StreamState,
+    BaudCode,
+    DemoNumber,
+    DriverBits,
+    Event,
+    LedBits,
+    Mode,
+    OutputBits,
+    Radius,
+    StreamState,
 )
 from .command import Command
 from .packets import PACKET_ID, PACKET_IDS
-from .wire import Counted, Wire, bits, choice, signed_choice
+from .wire import bits, choice, Counted, signed_choice, Wire
 
 STARTED = frozenset({Mode.PASSIVE, Mode.SAFE, Mode.FULL})
 """The modes of commands that only need the Open Interface to have been started."""

@@ -1,4 +1,5 @@
-"""Every sensor packet of the Open Interface, declared once.
+"""
+Every sensor packet of the Open Interface, declared once.
 
 A single packet is a field of `Readings`: the annotation carries its number, the manual's name,
 format, range and unit. Groups are ranges of single packets; their sizes and contents are
@@ -6,15 +7,23 @@ derived. `PacketList` is what a host asks for in Stream and Query List, and how 
 out (manual: Sensor Packets; Input Commands).
 """
 
-import struct
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple, get_args
+from functools import cache
+import struct
+from typing import Annotated, Any, get_args, NamedTuple
 
 from .codes import (
-    Buttons, BumpsAndWheelDrops, ChargingSources, ChargingState, DigitalInputs, Mode, Overcurrents,
+    BumpsAndWheelDrops,
+    Buttons,
+    ChargingSources,
+    ChargingState,
+    DigitalInputs,
+    Infrared,
+    Mode,
+    Overcurrents,
 )
-from .wire import BIG_ENDIAN, Wire, bits, choice
+from .wire import BIG_ENDIAN, bits, choice, Wire
 
 FLAG = Wire('B', 0, 1, boolean=True)
 SIGNAL = Wire('H', 0, 4095)
@@ -31,7 +40,8 @@ class Packet(NamedTuple):
 
 
 class Readings:
-    """Values of single packets, in the units of the manual.
+    """
+    Values of single packets, in the units of the manual.
 
     Only what has arrived is there: reading another attribute raises AttributeError. Values out
     of the manual's range are kept as they came, so that nothing is lost; `implausible` names
@@ -51,7 +61,7 @@ class Readings:
         Packet(14, 'Low Side Driver and Wheel Overcurrents', bits('B', Overcurrents))]
     unused_15: Annotated[int, Packet(15, 'Unused', Wire('B', 0, 0))]
     unused_16: Annotated[int, Packet(16, 'Unused', Wire('B', 0, 0))]
-    infrared: Annotated[int, Packet(17, 'Infrared Byte', Wire('B', 0, 255))]
+    infrared: Annotated[int, Packet(17, 'Infrared Byte', Wire('B', 0, 255, names=Infrared))]
     buttons: Annotated[Buttons, Packet(18, 'Buttons', bits('B', Buttons))]
     distance: Annotated[int, Packet(19, 'Distance', Wire('h', -32768, 32767, 'mm'))]
     angle: Annotated[int, Packet(20, 'Angle', Wire('h', -32768, 32767, 'deg'))]
@@ -90,7 +100,7 @@ class Readings:
 
     def __init__(self, values: Mapping[str, Any] | None = None) -> None:
         """Hold values by field name."""
-        if values is not None:
+        if values:
             self.__dict__.update(values)
 
     def __repr__(self) -> str:
@@ -110,8 +120,9 @@ class Readings:
 
     def implausible(self) -> list[str]:
         """Name the readings that are out of the manual's range."""
-        return [name for name, value in self.__dict__.items()
-                if not PACKETS[NUMBERS[name]].wire.allows(value)]
+        values = self.__dict__
+        return [name for name, plausible in _plausible().items()
+                if name in values and values[name] not in plausible]
 
 
 NAMES: dict[int, str] = {}
@@ -123,6 +134,25 @@ for _name, _annotation in Readings.__annotations__.items():
     NAMES[_packet.id], PACKETS[_packet.id] = _name, _packet
 NUMBERS = {name: number for number, name in NAMES.items()}
 
+
+@cache
+def _members(wire: Wire) -> tuple[Any, ...]:
+    """Return what each byte stands for."""
+    return tuple(wire.named(value) for value in range(256))
+
+
+@cache
+def _plausible() -> dict[str, Container[int]]:
+    """Return, by field name, what the manual allows of the packets that could bring more."""
+    allowed: dict[str, Container[int]] = {}
+    for name, number in NUMBERS.items():
+        wire = PACKETS[number].wire
+        span = range(wire.low, wire.high + 1)
+        if len(span) < 256 ** struct.calcsize(wire.format):
+            allowed[name] = frozenset(filter(wire.allows, span)) if wire.mask else span
+    return allowed
+
+
 GROUPS: dict[int, range] = {
     0: range(7, 26 + 1), 1: range(7, 16 + 1), 2: range(17, 20 + 1), 3: range(21, 26 + 1),
     4: range(27, 34 + 1), 5: range(35, 42 + 1), 6: range(7, 42 + 1),
@@ -133,6 +163,8 @@ PACKET_ID = Wire('B', min(PACKET_IDS), max(PACKET_IDS))
 
 HEADER = 19
 """First byte of a stream frame (manual: Stream)."""
+FRAME_LIMIT = 3 + 255
+"""Bytes of the longest frame that the length byte can tell."""
 SLOT = 0.015
 """Seconds between two frames, and between two updates inside the robot (manual: Stream)."""
 BITS_PER_BYTE = 10
@@ -191,12 +223,16 @@ class PacketList:
         self._values = struct.Struct(BIG_ENDIAN + ''.join(wire.format for wire in wires))
         self._frame = struct.Struct(f'{BIG_ENDIAN}xx{self._tagged("x")}x')
         self._converted = [
-            (place, [wire.named(value) for value in range(256)])
+            (place, _members(wire))
             for place, wire in enumerate(wires) if wire.boolean or wire.names]
         self.reply_size = self._values.size
         self.frame_size = self._frame.size
-        self.length = self.frame_size - len((HEADER, 'length', 'checksum'))
-        """The length byte of a frame: all bytes between it and the checksum."""
+        self.length = self.frame_size - len((HEADER, 'length', 'checksum')) & 0xff
+        """The length byte of a frame: how many bytes lie between it and the checksum.
+
+        A list may be too long for one byte (a Query List of 255 groups); its low byte stands
+        here then, and the list's `budget` fits at no baud rate.
+        """
         self._mask, self._tags = self._fixed_bytes()
 
     @classmethod
@@ -224,7 +260,8 @@ class PacketList:
         return ''.join(formats)
 
     def _fixed_bytes(self) -> tuple[int, int]:
-        """Return a mask over the bytes of a frame that never change, and those bytes.
+        """
+        Return a mask over the bytes of a frame that never change, and those bytes.
 
         Comparing them as one large number is the fastest way there is in Python to see that a
         frame has the header, the length and the packet numbers that were asked for.
@@ -241,6 +278,8 @@ class PacketList:
     def matches(self, frame: bytes | bytearray) -> bool:
         """Tell whether the beginning of a frame may be of this list (header, length, ids)."""
         missing = 8 * (self.frame_size - len(frame))
+        if not missing:
+            return int.from_bytes(frame) & self._mask == self._tags
         return int.from_bytes(frame) & (self._mask >> missing) == self._tags >> missing
 
     def budget(self, baud: int) -> Budget:
@@ -262,15 +301,18 @@ class PacketList:
     def _readings(self, raw: tuple[Any, ...]) -> Readings:
         values = list(raw)
         for place, members in self._converted:
-            values[place] = members[values[place]]
-        return Readings(zip(self.names, values))  # type: ignore[arg-type]
+            values[place] = members[raw[place]]
+        readings = object.__new__(Readings)
+        readings.__dict__ = dict(zip(self.names, values))
+        return readings
 
     def pack_reply(self, values: Sequence[int]) -> bytes:
         """Encode the reply to Query List (or Sensors), values in the order of `packets`."""
         return self._values.pack(*values)
 
     def pack_frame(self, values: Sequence[int], *, header_in_sum: bool = True) -> bytes:
-        """Encode a stream frame, values in the order of `packets`.
+        """
+        Encode a stream frame, values in the order of `packets`.
 
         The manual leaves the header out of the checksum; real robots include it.
         """

@@ -1,4 +1,5 @@
-"""Bytes in flight, both ways: frames from the robot, commands to it.
+"""
+Bytes in flight, both ways: frames from the robot, commands to it.
 
 Both readers work alike: `feed` only appends bytes, `next_event` takes one event out, or returns
 None when more bytes are needed. However the bytes are cut, the same events come out; the bytes
@@ -12,11 +13,12 @@ the checksum. After a failure it looks again from the byte after the false heade
 
 from collections.abc import Iterable
 from enum import Enum
+import re
 from typing import NamedTuple
 from zlib import adler32
 
 from .command import Command
-from .packets import HEADER, PacketList, Readings
+from .packets import FRAME_LIMIT, HEADER, PacketList, Readings
 
 
 class Checksum(Enum):
@@ -26,6 +28,10 @@ class Checksum(Enum):
     """Length, ids and values, as the manual says."""
     HARDWARE = 'hardware'
     """The header too, as real robots do."""
+
+
+BY_TOTAL = {0: Checksum.HARDWARE, HEADER: Checksum.MANUAL}
+"""Conventions by what all bytes of a frame add up to, header and checksum included."""
 
 
 class Frame(NamedTuple):
@@ -49,23 +55,39 @@ class Garbage(NamedTuple):
     @property
     def text(self) -> str:
         """What is readable in it (the robot says who it is when it boots), else ''."""
-        shown = ''.join(chr(byte) for byte in self.data if 32 <= byte < 127 or byte in b'\r\n')
-        return shown.strip() if len(shown) * 5 >= len(self.data) * 4 else ''
+        return readable(self.data)
 
 
+READABLE = re.compile(rb'[ -~\t\r\n]{6,}')
+"""Fewer readable characters than this in a row are chance, not text."""
 GARBAGE_AT_ONCE = 256
 """Garbage is handed out in pieces of this size, so that memory stays bounded."""
 SWITCH_AFTER = 3
 """Frames in a row that verify only by the other convention before the reader believes it."""
 
 
+def readable(data: bytes) -> str:
+    """
+    Return the runs of text among other bytes, each on lines of its own; '' if there are none.
+
+    The boot banner may come behind half a frame, or in two pieces of garbage: join the bytes of
+    what came together, then look.
+    """
+    runs = (run.decode('ascii').strip() for run in READABLE.findall(data))
+    return '\n'.join(run for run in runs if run)
+
+
 class StreamReader:
-    """Turns the bytes of a stream into frames and garbage."""
+    """
+    Turns the bytes of a stream into frames and garbage.
+
+    Once all events are taken it holds no more than 255 bytes of garbage and an unfinished frame.
+    """
 
     def __init__(self, expected: Iterable[PacketList] = ()) -> None:
         """Expect frames of these lists; they can be changed at any time."""
         self._buffer = bytearray()
-        self._start = 0
+        self._start = 0  # so many bytes at the beginning are known to be garbage
         self._by_length: dict[int, tuple[PacketList, ...]] = {}
         self._other_in_a_row = 0
         self.checksum: Checksum | None = None
@@ -75,10 +97,15 @@ class StreamReader:
         self.expect(expected)
 
     def expect(self, lists: Iterable[PacketList]) -> None:
-        """Expect frames of these lists from now on: the new one, and the old one in flight."""
+        """
+        Expect frames of these lists from now on: the new one, and the old one in flight.
+
+        Bytes already found to be garbage stay garbage. Lists that no frame can hold, empty ones
+        and those beyond what the length byte can say, are passed over.
+        """
         by_length: dict[int, tuple[PacketList, ...]] = {}
         for packets in lists:
-            if packets.ids:
+            if packets.ids and packets.frame_size <= FRAME_LIMIT:
                 same = by_length.get(packets.length, ())
                 by_length[packets.length] = (*same, packets)
         self._by_length = by_length
@@ -90,24 +117,38 @@ class StreamReader:
     def next_event(self) -> Frame | Garbage | None:
         """Take out the next frame or garbage; None when more bytes are needed."""
         buffer = self._buffer
-        while self._start < len(buffer):
-            if self._start >= GARBAGE_AT_ONCE:
-                return self._take_garbage(GARBAGE_AT_ONCE)
-            if buffer[self._start] != HEADER:
-                next_header = buffer.find(HEADER, self._start)
-                self._start = len(buffer) if next_header < 0 else next_header
-                continue
-            found = self._frame_at(self._start)
-            if found is None:
+        while (start := self._start) < GARBAGE_AT_ONCE:
+            left = len(buffer) - start
+            if left == 0 or left == 1 and buffer[start] == HEADER:
                 return None
-            if found is not False:
-                if self._start:
-                    return self._take_garbage(self._start)
-                del buffer[:found.packets.frame_size]
-                return found
-            self._start += 1
-        if self._start >= GARBAGE_AT_ONCE:
-            return self._take_garbage(GARBAGE_AT_ONCE)
+            packets = self._candidate(start)
+            if packets is not None:
+                end = start + packets.frame_size
+                if len(buffer) < end:
+                    return None
+                data = bytes(buffer[start:end])
+                checksum = self._verify(data)
+                if checksum is not None:
+                    if start:
+                        return self._take_garbage(start)
+                    del buffer[:end]
+                    return Frame(packets, data, checksum)
+            next_header = buffer.find(HEADER, start + 1)
+            self._start = len(buffer) if next_header < 0 else next_header
+        return self._take_garbage(GARBAGE_AT_ONCE)
+
+    def _candidate(self, start: int) -> PacketList | None:
+        """
+        Return the list whose frame may begin here, as far as the bytes go.
+
+        A whole frame is of one list at most: where two lists of one length first differ, the
+        number stands in the same place in both.
+        """
+        buffer = self._buffer
+        if buffer[start] == HEADER:
+            for packets in self._by_length.get(buffer[start + 1], ()):
+                if packets.matches(buffer[start:start + packets.frame_size]):
+                    return packets
         return None
 
     def flush(self) -> Garbage | None:
@@ -121,42 +162,23 @@ class StreamReader:
         self._start -= size
         return garbage
 
-    def _frame_at(self, start: int) -> 'Frame | None | bool':
-        """Return the frame that begins here, None while it may yet become one, else False."""
-        buffer = self._buffer
-        if len(buffer) < start + 2:
-            return None
-        for packets in self._by_length.get(buffer[start + 1], ()):
-            data = bytes(buffer[start:start + packets.frame_size])
-            if not packets.matches(data):
-                continue
-            if len(data) < packets.frame_size:
-                return None
-            checksum = self._verify(data)
-            if checksum is not None:
-                return Frame(packets, data, checksum)
-        return False
-
     def _verify(self, data: bytes) -> Checksum | None:
-        """Return the convention under which the checksum is right, if it may be believed."""
+        """
+        Return the convention under which the checksum is right, if it may be believed.
+
+        The first frame decides. From then on frames by the other convention are refused, for
+        one byte in 256 is right by chance, until so many come in a row that it is no chance.
+        """
         # The low half of Adler-32 is one more than the sum of the bytes, computed in C.
-        total = (adler32(data) & 0xffff) - 1 & 0xff
-        if total == 0:
-            found = Checksum.HARDWARE
-        elif total == HEADER:
-            found = Checksum.MANUAL
-        else:
+        found = BY_TOTAL.get(adler32(data) - 1 & 0xff)
+        if found is not None and found is not self.checksum:
+            self._other_in_a_row += 1
+            if self.checksum is None or self._other_in_a_row >= SWITCH_AFTER:
+                self.checksum = found
+        if found is None or found is not self.checksum:
             self.checksum_failures += 1
             return None
-        if self.checksum in (None, found):
-            self.checksum = found
-            self._other_in_a_row = 0
-            return found
-        self._other_in_a_row += 1
-        if self._other_in_a_row < SWITCH_AFTER:
-            self.checksum_failures += 1
-            return None
-        self.checksum = found
+        self._other_in_a_row = 0
         return found
 
 
@@ -167,7 +189,8 @@ class UnknownOpcode(NamedTuple):
 
 
 class CommandReader:
-    """Turns the bytes that a host sends into commands, as the robot reads them.
+    """
+    Turns the bytes that a host sends into commands, as the robot reads them.
 
     A command that is cut short waits for its data bytes and swallows what comes next (manual:
     Open Interface Command Reference).
@@ -188,9 +211,6 @@ class CommandReader:
         kind = Command.by_opcode.get(buffer[0])
         size = 1 if kind is None else kind.size(buffer)
         if len(buffer) < size:
-            return None
-        # A count that has just arrived makes the command longer.
-        if kind is not None and len(buffer) < (size := kind.size(buffer)):
             return None
         data = bytes(buffer[:size])
         del buffer[:size]

@@ -1,4 +1,5 @@
-"""How a value travels: its format, its range, its unit.
+"""
+How a value travels: its format, its range, its unit.
 
 A declaration is written once, as the annotation of a field
 (``velocity: Annotated[int, Wire('h', -500, 500, 'mm/s')]``), and everything else is derived
@@ -17,7 +18,8 @@ BIG_ENDIAN = '>'
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """One number on the wire: a struct format, the range the manual allows, unit and names.
+    """
+    One number on the wire: a struct format, the range the manual allows, unit and names.
 
     Members of ``names`` outside of ``low`` to ``high`` are allowed too (the special radii of
     Drive); values in ``but`` are not (there is no event 0). A set of flags allows its bits only.
@@ -30,9 +32,13 @@ class Wire:
     names: type[IntEnum] | type[IntFlag] | None = None
     but: tuple[int, ...] = ()
     boolean: bool = False
+    inverse: bool = False
+    """The negative of a named number stands for its inverse (Wait Event)."""
 
     def allows(self, value: object) -> bool:
         """Tell whether a value may be sent; anything but a whole number may not."""
+        if type(value) is int and self.names is None:
+            return self.low <= value <= self.high
         try:
             number = index(value)  # type: ignore[arg-type]
         except TypeError:
@@ -62,6 +68,8 @@ class Wire:
         if self.names is not None:
             outside = [m for m in self.names if not self.low <= m.value <= self.high]
             text += ''.join(f', {member.value} {member.name}' for member in outside)
+            if self.inverse:
+                text += ' (negative for the inverse)'
         return text + ''.join(f', but not {value}' for value in self.but)
 
     def named(self, value: int) -> Any:
@@ -107,7 +115,7 @@ def choice(code: str, names: type[IntEnum]) -> Wire:
 def signed_choice(code: str, names: type[IntEnum]) -> Wire:
     """Declare a number that must be one of an enumeration's, or the negative of one."""
     most = max(member.value for member in names)
-    return Wire(code, -most, most, names=names, but=(0,))
+    return Wire(code, -most, most, names=names, but=(0,), inverse=True)
 
 
 def bits(code: str, names: type[IntFlag]) -> Wire:

@@ -1,0 +1,223 @@
+"""Sensor packets against the manual: bytes, sizes, ranges, groups, the stream budget."""
+
+from collections.abc import Iterable, Mapping
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+import vectors
+
+EVERYTHING = oi.PacketList(vectors.SIZES)
+
+
+def named(vector: vectors.PacketVector) -> str:
+    return f'{oi.NAMES[vector.id]}-{" ".join(map(str, vector.data))}'
+
+
+@pytest.mark.parametrize('vector', vectors.PACKETS, ids=named)
+def test_the_bytes_are_the_manuals(vector: vectors.PacketVector) -> None:
+    packets = oi.PacketList([vector.id])
+    name = oi.NAMES[vector.id]
+    value = getattr(packets.unpack_reply(vector.data), name)
+    assert value == vector.value and type(value) is type(vector.value)
+    assert packets.pack_reply([int(value)]) == vector.data
+
+
+def missing_evidence(
+        packets: Mapping[int, oi.Packet], given: Iterable[vectors.PacketVector]) -> list[str]:
+    """Name what the vectors leave unproven: rows, signs, byte order, bits."""
+    known = list(given)
+    lacking = []
+    for number, (_, title, wire) in packets.items():
+        shown = [vector for vector in known if vector.id == number]
+        values = [int(vector.value) for vector in shown]  # type: ignore[call-overload]
+        top = 0x80 if wire.format in 'bB' else 0x8000
+        if not shown:
+            lacking.append(title)
+        if wire.format in 'bh' and min(values, default=0) >= 0:
+            lacking.append(f'{title}: sign')
+        elif wire.format == 'H' and max(values, default=0) < top:
+            lacking.append(f'{title}: no sign')
+        elif wire.format == 'B' and not wire.names and not wire.boolean and (
+                max(values, default=0) < top):
+            lacking.append(f'{title}: no sign')
+        if wire.format in 'hH' and all(len(set(vector.data)) == 1 for vector in shown):
+            lacking.append(f'{title}: byte order')
+        if wire.mask and not {int(bit) for bit in wire.names or ()} <= set(values):
+            lacking.append(f'{title}: bits')
+    return lacking
+
+
+def test_every_packet_has_a_vector_that_shows_sign_and_order() -> None:
+    assert missing_evidence(oi.PACKETS, vectors.PACKETS) == []
+
+
+def test_a_packet_without_evidence_is_refused() -> None:
+    chosen = {number: oi.PACKETS[number] for number in (7, 15, 19, 22, 24)}
+    some = [
+        vectors.PacketVector(7, b'\1', oi.BumpsAndWheelDrops.BUMP_RIGHT),
+        vectors.PacketVector(15, b'\0', 0), vectors.PacketVector(19, b'\1\1', 257)]
+    assert missing_evidence(chosen, some) == [
+        'Bumps and Wheel Drops: bits', 'Unused: no sign', 'Distance: sign',
+        'Distance: byte order', 'Voltage', 'Voltage: no sign', 'Voltage: byte order',
+        'Battery Temperature', 'Battery Temperature: sign']
+
+
+def test_sizes_are_the_manuals() -> None:
+    assert {number: oi.size_of(number) for number in oi.PACKETS} == vectors.SIZES
+
+
+def test_ranges_are_the_manuals() -> None:
+    declared = {number: (wire.low, wire.high) for number, (_, _, wire) in oi.PACKETS.items()}
+    assert declared | {18: (0, 5)} == vectors.RANGES
+    assert declared[18] == (0, oi.Buttons.PLAY + oi.Buttons.ADVANCE)
+
+
+def test_groups_are_the_manuals() -> None:
+    for number, (size, first, last) in vectors.GROUPS.items():
+        assert tuple(oi.singles(number)) == tuple(range(first, last + 1))
+        assert oi.size_of(number) == size == oi.PacketList([number]).reply_size
+        assert size == sum(vectors.SIZES[n] for n in range(first, last + 1))
+    assert set(vectors.GROUPS) == set(oi.GROUPS)
+
+
+def test_there_are_43_packets() -> None:
+    assert sorted(oi.PACKET_IDS) == list(range(43))
+    with pytest.raises(KeyError):
+        oi.size_of(43)
+    with pytest.raises(KeyError):
+        oi.singles(43)
+
+
+def test_a_group_brings_its_singles() -> None:
+    data = bytes(range(1, 53))
+    assert oi.PacketList([6]).unpack_reply(data) == EVERYTHING.unpack_reply(data)
+    assert len(EVERYTHING.names) == 36
+
+
+def test_two_sensors_in_the_order_asked_for() -> None:
+    reply = oi.PacketList([13, 9]).unpack_reply(b'\0\1')
+    assert reply.virtual_wall is False and reply.cliff_left is True
+
+
+def test_a_reply_of_another_length_is_refused() -> None:
+    with pytest.raises(ValueError, match=r'1 bytes for packets \(9, 13\); expected 2'):
+        oi.PacketList([9, 13]).unpack_reply(b'\0')
+
+
+def test_the_manuals_stream_frame() -> None:
+    packets = oi.PacketList([29, 13])
+    readings = packets.unpack_frame(vectors.STREAM_FRAME)
+    assert readings == oi.Readings(vectors.STREAM_VALUES)
+    values = list(vectors.STREAM_VALUES.values())
+    assert packets.pack_frame(values, header_in_sum=False) == vectors.STREAM_FRAME
+    assert packets.pack_frame(values) == vectors.STREAM_FRAME_OF_REAL_ROBOTS
+    assert packets.length == 5 and packets.frame_size == 8
+
+
+def test_the_stream_budget() -> None:
+    for baud, capacity in vectors.STREAM_CAPACITY.items():
+        assert oi.frame_capacity(baud) == capacity
+    budget = oi.PacketList([29, 13]).budget(57600)
+    assert budget == oi.Budget(size=8, capacity=86, seconds=80 / 57600)
+    assert budget.fits and budget.spare == 78
+    full = EVERYTHING.budget(57600)
+    assert (full.size, full.spare, full.fits) == (3 + 36 + 52, -5, False)
+    assert EVERYTHING.budget(115200).fits
+    just = oi.PacketList([*range(7, 15), *range(17, 42)])
+    assert just.budget(57600).spare >= 0 and not just.budget(19200).fits
+
+
+@pytest.mark.parametrize('baud', oi.BaudCode, ids=lambda code: code.name)
+def test_capacity_is_whole_bytes_in_15_ms(baud: oi.BaudCode) -> None:
+    assert oi.frame_capacity(baud.rate) == 15 * baud.rate // 10000
+
+
+def test_a_list_of_what_is_no_packet_is_refused() -> None:
+    with pytest.raises(ValueError, match='packet 43; allowed: 0 to 42'):
+        oi.PacketList([7, 43])
+    with pytest.raises(ValueError, match="no packet is named 'bump'; allowed: bumps_and"):
+        oi.PacketList.named('bump')
+
+
+def test_a_list_can_be_given_by_names() -> None:
+    packets = oi.PacketList.named('distance', 'angle')
+    assert packets == oi.PacketList((19, 20)) and hash(packets) == hash(oi.PacketList([19, 20]))
+    assert packets != (19, 20)
+    assert repr(packets) == 'PacketList((19, 20))'
+    assert packets.names == ('distance', 'angle')
+
+
+def test_the_longest_query_list_has_a_reply() -> None:
+    packets = oi.PacketList([6] * 255)
+    assert packets.reply_size == 255 * 52
+    assert packets.unpack_reply(bytes(packets.reply_size)).voltage == 0
+    assert not any(packets.budget(code.rate).fits for code in oi.BaudCode)
+
+
+def test_readings_hold_only_what_arrived() -> None:
+    readings = oi.PacketList.named('distance').unpack_reply(b'\xff\x38')
+    assert readings.has('distance') and not readings.has('distance', 'angle')
+    with pytest.raises(AttributeError):
+        _ = readings.angle
+    readings.update(oi.PacketList.named('angle', 'oi_mode').unpack_reply(b'\0\1\2'))
+    assert repr(readings) == 'Readings(distance=-200, angle=1, oi_mode=<Mode.SAFE: 2>)'
+    assert readings != oi.Readings() and readings != 'readings'
+
+
+def test_readings_out_of_the_manuals_range_are_kept_and_named() -> None:
+    packets = oi.PacketList.named(
+        'wall', 'buttons', 'charging_state', 'wall_signal', 'voltage', 'oi_mode')
+    fine = packets.unpack_reply(bytes([1, 5, 5, 15, 255, 255, 255, 3]))
+    assert fine.implausible() == []
+    odd = packets.unpack_reply(bytes([2, 2, 6, 16, 0, 255, 255, 4]))
+    assert odd.implausible() == ['wall', 'buttons', 'charging_state', 'wall_signal', 'oi_mode']
+    assert [odd.wall, odd.charging_state, odd.wall_signal, odd.oi_mode] == [2, 6, 4096, 4]
+    assert odd.buttons == 2
+
+
+def test_readings_agree_with_their_declared_ranges() -> None:
+    for number, (_, _, wire) in oi.PACKETS.items():
+        packets = oi.PacketList([number])
+        size = oi.size_of(number)
+        for value in (0, 1, 2, 5, 16, 42, 44, 127, 128, 255, 501, 4096, 40000, 65535):
+            if value < 256 ** size:
+                readings = packets.unpack_reply(value.to_bytes(size))
+                allowed = wire.allows(getattr(readings, oi.NAMES[number]))
+                assert readings.implausible() == ([] if allowed else [oi.NAMES[number]])
+
+
+ANY_LIST = st.lists(st.sampled_from(oi.PACKET_IDS), max_size=20)
+
+
+@given(ANY_LIST, st.data())
+def test_encode_of_decode_is_identity(ids: list[int], data: st.DataObject) -> None:
+    packets = oi.PacketList(ids)
+    size = packets.reply_size
+    reply = data.draw(st.binary(min_size=size, max_size=size))
+    readings = packets.unpack_reply(reply)
+    assert readings.has(*packets.names)
+    if len(set(packets.names)) == len(packets.names):
+        assert packets.pack_reply([getattr(readings, name) for name in packets.names]) == reply
+
+
+@given(ANY_LIST, st.data(), st.booleans())
+def test_a_frame_is_what_the_manual_says(
+        ids: list[int], data: st.DataObject, header_in_sum: bool) -> None:
+    packets = oi.PacketList(ids)
+    size = packets.reply_size
+    reply = data.draw(st.binary(min_size=size, max_size=size))
+    values = packets._values.unpack(reply)
+    frame = packets.pack_frame(values, header_in_sum=header_in_sum)
+    assert frame[:2] == bytes([19, len(frame) - 3 & 0xff])
+    assert sum(frame if header_in_sum else frame[1:]) % 256 == 0
+    rest = frame[2:-1]
+    for number in ids:
+        assert rest[0] == number
+        assert rest[1:1 + oi.size_of(number)] == reply[:oi.size_of(number)]
+        rest, reply = rest[1 + oi.size_of(number):], reply[oi.size_of(number):]
+    assert not rest
+    assert packets.matches(frame)
+    assert packets.unpack_frame(frame) == packets.unpack_reply(packets.pack_reply(values))
