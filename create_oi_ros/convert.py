@@ -28,6 +28,11 @@ def time(nanoseconds: int) -> Time:
     return Time(sec=seconds, nanosec=rest)
 
 
+def header(frame: str, stamp: Time) -> Header:
+    """Return a header."""
+    return Header(frame_id=frame, stamp=stamp)
+
+
 def quaternion(yaw: float) -> Quaternion:
     """Return a rotation about the vertical."""
     return Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))

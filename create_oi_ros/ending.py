@@ -2,25 +2,31 @@
 Ending on a signal, for programs whose main thread waits in C.
 
 There a Python signal handler would not run until the wait is over, and rclpy's own handlers end
-the context before the robot has been told goodbye. So the signals are blocked, and a thread
-waits for them.
+the context before the robot has been told goodbye. So the interpreter notes the signal on a
+socket, whichever thread it came to, and a thread of ours reads that socket.
 """
 
 from collections.abc import Callable
 import signal
+import socket
 import threading
 
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-def block_signals() -> None:
-    """Hold the signals back; call it before any other thread is started."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
-
-
 def call_on_signal(end: Callable[[], None]) -> None:
-    """Call `end` on a thread of its own when the first of the signals comes."""
+    """Call `end` on a thread of its own when a signal says to stop; from the main thread only."""
+    noted, note = socket.socketpair()
+    note.setblocking(False)
+
     def wait() -> None:
-        signal.sigwait(STOPPING)
+        noted.recv(1)
         end()
+        # The sockets live as long as the handler may write to them.
+        noted.recv(1)
+        note.close()
+
+    signal.set_wakeup_fd(note.fileno(), warn_on_full_buffer=False)
+    for number in STOPPING:
+        signal.signal(number, lambda *_: None)
     threading.Thread(target=wait, name='signals', daemon=True).start()

@@ -5,55 +5,44 @@ import sys
 import time
 
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray
+from create_oi_msgs.srv import SetMode
 from geometry_msgs.msg import Twist, TwistStamped
-from nav_msgs.msg import Odometry
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from tf2_msgs.msg import TFMessage
 
-try:
-    from create_oi_msgs.msg import Mode
-    from create_oi_msgs.srv import SetMode
-except ImportError as error:
-    raise SystemExit(
-        f'create_node: {error}. Build create_oi_msgs as well: `colcon build --base-paths '
-        'PATH/create_oi_ros PATH/create_oi_ros/msg_defs`, then source install/setup.bash'
-    ) from error
-
-from . import convert, diagnostics, oi, parameters
+from . import convert, diagnostics, oi, parameters, topics
 from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Severity
-from .ending import block_signals, call_on_signal
+from .ending import call_on_signal
 from .odometry import Estimate
+from .services import SERVICES
 from .session import Session
-from .topics import Edge, header, sensor_topics
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""For what changes rarely: who comes late gets the present state."""
 DIAGNOSTICS_PERIOD = 1.0
+MODES = ', '.join(f'{mode.value} {mode.name}' for mode in oi.Mode)
 
 
 class CreateNode(Node):
     """Publishes what the robot senses, and lets others drive it."""
 
-    def __init__(self) -> None:
-        """Declare everything; ValueError says which parameter is wrong. Opens nothing."""
+    def __init__(self, ended: Future) -> None:
+        """
+        Declare everything; ValueError says which parameter is wrong. Opens nothing.
+
+        `ended` gets the exit code when the node cannot go on.
+        """
         super().__init__('create')
-        self.ended = Future()
-        """Done when the node has to end; its result is the exit code."""
         self.parameters = parameters.declare(self)
         self.add_on_set_parameters_callback(parameters.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
         self.session = Session(
             Driver(self.parameters.settings()), self.parameters.port,
-            on_event=self._on_event, on_failure=lambda: self.ended.set_result(1))
+            on_event=self._on_event, on_failure=lambda: ended.set_result(1))
         self._mode_published: ModeStatus | None = None
         self._declare_topics()
         self._declare_services()
@@ -62,24 +51,25 @@ class CreateNode(Node):
         self._publish_mode()
 
     def _declare_topics(self) -> None:
-        self._odom = self.create_publisher(Odometry, 'odom', 10)
-        self._tf = self.create_publisher(TFMessage, '/tf', 100)
-        self._joints = self.create_publisher(JointState, 'joint_states', 10)
-        self._mode = self.create_publisher(Mode, 'mode', LATCHED)
-        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        def publisher(topic: topics.Topic) -> Publisher:
+            return self.create_publisher(topic.type, topic.name, topic.qos)
+        self._odom = publisher(topics.ODOM)
+        self._tf = publisher(topics.TF)
+        self._joints = publisher(topics.JOINT_STATES)
+        self._mode = publisher(topics.MODE)
+        self._diagnostics = publisher(topics.DIAGNOSTICS)
+        charge_known = self.parameters.battery_technology == 'nimh'
         self._sensors = [
-            (topic, Edge(topic), self.create_publisher(topic.type, topic.name, 10))
-            for topic in sensor_topics(
-                charge_known=self.parameters.battery_technology == 'nimh')]
+            (topic, topics.Edge(topic), publisher(topic))
+            for topic in topics.sensor_topics(charge_known=charge_known)]
         if self.parameters.enable_stamped_cmd_vel:
             self.create_subscription(TwistStamped, 'cmd_vel', self._on_stamped_velocity, 1)
         else:
             self.create_subscription(Twist, 'cmd_vel', self._on_velocity, 1)
 
     def _declare_services(self) -> None:
-        self.create_service(SetMode, 'set_mode', self._set_mode)
-        self.create_service(Trigger, 'stop', self._stop)
-        self.create_service(Trigger, 'reset_odometry', self._reset_odometry)
+        for service in SERVICES:
+            self.create_service(service.type, service.name, getattr(self, f'_{service.name}'))
 
     # From ROS to the robot: on the executor's thread.
 
@@ -99,7 +89,7 @@ class CreateNode(Node):
                 driver.set_mode(oi.Mode(request.mode), now, lambda *answer: (
                     answered.set_result(answer)))
             else:
-                answered.set_result((False, f'mode {request.mode}; allowed: 1 to 3'))
+                answered.set_result((False, f'mode {request.mode} is none of {MODES}'))
         response.success, response.message = await answered
         return response
 
@@ -138,11 +128,11 @@ class CreateNode(Node):
 
     def _publish_motion(self, estimate: Estimate, stamp: Time) -> None:
         base, odom = self.parameters.base_frame, self.parameters.odom_frame
-        self._odom.publish(convert.odometry(estimate, header(odom, stamp), base))
-        self._joints.publish(convert.joint_states(estimate, header('', stamp)))
+        self._odom.publish(convert.odometry(estimate, convert.header(odom, stamp), base))
+        self._joints.publish(convert.joint_states(estimate, convert.header('', stamp)))
         if self.parameters.publish_tf:
-            self._tf.publish(TFMessage(
-                transforms=[convert.transform(estimate, header(odom, stamp), base)]))
+            self._tf.publish(topics.TF.type(
+                transforms=[convert.transform(estimate, convert.header(odom, stamp), base)]))
 
     def _publish_sensors(self, moved: Moved) -> None:
         stamp = self._stamp(moved.stamp)
@@ -150,19 +140,20 @@ class CreateNode(Node):
         for topic, edge, publisher in self._sensors:
             if edge.due(moved.readings, moved.stamp, period):
                 publisher.publish(topic.convert(
-                    moved.readings, header(self.parameters.base_frame, stamp)))
+                    moved.readings, convert.header(self.parameters.base_frame, stamp)))
 
     def _publish_mode(self) -> None:
         status = self.session.driver.status
         if status != self._mode_published:
             self._mode_published = status
             now = self.get_clock().now().to_msg()
-            self._mode.publish(convert.mode(status, header(self.parameters.base_frame, now)))
+            header = convert.header(self.parameters.base_frame, now)
+            self._mode.publish(convert.mode(status, header))
 
     def _publish_diagnostics(self) -> None:
         name = self.get_fully_qualified_name().lstrip('/')
         with self.session.request() as (driver, _now):
-            message = DiagnosticArray(status=[
+            message = topics.DIAGNOSTICS.type(status=[
                 diagnostics.serial_link(
                     name, driver, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
                 diagnostics.mode(name, driver)])
@@ -182,24 +173,25 @@ class CreateNode(Node):
 
 def main() -> int:
     """Run the node until it is told to stop; 0 when it was, 2 when a parameter is wrong."""
-    block_signals()
+    ended = Future()
+    call_on_signal(lambda: ended.set_result(0))
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     try:
-        node = CreateNode()
+        node = CreateNode(ended)
     except ValueError as error:
         print(f'create_node: {error}', file=sys.stderr)
         return 2
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     try:
-        call_on_signal(lambda: node.ended.set_result(0))
         node.session.start()
-        executor.spin_until_future_complete(node.ended)
+        executor.spin_until_future_complete(ended)
     finally:
         node.session.close()
+        executor.shutdown()
         node.destroy_node()
         rclpy.shutdown()
-    return int(node.ended.result())
+    return int(ended.result())
 
 
 if __name__ == '__main__':

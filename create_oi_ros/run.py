@@ -25,12 +25,13 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
-from .ending import block_signals, call_on_signal
+from . import oi
+from .ending import call_on_signal
 
 GRACE = 1.5
 """Seconds that a child has to end by itself once it was asked to."""
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-MODES = {value: name for name, value in vars(Mode).items() if name.isupper()}
+MODES = {**{mode.value: mode.name for mode in oi.Mode}, Mode.UNKNOWN: 'NO ROBOT'}
 
 
 class Children:
@@ -67,9 +68,9 @@ class Children:
 class Status(Node):
     """Listens to the driver and prints a line a second."""
 
-    def __init__(self, children: Children) -> None:
+    def __init__(self, children: Children, ended: Future) -> None:
         super().__init__('create_run')
-        self.ended = Future()
+        self._ended = ended
         self._children = children
         self._frames = 0
         self._odom: Odometry | None = None
@@ -101,7 +102,7 @@ class Status(Node):
         ended = self._children.ended()
         if ended is not None:
             print(f'create_run: {ended}; see above for why', file=sys.stderr)
-            self.ended.set_result(1)
+            self._ended.set_result(1)
             return
         print('  '.join((
             f'{self._frames:3d} frames/s', self._mode_text(), self._odom_text(),
@@ -147,18 +148,18 @@ def introduction(port: str, simulated: bool) -> str:
     return '\n'.join([*lines, 'Ctrl-C stops the robot and everything here.'])
 
 
-def _watch(children: Children) -> int:
+def _watch(children: Children, ended: Future) -> int:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    status = Status(children)
+    status = Status(children, ended)
     executor = SingleThreadedExecutor()
     executor.add_node(status)
-    call_on_signal(lambda: status.ended.set_result(0))
-    executor.spin_until_future_complete(status.ended)
+    executor.spin_until_future_complete(ended)
     # Ending the children comes before tearing down: the robot may be moving.
     children.end()
+    executor.shutdown()
     status.destroy_node()
     rclpy.shutdown()
-    return int(status.ended.result())
+    return int(ended.result())
 
 
 def main() -> int:
@@ -167,16 +168,16 @@ def main() -> int:
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
     parser.add_argument('--world', default='room', help='world of the simulated robot')
     arguments = parser.parse_args()
-    children = Children()
+    children, ended = Children(), Future()
+    call_on_signal(lambda: ended.set_result(0))
     with tempfile.TemporaryDirectory(prefix='create-') as folder:
         port = arguments.port or f'{folder}/create'
         print(introduction(port, arguments.port is None), flush=True)
         try:
             if arguments.port is None:
-                children.start('sim.server', '--link', port, '--world', arguments.world)
+                children.start('sim.server', '--link', port)
             children.start('node', '--ros-args', '-p', f'port:={port}')
-            block_signals()
-            return _watch(children)
+            return _watch(children, ended)
         finally:
             children.end()
 

@@ -1,32 +1,47 @@
 """
-The topics that follow the robot's readings, declared once: what, when, how.
+The topics, declared once: name, type, quality of service, when, how.
 
-Publishers, their documentation and the decision what is due derive from this table.
+Publishers, their documentation and the decision what is due derive from these tables.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from builtin_interfaces.msg import Time
-from create_oi_msgs.msg import Bumper, Cliff, WheelDrop
-from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Header
+from create_oi_msgs.msg import Bumper, Cliff, Mode, WheelDrop
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import BatteryState, JointState
+
+from tf2_msgs.msg import TFMessage
 
 from . import convert
-from .oi import BumpsAndWheelDrops, Readings
+from .oi import BumpsAndWheelDrops, Readings, SLOT
 
-BUMPS = BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT
-DROPS = ~BUMPS
+RELIABLE = QoSProfile(depth=10)
+TRANSFORMS = QoSProfile(depth=100)
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""For what changes rarely: who comes late gets the present state."""
 
 
-@dataclass(frozen=True)
-class SensorTopic:
-    """One topic made of readings."""
+@dataclass(frozen=True, kw_only=True)
+class Topic:
+    """One published topic."""
 
     name: str
     type: type
+    about: str
+    when: str
+    qos: QoSProfile = field(default_factory=lambda: RELIABLE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorTopic(Topic):
+    """One topic made of readings."""
+
+    when: str = 'on change at once, else at `sensor_rate`'
     needs: tuple[str, ...]
     """Readings that must have arrived."""
     watch: Callable[[Readings], object]
@@ -35,31 +50,56 @@ class SensorTopic:
     """Makes the message of readings and a header."""
     period: float | None = None
     """Seconds after which it is published though nothing changed; None: at `sensor_rate`."""
-    about: str = ''
 
 
+ODOM = Topic(
+    name='odom', type=Odometry, when='every frame, 66.7 Hz',
+    about='pose in `odom_frame`, velocity in `base_frame`, with covariances')
+TF = Topic(
+    name='/tf', type=TFMessage, when='every frame, with `publish_tf`', qos=TRANSFORMS,
+    about='`odom_frame` -> `base_frame`; can be remapped')
+JOINT_STATES = Topic(
+    name='joint_states', type=JointState, when='every frame',
+    about=f'measured angle and speed of {" and ".join(f"`{n}`" for n in convert.WHEEL_JOINTS)}')
+MODE = Topic(
+    name='mode', type=Mode, when='on change, latched', qos=LATCHED,
+    about='the actual mode, the wanted one, and why they differ')
+DIAGNOSTICS = Topic(
+    name='/diagnostics', type=DiagnosticArray, when='1 Hz', about='serial link and mode')
+
+BUMPS = BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        'bumper', Bumper, ('bumps_and_wheel_drops',),
-        lambda readings: readings.bumps_and_wheel_drops & BUMPS, convert.bumper,
+        name='bumper', type=Bumper, convert=convert.bumper, needs=('bumps_and_wheel_drops',),
+        watch=lambda readings: readings.bumps_and_wheel_drops & BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
-        'wheel_drop', WheelDrop, ('bumps_and_wheel_drops',),
-        lambda readings: readings.bumps_and_wheel_drops & DROPS, convert.wheel_drop,
+        name='wheel_drop', type=WheelDrop, convert=convert.wheel_drop,
+        needs=('bumps_and_wheel_drops',),
+        watch=lambda readings: readings.bumps_and_wheel_drops & ~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
-        'cliff', Cliff, (*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
-        lambda readings: [getattr(readings, name) for name in CLIFFS], convert.cliff,
+        name='cliff', type=Cliff, convert=convert.cliff,
+        needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
+        watch=lambda readings: [getattr(readings, name) for name in CLIFFS],
         about='the four cliff sensors, with signal strengths'),
     SensorTopic(
-        'battery_state', BatteryState,
-        ('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
-         'battery_capacity', 'charging_sources'),
-        lambda readings: (readings.charging_state, readings.charging_sources),
-        convert.battery_state, period=1.0,
-        about='voltage, current, charge and temperature'),
+        name='battery_state', type=BatteryState, convert=convert.battery_state, period=1.0,
+        needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
+               'battery_capacity', 'charging_sources'),
+        watch=lambda readings: (readings.charging_state, readings.charging_sources),
+        when='1 Hz, and when the charging state changes',
+        about='voltage, current, charge, temperature, charging status'),
 )
+PUBLISHED: tuple[Topic, ...] = (ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, MODE, DIAGNOSTICS)
+
+
+def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
+    """Return the table for a battery whose charge the robot can tell, or cannot."""
+    return [
+        replace(topic, convert=partial(topic.convert, charge_known=charge_known))
+        if topic.type is BatteryState else topic for topic in SENSOR_TOPICS]
 
 
 class Edge:
@@ -76,20 +116,8 @@ class Edge:
             return False
         value = self._topic.watch(readings)
         period = self._topic.period or sensor_period
-        # Frames come in slots: half a slot early is the slot that is meant.
-        if value == self._last and stamp - self._last_at < period - 0.0075:
+        # Frames come in slots: the slot nearest to the moment is the one that is meant.
+        if value == self._last and stamp - self._last_at < period - SLOT / 2:
             return False
         self._last, self._last_at = value, stamp
         return True
-
-
-def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
-    """Return the table for a battery whose charge the robot can tell, or cannot."""
-    return [
-        replace(topic, convert=partial(topic.convert, charge_known=charge_known))
-        if topic.type is BatteryState else topic for topic in SENSOR_TOPICS]
-
-
-def header(frame: str, stamp: Time) -> Header:
-    """Return a header."""
-    return Header(frame_id=frame, stamp=stamp)

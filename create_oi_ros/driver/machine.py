@@ -274,7 +274,7 @@ class Driver:
         self._readings.update(readings)
         if self.link is Link.WAKING:
             self._found()
-        self._supervise(readings, now)
+        self._supervise(now)
         self._events.append(Moved(
             stamp, oi.Readings(self._readings.__dict__), self._estimate(readings, dt)))
 
@@ -298,15 +298,15 @@ class Driver:
         self._motion.forget()
         self._outbox.send(MODE_COMMANDS[mode]())
 
-    def _supervise(self, readings: oi.Readings, now: float) -> None:
-        dropped = self._supervision.observe(readings, now)
+    def _supervise(self, now: float) -> None:
+        dropped = self._supervision.observe(self._readings, now)
         status = self.status
         if dropped:
             self._refusal_said = False
             self._motion.stop()
             self._motion.forget()
             self._say(Severity.WARNING, f'robot left {status.wanted.name} for '
-                      f'{readings.oi_mode.name}: {status.reason}')
+                      f'{self._readings.oi_mode.name}: {status.reason}')
         request = self._mode_request
         if request is not None and status.actual == request.mode:
             self._answer_mode_request(True, f'robot is in {request.mode.name}')

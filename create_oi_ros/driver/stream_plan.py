@@ -77,9 +77,9 @@ class StreamPlan:
             return self._ask(self.full, now)
         if now - self._asked_at < oi.SLOT:
             return None
-        if motion_due:
-            return None if self._asked is self.full else self._ask(self.full, now)
-        if self._asked is self.full or self._parts:
+        if motion_due and self._asked is not self.full:
+            return self._ask(self.full, now)
+        if self._parts or self._asked is self.full and not motion_due:
             return self._ask(next(self._rotation), now)
         return None
 

@@ -43,7 +43,7 @@ def causes_in(readings: oi.Readings) -> Iterator[Cause]:
         Cause.WHEEL_DROP_LEFT: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT,
         Cause.WHEEL_DROP_RIGHT: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
         Cause.WHEEL_DROP_CASTER: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER,
-        Cause.CHARGER: readings.charging_sources,
+        Cause.CHARGER: readings.has('charging_sources') and readings.charging_sources,
     }
     return (cause for cause, present in seen.items() if present)
 

@@ -1,0 +1,72 @@
+"""
+The ROS interface as Markdown tables, made from the declarations.
+
+`python -m create_oi_ros.interface README.md` writes them between their markers.
+"""
+
+from collections.abc import Iterable
+from dataclasses import fields
+from pathlib import Path
+import re
+import sys
+
+from .parameters import Parameters
+from .services import SERVICES
+from .topics import PUBLISHED
+
+
+def type_name(type_: type) -> str:
+    """Return the name of a message or service type as ROS writes it."""
+    package = type_.__module__.partition('.')[0]
+    return f'{package}/{type_.__name__}'
+
+
+def table(*columns: str, rows: Iterable[tuple[str, ...]]) -> str:
+    """Lay out a Markdown table."""
+    lines = [columns, tuple('---' for _ in columns), *rows]
+    return '\n'.join(f'| {" | ".join(line)} |' for line in lines)
+
+
+def topics() -> str:
+    """Return the published topics."""
+    return table('topic', 'type', 'when', 'what', rows=(
+        (f'`{topic.name}`', type_name(topic.type), topic.when, topic.about)
+        for topic in PUBLISHED))
+
+
+def services() -> str:
+    """Return the services."""
+    return table('service', 'type', 'what', rows=(
+        (f'`{service.name}`', type_name(service.type), service.about) for service in SERVICES))
+
+
+def parameters() -> str:
+    """Return the parameters."""
+    rows = []
+    for declared in fields(Parameters):
+        facts = declared.metadata
+        allowed = ', '.join(str(choice) for choice in facts['choices'])
+        if facts['low'] is not None:
+            allowed = f'{facts["low"]} to {facts["high"]}'
+        rows.append((
+            f'`{declared.name}`', f'`{declared.default}'.lower() + '`', allowed,
+            'at start' if facts['fixed'] else 'any time', facts['description']))
+    return table('parameter', 'default', 'allowed', 'set', 'what', rows=rows)
+
+
+TABLES = {'topics': topics, 'services': services, 'parameters': parameters}
+
+
+def rewritten(text: str) -> str:
+    """Return a document with its tables made afresh."""
+    for name, make in TABLES.items():
+        marked = re.compile(f'(<!-- {name} -->\n).*?(<!-- end -->)', re.DOTALL)
+        made = make()
+        text = marked.sub(rf'\1{made}\n\2', text)
+    return text
+
+
+if __name__ == '__main__':
+    for name in sys.argv[1:]:
+        path = Path(name)
+        path.write_text(rewritten(path.read_text()))

@@ -1,0 +1,38 @@
+"""
+The executables: quiet while they load.
+
+Loading rclpy takes most of a second, in which Ctrl-C would print a traceback from the depths of
+an import. Nothing has been started yet, so the plain way of ending is right.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+import signal
+
+
+@contextmanager
+def _loading() -> Iterator[None]:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if error.name is None or not error.name.startswith('create_oi_msgs'):
+            raise
+        raise SystemExit(
+            'create_oi_ros needs the messages of its package msg_defs, which are not built: '
+            '`colcon build --base-paths src/create_oi_ros src/create_oi_ros/msg_defs`, then '
+            '`source install/setup.bash`') from None
+
+
+def create_node() -> int:
+    """Run the driver."""
+    with _loading():
+        from .node import main
+    return main()
+
+
+def create_run() -> int:
+    """Run a robot, its driver and a status line."""
+    with _loading():
+        from .run import main
+    return main()

@@ -1,0 +1,95 @@
+"""The driver against the simulated robot, in memory: hours in seconds, no clock, no thread."""
+
+from collections import deque
+from math import pi
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Driver, Moved, Notice, Settings
+from create_oi_ros.odometry import Estimate
+from create_oi_ros.sim.body import Body, Rounding
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.world import shipped, World
+
+STEP = 0.005
+"""Seconds between two turns of the loop; three a slot."""
+
+
+class Loop:
+    """One robot, one driver, and a line with a delay between them."""
+
+    def __init__(
+        self, settings: Settings | None = None, *, world: World | None = None, delay: float = 0.0,
+        rounding: Rounding = Rounding.CARRY, checksum: oi.Checksum = oi.Checksum.HARDWARE,
+    ) -> None:
+        self.body = Body(world or shipped('empty'), rounding=rounding)
+        self.robot = Create(self.body, checksum=checksum)
+        self.driver = Driver(settings or Settings())
+        self.now = 100.0
+        self.delay = delay
+        self.cut = False
+        self.heard = bytearray()
+        """All bytes that the robot was sent."""
+        self.notices: list[Notice] = []
+        self.moved: list[Moved] = []
+        self._up: deque[tuple[float, bytes]] = deque()
+        self._down: deque[tuple[float, bytes]] = deque()
+        self.driver.connected(self.now)
+
+    def run(self, seconds: float) -> None:
+        """Let time pass."""
+        until = self.now + seconds
+        while self.now < until - STEP / 2:
+            self.turn()
+
+    def turn(self) -> None:
+        """Let one step of time pass."""
+        self.now += STEP
+        self.robot.step(self.now)
+        self._carry(self._down, self.robot.data_to_send())
+        while (data := self._arrived(self._down)) is not None:
+            self.driver.receive(data, self.now)
+        self.driver.poll(self.now)
+        self._carry(self._up, self.driver.data_to_send())
+        while (data := self._arrived(self._up)) is not None:
+            self.heard += data
+            self.robot.receive(data, self.now)
+        while (event := self.driver.next_event()) is not None:
+            (self.moved if isinstance(event, Moved) else self.notices).append(event)
+
+    def drive(self, linear: float, angular: float, seconds: float) -> None:
+        """Command a velocity ten times a second for a while."""
+        until = self.now + seconds
+        while self.now < until - STEP / 2:
+            self.driver.drive(linear, angular, self.now)
+            self.run(min(0.1, until - self.now))
+
+    @property
+    def estimate(self) -> Estimate:
+        """The newest estimate of the driver."""
+        return self.moved[-1].estimate
+
+    def commands(self) -> list[oi.Command]:
+        """Return the commands that the robot was sent since the last call."""
+        reader = oi.CommandReader()
+        reader.feed(bytes(self.heard))
+        self.heard.clear()
+        commands = []
+        while (event := reader.next_event()) is not None:
+            if isinstance(event, oi.Command):
+                commands.append(event)
+        return commands
+
+    def _carry(self, line: deque[tuple[float, bytes]], data: bytes) -> None:
+        if data and not self.cut:
+            line.append((self.now + self.delay, data))
+
+    def _arrived(self, line: deque[tuple[float, bytes]]) -> bytes | None:
+        if line and line[0][0] <= self.now:
+            return line.popleft()[1]
+        return None
+
+
+def turn_difference(one: float, other: float) -> float:
+    """Return the angle between two headings, rad."""
+    return abs((one - other + pi) % (2 * pi) - pi)
+
