@@ -38,8 +38,7 @@ class Electrics:
 
     def overloads(self) -> list[bool]:
         """Return which low side drivers are on and asked for more than they give: 0, 1, 2."""
-        return [duty > 0 and load > limit
-                for load, duty, limit in self._drivers()]
+        return [duty > 0 and load > limit for load, duty, limit in self._drivers()]
 
     def _drivers(self) -> Iterator[tuple[float, float, float]]:
         """Return each low side driver's load, duty cycle and limit."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -52,8 +53,7 @@ class Readings(NamedTuple):
     overcurrent_ld2: bool = False
     play: bool = False
     advance: bool = False
-    charging_state: int = Charging.NOT_CHARGING
-    """A `Charging` number."""
+    charging_state: Charging = Charging.NOT_CHARGING
     voltage: int = 0
     """Millivolts."""
     current: int = 0
@@ -97,7 +97,8 @@ def checked(name: str, value: int) -> int:
     low, high = RANGES[name]
     if not isinstance(value, int) or not low <= value <= high:
         raise ValueError(f'{name} is {value!r}: a whole number within {low} to {high} is wanted')
-    return bool(value) if isinstance(Readings._field_defaults[name], bool) else int(value)
+    kind: Callable[[int], int] = type(Readings._field_defaults[name])
+    return kind(value)
 
 
 def clamped(name: str, value: float) -> int:

@@ -1,0 +1,214 @@
+"""The battery and what hangs on it: drain, the charger's stages, temperature, overcurrent."""
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros.sim.battery import Battery, BatteryConfig
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.readings import Charging
+from create_oi_ros.sim.world import parse, World
+
+HOUR = 3600.0
+DOCKED = parse('start 0.165 0 180 \n home_base 0 0 0', 'docked')
+
+
+def charging(charge=0.5, **config):
+    body = Body(World())
+    body.set_battery(charge=charge)
+    body.plug_charger(True)
+    body.step(1)
+    return body
+
+
+def test_the_battery_drains_while_the_robot_stands():
+    body = Body(World())
+    before = body.sense().charge
+    body.step(HOUR)
+    assert body.sense().charge == before - 200
+    assert body.sense().current == -200
+
+
+def test_driving_draws_more_and_the_voltage_sags():
+    body = Body(World())
+    body.step(1)
+    standing = body.sense()
+    body.drive(right=0.5, left=0.5)
+    body.step(1)
+    assert body.sense().current < standing.current
+    assert body.sense().voltage < standing.voltage
+
+
+def test_switched_off_it_hardly_drains():
+    body = Body(World())
+    body.power(False)
+    body.step(HOUR)
+    assert body.sense().current == -2
+
+
+def test_an_empty_battery_is_flat_and_stays_at_zero():
+    body = Body(World())
+    body.set_battery(charge=0.01)
+    assert not body.battery_flat
+    body.step(HOUR)
+    assert body.battery_flat
+    assert body.sense().charge == 0
+
+
+def test_the_voltage_falls_with_the_charge():
+    body, volts = Body(World()), []
+    for charge in (1.0, 0.9, 0.5, 0.1, 0.0):
+        body.set_battery(charge=charge)
+        volts.append(body.sense().voltage)
+    assert volts == sorted(volts, reverse=True)
+    assert 11000 < volts[-1] < volts[0] < 18000
+
+
+def test_charging_goes_through_reconditioning_full_trickle_and_waiting():
+    body, seen = charging(charge=0.0), []
+    for _ in range(int(4.5 * HOUR / 10)):
+        body.step(10)
+        if not seen or seen[-1] != body.sense().charging_state:
+            seen.append(body.sense().charging_state)
+    assert seen == [Charging.RECONDITIONING, Charging.FULL, Charging.TRICKLE, Charging.WAITING]
+    assert 0.9 < body.sense().charge / body.sense().capacity <= 1
+
+
+def test_the_current_is_positive_while_charging_and_falls_by_stage():
+    body, currents = charging(), {}
+    for charge in (0.01, 0.5, 1.0):
+        body.set_battery(charge=charge)
+        body.step(1)
+        currents[body.sense().charging_state] = body.sense().current
+    assert currents[Charging.FULL] > currents[Charging.RECONDITIONING] \
+        > currents[Charging.TRICKLE] > 0
+
+
+def test_waiting_ends_when_enough_was_used():
+    body = charging(charge=1.0)
+    body.step(HOUR + 10)
+    assert body.sense().charging_state == Charging.WAITING
+    assert body.sense().current < 0
+    body.step(2 * HOUR)
+    assert body.sense().charging_state in (Charging.FULL, Charging.TRICKLE)
+
+
+def test_unplugged_it_does_not_charge():
+    body = charging()
+    assert body.sense().internal_charger
+    body.plug_charger(False)
+    body.step(1)
+    assert body.sense().charging_state == Charging.NOT_CHARGING
+    assert not body.sense().internal_charger
+    assert body.sense().current < 0
+
+
+def test_safe_and_full_end_charging_though_the_source_is_there():
+    body = charging()
+    body.allow_charging(False)
+    body.step(1)
+    assert body.sense().charging_state == Charging.NOT_CHARGING
+    assert body.sense().internal_charger
+    assert body.sense().current < 0
+    body.allow_charging(True)
+    body.step(1)
+    assert body.sense().charging_state == Charging.FULL
+
+
+def test_a_charging_fault_stops_the_current_until_it_is_cleared():
+    body = charging()
+    body.set_battery(fault=True)
+    body.step(1)
+    assert body.sense().charging_state == Charging.FAULT
+    assert body.sense().current < 0
+    body.set_battery(fault=False)
+    body.step(1)
+    assert body.sense().charging_state == Charging.FULL
+
+
+def test_a_hot_battery_waits_until_it_is_cooler():
+    body = charging()
+    body.set_battery(temperature=46)
+    body.step(1)
+    assert body.sense().charging_state == Charging.WAITING
+    body.set_battery(temperature=42)
+    body.step(1)
+    assert body.sense().charging_state == Charging.WAITING
+    body.set_battery(temperature=39)
+    body.step(1)
+    assert body.sense().charging_state == Charging.FULL
+
+
+def test_work_warms_the_battery_and_rest_cools_it():
+    body = Body(World())
+    cold = body.sense().temperature
+    body.load(ld0=0.5, ld1=0.5, ld2=1.5)
+    body.low_side(duty0=1, duty1=1, duty2=1)
+    body.step(HOUR / 2)
+    warm = body.sense().temperature
+    assert warm > cold
+    body.low_side(duty0=0, duty1=0, duty2=0)
+    body.step(HOUR)
+    assert body.sense().temperature < warm
+
+
+def test_touching_a_home_base_charges():
+    body = Body(DOCKED)
+    body.step(1)
+    assert body.sense().home_base
+    assert not body.sense().internal_charger
+    assert body.sense().charging_state == Charging.FULL
+
+
+def test_a_home_base_without_mains_does_nothing():
+    body = Body(DOCKED)
+    body.power_home_base(False)
+    body.step(1)
+    assert not body.sense().home_base
+    assert body.sense().infrared == 255
+    assert body.sense().charging_state == Charging.NOT_CHARGING
+
+
+@pytest.mark.parametrize(('driver', 'limit'), [('ld0', 0.5), ('ld1', 0.5), ('ld2', 1.5)])
+def test_an_overloaded_low_side_driver_limits_its_current_and_says_so(driver, limit):
+    body = Body(World())
+    body.low_side(duty0=1, duty1=1, duty2=1)
+    body.load(**{driver: limit})
+    body.step(1)
+    just_right = body.sense()
+    assert not getattr(just_right, f'overcurrent_{driver}')
+    body.load(**{driver: limit + 1})
+    body.step(1)
+    for each in ('ld0', 'ld1', 'ld2'):
+        assert getattr(body.sense(), f'overcurrent_{each}') is (each == driver)
+    assert body.sense().current == just_right.current
+    body.low_side(duty0=0, duty1=0, duty2=0)
+    assert not getattr(body.sense(), f'overcurrent_{driver}')
+
+
+def test_the_duty_cycle_scales_the_drivers_current():
+    body = Body(World())
+    body.load(ld2=1.0)
+    body.low_side(duty0=0, duty1=0, duty2=0.25)
+    body.step(1)
+    assert body.sense().current == -450
+
+
+@given(st.lists(st.tuples(st.floats(0, 2000), st.floats(0, 5), st.booleans()), max_size=20))
+@settings(max_examples=50, deadline=None)
+def test_charge_stays_between_empty_and_full(times):
+    battery = Battery(BatteryConfig())
+    for seconds, drawn, charger in times:
+        battery.step(seconds, drawn, charger)
+        assert 0 <= battery.charge <= battery.config.capacity
+        assert 10 < battery.voltage < 18
+        assert (battery.state is Charging.NOT_CHARGING) == (not charger) or seconds == 0
+
+
+def test_the_battery_does_not_care_how_time_is_cut():
+    fine, coarse = Body(World()), Body(World())
+    for _ in range(6000):
+        fine.step(0.015)
+    coarse.step(90)
+    assert fine.sense().charge == coarse.sense().charge
+    assert fine.sense().voltage == pytest.approx(coarse.sense().voltage, abs=1)

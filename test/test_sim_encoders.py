@@ -1,0 +1,78 @@
+"""The accumulators behind packets 19 and 20, under the three roundings."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros.sim.encoders import Accumulator, Rounding
+
+AMOUNTS = st.lists(st.floats(-300, 300), max_size=60)
+
+
+def filled(rounding, *amounts):
+    accumulator = Accumulator(rounding)
+    for amount in amounts:
+        accumulator.add(amount)
+    return accumulator
+
+
+@pytest.mark.parametrize(('rounding', 'amount', 'first', 'second'), [
+    # After the first reading a further 0.5 is added and read.
+    (Rounding.TRUNCATE, 2.9, 2, 0), (Rounding.TRUNCATE, -2.9, -2, 0),
+    (Rounding.ROUND, 2.9, 3, 1), (Rounding.ROUND, 2.4, 2, 1), (Rounding.ROUND, -2.5, -3, 1),
+    (Rounding.CARRY, 2.9, 2, 1), (Rounding.CARRY, 2.4, 2, 0), (Rounding.CARRY, -2.9, -2, 0),
+])
+def test_a_reading_rounds_and_keeps_or_loses_the_rest(rounding, amount, first, second):
+    accumulator = filled(rounding, amount)
+    assert accumulator.take() == first
+    accumulator.add(0.5)
+    assert accumulator.take() == second
+
+
+@pytest.mark.parametrize('rounding', Rounding)
+def test_a_reading_resets(rounding):
+    accumulator = filled(rounding, 7.0)
+    assert accumulator.take() == 7
+    assert accumulator.take() == 0
+
+
+@pytest.mark.parametrize('rounding', Rounding)
+@pytest.mark.parametrize(('amount', 'cap'), [(1e5, 32767), (-1e5, -32768)])
+def test_what_waits_is_capped_at_16_bits(rounding, amount, cap):
+    accumulator = filled(rounding, amount)
+    assert accumulator.take() == cap
+    assert abs(accumulator.take()) <= 0
+
+
+def test_at_the_cap_the_way_back_counts_from_the_cap():
+    assert filled(Rounding.TRUNCATE, 40000, -767).take() == 32000
+
+
+@pytest.mark.parametrize('rounding', Rounding)
+def test_a_sum_of_floats_that_means_a_whole_number_is_one(rounding):
+    assert filled(rounding, *[0.1] * 10).take() == 1
+
+
+def test_the_total_survives_readings_and_caps():
+    accumulator = filled(Rounding.TRUNCATE, 40000.5, -0.25)
+    accumulator.take()
+    accumulator.add(1)
+    assert accumulator.total == pytest.approx(40001.25)
+
+
+@given(AMOUNTS, st.integers(1, 9))
+def test_under_carry_the_readings_add_up_to_the_truth(amounts, every):
+    accumulator, read = Accumulator(Rounding.CARRY), 0
+    for index, amount in enumerate(amounts):
+        accumulator.add(amount)
+        if index % every == 0:
+            read += accumulator.take()
+    assert abs(read + accumulator.take() - accumulator.total) < 1 + 1e-5
+
+
+@given(AMOUNTS)
+def test_each_reading_is_within_its_rounding_of_the_truth(amounts):
+    for amount in amounts:
+        assert abs(filled(Rounding.TRUNCATE, amount).take()) <= abs(amount) + 1e-5
+        assert abs(filled(Rounding.TRUNCATE, amount).take() - amount) < 1
+        assert abs(filled(Rounding.ROUND, amount).take() - amount) <= 0.5 + 1e-5

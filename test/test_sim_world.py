@@ -1,0 +1,263 @@
+"""Rooms as text, and what a robot senses in them."""
+
+import math
+
+import pytest
+
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.geometry import Disc, Polygon, Segment
+from create_oi_ros.sim.surroundings import CLIFF_BELOW
+from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
+
+FRAME = 0.015
+
+
+def sensed(text, pose=None):
+    body = Body(parse(text, 'test'))
+    if pose is not None:
+        body.place(Pose(pose[0], pose[1], math.radians(pose[2])))
+    return body.sense()
+
+
+# The text.
+
+def test_four_worlds_are_shipped():
+    assert shipped_names() == ('apartment', 'empty', 'room', 'table')
+
+
+@pytest.mark.parametrize('name', ['apartment', 'empty', 'room', 'table'])
+def test_in_a_shipped_world_the_robot_starts_free_and_on_the_floor(name):
+    body = Body(shipped(name))
+    assert body.truth().pose == shipped(name).start
+    sense = body.sense()
+    assert not any((sense.bump_left, sense.bump_right, sense.drop_left, sense.drop_right,
+                    sense.drop_caster, sense.cliff_left, sense.cliff_right,
+                    sense.cliff_front_left, sense.cliff_front_right, sense.virtual_wall))
+
+
+def test_an_unknown_shipped_world_is_refused_with_the_known():
+    with pytest.raises(ValueError, match='apartment, empty, room, table'):
+        shipped('rom')
+
+
+def test_comments_and_blank_lines_say_nothing():
+    assert parse('# nothing\n\n   \nwall 0 0 1 0  # a wall\n', 'x').obstacles
+
+
+def test_angles_are_degrees_in_the_text_and_radians_in_the_world():
+    assert parse('start 1 2 90', 'x').start == pytest.approx((1, 2, math.pi / 2))
+
+
+@pytest.mark.parametrize(('line', 'message'), [
+    ('wal 0 0 1 1', "'wal' is not known: one of start, floor, patch, ground, cliff, wall"),
+    ('wall 0 0 1', "3 numbers after 'wall': \"wall X Y X Y ...\" is wanted"),
+    ('wall 0 0', "2 numbers after 'wall'"),
+    ('wall 0 0 0 0', 'has no length'),
+    ('box 0 0 1', "3 numbers after 'box': \"box X Y X Y\" is wanted"),
+    ('box 1 1 1 2', 'has no length'),
+    ('start 0 zero 0', "'zero' is not a number"),
+    ('start 0 nan 0', "'nan' is not a number"),
+    ('floor 1.5', 'a reflectance of 1.5 is not within 0 to 1'),
+    ('patch 2 0 0 1 0 1 1', 'a reflectance of 2.0'),
+    ('patch 0.5 0 0 1 0', "5 numbers after 'patch'"),
+    ('post 0 0 0', 'a radius of 0.0 must be above 0'),
+    ('cliff 0 0 1 0', "4 numbers after 'cliff'"),
+    ('virtual_wall 0 0 0 0', 'a beam of 0.0 metres'),
+    ('virtual_wall 0 0 0', "3 numbers after 'virtual_wall'"),
+    ('home_base 0 0', "2 numbers after 'home_base'"),
+])
+def test_a_wrong_line_is_refused_with_name_line_and_what_is_wanted(line, message):
+    with pytest.raises(WorldError) as caught:
+        parse(f'# first\n{line}\n', 'den')
+    assert str(caught.value).startswith('den, line 2: ')
+    assert message in str(caught.value)
+
+
+def test_a_world_cannot_be_changed_by_a_typo():
+    with pytest.raises((AttributeError, TypeError)):
+        World().cliff = ()
+    with pytest.raises(TypeError):
+        World(wall=())
+
+
+# Geometry.
+
+@pytest.mark.parametrize(('point', 'gap'), [
+    ((1, 1), 1), ((-3, 4), 5), ((2, 0), 0), ((5, 0), 3)])
+def test_the_gap_to_a_segment(point, gap):
+    assert Segment((0, 0), (2, 0)).gap(*point) == pytest.approx(gap)
+
+
+def test_a_ray_meets_what_is_in_its_way():
+    assert Segment((1, -1), (1, 1)).hit(0, 0, 1, 0) == pytest.approx(1)
+    assert Segment((1, 2), (1, 3)).hit(0, 0, 1, 0) == math.inf
+    assert Segment((0, 1), (1, 1)).hit(0, 0, 1, 0) == math.inf
+    assert Segment((-1, -1), (-1, 1)).hit(0, 0, 1, 0) == math.inf
+    assert Disc(2, 0, 0.5).hit(0, 0, 1, 0) == pytest.approx(1.5)
+    assert Disc(-2, 0, 0.5).hit(0, 0, 1, 0) == math.inf
+    assert Disc(2, 1, 0.5).hit(0, 0, 1, 0) == math.inf
+
+
+def test_a_polygon_may_be_concave():
+    hook = Polygon([(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (0, 1)])
+    assert (1, 0.5) in hook
+    assert (2.5, 2) in hook
+    assert (1, 2) not in hook
+    assert hook.edge_gap(1, 2) == pytest.approx(1)
+
+
+# Walls.
+
+def test_the_wall_sensor_looks_to_the_right():
+    right = sensed('wall -1 -0.2 1 -0.2')
+    assert right.wall and right.wall_signal > 600
+    left = sensed('wall -1 0.2 1 0.2')
+    assert not left.wall and left.wall_signal == 0
+
+
+def test_the_wall_signal_falls_with_distance():
+    signals = [sensed(f'wall -1 {-y} 1 {-y}').wall_signal for y in (0.17, 0.2, 0.25, 0.28, 0.4)]
+    assert signals == sorted(signals, reverse=True)
+    assert signals[0] > signals[1] > signals[2] > signals[3] > signals[4] == 0
+
+
+def test_the_wall_sensor_sees_posts():
+    bearing = math.radians(-65)
+    assert sensed(f'post {0.3 * math.cos(bearing)} {0.3 * math.sin(bearing)} 0.1').wall
+
+
+# Floors.
+
+def test_the_cliff_signal_follows_the_floor():
+    dark, light = sensed('floor 0.2'), sensed('floor 0.8')
+    assert dark.cliff_left_signal == pytest.approx(500, abs=16)
+    assert light.cliff_left_signal == pytest.approx(2000, abs=16)
+    assert not dark.cliff_left
+
+
+def test_a_black_floor_looks_like_a_cliff():
+    sense = sensed('floor 0.02')
+    assert sense.cliff_front_left and not sense.drop_caster
+
+
+def test_a_patch_is_seen_by_the_sensor_above_it():
+    sense = sensed('floor 0.2 \n patch 0.8 0 0 1 0 1 1 0 1')
+    assert sense.cliff_left_signal > 1900 and sense.cliff_front_left_signal > 1900
+    assert sense.cliff_right_signal < 600 and sense.cliff_front_right_signal < 600
+
+
+@pytest.mark.parametrize(('pose', 'cliffs'), [
+    ((0, 0, 0), ()),
+    ((0.86, 0, 0), ('front_left', 'front_right')),
+    ((0.90, 0, 90), ('right',)),
+    ((0.90, 0, -90), ('left',)),
+    ((0.95, 0, 0), ('left', 'front_left', 'front_right', 'right')),
+    ((0.95, 0, 180), ()),
+])
+def test_at_the_edge_of_a_table_the_sensors_over_it_see_the_cliff(pose, cliffs):
+    body = Body(shipped('table'))
+    body.place(Pose(pose[0], pose[1], math.radians(pose[2])))
+    for side in ('left', 'front_left', 'front_right', 'right'):
+        assert getattr(body.sense(), f'cliff_{side}') is (side in cliffs), side
+        over = getattr(body.sense(), f'cliff_{side}_signal') < CLIFF_BELOW
+        assert over is (side in cliffs)
+
+
+def test_stairs_are_a_cliff():
+    assert sensed('cliff 0.1 -1 2 -1 2 1 0.1 1').cliff_front_left
+
+
+def test_driving_off_an_edge_the_caster_drops_then_the_wheels_and_the_robot_hangs():
+    body = Body(shipped('table'))
+    body.drive(right=0.2, left=0.2)
+    seen = []
+    for _ in range(800):
+        body.step(FRAME)
+        sense = body.sense()
+        for name in ('cliff_front_left', 'drop_caster', 'drop_left', 'drop_right'):
+            if getattr(sense, name) and name not in seen:
+                seen.append(name)
+    assert seen[:2] == ['cliff_front_left', 'drop_caster']
+    assert set(seen[2:]) == {'drop_left', 'drop_right'}
+    assert body.truth().pose.x == pytest.approx(1, abs=0.01)
+    assert body.truth().speed == 0
+    assert body.truth().measured_travelled > 2
+
+
+# Beams.
+
+BASE = 'home_base 0 0 0'
+
+
+@pytest.mark.parametrize(('pose', 'character', 'walled'), [
+    ((2.0, 0, 180), 252, False),         # on the axis: both buoys
+    ((2.0, 0.5, 180), 248, False),       # to the right of a robot that comes in: red
+    ((2.0, -0.5, 180), 244, False),      # to its left: green
+    ((0.4, 0, 180), 254, True),          # both, and the force field
+    ((0.45, 0.15, 180), 250, True),
+    ((0.45, -0.15, 180), 246, True),
+    ((0.2, 0.4, 180), 242, True),        # beside the buoys: the force field only
+    ((4.0, 0, 180), 255, False),         # too far
+    ((-1.0, 0, 0), 255, False),          # behind
+])
+def test_the_home_bases_beams_are_the_manuals_characters(pose, character, walled):
+    sense = sensed(BASE, pose)
+    assert (sense.infrared, sense.virtual_wall) == (character, walled)
+
+
+def test_a_wall_hides_the_home_base():
+    assert sensed(BASE + '\nwall 1 -1 1 1', (2, 0, 180)).infrared == 255
+
+
+def test_a_remote_control_is_heard_over_the_home_base():
+    body = Body(parse(BASE, 'x'))
+    body.place(Pose(2, 0, math.pi))
+    body.force(seconds=0.1, infrared=136)
+    assert body.sense().infrared == 136
+    body.step(0.2)
+    assert body.sense().infrared == 252
+
+
+@pytest.mark.parametrize(('pose', 'seen'), [
+    ((1.5, 0, 0), True), ((1.5, 0.5, 0), False), ((2.5, 0, 0), False), ((-0.5, 0, 180), False),
+    ((-0.3, 0, 0), True)])
+def test_a_virtual_wall_is_seen_in_its_beam_and_halo(pose, seen):
+    sense = sensed('virtual_wall 0 0 0 2', pose)
+    assert sense.virtual_wall is seen
+    assert sense.infrared == 255
+
+
+def test_a_wall_stops_the_beam_of_a_virtual_wall():
+    assert not sensed('virtual_wall 0 0 0 2 \n wall 1 -1 1 1', (1.5, 0, 0)).virtual_wall
+
+
+# Docking.
+
+def test_driving_straight_in_docks():
+    body = Body(parse(BASE + '\nstart 1 0 180', 'x'))
+    body.drive(right=0.1, left=0.1)
+    body.step(10)
+    assert body.sense().home_base
+    assert body.truth().pose.x == pytest.approx(0.165, abs=1e-6)
+
+
+@pytest.mark.parametrize('pose', [(0.165, 0.05, 180), (0.165, 0, 150), (0.2, 0, 180)])
+def test_askew_aside_or_short_is_not_docked(pose):
+    assert not sensed(BASE, pose).home_base
+
+
+def test_driving_away_undocks():
+    body = Body(parse(BASE + '\nstart 0.165 0 180', 'x'))
+    assert body.sense().home_base
+    body.drive(right=-0.1, left=-0.1)
+    body.step(0.5)
+    assert not body.sense().home_base
+
+
+def test_the_home_base_in_the_room_can_be_reached():
+    world = shipped('room')
+    body = Body(world)
+    body.place(Pose(-1, world.home_bases[0].pose.y, math.pi))
+    body.drive(right=0.2, left=0.2)
+    body.step(6)
+    assert body.sense().home_base
