@@ -6,6 +6,7 @@ import pytest
 
 from create_oi_ros.sim.battery import Battery, BatteryConfig
 from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.config import BodyConfig
 from create_oi_ros.sim.readings import Charging
 from create_oi_ros.sim.world import parse, World
 
@@ -44,6 +45,12 @@ def test_switched_off_it_hardly_drains():
     body.power(False)
     body.step(HOUR)
     assert body.sense().current == -2
+
+
+@pytest.mark.parametrize(('name', 'value'), [('capacity', 0.0), ('initial_charge', 1.1)])
+def test_an_impossible_battery_is_refused_by_name(name, value):
+    with pytest.raises(ValueError, match=name):
+        BatteryConfig(**{name: value})
 
 
 def test_an_empty_battery_is_flat_and_stays_at_zero():
@@ -113,6 +120,16 @@ def test_safe_and_full_end_charging_though_the_source_is_there():
     body.allow_charging(True)
     body.step(1)
     assert body.sense().charging_state == Charging.FULL
+
+
+@pytest.mark.parametrize('reported', [False, True])
+def test_cliffs_may_show_while_charging(reported):
+    body = Body(DOCKED, config=BodyConfig(cliffs_while_charging=reported))
+    body.step(1)
+    assert body.sense().cliff_left is reported
+    body.allow_charging(False)
+    body.step(1)
+    assert not body.sense().cliff_left
 
 
 def test_a_charging_fault_stops_the_current_until_it_is_cleared():

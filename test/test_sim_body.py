@@ -427,6 +427,13 @@ def test_a_push_turns_the_robot_and_the_wheels():
     assert body.truth().rate == 0
 
 
+def test_while_it_is_pushed_the_truth_has_the_pushs_velocity():
+    body = Body(World())
+    body.push(speed=-0.2, rate=0.5, seconds=1)
+    body.step(0.5)
+    assert (body.truth().speed, body.truth().rate) == (-0.2, 0.5)
+
+
 def test_placing_does_not_turn_the_wheels():
     body = Body(World())
     body.place(Pose(3, 4, 7))

@@ -98,6 +98,15 @@ def test_a_ray_meets_what_is_in_its_way():
     assert Disc(2, 1, 0.5).hit(0, 0, 1, 0) == math.inf
 
 
+def test_a_segment_knows_its_ends():
+    assert Segment((1, 2), (4, 6)).ends == ((1, 2), pytest.approx((4, 6)))
+
+
+def test_a_polygon_needs_three_points():
+    with pytest.raises(ValueError, match='2 points'):
+        Polygon([(0, 0), (1, 1)])
+
+
 def test_a_polygon_may_be_concave():
     hook = Polygon([(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (0, 1)])
     assert (1, 0.5) in hook

@@ -257,6 +257,8 @@ class Body:
         """Work out what the physics says."""
         mechanics, electrics, battery = self._mechanics, self._electrics, self._electrics.battery
         bumps, wall, floors = mechanics.feel()
+        if self.config.cliffs_while_charging and battery.current > 0:
+            floors = (0, 0, 0, 0)
         signals = self._noisy(floors)
         virtual_wall, infrared = beams(self.world, mechanics.pose, electrics.base_powered)
         overloads = electrics.overloads()

@@ -68,6 +68,8 @@ class BodyConfig:
     """Part of the right wheel's travel that is lost to slip at all times, 0 to 1."""
     left_slip: float = 0.0
     contact: Contact = Contact.SLIP
+    cliffs_while_charging: bool = False
+    """All four cliff sensors see a cliff while a charger's current flows (reported of some)."""
     battery: BatteryConfig = BatteryConfig()
     wheel_lateral: float = 0.129
     """Distance of each wheel from the robot's centre line, where its drop switch looks, metres."""
