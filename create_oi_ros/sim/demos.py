@@ -25,11 +25,16 @@ RED = Infrared.HOME_BASE_RED_BUOY - _BEAMS
 GREEN = Infrared.HOME_BASE_GREEN_BUOY - _BEAMS
 """Bits of the Home Base's characters; red is on the right of a robot that comes in."""
 
-CRUISE, TURNING, CREEP = 250.0, 150.0, 100.0
+CRUISE, TURNING, CREEP = 140.0, 120.0, 100.0
+"""Slow enough to stop between seeing an edge and dropping a wheel over it."""
 PACHELBEL = (78, 76, 74, 73, 71, 69, 71, 73, 74, 73, 71, 69, 67, 66, 67, 64)
 """The Canon's first violin, its first sixteen notes (MIDI numbers)."""
 G_MAJOR, D_MAJOR_7, C_MAJOR = (55, 59, 62, 67), (62, 66, 69, 73), (60, 64, 67, 72)
 """Banjo's chords, one note for each cliff sensor from left to right."""
+_PATIENCE = 400
+"""Slots without a beam after which a Home Base is given up."""
+_ASKEW = 4.0
+"""Degrees off the seam that are let pass."""
 NOTE_LENGTH = 20
 """64ths of a second."""
 
@@ -139,8 +144,8 @@ def follow_wall(controls: Controls, seconds: float) -> Demo:
     wanted = 1200
     for _ in range(round(seconds / SLOT)) if seconds < math.inf else iter(int, 1):
         if controls.blocked:
-            yield from roll(controls, -20, CREEP)
-            yield from turn(controls, 25)
+            yield from roll(controls, -40, CREEP)
+            yield from turn(controls, 30)
         error = (controls.sense.wall_signal - wanted) / wanted
         bend = max(-0.6, min(0.4, 0.4 * error))
         controls.drive(TURNING * (1 + bend), TURNING * (1 - bend))
@@ -176,21 +181,29 @@ def cover_and_dock(controls: Controls) -> Demo:
 
 
 def dock(controls: Controls) -> Demo:
-    """Follow the seam between the two beams; end on the contacts, or when all beams are lost."""
-    lost = 0
-    while lost < 400:
-        sense = controls.sense
-        if sense.home_base:
-            return
-        if sense.bump_left or sense.bump_right:
-            yield from roll(controls, -300, CREEP)
-            continue
+    """
+    Follow the seam between the two beams; end on the contacts, or when all beams are lost.
+
+    Beside the seam the robot curves back to it, on a circle that grows until it meets it.  Where
+    a circle leaves and meets a line again, the line's direction is the mean of both headings.
+    """
+    lost, left_at = 0, controls.angle
+    while lost < _PATIENCE and not controls.sense.home_base:
         beams = controls.beams
         lost = 0 if beams else lost + 1
-        if beams == RED | GREEN:
+        if _bumped(controls):
+            yield from roll(controls, -200, CREEP)
+            if beams != RED | GREEN:
+                yield from back_off(controls, 60, 170)
+                yield from roll(controls, 300)
+        elif beams == RED | GREEN:
+            if abs(left_at - controls.angle) > _ASKEW:
+                yield from turn(controls, (left_at - controls.angle) / 2, CREEP)
+            left_at = controls.angle
             controls.drive(CREEP, CREEP)
         elif beams:
-            controls.curve(CREEP, 250 if beams == RED else -250)
+            radius = 150 + abs(controls.angle - left_at)
+            controls.curve(CREEP, radius if beams == RED else -radius)
         else:
             controls.drive(CREEP, -CREEP)
         yield
@@ -216,6 +229,8 @@ def figure_eight(controls: Controls) -> Demo:
             start = controls.angle
             controls.curve(CRUISE, side * 300)
             while abs(controls.angle - start) < 360:
+                if cliff(controls.sense):
+                    return
                 yield
 
 
