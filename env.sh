@@ -1,8 +1,11 @@
 # Source this from bash or zsh: a shell in which everything built here works.
 #     source env.sh
 
+if [ -z "${BASH_VERSION:-}${ZSH_VERSION:-}" ]; then
+    echo 'env.sh is for bash and zsh' >&2
+    return 1
+fi
 _create_root=$(cd "$(dirname "${BASH_SOURCE:-$0}")" > /dev/null && pwd)
-
 if [ ! -f "$_create_root/install/built" ]; then
     echo "create_oi_ros is not built: run make in $_create_root" >&2
     unset _create_root
@@ -10,6 +13,7 @@ if [ ! -f "$_create_root/install/built" ]; then
 fi
 
 if [ -f "$_create_root/.venv/bin/colcon" ]; then  # ROS from wheels, not from /opt/ros
+    _create_setup=local_setup
     export VIRTUAL_ENV="$_create_root/.venv"
     export AMENT_PREFIX_PATH="$VIRTUAL_ENV" CMAKE_PREFIX_PATH="$VIRTUAL_ENV"
     # They hold one middleware, Fast DDS; asked for another, rclpy.init() fails.
@@ -22,17 +26,19 @@ if [ -f "$_create_root/.venv/bin/colcon" ]; then  # ROS from wheels, not from /o
         )${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
         export LD_LIBRARY_PATH ;;
     esac
+else
+    _create_setup=setup  # sources the ROS that it was built with as well
 fi
 
 # colcon's scripts read variables that are not set.
 case $- in *u*) _create_nounset=1; set +u ;; *) _create_nounset= ;; esac
 if [ -n "${ZSH_VERSION:-}" ]; then
-    . "$_create_root/install/local_setup.zsh"
+    . "$_create_root/install/$_create_setup.zsh"
 else
-    . "$_create_root/install/local_setup.bash"
+    . "$_create_root/install/$_create_setup.bash"
 fi
 [ -z "$_create_nounset" ] || set -u
 
 _create_bin="$_create_root/install/create_oi_ros/lib/create_oi_ros:$_create_root/.venv/bin"
 case ":$PATH:" in *":$_create_bin:"*) ;; *) export PATH="$_create_bin:$PATH" ;; esac
-unset _create_root _create_bin _create_nounset
+unset _create_root _create_setup _create_bin _create_nounset

@@ -48,8 +48,9 @@ def unsuitable(kind):
     """Return why another Python is needed, if one is."""
     major, minor = sys.version_info[:2]
     if not OLDEST <= (major, minor) <= NEWEST:
-        return (f'{sys.executable} is Python {major}.{minor}, and 3.11, 3.12 or 3.13 is needed: '
-                'install one, or name it with make PYTHON=...')
+        return (f'{sys.executable} is Python {major}.{minor}, not 3.11 to 3.13: install one '
+                '(sudo apt-get install python3.11 python3.11-venv python3.11-dev) '
+                'or name it with make PYTHON=...')
     if kind == 'jazzy' and subprocess.call([sys.executable, '-c', 'import rclpy']):
         return (f'{sys.executable} cannot import the rclpy of the ROS that is sourced: '
                 'name one that can with make PYTHON=...')
@@ -58,6 +59,9 @@ def unsuitable(kind):
 
 def lacking(kind):
     """Return what can be installed or freed, and how, if anything must be."""
+    if kind == 'wheels' and os.environ.get('ROS_DISTRO'):
+        return (f'ROS 2 {os.environ["ROS_DISTRO"]} is sourced, and this is for Jazzy: '
+                'use a shell without it')
     if kind == 'wheels' and (sys.platform, platform.machine()) != ('linux', 'x86_64'):
         return ('ROS 2 comes as wheels for x86-64 Linux only: '
                 'here, install ROS 2 Jazzy and source /opt/ros/jazzy/setup.bash')

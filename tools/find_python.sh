@@ -3,6 +3,7 @@
 # usage: tools/find_python.sh KIND, where KIND is `wheels` or `jazzy`; PYTHON= names the one to use
 check="$(dirname "$0")/check.py"
 unsuitable='no Python 3.11 to 3.13: sudo apt-get install python3 python3-venv python3-dev'
+[ -z "$PYTHON" ] || unsuitable="PYTHON=$PYTHON does not run"
 lacking=''
 
 candidates='python3 python3.12 python3.13 python3.11 /usr/bin/python3'

@@ -28,7 +28,7 @@ def install(pins: list[str]) -> None:
     """Fetch one small package without a second try, then everything: no registry, no waiting."""
     step([*PIP, '--retries', '0', '--timeout', '10', pins[0]], 'setup.log',
          'cannot fetch from the Python package registry: check the network, the proxy '
-         "and pip's index-url")
+         "and pip's index-url", show=False)
     step([*PIP, *pins], 'setup.log', 'pip failed')
 
 

@@ -1,4 +1,4 @@
-"""One step of set-up or build: quiet while it works, one line and the end of its log if not."""
+"""One step of set-up or build: quiet while it works, the end of its log and one line if not."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,14 +9,19 @@ LAST_LINES = 12
 
 
 def step(command: Sequence[str | Path], log: str, failure: str,
-         env: Mapping[str, str] | None = None) -> None:
-    """Run a command with its output in log/; leave with `failure` where it does not succeed."""
+         env: Mapping[str, str] | None = None, *, show: bool = True) -> None:
+    """
+    Run a command with its output in log/; leave with `failure` where it does not succeed.
+
+    Where the cause is known, `failure` says it all, and `show` is False.
+    """
     path = Path('log') / log
     path.parent.mkdir(exist_ok=True)
     with path.open('ab') as out:
         start = out.tell()
         code = subprocess.run(command, stdout=out, stderr=out, env=env).returncode
-    if code:
+    if code and show:
         lines = path.read_bytes()[start:].decode(errors='replace').splitlines()
         print(*lines[-LAST_LINES:], sep='\n', file=sys.stderr)
+    if code:
         sys.exit(f'make: {failure} (all of it: {path})')
