@@ -60,6 +60,8 @@ class Wire:
     def describe(self) -> str:
         """Say what is allowed, for an error message and for the documentation."""
         unit = f' {self.unit}' if self.unit else ''
+        if self.unit[:1].isdigit():
+            unit = f' ({self.unit})'
         if self.mask:
             assert self.names is not None
             bits = ', '.join(f'{member.value} {member.name}' for member in self.names)

@@ -1,0 +1,253 @@
+"""
+Reads the text form of commands: what `text` writes, and what people write instead.
+
+A line is a command's name and its fields: `name=value`. The rules are few enough for a reader
+that goes forward only and knows where it is, so that every refusal can name line and column.
+"""
+
+from difflib import get_close_matches
+from enum import IntEnum, IntFlag
+import re
+from typing import Any, NamedTuple, NoReturn
+
+from .codes import BaudCode
+from .command import Command, Tail
+from .commands import COMMANDS, Note, REST, Script
+from .notes import note_number
+from .packets import NUMBERS, PACKET_ID, PACKETS
+from .script import build_script, SCRIPT_LIMIT
+from .wire import Wire
+
+
+class TextError(ValueError):
+    """Text that is no command: where, why, and what is allowed."""
+
+    def __init__(self, text: str, place: int, reason: str) -> None:
+        """Tell line and column, both from 1, of a place in a text."""
+        before = text[:place]
+        self.line = before.count('\n') + 1
+        self.column = place - before.rfind('\n')
+        self.reason = reason
+        super().__init__(f'line {self.line}, column {self.column}: {reason}')
+
+
+def label(member: IntEnum | IntFlag) -> str:
+    """Return how a named number is written: its name in lower case; of a baud code, its rate."""
+    return str(member.rate) if isinstance(member, BaudCode) else str(member.name).lower()
+
+
+def plain(name: str) -> str:
+    """Return a name without what does not matter: case, spaces and punctuation."""
+    return ''.join(filter(str.isalnum, name)).lower()
+
+
+BLANK = re.compile(r'(?:[\s;]|#[^\n]*)*')
+NAME = re.compile(r'[^\n;{}=#]*')
+FIELD = re.compile(r'[ \t]*([^\W\d][\w-]*)[ \t]*=[ \t]*')
+ITEM = re.compile(r'[^\s,;{}=#][^\s,;{}=]*')
+EQUALS = re.compile(r'[ \t]*=')
+COMMA = re.compile(r'\s*,\s*')
+SPACES = re.compile(r'[ \t]*')
+END = re.compile(r'[ \t\r]*(?=[\n;}#]|\Z)')
+NUMBER = re.compile(r'[+-]?(?:0x[0-9a-f]{1,8}|[0-9]{1,9})', re.IGNORECASE)
+NOT = re.compile(r'not[-_ ]?|[-!]', re.IGNORECASE)
+
+DEPTH = SCRIPT_LIMIT // len(Script(script=b'').encode())
+"""Scripts that fit into each other, for a script takes two bytes and its commands."""
+
+KINDS = {plain(kind.title): kind for kind in COMMANDS}
+PACKET_NAMES = {
+    plain(name): number for name, number in NUMBERS.items()} | {
+    plain(packet.title): number for number, packet in PACKETS.items() if packet.title != 'Unused'}
+
+
+class Item(NamedTuple):
+    """A word of a value, and where it stands."""
+
+    place: int
+    word: str
+
+
+class Text:
+    """A text, and how far it has been read."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._at = 0
+        self._depth = 0
+
+    def commands(self, closing: str = '') -> list[Command]:
+        """Read all commands up to the text's end, or to the brace that closes them."""
+        opened = self._at - len(closing)
+        found: list[Command] = []
+        while True:
+            self._take(BLANK)
+            if self._next() == closing:
+                self._at += len(closing)
+                return found
+            if not self._next():
+                self._refuse(opened, 'this { is never closed')
+            found.append(self._command())
+
+    def _command(self) -> Command:
+        start = self._at
+        name = self._take(NAME).rstrip()
+        if self._next() == '=' and name:
+            name = name[:len(name) - len(name.split()[-1])]
+            self._at = start + len(name)
+        kind = self._kind(start, name.strip())
+        values = self._fields(kind)
+        if END.match(self._text, self._at) is None:
+            self._take(SPACES)
+            self._refuse(self._at, f'{kind.title}: expected name=value or line end')
+        lacking = [field for field in _declared(kind) if field not in values]
+        if lacking:
+            self._refuse(start, f'{kind.title} lacks {", ".join(lacking)}')
+        command = kind(**values)
+        try:
+            command.encode()
+        except ValueError as refused:
+            self._refuse(start, str(refused))
+        return command
+
+    def _kind(self, start: int, name: str) -> type[Command]:
+        kind = KINDS.get(plain(name))
+        if kind is None:
+            found = get_close_matches(plain(name), KINDS, 3, 0.5) or KINDS
+            titles = ', '.join(KINDS[key].title for key in found)
+            self._refuse(start, f'{name or self._next()!r} is no command; allowed: {titles}')
+        return kind
+
+    def _fields(self, kind: type[Command]) -> dict[str, Any]:
+        declared = {plain(name): name for name in _declared(kind)}
+        values: dict[str, Any] = {}
+        while (match := FIELD.match(self._text, self._at)) is not None:
+            name = declared.get(plain(match[1]))
+            if name is None:
+                allowed = ', '.join(declared.values()) or 'none'
+                self._refuse(
+                    match.start(1), f'{kind.title} has no field {match[1]}; allowed: {allowed}')
+            if name in values:
+                self._refuse(match.start(1), f'{kind.title}: {name} is given twice')
+            self._at = match.end()
+            values[name] = self._value(kind, name)
+        return values
+
+    def _value(self, kind: type[Command], name: str) -> Any:
+        if kind.tail is not None and kind.tail.name == name:
+            return self._tail(kind, kind.tail)
+        wire = dict(kind.fields)[name]
+        place = self._at
+        items = self._items()
+        if len(items) != 1:
+            self._refuse(place, f'{kind.title}: {name} needs one value; allowed: {_allowed(wire)}')
+        return self._number(f'{kind.title}: {name}', wire, items[0])
+
+    def _tail(self, kind: type[Command], tail: Tail) -> Any:
+        if tail.item is bytes and self._next() == '{':
+            return self._script()
+        name = f'{kind.title}: {tail.name}'
+        if tail.item is Note:
+            return tuple(self._note(name, tail, item) for item in self._items())
+        wire, = tail.counted.item
+        numbers = [
+            self._number(f'{name}[{at}]', wire, item) for at, item in enumerate(self._items())]
+        return bytes(numbers) if tail.item is bytes else tuple(numbers)
+
+    def _script(self) -> bytes:
+        opened = self._at
+        if self._depth == DEPTH:
+            self._refuse(opened, f'Script: more than {DEPTH} scripts in each other')
+        self._at += 1
+        self._depth += 1
+        commands = self.commands('}')
+        self._depth -= 1
+        try:
+            return build_script(commands).script
+        except ValueError as refused:
+            self._refuse(opened, str(refused))
+
+    def _items(self) -> list[Item]:
+        items: list[Item] = []
+        while (match := ITEM.match(self._text, self._at)) is not None:
+            if EQUALS.match(self._text, match.end()):
+                break
+            items.append(Item(self._at, match[0]))
+            self._at = match.end()
+            comma = COMMA.match(self._text, self._at)
+            if comma is None:
+                break
+            self._at = comma.end()
+        return items
+
+    def _number(self, name: str, wire: Wire, item: Item) -> int:
+        number = _number_of(wire, item.word)
+        if number is None or not wire.allows(number):
+            self._refuse(item.place, f'{name} = {item.word}; allowed: {_allowed(wire)}')
+        return number
+
+    def _note(self, name: str, tail: Tail, item: Item) -> Note:
+        pitch, colon, duration = item.word.partition(':')
+        try:
+            if plain(pitch) == 'rest':
+                number = REST
+            else:
+                number = int(pitch) if pitch.isdecimal() else note_number(pitch)
+        except ValueError as refused:
+            self._refuse(item.place, f'{name}: {refused}')
+        if not colon:
+            self._refuse(item.place, f'{name} = {item.word}; allowed: note:duration')
+        low, high = tail.counted.item
+        self._number(f'{name}, note', low, Item(item.place, str(number)))
+        place = item.place + len(pitch) + len(colon)
+        return Note(number, self._number(f'{name}, duration', high, Item(place, duration)))
+
+    def _next(self) -> str:
+        return self._text[self._at:self._at + 1]
+
+    def _take(self, pattern: re.Pattern[str]) -> str:
+        match = pattern.match(self._text, self._at)
+        assert match is not None, 'these patterns match nothing too'
+        self._at = match.end()
+        return match[0]
+
+    def _refuse(self, place: int, reason: str) -> NoReturn:
+        raise TextError(self._text, place, reason)
+
+
+def _declared(kind: type[Command]) -> list[str]:
+    names = [field.name for field in kind.fields]
+    return [*names, kind.tail.name] if kind.tail is not None else names
+
+
+def _allowed(wire: Wire) -> str:
+    """Say what is allowed, with the names that numbers have."""
+    if wire is PACKET_ID:
+        return f'{wire.describe()} or a name such as {next(iter(NUMBERS))}'
+    if wire.names is None or wire.mask:
+        return wire.describe()
+    return f'{wire.describe()}; or {", ".join(map(label, wire.names))}'
+
+
+def _number_of(wire: Wire, word: str) -> int | None:
+    """Return the number that a word stands for, None where it is neither number nor name."""
+    if wire.mask:
+        bits = [_named(wire, part) for part in re.split('[+|]', word)]
+        return None if None in bits else sum(set(filter(None, bits)))
+    named = _named(wire, word)
+    if named is None and wire.inverse and (match := NOT.match(word)) is not None:
+        positive = _named(wire, word[match.end():])
+        return None if positive is None else -positive
+    return named
+
+
+def _named(wire: Wire, word: str) -> int | None:
+    if word[:1].isalnum():
+        if wire is PACKET_ID and plain(word) in PACKET_NAMES:
+            return PACKET_NAMES[plain(word)]
+        for member in wire.names or ():
+            if plain(label(member)) == plain(word):
+                return int(member)
+    if NUMBER.fullmatch(word):
+        return int(word, 16 if 'x' in word.lower() else 10)
+    return None
