@@ -52,6 +52,8 @@ class Create:
         self.demo: oi.DemoNumber | None = None
         """The demo that runs."""
         self.script = b''
+        self.commands = 0
+        """Commands that were whole so far, obeyed or not."""
         self._slots = 0
         self._epoch: float | None = None
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
@@ -113,6 +115,11 @@ class Create:
     def _listening(self) -> bool:
         """Manual: Wait Commands, 'nor does it react to any inputs, serial or otherwise'."""
         return self._running and self._wait is None and not self._script_plays
+
+    @property
+    def waiting(self) -> bool:
+        """Tell whether a wait command makes the robot deaf."""
+        return self._wait is not None
 
     @property
     def _running(self) -> bool:
@@ -309,6 +316,7 @@ class Create:
     # Commands.
 
     def _obey(self, command: oi.Command) -> None:
+        self.commands += 1
         if self.mode not in command.modes:
             return
         accepted = obeyable(command)

@@ -1,0 +1,337 @@
+"""
+The language in which a test or a teacher sets the simulated world: a line for each wish.
+
+Every line is answered by one line that begins with `ok` or `error`.  `help` lists the words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+import json
+import math
+import operator
+import re
+from typing import Any, NamedTuple
+
+from create_oi_ros.oi import SLOT
+from create_oi_ros.sim.faults import Fault, Faults
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.lines import Line
+from create_oi_ros.sim.readings import RANGES
+from create_oi_ros.sim.world import Pose
+
+PRESS = 0.2
+"""Seconds a button is pressed where nothing else is said."""
+PATIENCE = 10.0
+"""Seconds after which `wait` gives up where nothing else is said."""
+_COMPARE: dict[str, Callable[[Any, Any], bool]] = {
+    '>=': operator.ge, '<=': operator.le, '!=': operator.ne,
+    '=': operator.eq, '>': operator.gt, '<': operator.lt,
+}
+_CONDITION = re.compile(r'(\w+)(>=|<=|!=|=|>|<)(.+)')
+
+
+class Waiting:
+    """A `wait` whose answer is not there yet."""
+
+    def __init__(self, met: Callable[[], bool], deadline: float, truth: Callable[[], str],
+                 words: str) -> None:
+        self._met, self._deadline, self._truth, self._words = met, deadline, truth, words
+
+    def answer(self, time: float) -> str | None:
+        """Return the answer if there is one at this time of the robot's clock, in seconds."""
+        if self._met():
+            return self._truth()
+        if time >= self._deadline:
+            return f'error waited in vain for {self._words}'
+        return None
+
+
+class Control:
+    """Obeys lines.  It is told the time of the robot's clock, in seconds."""
+
+    def __init__(self, create: Create, line: Line, faults: Faults,
+                 stop: Callable[[], None]) -> None:
+        self._create, self._body = create, create.body
+        self._line, self._faults, self._stop = line, faults, stop
+        self._now = 0.0
+
+    def obey(self, text: str, now: float) -> str | Waiting:
+        """Do what a line says; the answer, or what waits for it.  No text raises."""
+        self._now = now
+        words = text.split()
+        if not words:
+            return 'error nothing said: try help'
+        word = _WORDS.get(words[0])
+        if word is None:
+            return f'error {words[0]!r} is not known: try help'
+        try:
+            answer = word.obey(self, words[1:])
+        except (ValueError, OSError) as error:
+            return f'error {words[0]}: {error}'.replace('\n', ' ')
+        return 'ok' if answer is None else answer
+
+    # Asking.
+
+    def _help(self, words: list[str]) -> str:
+        return 'ok ' + '; '.join(f'{name} {word.form}: {word.meaning}'.replace(' :', ':')
+                                 for name, word in _WORDS.items())
+
+    def facts(self) -> dict[str, Any]:
+        """Return all there is to know: the world's truth and the robot's state."""
+        create, truth = self._create, self._body.truth()
+        actuators, speaker = create.actuators, create.speaker
+        return {
+            'time': round(create.time, 6), **truth.pose._asdict(), 'speed': truth.speed,
+            'rate': truth.rate, 'travelled': truth.travelled, 'turned': truth.turned,
+            'measured_travelled': truth.measured_travelled,
+            'measured_turned': truth.measured_turned,
+            'mode': create.mode.name, 'powered': create.powered, 'baud': create.baud,
+            'demo': create.demo.name if create.demo is not None else None,
+            'right': actuators.wheels.right, 'left': actuators.wheels.left,
+            'frames': create.frames, 'commands': create.commands, 'waiting': create.waiting,
+            'song_number': speaker.number, 'song_playing': speaker.song_playing(create.time),
+            'note': create.note, 'leds': int(create.lights.bits),
+            'power_color': create.lights.color, 'power_intensity': create.lights.intensity,
+            'outputs': int(create.outputs), 'duties': list(actuators.duties),
+            'infrared_sent': list(actuators.infrared_sent), 'cable_cut': self._faults.cable_cut,
+        }
+
+    def _truth(self, words: list[str]) -> str:
+        return 'ok ' + json.dumps(self.facts())
+
+    def _sense(self, words: list[str]) -> str:
+        return 'ok ' + json.dumps(self._body.sense()._asdict())
+
+    def _wait(self, words: list[str]) -> Waiting:
+        conditions, timeout = [], PATIENCE
+        for word in words:
+            match = _CONDITION.fullmatch(word)
+            if match is None:
+                raise ValueError(f'{word!r} is no condition such as mode=SAFE or x>0.5')
+            if match[1] == 'timeout':
+                timeout = _number(match[3])
+            else:
+                conditions.append((match[1], _COMPARE[match[2]], _value(match[3])))
+        return self._waiting(conditions, timeout, ' '.join(words))
+
+    def _waiting(self, conditions: list[tuple[str, Callable[[Any, Any], bool], Any]],
+                 timeout: float, words: str) -> Waiting:
+        known = self._known()
+        for name, compare, value in conditions:
+            if name not in known:
+                raise ValueError(f'no {name!r}: one of {", ".join(known)}')
+            if compare not in (operator.eq, operator.ne) and not (
+                    isinstance(value, float) and isinstance(known[name], int | float)):
+                raise ValueError(f'{name} cannot be compared so')
+
+        def met() -> bool:
+            facts = self._known()
+            return all(compare(facts[name], value) for name, compare, value in conditions)
+        return Waiting(met, self._now + timeout, lambda: self._truth([]), words)
+
+    def _known(self) -> dict[str, Any]:
+        return {**self.facts(), **self._body.sense()._asdict()}
+
+    def _after(self, words: list[str]) -> Waiting:
+        seconds, = _numbers(words, 1)
+        end = self._create.time + seconds - SLOT / 2
+        return Waiting(lambda: self._create.time >= end, math.inf, lambda: self._truth([]),
+                       f'{seconds} s')
+
+    # The robot's surroundings.
+
+    def _bump(self, words: list[str]) -> None:
+        side, seconds = _choice(words, 'left', 'right', 'both', 'off'), _seconds(words, math.inf)
+        self._body.unforce('bump_left', 'bump_right')
+        pressed = {'bump_left': side in ('left', 'both'), 'bump_right': side in ('right', 'both')}
+        if side != 'off':
+            self._body.force(seconds=seconds, **pressed)
+
+    def _button(self, words: list[str]) -> None:
+        name = _choice(words, 'play', 'advance')
+        self._body.force(seconds=_seconds(words, PRESS), **{name: 1})
+
+    def _force(self, words: list[str]) -> None:
+        values = _assignments(words, (*RANGES, 'seconds'))
+        seconds = values.pop('seconds', math.inf)
+        whole = {name: int(value) for name, value in values.items() if value == int(value)}
+        if not values or len(whole) < len(values):
+            raise ValueError('whole numbers are wanted, such as bump_left=1 infrared=130')
+        self._body.force(seconds=seconds, **whole)
+
+    def _unforce(self, words: list[str]) -> None:
+        self._body.unforce(*words)
+
+    def _lift(self, words: list[str]) -> None:
+        self._body.lift(True)
+
+    def _down(self, words: list[str]) -> None:
+        self._body.lift(False)
+
+    def _drop(self, words: list[str]) -> None:
+        self._body.drop(**_flags(words, 'right', 'left', 'caster'))
+
+    def _hold(self, words: list[str]) -> None:
+        self._body.hold(**_flags(words, 'right', 'left'))
+
+    def _push(self, words: list[str]) -> None:
+        speed, rate, seconds = _numbers(words, 3)
+        self._body.push(speed=speed, rate=rate, seconds=seconds)
+
+    def _slip(self, words: list[str]) -> None:
+        right, left, seconds = _numbers(words, 3)
+        self._body.slip(right=right, left=left, seconds=seconds)
+
+    def _place(self, words: list[str]) -> None:
+        x, y, yaw = _numbers(words, 3)
+        self._body.place(Pose(x, y, math.radians(yaw)))
+
+    def _load(self, words: list[str]) -> None:
+        self._body.load(**_assignments(words, ('ld0', 'ld1', 'ld2')))
+
+    # Power.
+
+    def _charger(self, words: list[str]) -> None:
+        self._body.plug_charger(_choice(words, 'on', 'off') == 'on')
+
+    def _dock(self, words: list[str]) -> None:
+        self._body.power_home_base(_choice(words, 'on', 'off') == 'on')
+
+    def _battery(self, words: list[str]) -> None:
+        values: dict[str, Any] = _assignments(words, ('charge', 'temperature', 'fault'))
+        if 'fault' in values:
+            values['fault'] = bool(values['fault'])
+        self._body.set_battery(**values)
+
+    def _power(self, words: list[str]) -> None:
+        match _choice(words, 'on', 'off', 'toggle', 'fail'):
+            case 'toggle':
+                self._create.toggle_power(self._now)
+            case 'fail':
+                self._create.lose_battery(self._now)
+            case state:
+                self._create.power(state == 'on', self._now)
+
+    # The line.
+
+    def _cable(self, words: list[str]) -> None:
+        match _choice(words, 'cut', 'mend', 'unplug', 'plug'):
+            case 'unplug':
+                self._line.unplug()
+            case 'plug':
+                self._line.plug()
+            case state:
+                self._faults.cable_cut = state == 'cut'
+
+    def _fault(self, words: list[str]) -> None:
+        self._faults.faults = [] if words == ['off'] else [Fault.parse(word) for word in words]
+
+    def _quit(self, words: list[str]) -> None:
+        self._stop()
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ValueError(f'{text!r} is no number')
+    return number
+
+
+def _numbers(words: list[str], count: int) -> list[float]:
+    if len(words) != count:
+        raise ValueError(f'{count} numbers are wanted, not {len(words)}')
+    return [_number(word) for word in words]
+
+
+def _seconds(words: list[str], otherwise: float) -> float:
+    return _number(words[1]) if len(words) > 1 else otherwise
+
+
+def _choice(words: list[str], *allowed: str) -> str:
+    if not words or words[0] not in allowed:
+        raise ValueError(f'one of {", ".join(allowed)} is wanted')
+    return words[0]
+
+
+def _flags(words: list[str], *allowed: str) -> dict[str, bool]:
+    for word in words:
+        _choice([word], *allowed)
+    return {name: name in words for name in allowed}
+
+
+def _assignments(words: list[str], allowed: tuple[str, ...]) -> dict[str, float]:
+    values = {}
+    for word in words:
+        name, _, value = word.partition('=')
+        _choice([name], *allowed)
+        values[name] = _number(value)
+    return values
+
+
+def _value(text: str) -> Any:
+    """Return what a condition compares with: a truth value, nothing, a number, or the text."""
+    named = {'true': True, 'false': False, 'none': None}
+    if text.lower() in named:
+        return named[text.lower()]
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+class _Word(NamedTuple):
+    """What a word does, its form and its meaning."""
+
+    obey: Callable[[Control, list[str]], str | Waiting | None]
+    form: str
+    meaning: str
+
+
+_WORDS = {
+    'help': _Word(Control._help, '', 'list the words'),
+    'truth': _Word(
+        Control._truth, '',
+        'pose, velocities (m, rad, s), mode, wheels (mm/s), all else, as JSON'),
+    'sense': _Word(Control._sense, '', 'what the sensors see, as JSON'),
+    'wait': _Word(
+        Control._wait, 'NAME=VALUE ... [timeout=S]',
+        'until truth or sense say so (also != < > <= >=)'),
+    'after': _Word(Control._after, 'SECONDS', "answer so much later on the robot's clock"),
+    'bump': _Word(Control._bump, 'left|right|both|off [SECONDS]', 'press the bumper'),
+    'button': _Word(Control._button, 'play|advance [SECONDS]', 'press a button'),
+    'force': _Word(
+        Control._force, 'NAME=VALUE ... [seconds=S]',
+        'hold sensors (the names of sense) at values'),
+    'unforce': _Word(Control._unforce, '[NAME ...]', 'give sensors back to the physics'),
+    'lift': _Word(Control._lift, '', 'take the robot off the floor'),
+    'down': _Word(Control._down, '', 'put it on the floor again'),
+    'drop': _Word(
+        Control._drop, '[right] [left] [caster]',
+        'let these wheels hang, and no others'),
+    'hold': _Word(Control._hold, '[right] [left]', 'hold these wheels, and no others'),
+    'push': _Word(Control._push, 'SPEED RATE SECONDS', 'roll the robot by hand (m/s, rad/s)'),
+    'slip': _Word(
+        Control._slip, 'RIGHT LEFT SECONDS',
+        'let the wheels lose these parts (0 to 1) of their travel'),
+    'place': _Word(Control._place, 'X Y YAW', 'put the robot elsewhere (metres, degrees)'),
+    'load': _Word(
+        Control._load, '[ld0=A] [ld1=A] [ld2=A]',
+        'hang loads (amperes) on the low side drivers'),
+    'charger': _Word(Control._charger, 'on|off', 'plug in the internal charger'),
+    'dock': _Word(Control._dock, 'on|off', 'give mains to the Home Bases, or take it'),
+    'battery': _Word(Control._battery, '[charge=0..1] [temperature=C] [fault=0|1]', 'set it'),
+    'power': _Word(
+        Control._power, 'on|off|toggle|fail',
+        'the power button; fail: the battery out and in again'),
+    'cable': _Word(
+        Control._cable, 'cut|mend|unplug|plug',
+        'lose all bytes; let the port vanish; and undo it'),
+    'fault': _Word(
+        Control._fault, 'SPEC ...|off',
+        'let go wrong what --fault can, instead of what did; or nothing'),
+    'quit': _Word(Control._quit, '', 'end the simulator'),
+}

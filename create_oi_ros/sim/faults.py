@@ -1,0 +1,159 @@
+"""
+What goes wrong on purpose: `create_sim --fault SPEC`, as often as wanted.
+
+    SPEC = KIND[:RATE][@START][+DURATION][~PERIOD]        seconds, on the robot's clock
+
+    flip, drop, garbage       one bit flipped, one byte lost, 1 to 20 random bytes put in front,
+                              in a part RATE (0 to 1) of what the robot sends: a frame, a reply.
+                              With `.in` (flip.in) of what the host sends.
+    silence, deaf, cut        bytes from the robot, to the robot, both ways are lost
+    unplug                    the port vanishes, and comes back
+    brownout                  the battery fails for a moment
+
+The last five happen RATE times a second at random, or at START, for DURATION (1 s), every
+PERIOD; `@10` without more is once.  The first three can be kept within such a time, too.
+
+    --fault flip:0.05 --fault unplug@20+3 --fault cut:0.1+0.5 --fault garbage:1@30+5~60
+
+The same seed gives the same faults.  Nothing here knows a clock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+import math
+from random import Random
+import re
+
+from create_oi_ros.oi import SLOT
+
+MOST_GARBAGE = 20
+"""Bytes at once."""
+_EARLY = 1e-6
+
+
+class Kind(Enum):
+    """What can go wrong."""
+
+    FLIP = 'flip'
+    DROP = 'drop'
+    GARBAGE = 'garbage'
+    FLIP_IN = 'flip.in'
+    DROP_IN = 'drop.in'
+    GARBAGE_IN = 'garbage.in'
+    SILENCE = 'silence'
+    DEAF = 'deaf'
+    CUT = 'cut'
+    UNPLUG = 'unplug'
+    BROWNOUT = 'brownout'
+
+
+_DAMAGE = (Kind.FLIP, Kind.DROP, Kind.GARBAGE, Kind.FLIP_IN, Kind.DROP_IN, Kind.GARBAGE_IN)
+_NUMBER = r'(\d+\.?\d*|\.\d+)'
+_SPEC = re.compile(
+    rf'([a-z.]+)(?::{_NUMBER})?(?:@{_NUMBER})?(?:\+{_NUMBER})?(?:~{_NUMBER})?')
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One thing that goes wrong at a rate, at times, or both; see above."""
+
+    kind: Kind
+    rate: float | None = None
+    start: float | None = None
+    duration: float = math.inf
+    period: float = math.inf
+
+    @classmethod
+    def parse(cls, spec: str) -> Fault:
+        """Read a SPEC; ValueError says what is wrong with it."""
+        match = _SPEC.fullmatch(spec)
+        kinds = {kind.value: kind for kind in Kind}
+        if match is None or match[1] not in kinds:
+            raise ValueError(f'fault {spec!r}: KIND[:RATE][@START][+DURATION][~PERIOD] is wanted, '
+                             f'with a kind of {", ".join(kinds)}')
+        kind = kinds[match[1]]
+        rate, start, duration, period = (
+            None if text is None else float(text) for text in match.groups()[1:])
+        damage = kind in _DAMAGE
+        if rate is None and (damage or start is None):
+            raise ValueError(f'fault {spec!r}: a rate (":0.1") '
+                             f'{"" if damage else "or a start (@10) "}is wanted')
+        if damage and rate is not None and rate > 1:
+            raise ValueError(f'fault {spec!r}: a rate of {kind.value} is a part, 0 to 1')
+        return cls(kind, rate, start, duration if duration is not None else
+                   math.inf if damage else 1.0, period or math.inf)
+
+    def within(self, time: float) -> bool:
+        """Tell whether a time, in seconds, is one at which it is to happen."""
+        if self.start is None:
+            return True
+        since = time - self.start + _EARLY
+        return since >= 0 and (since % self.period) < self.duration
+
+
+class Faults:
+    """All that goes wrong with one robot."""
+
+    def __init__(self, faults: list[Fault], seed: int = 0) -> None:
+        self.faults = faults
+        self._random = Random(seed)
+        self._until: dict[Fault, float] = {}
+        self._active: set[Kind] = set()
+        self.cable_cut = False
+        """Whether somebody has cut the cable, until it is mended."""
+
+    def step(self, time: float) -> set[Kind]:
+        """Tell what has begun in the slot that ends at `time`; `active` tells what goes on."""
+        before = self._active
+        self._active = {fault.kind for fault in self.faults
+                        if fault.kind not in _DAMAGE and self._goes_on(fault, time)}
+        return self._active - before
+
+    def active(self, kind: Kind) -> bool:
+        """Tell whether something goes on that lasts."""
+        return kind in self._active
+
+    def _goes_on(self, fault: Fault, time: float) -> bool:
+        if fault.rate is None:
+            return fault.within(time)
+        if fault.within(time) and self._random.random() < fault.rate * SLOT:
+            self._until[fault] = time + fault.duration
+        return time < self._until.get(fault, -math.inf)
+
+    def from_robot(self, data: bytes, time: float) -> bytes:
+        """Return what becomes of bytes on their way to the host."""
+        if self.cable_cut or self._active & {Kind.SILENCE, Kind.CUT, Kind.UNPLUG}:
+            return b''
+        return self._damaged(data, time, {
+            Kind.FLIP: self._flip, Kind.DROP: self._drop, Kind.GARBAGE: self._garbage})
+
+    def to_robot(self, data: bytes, time: float) -> bytes:
+        """Return what becomes of bytes on their way to the robot."""
+        if self.cable_cut or self._active & {Kind.DEAF, Kind.CUT, Kind.UNPLUG}:
+            return b''
+        return self._damaged(data, time, {
+            Kind.FLIP_IN: self._flip, Kind.DROP_IN: self._drop, Kind.GARBAGE_IN: self._garbage})
+
+    def _damaged(self, data: bytes, time: float,
+                 kinds: dict[Kind, Callable[[bytes], bytes]]) -> bytes:
+        for fault in self.faults:
+            damage = kinds.get(fault.kind)
+            if (data and damage is not None and fault.within(time)
+                    and self._random.random() < (fault.rate or 0.0)):
+                data = damage(data)
+        return data
+
+    def _flip(self, data: bytes) -> bytes:
+        damaged = bytearray(data)
+        damaged[self._random.randrange(len(data))] ^= 1 << self._random.randrange(8)
+        return bytes(damaged)
+
+    def _drop(self, data: bytes) -> bytes:
+        place = self._random.randrange(len(data))
+        return data[:place] + data[place + 1:]
+
+    def _garbage(self, data: bytes) -> bytes:
+        return self._random.randbytes(self._random.randint(1, MOST_GARBAGE)) + data

@@ -1,0 +1,11 @@
+"""
+A simulated Create that other programs open like a serial port.
+
+`serve` runs one robot on one line in real time, `control_port` lets others set its world, and
+`command` is the executable `create_sim`.
+"""
+
+from create_oi_ros.sim.server.command import main
+from create_oi_ros.sim.server.serve import Server
+
+__all__ = ['main', 'Server']

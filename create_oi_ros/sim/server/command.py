@@ -1,0 +1,179 @@
+"""The command `create_sim`: its options, and what it prints."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+import csv
+import ipaddress
+from pathlib import Path
+import signal
+import sys
+
+from create_oi_ros.oi import Checksum
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.encoders import Rounding
+from create_oi_ros.sim.faults import Fault, Faults
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.lines import Line, PtyLine, TcpLine
+from create_oi_ros.sim.server.control_port import ControlPort
+from create_oi_ros.sim.server.serve import Server
+from create_oi_ros.sim.show import CLEAR, Show
+from create_oi_ros.sim.world import parse, shipped, shipped_names, World
+
+SHOW_EVERY = 7
+"""Slots: about ten pictures a second."""
+
+
+def _address(text: str) -> tuple[str, int]:
+    host, _, port = text.rpartition(':')
+    if not port.isdecimal() or int(port) > 65535:
+        raise argparse.ArgumentTypeError(f'{text!r}: HOST:PORT or :PORT is wanted')
+    return host.strip('[]') or '127.0.0.1', int(port)
+
+
+def _world(text: str) -> World:
+    """Read a shipped room or a file."""
+    try:
+        if text in shipped_names():
+            return shipped(text)
+        return parse(Path(text).read_text('utf-8'), text)
+    except FileNotFoundError:
+        raise argparse.ArgumentTypeError(
+            f'{text!r} is neither a file nor one of {", ".join(shipped_names())}') from None
+    except (ValueError, OSError) as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _fault(text: str) -> Fault:
+    try:
+        return Fault.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _speed(text: str) -> float:
+    try:
+        speed = float(text)
+    except ValueError:
+        speed = 0.0
+    if not 0 < speed <= 1000:
+        raise argparse.ArgumentTypeError(f'{text!r}: a number above 0, at most 1000, is wanted')
+    return speed
+
+
+def _arguments() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='create_sim',
+        description='Serve a simulated iRobot Create as a serial port, until Ctrl-C.')
+    add = parser.add_argument
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument('--link', type=Path, metavar='PATH',
+                       help='symbolic link that leads to the pseudo terminal')
+    where.add_argument('--tcp', type=_address, metavar='HOST:PORT',
+                       help='serve socket:// clients instead (no host: loopback only)')
+    add('--world', type=_world, default='empty', metavar='NAME|FILE',
+        help=f'{", ".join(shipped_names())}, or a file (default: %(default)s)')
+    add('--odometry', choices=[each.value for each in Rounding],
+        default=Rounding.TRUNCATE.value,
+        help='what reading distance and angle does with fractions (default: %(default)s)')
+    add('--checksum', choices=[each.value for each in Checksum],
+        default=Checksum.HARDWARE.value,
+        help='of stream frames: without the header (manual) or with it (default: %(default)s)')
+    add('--guess', action='append', default=[], metavar='NAME=VALUE',
+        help='change what the manual leaves open; see docs/simulator.md')
+    add('--fault', action='append', type=_fault, default=[], metavar='SPEC',
+        help='let something go wrong, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
+    add('--seed', type=int, default=0, help='of all chance (default: %(default)s)')
+    add('--speed', type=_speed, default=1.0, help='times real time (default: %(default)s)')
+    add('--wire-time', action='store_true', help='let bytes take their time at the baud rate')
+    add('--control', type=Path, metavar='PATH', help='Unix socket to set the world by')
+    add('--show', action='store_true', help='draw room and robot in this terminal (80 by 24)')
+    add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
+    return parser
+
+
+def _line(options: argparse.Namespace) -> Line:
+    return TcpLine(*options.tcp) if options.tcp else PtyLine(options.link)
+
+
+def _recorder(create: Create, server: Server, path: Path, stack: ExitStack) -> Callable[[], None]:
+    """Return what writes a row of the truth."""
+    file = stack.enter_context(path.open('w', newline=''))
+    names = [name for name, value in server.control.facts().items()
+             if not isinstance(value, list)]
+    writer = csv.DictWriter(file, names, extrasaction='ignore')
+    writer.writeheader()
+    return lambda: writer.writerow(server.control.facts())
+
+
+def _shower(create: Create) -> Callable[[], None]:
+    """Return what draws, when it is time to."""
+    show, slots = Show(create), 0
+    sys.stdout.write(CLEAR)
+
+    def draw() -> None:
+        nonlocal slots
+        slots += 1
+        if slots % SHOW_EVERY == 0:
+            sys.stdout.write(show.picture())
+            sys.stdout.flush()
+    return draw
+
+
+def _say(options: argparse.Namespace, line: Line) -> None:
+    print(f'A simulated Create is on {line.name} (world {options.world.name}, odometry '
+          f'{options.odometry}, checksum {options.checksum}). Ctrl-C ends it.')
+    print(f'  create_node --ros-args -p port:={line.name}')
+    if options.tcp and not _is_loopback(options.tcp[0]):
+        print('Everybody who reaches this computer can drive it: there is no password.')
+    if options.control:
+        print(f'The world is set by lines on {options.control}; the first one to try is "help".')
+    sys.stdout.flush()
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == 'localhost'
+
+
+def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
+    body = Body(options.world, rounding=Rounding(options.odometry), seed=options.seed)
+    create = Create(body, checksum=Checksum(options.checksum), guesses=guesses,
+                    seed=options.seed)
+    with ExitStack() as stack:
+        line = _line(options)
+        stack.callback(line.close)
+        server = Server(create, line, Faults(options.fault, options.seed), speed=options.speed,
+                        wire_time=options.wire_time)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda *_: server.stop())
+        if options.control:
+            server.control_port = ControlPort(options.control, server.control)
+            stack.callback(server.control_port.close)
+        if options.record:
+            server.watchers.append(_recorder(create, server, options.record, stack))
+        _say(options, line)
+        if options.show:
+            server.watchers.append(_shower(create))
+        server.serve()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `create_sim`; return its exit code."""
+    parser = _arguments()
+    options = parser.parse_args(arguments)
+    try:
+        guesses = Guesses.parse(options.guess)
+    except ValueError as error:
+        parser.error(str(error))
+    try:
+        _serve(options, guesses)
+    except OSError as error:
+        print(f'create_sim: {error}', file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,115 @@
+"""The room, the robot, its track and its sensors as 24 lines of 80 characters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import math
+
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.geometry import Disc, Point, Segment
+from create_oi_ros.sim.world import World
+
+COLUMNS, ROWS = 80, 24
+STATUS_ROWS = 3
+CELL_SHAPE = 2.0
+"""How much higher than wide a character is."""
+AROUND = 1.5
+"""Metres that are shown around the track where there are no walls."""
+ARROWS = '→↗↑↖←↙↓↘'
+HOME_CURSOR, CLEAR, CLEAR_REST = '\x1b[H', '\x1b[2J', '\x1b[K'
+
+
+def outline(world: World) -> Iterator[tuple[str, Segment]]:
+    """Yield what is drawn of a room: a character and a line."""
+    for polygon in (*world.ground, *world.cliffs):
+        yield from (('~', edge) for edge in polygon.edges)
+    for wall in world.virtual_walls:
+        yield ':', Segment((wall.pose.x, wall.pose.y), wall.pose.ahead(wall.reach))
+    for each in world.obstacles:
+        match each:
+            case Segment():
+                yield '#', each
+            case Disc(x=x, y=y, radius=radius):
+                ring = [(x + radius * math.cos(turn * math.tau / 12),
+                         y + radius * math.sin(turn * math.tau / 12)) for turn in range(13)]
+                yield from (('O', Segment(a, b)) for a, b in zip(ring, ring[1:], strict=False))
+    for base in world.home_bases:
+        yield 'H', base.plate
+
+
+class View:
+    """Where the points of a room lie on a sheet of characters."""
+
+    def __init__(self, points: list[Point], columns: int, rows: int) -> None:
+        xs, ys = [x for x, _ in points], [y for _, y in points]
+        self._columns, self._rows = columns, rows
+        self._cell = max((max(xs) - min(xs)) / (columns - 1),
+                         (max(ys) - min(ys)) / (rows - 1) / CELL_SHAPE, 1e-3)
+        self._left = (min(xs) + max(xs)) / 2 - self._cell * (columns - 1) / 2
+        self._top = (min(ys) + max(ys)) / 2 + self._cell * CELL_SHAPE * (rows - 1) / 2
+        self._sheet = [[' '] * columns for _ in range(rows)]
+
+    def put(self, character: str, x: float, y: float) -> None:
+        """Draw one character, unless it lies outside."""
+        column = round((x - self._left) / self._cell)
+        row = round((self._top - y) / self._cell / CELL_SHAPE)
+        if 0 <= column < self._columns and 0 <= row < self._rows:
+            self._sheet[row][column] = character
+
+    def line(self, character: str, segment: Segment) -> None:
+        """Draw a line."""
+        (ax, ay), (bx, by) = segment.ends
+        steps = max(1, math.ceil(segment.length / self._cell))
+        for step in range(steps + 1):
+            self.put(character, ax + (bx - ax) * step / steps, ay + (by - ay) * step / steps)
+
+    def text(self) -> list[str]:
+        """Return the lines."""
+        return [''.join(row).rstrip() for row in self._sheet]
+
+
+class Show:
+    """Remembers the track, and draws."""
+
+    LONGEST_TRACK = 3000
+
+    def __init__(self, create: Create) -> None:
+        self._create = create
+        self._outline = list(outline(create.body.world))
+        self._track: list[Point] = []
+
+    def picture(self) -> str:
+        """Return what is to be written to a terminal that was cleared once."""
+        lines = self._map() + self._status()
+        return HOME_CURSOR + '\n'.join(line[:COLUMNS] + CLEAR_REST for line in lines)
+
+    def _map(self) -> list[str]:
+        pose = self._create.body.truth().pose
+        here = (pose.x, pose.y)
+        if not self._track or math.dist(here, self._track[-1]) > 0.03:
+            self._track = [*self._track[-self.LONGEST_TRACK:], here]
+        points = [end for _, segment in self._outline for end in segment.ends] or [
+            (x + side, y + side) for x, y in self._track for side in (-AROUND, AROUND)]
+        view = View(points, COLUMNS, ROWS - STATUS_ROWS)
+        for x, y in self._track:
+            view.put('·', x, y)
+        for character, segment in self._outline:
+            view.line(character, segment)
+        view.put(ARROWS[round(pose.yaw / (math.tau / 8)) % 8], *here)
+        return view.text()
+
+    def _status(self) -> list[str]:
+        create, truth = self._create, self._create.body.truth()
+        sense = create.body.sense()
+        on = ' '.join(name for name, value in sense._asdict().items()
+                      if value is True and name != 'device_detect')
+        demo = f' {create.demo.name.lower()}' if create.demo is not None else ''
+        return [
+            f'{create.time:8.1f} s  {create.mode.name}{demo}  x {truth.pose.x:.2f} '
+            f'y {truth.pose.y:.2f} m  {math.degrees(truth.pose.yaw):.0f}°  '
+            f'{truth.speed:.2f} m/s {math.degrees(truth.rate):.0f}°/s',
+            f'wheels {create.actuators.wheels.left:.0f} {create.actuators.wheels.right:.0f} mm/s'
+            f'  {sense.voltage / 1000:.1f} V {sense.current} mA  wall {sense.wall_signal}'
+            f'  infrared {sense.infrared}  frames {create.frames}',
+            f'{on or "nothing touched"}',
+        ]
