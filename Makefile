@@ -33,4 +33,4 @@ $(READY): tools/pins.txt
 INPUTS := $(shell find msg_defs tools/tf2_msgs resource launch config urdf rviz 2>/dev/null)
 $(BUILT): $(READY) $(INPUTS) package.xml setup.py setup.cfg
 	@.venv/bin/python tools/build.py $(KIND)
-	@touch $@
+	@echo $(CURDIR) > $@

@@ -5,8 +5,8 @@ if [ -z "${BASH_VERSION:-}${ZSH_VERSION:-}" ]; then
     echo 'env.sh is for bash and zsh' >&2
     return 1
 fi
-_create_root=$(cd "$(dirname "${BASH_SOURCE:-$0}")" > /dev/null && pwd)
-if [ ! -f "$_create_root/install/built" ]; then
+_create_root=$(cd "$(dirname "${BASH_SOURCE:-$0}")" > /dev/null && pwd -P)
+if [ "$(cat "$_create_root/install/built" 2> /dev/null)" != "$_create_root" ]; then
     echo "create_oi_ros is not built: run make in $_create_root" >&2
     unset _create_root
     return 1

@@ -36,7 +36,6 @@ def main(kind: str) -> None:
     paths = base_paths(kind)
     print(f'build: {len(paths)} packages with colcon (log/build.log)', flush=True)
     step(['colcon', 'build', '--base-paths', *paths, '--symlink-install',
-          '--event-handlers', 'console_direct+',
           '--cmake-args', '-Wno-dev', '-DBUILD_TESTING=OFF'],
          'build.log', 'the build failed', wheels_environment() if kind == 'wheels' else None)
 

@@ -65,6 +65,8 @@ def lacking(kind):
     if kind == 'wheels' and (sys.platform, platform.machine()) != ('linux', 'x86_64'):
         return ('ROS 2 comes as wheels for x86-64 Linux only: '
                 'here, install ROS 2 Jazzy and source /opt/ros/jazzy/setup.bash')
+    if ' ' in os.getcwd():
+        return f'colcon cannot build in a path with a space: move the clone out of {os.getcwd()}'
     if lacks_compiler():
         return 'no working C and C++ compiler: sudo apt-get install build-essential'
     if shutil.disk_usage('.').free < DISK_BYTES:

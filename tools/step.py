@@ -5,7 +5,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-LAST_LINES = 12
+LAST_LINES = 30
 
 
 def step(command: Sequence[str | Path], log: str, failure: str,
