@@ -1,0 +1,123 @@
+"""
+The declarations as tables, for people: on a terminal and in `docs/open_interface.md`.
+
+`python -m create_oi_ros.oi document docs/open_interface.md` writes them into the page.
+"""
+
+from collections.abc import Iterable, Sequence
+from enum import IntEnum, IntFlag
+import re
+
+from .codes import BaudCode
+from .command import Command
+from .commands import COMMANDS
+from .packets import GROUPS, NAMES, PacketList, PACKETS, size_of
+from .wire import Wire
+
+Row = Sequence[str]
+KINDS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}
+"""A word is two bytes, high byte first."""
+BAUDS = (BaudCode.B57600, BaudCode.B19200)
+"""The baud rates that the robot starts with (manual: Serial Port Settings)."""
+
+
+def commands_table() -> list[Row]:
+    """Return every command: opcode, name, data bytes, modes in which it is obeyed, mode after."""
+    rows: list[Row] = [('Opcode', 'Command', 'Data', 'Obeyed in', 'Enters', 'Section')]
+    for kind in COMMANDS:
+        modes = ', '.join(mode.name.capitalize() for mode in sorted(kind.modes))
+        enters = kind.enters.name.capitalize() if kind.enters is not None else ''
+        rows.append((str(kind.opcode), kind.title, _payload(kind), modes, enters, kind.section))
+    return rows
+
+
+def _payload(kind: type[Command]) -> str:
+    parts = [f'{name}: {_described(wire)}' for name, wire in kind.fields]
+    if kind.tail is not None:
+        name, counted, _ = kind.tail
+        items = ' and '.join(_described(wire) for wire in counted.item)
+        parts.append(f'{name}: {counted.describe()}, a byte for their number, each {items}')
+    return '; '.join(parts)
+
+
+def _described(wire: Wire) -> str:
+    return f'{KINDS[wire.format]}, {wire.describe()}'
+
+
+def packets_table(ids: Iterable[int] = PACKETS) -> list[Row]:
+    """Return single packets: number, name, field of `Readings`, type and range, groups."""
+    rows: list[Row] = [('Packet', 'Name', 'Field', 'Value', 'Groups')]
+    for number in ids:
+        _, title, wire = PACKETS[number]
+        groups = ', '.join(str(group) for group, members in GROUPS.items() if number in members)
+        rows.append((str(number), title, NAMES[number], _described(wire), groups))
+    return rows
+
+
+def groups_table() -> list[Row]:
+    """Return the groups: number, bytes, contents."""
+    return [('Group', 'Bytes', 'Contains packets'), *(
+        (str(number), str(size_of(number)), f'{members[0]} - {members[-1]}')
+        for number, members in GROUPS.items())]
+
+
+def codes_table() -> list[Row]:
+    """Return the named numbers of all commands and packets: where they are used, their names."""
+    used: dict[type[IntEnum] | type[IntFlag], list[str]] = {}
+    for title, wire in _wires():
+        if wire.names is not None:
+            used.setdefault(wire.names, []).append(title)
+    rows: list[Row] = [('Names', 'Used in', 'Numbers')]
+    for names, titles in used.items():
+        numbers = ', '.join(f'{member.value} {member.name}' for member in names)
+        rows.append((names.__name__, ', '.join(titles), numbers))
+    return rows
+
+
+def _wires() -> Iterable[tuple[str, Wire]]:
+    for kind in COMMANDS:
+        for _, wire in kind.fields:
+            yield kind.title, wire
+    for packet in PACKETS.values():
+        yield packet.title, packet.wire
+
+
+def budget_lines(packets: PacketList) -> list[str]:
+    """Return what a stream of a list costs at the baud rates that the robot starts with."""
+    lines = []
+    for code in BAUDS:
+        budget = packets.budget(code.rate)
+        verdict = f'{budget.spare} to spare' if budget.fits else f'{-budget.spare} too many'
+        lines.append(
+            f'{code.rate} baud: a stream frame has {budget.size} bytes and takes '
+            f'{budget.seconds * 1000:.1f} ms; {budget.capacity} fit in 15 ms: {verdict}')
+    return lines
+
+
+def columns(rows: Sequence[Row]) -> str:
+    """Lay a table out for a terminal."""
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return ''.join(
+        '  '.join(map(str.ljust, row, widths)).rstrip() + '\n' for row in rows)
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """Lay a table out for Markdown."""
+    head, *body = rows
+    rule = ['---'] * len(head)
+    return ''.join(f'| {" | ".join(row)} |\n' for row in (head, rule, *body))
+
+
+TABLES = {
+    'commands': commands_table, 'packets': packets_table, 'groups': groups_table,
+    'codes': codes_table,
+}
+PLACE = re.compile(
+    r'(?P<start><!-- table: (?P<name>\w+) -->\n).*?(?P<end><!-- end -->)', re.DOTALL)
+
+
+def document(page: str) -> str:
+    """Return a Markdown page with its tables written anew; KeyError where a name is unknown."""
+    return PLACE.sub(
+        lambda found: f'{found["start"]}\n{markdown(TABLES[found["name"]]())}\n{found["end"]}',
+        page)
