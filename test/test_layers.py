@@ -18,17 +18,21 @@ class Rule:
     pure: bool = True
 
 
+MESSAGES = r'(builtin_interfaces|\w+_msgs)\.(msg|srv)'
+
 # A module falls under the longest name here that it is or lies in; '' is the node and its like.
 RULES = {
     'oi': Rule(),
     'oi.__main__': Rule(pure=False),
+    'oi.door': Rule(pure=False),
     'odometry': Rule(),
     'driver': Rule(ours='oi|odometry'),
     'sim': Rule(ours='oi'),
     'sim.server': Rule(ours='oi', pure=False),
     'sim.lines': Rule(ours='oi', pure=False),
     'port': Rule(others='serial', pure=False),
-    'convert': Rule(ours='oi|odometry', others=r'(builtin_interfaces|\w+_msgs)\.(msg|srv)'),
+    'convert': Rule(ours=r'oi|odometry|driver\.ModeStatus', others=MESSAGES),
+    'start': Rule(ours=r'\w+', pure=False),
     '': Rule(ours=r'(?!sim\b)\w+', others='', pure=False),
 }
 IMPURE = {
@@ -76,7 +80,8 @@ def test_calls_nothing_that_reaches_outside(module: str) -> None:
     ('driver.machine', 'random.random'), ('driver', 'create_oi_ros.sim.body'),
     ('sim.body', 'create_oi_ros.driver'), ('sim.body', 'os.path'),
     ('sim.server', 'create_oi_ros.port'), ('port', 'create_oi_ros.oi'),
-    ('convert', 'rclpy.node'), ('node', 'create_oi_ros.sim.server'),
+    ('convert', 'rclpy.node'), ('convert', 'create_oi_ros.driver.Driver'),
+    ('node', 'create_oi_ros.sim.server'),
 ])
 def test_rules_refuse(module: str, name: str) -> None:
     assert not may_import(module, name)
