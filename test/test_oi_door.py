@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi import door
+from create_oi_ros.oi.__main__ import main, run
 from create_oi_ros.oi.tables import columns, document, groups_table
 from create_oi_ros.oi.text import format_commands
 from oi_strategies import commands
@@ -27,7 +27,7 @@ def told(*arguments: str, stdin: str | bytes = '') -> tuple[int, list[str], str]
     """Return exit code, lines and complaint of the door."""
     given = stdin.encode() if isinstance(stdin, str) else stdin
     out, err = io.StringIO(), io.StringIO()
-    status = door.main(
+    status = main(
         list(arguments), io.TextIOWrapper(io.BytesIO(given), encoding='utf-8'), out, err)
     return status, out.getvalue().splitlines(), err.getvalue().strip()
 
@@ -194,6 +194,7 @@ def test_the_map_of_the_manual_names_what_exists() -> None:
 def test_it_runs_as_a_module(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
                              ) -> None:
     monkeypatch.setattr(sys, 'argv', ['oi', 'decode', '128'])
+    monkeypatch.delitem(sys.modules, 'create_oi_ros.oi.__main__')
     with pytest.raises(SystemExit) as ended:
         runpy.run_module('create_oi_ros.oi', run_name='__main__')
     assert ended.value.code == 0 and capsys.readouterr().out == 'Start\n'
@@ -213,7 +214,7 @@ def test_it_ends_quietly_when_it_is_not_wanted_any_more(
     with (tmp_path / 'stdout').open('w') as file:
         monkeypatch.setattr(sys, 'argv', ['oi', 'commands'])
         monkeypatch.setattr(sys, 'stdout', Gone())
-        assert door.run() == status
+        assert run() == status
 
 
 def test_a_live_pipe_is_answered_line_by_line() -> None:

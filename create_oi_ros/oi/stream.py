@@ -121,25 +121,24 @@ class StreamReader:
             left = len(buffer) - start
             if left == 0 or left == 1 and buffer[start] == HEADER:
                 return None
-            packets = self._candidate(start)
-            if packets is not None:
-                end = start + packets.frame_size
-                if len(buffer) < end:
+            candidate = self._candidate(start)
+            if candidate is not None:
+                packets, data = candidate
+                if len(data) < packets.frame_size:
                     return None
-                data = bytes(buffer[start:end])
                 checksum = self._verify(data)
                 if checksum is not None:
                     if start:
                         return self._take_garbage(start)
-                    del buffer[:end]
+                    del buffer[:packets.frame_size]
                     return Frame(packets, data, checksum)
             next_header = buffer.find(HEADER, start + 1)
             self._start = len(buffer) if next_header < 0 else next_header
         return self._take_garbage(GARBAGE_AT_ONCE)
 
-    def _candidate(self, start: int) -> PacketList | None:
+    def _candidate(self, start: int) -> tuple[PacketList, bytes] | None:
         """
-        Return the list whose frame may begin here, as far as the bytes go.
+        Return the list whose frame may begin here, and the bytes of it that have come.
 
         A whole frame is of one list at most: where two lists of one length first differ, the
         number stands in the same place in both.
@@ -147,8 +146,9 @@ class StreamReader:
         buffer = self._buffer
         if buffer[start] == HEADER:
             for packets in self._by_length.get(buffer[start + 1], ()):
-                if packets.matches(buffer[start:start + packets.frame_size]):
-                    return packets
+                data = bytes(buffer[start:start + packets.frame_size])
+                if packets.matches(data):
+                    return packets, data
         return None
 
     def flush(self) -> Garbage | None:

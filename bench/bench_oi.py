@@ -1,0 +1,122 @@
+"""
+How fast the Open Interface is: `python bench/bench_oi.py`, ten seconds, a table.
+
+A frame goes all the way: bytes fed, frame found and verified, values decoded to their types. The
+yardstick is what no Python program can do without: one `struct.unpack` of the same bytes into
+header, length, ids, values and checksum, with nothing checked, named or typed.
+"""
+
+from collections.abc import Callable
+import json
+from pathlib import Path
+from random import Random
+import struct
+import subprocess
+import sys
+from timeit import repeat
+from typing import NamedTuple
+
+from create_oi_ros import oi
+
+ROOT = Path(__file__).parent.parent
+SINGLES = oi.PacketList(oi.PACKETS)
+FULL_AT_57600 = oi.PacketList(number for number in oi.PACKETS if number not in (15, 16, 38))
+CHUNK = 16  # bytes that a serial port hands over at once
+
+
+class Figure(NamedTuple):
+    """One measured number, and the most it may be."""
+
+    what: str
+    value: float
+    unit: str
+    target: float | None = None
+
+
+def microseconds(work: Callable[[], object], number: int = 5000) -> float:
+    """Return the time one call takes: the best of several runs, as noise only adds."""
+    return min(repeat(work, number=number, repeat=15)) / number * 1e6
+
+
+def plausible_frame(packets: oi.PacketList, random: Random) -> bytes:
+    """Return a frame whose values are in the manual's ranges."""
+    wires = [packet.wire for packet in packets.packets]
+    return packets.pack_frame([
+        random.choice([*filter(wire.allows, range(wire.low, wire.high + 1))]) for wire in wires])
+
+
+def stream_figures(name: str, packets: oi.PacketList) -> list[Figure]:
+    """Measure a frame of a list, from its bytes to its readings."""
+    frame = plausible_frame(packets, Random(1))
+    pieces = [frame[start:start + CHUNK] for start in range(0, len(frame), CHUNK)]
+    reader = oi.StreamReader([packets])
+    fields = struct.Struct(
+        '>BB' + ''.join(f'B{packet.wire.format}' for packet in packets.packets) + 'B')
+    values = struct.Struct('>' + ''.join(packet.wire.format for packet in packets.packets))
+    reply, names = frame[-values.size:], packets.names
+
+    def whole() -> object:
+        reader.feed(frame)
+        found = reader.next_event()
+        assert isinstance(found, oi.Frame)
+        return found.readings
+
+    def found_only() -> object:
+        reader.feed(frame)
+        return reader.next_event()
+
+    def in_pieces() -> object:
+        for piece in pieces:
+            reader.feed(piece)
+            found = reader.next_event()
+        assert isinstance(found, oi.Frame)
+        return found.readings
+
+    bare = microseconds(lambda: fields.unpack(frame))
+    spent = microseconds(whole)
+    text = f'{name} ({len(frame)} bytes)'
+    return [
+        Figure(f'{text}: bytes to readings', spent, 'us', 5),
+        Figure(f'{text}: the same as multiple of a bare struct.unpack', spent / bare, 'x', 4),
+        Figure(f'{text}: of that, to the verified frame', microseconds(found_only), 'us'),
+        Figure(f'{text}: cut in pieces of {CHUNK} bytes', microseconds(in_pieces), 'us'),
+        Figure(f'{text}: bare struct.unpack', bare, 'us'),
+        Figure(f'{text}: struct.unpack and a dict of the names', microseconds(
+            lambda: dict(zip(names, values.unpack(reply)))), 'us'),
+    ]
+
+
+def start_up(statement: str) -> float:
+    """Return the milliseconds that a Python takes from start to end."""
+    work = [sys.executable, '-c', statement]
+    runs = repeat(lambda: subprocess.run(work, check=True, cwd=ROOT), number=1, repeat=15)
+    return min(runs) * 1e3
+
+
+def measure() -> list[Figure]:
+    """Measure everything."""
+    return [
+        *stream_figures('all that fit 57600 baud', FULL_AT_57600),
+        *stream_figures('all 36', SINGLES),
+        Figure('Drive Direct: construct and encode', microseconds(
+            lambda: oi.DriveDirect(right=300, left=-300).encode()), 'us', 2),
+        Figure('import, beyond Python itself',
+               start_up('import create_oi_ros.oi') - start_up('pass'), 'ms', 40),
+    ]
+
+
+def main() -> None:
+    """Print the table; with a path, write the figures there as JSON too."""
+    figures = measure()
+    width = max(len(figure.what) for figure in figures)
+    for what, value, unit, target in figures:
+        verdict = '' if target is None else (
+            f'  target {target:g}: ' + ('met' if value <= target else 'missed'))
+        print(f'{what:{width}}  {value:6.2f} {unit}{verdict}')
+    if sys.argv[1:]:
+        Path(sys.argv[1]).write_text(
+            json.dumps([figure._asdict() for figure in figures], indent=1), encoding='utf-8')
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,114 @@
+"""
+Bytes in the manual's words, a line for each command or frame, as they come.
+
+What cannot be explained is said behind a #, so that the lines can be read as text again.
+"""
+
+from collections.abc import Iterable, Iterator
+from enum import IntEnum, IntFlag
+import re
+from typing import Any
+
+from .command import Command
+from .grammar import label
+from .packets import PacketList
+from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
+from .text import format_command
+
+SEPARATORS = re.compile(r'[\s,;:|\[\](){}]+')
+CONVENTIONS = {
+    Checksum.MANUAL: '# checksums leave the header out, as the manual says',
+    Checksum.HARDWARE: '# checksums include the header, as real robots do',
+}
+
+
+def understood(line: str) -> bool:
+    """Tell whether a line explains something, rather than say that there is no explanation."""
+    return not line.startswith('#') or line in CONVENTIONS.values()
+
+
+def octets(line: str, *, hexadecimal: bool = False) -> bytes:
+    """
+    Return the bytes that a line gives: decimal, with 0x or on request hexadecimal.
+
+    Commas, brackets and the like are spaces; a # begins a comment. ValueError names the word
+    that is no byte.
+    """
+    found = bytearray()
+    for word in filter(None, SEPARATORS.split(line.partition('#')[0])):
+        try:
+            if hexadecimal or word[:2] in ('0x', '0X'):
+                found += bytes.fromhex(word.removeprefix('0x').removeprefix('0X').zfill(2))
+            else:
+                found.append(int(word))
+        except ValueError:
+            raise ValueError(
+                f'{word!r} is no byte: decimal 0 to 255, 0x00 to 0xff, or hexadecimal with --hex'
+            ) from None
+    return bytes(found)
+
+
+def explain_commands(chunks: Iterable[bytes], *, at_length: bool = False) -> Iterator[str]:
+    """Explain bytes that a host sent, a line for each command, as they come."""
+    reader = CommandReader()
+    for chunk in chunks:
+        reader.feed(chunk)
+        while (found := reader.next_event()) is not None:
+            if isinstance(found, UnknownOpcode):
+                yield f'# {found.data[0]} is the opcode of no command'
+            else:
+                yield _explained(found, at_length)
+    if reader.pending:
+        title = Command.by_opcode[reader.pending[0]].title
+        yield f'# {title} is cut short: {decimal(reader.pending)}'
+
+
+def _explained(command: Command, at_length: bool) -> str:
+    line = format_command(command)
+    try:
+        encoded = command.encode()
+    except ValueError as refused:
+        return f'# {line} (out of range: {refused})'
+    if at_length:
+        modes = ', '.join(mode.name.capitalize() for mode in sorted(command.modes))
+        line += f'  # {decimal(encoded)}. {command.__doc__} Obeyed in {modes}.'
+    return line
+
+
+def explain_stream(chunks: Iterable[bytes], lists: Iterable[PacketList]) -> Iterator[str]:
+    """Explain bytes that a robot sent, a line for each frame, as they come."""
+    reader = StreamReader(lists)
+    convention: Checksum | None = None
+    for chunk in chunks:
+        reader.feed(chunk)
+        while (found := reader.next_event()) is not None:
+            if isinstance(found, Frame) and found.checksum is not convention:
+                convention = found.checksum
+                yield CONVENTIONS[convention]
+            yield _frame(found) if isinstance(found, Frame) else _garbage(found)
+    rest = reader.flush()
+    if rest is not None:
+        yield _garbage(rest)
+
+
+def _frame(frame: Frame) -> str:
+    values = vars(frame.readings)
+    return ', '.join(
+        f'{packet.title} = {_value(values[name])}{packet.wire.unit and f" {packet.wire.unit}"}'
+        for packet, name in zip(frame.packets.packets, frame.packets.names))
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, IntFlag):
+        return '+'.join(label(bit) for bit in value) or '0'
+    return label(value) if isinstance(value, IntEnum) else str(int(value))
+
+
+def _garbage(garbage: Garbage) -> str:
+    text = garbage.text
+    return f'# garbage: {decimal(garbage.data)}' + (f' {text!r}' if text else '')
+
+
+def decimal(data: bytes) -> str:
+    """Return bytes as the manual prints them."""
+    return ' '.join(map(str, data))
