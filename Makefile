@@ -25,12 +25,12 @@ ifneq ($(file <$(READY)),$(KIND) $(CURDIR))
 .PHONY: $(READY)
 endif
 
-$(READY): tools/pins.txt
+$(READY): tools/pins.txt tools/make_venv.py tools/patch_cmake.py
 	@rm -f $@ && python=$$(tools/find_python.sh $(KIND)) && $$python tools/make_venv.py $(KIND)
 	@echo $(KIND) $(CURDIR) > $@
 
 # Folders are inputs as well: their time changes when a file comes or goes.
 INPUTS := $(shell find msg_defs tools/tf2_msgs resource launch config urdf rviz 2>/dev/null)
-$(BUILT): $(READY) $(INPUTS) package.xml setup.py setup.cfg
+$(BUILT): $(READY) $(INPUTS) package.xml setup.py setup.cfg tools/build.py
 	@.venv/bin/python tools/build.py $(KIND)
 	@echo $(CURDIR) > $@

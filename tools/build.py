@@ -5,7 +5,6 @@ usage: python tools/build.py KIND, from the repository root (see make_venv.py fo
 """
 
 from collections.abc import Mapping
-import importlib.util
 import os
 from pathlib import Path
 import sys
@@ -25,10 +24,17 @@ def wheels_environment() -> Mapping[str, str]:
     }
 
 
+def installed(package: str) -> bool:
+    """Whether the ROS that is sourced has this package; our own install/ does not count."""
+    prefixes = map(Path, os.environ['AMENT_PREFIX_PATH'].split(':'))
+    return any((prefix / 'share' / package).is_dir() for prefix in prefixes
+               if Path('install').resolve() not in prefix.parents)
+
+
 def base_paths(kind: str) -> list[str]:
     """Return the folders of the packages to build; tf2_msgs has no wheel, so ours stands in."""
-    here = kind == 'jazzy' and importlib.util.find_spec('tf2_msgs')
-    return ['.', 'msg_defs', *([] if here else ['tools/tf2_msgs'])]
+    lacks_tf2 = kind == 'wheels' or not installed('tf2_msgs')
+    return ['.', 'msg_defs', *(['tools/tf2_msgs'] if lacks_tf2 else [])]
 
 
 def main(kind: str) -> None:

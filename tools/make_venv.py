@@ -15,7 +15,7 @@ from step import step
 VENV = Path('.venv')
 PINS = Path(__file__).with_name('pins.txt')
 PIP = (VENV / 'bin/python', '-m', 'pip', '--disable-pip-version-check', '--no-input', 'install',
-       '--no-deps', '--progress-bar', 'off')
+       '--no-deps', '--ignore-installed', '--progress-bar', 'off')
 
 
 def read_pins(section: str) -> list[str]:
