@@ -261,19 +261,17 @@ def tag(controls: Controls) -> Demo:
         yield from _seek(controls)
         yield from roll(controls, -100)
         yield from turn(controls, 180)
-        # Not the one that was just tagged: it is still seen here.
-        while controls.sense.virtual_wall:
-            yield from roll_blindly(controls, 50)
-            if _bumped(controls):
-                break
+        # The one that was just tagged is still seen here: leave it, then look ahead.
+        for wanted in (True, False):
+            start = controls.distance
+            controls.drive(CRUISE, CRUISE)
+            while (controls.sense.virtual_wall is wanted and controls.distance - start < 3000
+                   and not _stopped(controls)):
+                yield
 
 
-def roll_blindly(controls: Controls, distance: float) -> Demo:
-    """Drive forwards until a bump only."""
-    start = controls.distance
-    controls.drive(CRUISE, CRUISE)
-    while controls.distance - start < distance and not _bumped(controls):
-        yield
+def _stopped(controls: Controls) -> bool:
+    return _bumped(controls) or cliff(controls.sense)
 
 
 def _bumped(controls: Controls) -> bool:
@@ -282,7 +280,7 @@ def _bumped(controls: Controls) -> bool:
 
 def _seek(controls: Controls) -> Demo:
     """Spin until a virtual wall is seen, drive while it is seen; end at a bump or a cliff."""
-    while not (_bumped(controls) or cliff(controls.sense)):
+    while not _stopped(controls):
         if controls.sense.virtual_wall:
             controls.drive(CRUISE, CRUISE)
         else:

@@ -8,7 +8,7 @@ the time that the wire would need, so that a stream that asks for too much is co
 
 from __future__ import annotations
 
-from create_oi_ros.oi import BaudCode, BITS_PER_BYTE
+from create_oi_ros.oi import BaudCode, BITS_PER_BYTE, SLOT
 
 DEFAULT_BAUD = BaudCode.B57600.rate
 SLOW_BAUD = BaudCode.B19200.rate
@@ -135,7 +135,8 @@ class BaudPin:
     AFTER_POWER_ON = 2.0
     GAP = 2.0
     """Seconds high after which the count begins anew (guess)."""
-    SLACK = 1e-6
+    SLACK = SLOT - 1e-6
+    """Seconds by which a pulse may seem shorter or longer, as the pin is looked at once a slot."""
 
     __slots__ = ('_count', '_high', '_since', '_deaf_until')
 

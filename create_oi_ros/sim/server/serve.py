@@ -50,6 +50,8 @@ class Server:
     def serve(self) -> None:
         """Serve until `stop`; the robot's time begins now."""
         self._origin = time.monotonic()
+        # The robot's slots are to begin with ours.
+        self._create.step(0.0)
         while not self._stopping:
             now = self._now()
             if now >= (self._slots + 1) * SLOT:
