@@ -4,7 +4,7 @@ Mutated frames against the stream reader: `python bench/fuzz_stream.py [COUNT [S
 The invariant: whatever is done to the bytes of good frames and however they are cut, the reader
 raises nothing, gives back every byte once and in order, calls a frame only what has the header,
 length, ids and checksum of a list it expects, does so alike for another cutting, and finds every
-good frame but the first two after damage.
+good frame but those that chance made part of another: half a frame and what follows it.
 """
 
 from collections.abc import Iterator
@@ -21,8 +21,6 @@ LISTS = [
 ]
 BANNER = b'bl-start\r\n2004-11-17-1529-L  \r\nRDK by iRobot!\r\nMC9S12E128\r\n'
 FRAMES_AT_ONCE = 40
-MARGIN = 2
-"""Good frames after damage that may be lost with it: a false header may reach into the first."""
 
 
 def good_frame(packets: oi.PacketList, random: Random) -> bytes:
@@ -67,32 +65,41 @@ def events(data: bytes, lists: list[oi.PacketList], step: int) -> Iterator[oi.Fr
         reader.feed(data[start:start + step])
         while (found := reader.next_event()) is not None:
             yield found
-    if (rest := reader.flush()) is not None:
-        yield rest
+    yield from reader.finish()
 
 
-def check(frames: list[tuple[bytes, bool]], lists: list[oi.PacketList], step: int) -> int:
-    """Hold the reader to the invariant for one stretch of bytes; return the frames found."""
-    data = b''.join(piece for piece, _ in frames)
+def check(pieces: list[tuple[bytes, bool]], lists: list[oi.PacketList], step: int) -> int:
+    """Hold the reader to the invariant for pieces, good or not; return the frames found."""
+    data = b''.join(piece for piece, _ in pieces)
     found = list(events(data, lists, step))
     assert found == list(events(data, lists, len(data) + 1)), 'cutting changed the events'
     assert b''.join(event.data for event in found) == data, 'bytes lost or changed'
-    starts = set()
+    covered: set[int] = set()
     place = 0
     for event in found:
         if isinstance(event, oi.Frame):
             assert event.packets in lists and event.packets.matches(event.data)
             assert len(event.data) == event.packets.frame_size
-            assert sum(event.data) % 256 in (0, oi.HEADER), 'a checksum is wrong'
+            total = {oi.Checksum.HARDWARE: 0, oi.Checksum.MANUAL: oi.HEADER}[event.checksum]
+            assert sum(event.data) % 256 == total, 'a checksum is wrong'
             assert event.readings.has(*event.packets.names)
-            starts.add(place)
+            covered.update(range(place, place + len(event.data)))
         place += len(event.data)
-    place, quiet = 0, MARGIN
-    for piece, good in frames:
-        quiet = quiet + 1 if good else 0
-        assert quiet <= MARGIN or place in starts, 'a good frame was not found'
+    frames = [event for event in found if isinstance(event, oi.Frame)]
+    # Three damaged frames in a row can look like the other convention: rare, and no fault.
+    if all(frame.checksum is oi.Checksum.HARDWARE for frame in frames):
+        assert not missed(pieces, covered), 'a good frame was not found'
+    return len(frames)
+
+
+def missed(pieces: list[tuple[bytes, bool]], covered: set[int]) -> list[int]:
+    """Return where good frames begin of which no byte lies in a frame that was delivered."""
+    starts, place = [], 0
+    for piece, good in pieces:
+        if good and covered.isdisjoint(range(place, place + len(piece))):
+            starts.append(place)
         place += len(piece)
-    return len(starts)
+    return starts
 
 
 def main(count: int = 1_000_000, seed: int = 1) -> None:

@@ -1,6 +1,8 @@
 """Bytes in flight: however they are cut, the same events; nothing lost, nothing believed."""
 
 from collections.abc import Iterable, Iterator
+from pathlib import Path
+import runpy
 
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -28,14 +30,13 @@ def taken(reader: oi.StreamReader) -> Iterator[Event]:
 def events(
         chunks: Iterable[bytes], *lists: oi.PacketList, reader: oi.StreamReader | None = None,
 ) -> list[Event]:
-    """Feed bytes as they were cut; whatever stays behind is garbage at the end."""
+    """Feed bytes as they were cut; at the end nothing follows."""
     reader = reader or oi.StreamReader(lists)
     found: list[Event] = []
     for chunk in chunks:
         reader.feed(chunk)
         found.extend(taken(reader))
-    rest = reader.flush()
-    return found if rest is None else [*found, rest]
+    return found + reader.finish()
 
 
 def bytewise(data: bytes) -> list[bytes]:
@@ -138,6 +139,23 @@ def test_lists_of_one_length_are_told_apart() -> None:
     for chunks in ([mixed], bytewise(mixed)):
         found = events(chunks, CLIFF, other, CLIFF)
         assert [e.packets for e in found if isinstance(e, oi.Frame)] == [CLIFF, other, CLIFF]
+
+
+def test_frames_behind_an_unfinished_one_come_out_when_nothing_follows() -> None:
+    longer = oi.PacketList([6])
+    begun = longer.pack_frame([0] * 36)[:20]
+    reader = oi.StreamReader([longer, CLIFF])
+    reader.feed(begun + GOOD + GOOD)
+    assert reader.next_event() is None
+    assert kinds(reader.finish()) == 'gFF'
+    assert reader.finish() == []
+
+
+def test_what_is_no_event_yet_can_be_thrown_away() -> None:
+    reader = oi.StreamReader([CLIFF])
+    reader.feed(b'\7' + GOOD[:5])
+    assert reader.next_event() is None and reader.flush() == oi.Garbage(b'\7' + GOOD[:5])
+    assert events([GOOD], reader=reader) == [oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE)]
 
 
 def test_a_list_too_long_for_a_frame_is_passed_over() -> None:
@@ -262,6 +280,11 @@ def test_frames_in_order_come_out_in_order(
 @given(st.lists(st.binary(max_size=40)), st.lists(packet_lists(4), max_size=3))
 def test_no_bytes_raise(chunks: list[bytes], lists: list[oi.PacketList]) -> None:
     assert joined(events(chunks, *lists)) == b''.join(chunks)
+
+
+def test_the_fuzz_target_runs() -> None:
+    fuzz = runpy.run_path(str(Path(__file__).parent.parent / 'bench' / 'fuzz_stream.py'))
+    fuzz['main'](4000, 2)
 
 
 def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOpcode], bytes]:

@@ -57,7 +57,11 @@ class Start(
 
 
 class Baud(Command, title='Baud', opcode=129, section=START, modes=STARTED):
-    """Change the baud rate until power is cycled; wait 100 ms before sending at the new rate."""
+    """
+    Change the baud rate until power is cycled; wait 100 ms before sending at the new rate.
+
+    At 115200 leave 200 microseconds between the onsets of two bytes, or some are lost.
+    """
 
     code: Annotated[int, choice('B', BaudCode)]
 

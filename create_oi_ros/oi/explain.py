@@ -71,24 +71,27 @@ def _explained(command: Command, at_length: bool) -> str:
         return f'# {line} (out of range: {refused})'
     if at_length:
         modes = ', '.join(mode.name.capitalize() for mode in sorted(command.modes))
-        line += f'  # {decimal(encoded)}. {command.__doc__} Obeyed in {modes}.'
+        does = ' '.join(str(command.__doc__).split())
+        line += f'  # {decimal(encoded)}. {does} Obeyed in {modes}.'
     return line
 
 
 def explain_stream(chunks: Iterable[bytes], lists: Iterable[PacketList]) -> Iterator[str]:
     """Explain bytes that a robot sent, a line for each frame, as they come."""
-    reader = StreamReader(lists)
     convention: Checksum | None = None
+    for found in _events(chunks, StreamReader(lists)):
+        if isinstance(found, Frame) and found.checksum is not convention:
+            convention = found.checksum
+            yield CONVENTIONS[convention]
+        yield _frame(found) if isinstance(found, Frame) else _garbage(found)
+
+
+def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | Garbage]:
     for chunk in chunks:
         reader.feed(chunk)
         while (found := reader.next_event()) is not None:
-            if isinstance(found, Frame) and found.checksum is not convention:
-                convention = found.checksum
-                yield CONVENTIONS[convention]
-            yield _frame(found) if isinstance(found, Frame) else _garbage(found)
-    rest = reader.flush()
-    if rest is not None:
-        yield _garbage(rest)
+            yield found
+    yield from reader.finish()
 
 
 def _frame(frame: Frame) -> str:

@@ -151,8 +151,25 @@ class StreamReader:
                     return packets, data
         return None
 
+    def finish(self) -> list[Frame | Garbage]:
+        """
+        Return the last events when nothing follows, all that is left among them.
+
+        While more may follow, frames wait behind what looks like an unfinished one; here they
+        come out.
+        """
+        last: list[Frame | Garbage] = []
+        while self._start < len(self._buffer):
+            event = self.next_event()
+            if event is not None:
+                last.append(event)
+            else:
+                self._start += 1  # what seemed to begin here has no end
+        rest = self.flush()
+        return last if rest is None else [*last, rest]
+
     def flush(self) -> Garbage | None:
-        """Give up on what was received and not recognised, when nothing follows it."""
+        """Throw away what was received and is no event yet; return it as garbage."""
         self._start = len(self._buffer)
         return self._take_garbage(self._start) if self._start else None
 
