@@ -183,7 +183,7 @@ def singles(packet: int) -> Sequence[int]:
 
 def frame_capacity(baud: int) -> int:
     """Return how many bytes a slot holds at a baud rate: 86 at 57600, 28 at 19200 (Stream)."""
-    return int(SLOT * baud / BITS_PER_BYTE + 1e-9)
+    return int(SLOT * baud / BITS_PER_BYTE)
 
 
 @dataclass(frozen=True)
