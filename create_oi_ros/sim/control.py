@@ -13,7 +13,6 @@ import operator
 import re
 from typing import Any, NamedTuple
 
-from create_oi_ros.oi import SLOT
 from create_oi_ros.sim.faults import Fault, Faults
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.lines import Line
@@ -24,6 +23,7 @@ PRESS = 0.2
 """Seconds a button is pressed where nothing else is said."""
 PATIENCE = 10.0
 """Seconds after which `wait` gives up where nothing else is said."""
+_EARLY = 1e-6
 _COMPARE: dict[str, Callable[[Any, Any], bool]] = {
     '>=': operator.ge, '<=': operator.le, '!=': operator.ne,
     '=': operator.eq, '>': operator.gt, '<': operator.lt,
@@ -32,14 +32,21 @@ _CONDITION = re.compile(r'(\w+)(>=|<=|!=|=|>|<)(.+)')
 
 
 class Waiting:
-    """A `wait` whose answer is not there yet."""
+    """
+    A `wait` whose answer is not there yet.
 
-    def __init__(self, met: Callable[[], bool], deadline: float, truth: Callable[[], str],
-                 words: str) -> None:
-        self._met, self._deadline, self._truth, self._words = met, deadline, truth, words
+    It looks for the first time after the next slot, when the robot has seen what was said before.
+    """
+
+    def __init__(self, met: Callable[[], bool], since: float, deadline: float,
+                 truth: Callable[[], str], words: str) -> None:
+        self._met, self._since, self._deadline = met, since, deadline
+        self._truth, self._words = truth, words
 
     def answer(self, time: float) -> str | None:
         """Return the answer if there is one at this time of the robot's clock, in seconds."""
+        if time <= self._since:
+            return None
         if self._met():
             return self._truth()
         if time >= self._deadline:
@@ -128,16 +135,18 @@ class Control:
         def met() -> bool:
             facts = self._known()
             return all(compare(facts[name], value) for name, compare, value in conditions)
-        return Waiting(met, self._now + timeout, lambda: self._truth([]), words)
+        time = self._create.time
+        return Waiting(met, time, time + timeout, lambda: self._truth([]), words)
 
     def _known(self) -> dict[str, Any]:
         return {**self.facts(), **self._body.sense()._asdict()}
 
     def _after(self, words: list[str]) -> Waiting:
         seconds, = _numbers(words, 1)
-        end = self._create.time + seconds - SLOT / 2
-        return Waiting(lambda: self._create.time >= end, math.inf, lambda: self._truth([]),
-                       f'{seconds} s')
+        time = self._create.time
+        end = time + seconds - _EARLY
+        return Waiting(lambda: self._create.time >= end, time, math.inf,
+                       lambda: self._truth([]), f'{seconds} s')
 
     # The robot's surroundings.
 
