@@ -29,7 +29,7 @@ setup(
         'console_scripts': [
             'create_node = create_oi_ros.start:create_node',
             'create_run = create_oi_ros.start:create_run',
-            'create_sim = create_oi_ros.sim.server:main',
+            'create_sim = create_oi_ros.start:create_sim',
         ],
     },
 )

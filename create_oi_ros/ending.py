@@ -7,11 +7,22 @@ socket, whichever thread it came to, and a thread of ours reads that socket.
 """
 
 from collections.abc import Callable
+import ctypes
 import signal
 import socket
 import threading
 
+from rclpy.executors import Executor
+from rclpy.task import Future
+
+PR_SET_PDEATHSIG = 1
+"""Linux, prctl(2)."""
 STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def end_with_parent() -> None:
+    """Have the kernel send SIGTERM when the parent process dies, however it dies (Linux)."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def call_on_signal(end: Callable[[], None]) -> None:
@@ -30,3 +41,15 @@ def call_on_signal(end: Callable[[], None]) -> None:
     for number in STOPPING:
         signal.signal(number, lambda *_: None)
     threading.Thread(target=wait, name='signals', daemon=True).start()
+
+
+def spin_until(executor: Executor, ended: Future) -> None:
+    """
+    Run callbacks until a future is done.
+
+    rclpy's own function of this kind adds a callback to the future each time round, so that a
+    program that runs for days grows.
+    """
+    ended.add_done_callback(lambda _: executor.wake())
+    while not ended.done():
+        executor.spin_once()

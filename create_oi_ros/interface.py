@@ -48,8 +48,10 @@ def parameters() -> str:
         allowed = ', '.join(str(choice) for choice in facts['choices'])
         if facts['low'] is not None:
             allowed = f'{facts["low"]} to {facts["high"]}'
+        value = declared.default
+        default = str(value).lower() if isinstance(value, bool) else str(value)
         rows.append((
-            f'`{declared.name}`', f'`{declared.default}'.lower() + '`', allowed,
+            f'`{declared.name}`', f'`{default}`', allowed,
             'at start' if facts['fixed'] else 'any time', facts['description']))
     return table('parameter', 'default', 'allowed', 'set', 'what', rows=rows)
 

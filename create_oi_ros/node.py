@@ -8,6 +8,7 @@ from builtin_interfaces.msg import Time
 from create_oi_msgs.srv import SetMode
 from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -17,8 +18,8 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from . import convert, diagnostics, oi, parameters, topics
-from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Severity
-from .ending import call_on_signal
+from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Reply, Severity
+from .ending import call_on_signal, spin_until
 from .odometry import Estimate
 from .services import SERVICES
 from .session import Session
@@ -68,8 +69,12 @@ class CreateNode(Node):
             self.create_subscription(Twist, 'cmd_vel', self._on_velocity, 1)
 
     def _declare_services(self) -> None:
+        # A service that waits for the robot must not keep the other callbacks from running.
+        together = ReentrantCallbackGroup()
         for service in SERVICES:
-            self.create_service(service.type, service.name, getattr(self, f'_{service.name}'))
+            answer = getattr(self, f'_{service.name}')
+            self.create_service(
+                service.type, service.name, answer, callback_group=together)
 
     # From ROS to the robot: on the executor's thread.
 
@@ -83,15 +88,22 @@ class CreateNode(Node):
     async def _set_mode(
         self, request: SetMode.Request, response: SetMode.Response,
     ) -> SetMode.Response:
-        answered = Future(executor=self.executor)
+        if request.mode not in list(oi.Mode):
+            response.message = f'mode {request.mode} is none of {MODES}'
+            return response
+        answered = Future()
         with self.session.request() as (driver, now):
-            if request.mode in list(oi.Mode):
-                driver.set_mode(oi.Mode(request.mode), now, lambda *answer: (
-                    answered.set_result(answer)))
-            else:
-                answered.set_result((False, f'mode {request.mode} is none of {MODES}'))
+            driver.set_mode(oi.Mode(request.mode), now, self._resolver(answered))
         response.success, response.message = await answered
         return response
+
+    def _resolver(self, answered: Future) -> Reply:
+        """Return a reply that resumes the service which awaits it, from whichever thread."""
+        def reply(success: bool, message: str) -> None:
+            answered.set_result((success, message))
+            if self.executor is not None:
+                self.executor.wake()
+        return reply
 
     def _stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         with self.session.request() as (driver, now):
@@ -185,7 +197,7 @@ def main() -> int:
     executor.add_node(node)
     try:
         node.session.start()
-        executor.spin_until_future_complete(ended)
+        spin_until(executor, ended)
     finally:
         node.session.close()
         executor.shutdown()
@@ -193,6 +205,3 @@ def main() -> int:
         rclpy.shutdown()
     return int(ended.result())
 
-
-if __name__ == '__main__':
-    sys.exit(main())

@@ -26,7 +26,8 @@ from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
 from . import oi
-from .ending import call_on_signal
+from .ending import call_on_signal, end_with_parent, spin_until
+from .start import PROGRAMS
 
 GRACE = 1.5
 """Seconds that a child has to end by itself once it was asked to."""
@@ -40,17 +41,17 @@ class Children:
     def __init__(self) -> None:
         self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
 
-    def start(self, module: str, *arguments: str) -> None:
-        """Start a module of this package, out of reach of the terminal's Ctrl-C."""
-        command = [sys.executable, '-m', f'{__package__}.{module}', *arguments]
-        process = subprocess.Popen(command, start_new_session=True)
-        self._processes.insert(0, (module, process))
+    def start(self, program: str, *arguments: str) -> None:
+        """Start one of our executables, out of reach of the terminal's Ctrl-C."""
+        command = [sys.executable, '-c', PROGRAMS[program], *arguments]
+        process = subprocess.Popen(command, start_new_session=True, preexec_fn=end_with_parent)
+        self._processes.insert(0, (program, process))
 
     def ended(self) -> str | None:
         """Name a process that has ended, with its exit code."""
-        for module, process in self._processes:
+        for program, process in self._processes:
             if process.poll() is not None:
-                return f'{module} has ended with exit code {process.returncode}'
+                return f'{program} has ended with exit code {process.returncode}'
         return None
 
     def end(self) -> None:
@@ -153,7 +154,7 @@ def _watch(children: Children, ended: Future) -> int:
     status = Status(children, ended)
     executor = SingleThreadedExecutor()
     executor.add_node(status)
-    executor.spin_until_future_complete(ended)
+    spin_until(executor, ended)
     # Ending the children comes before tearing down: the robot may be moving.
     children.end()
     executor.shutdown()
@@ -175,8 +176,8 @@ def main() -> int:
         print(introduction(port, arguments.port is None), flush=True)
         try:
             if arguments.port is None:
-                children.start('sim.server', '--link', port)
-            children.start('node', '--ros-args', '-p', f'port:={port}')
+                children.start('create_sim', '--link', port, '--world', arguments.world)
+            children.start('create_node', '--ros-args', '-p', f'port:={port}')
             return _watch(children, ended)
         finally:
             children.end()

@@ -36,3 +36,16 @@ def create_run() -> int:
     with _loading():
         from .run import main
     return main()
+
+
+def create_sim() -> int:
+    """Run a simulated robot."""
+    with _loading():
+        from .sim.server import main
+    return main()
+
+
+PROGRAMS = {
+    program.__name__: f'from {__name__} import {program.__name__} as run; raise SystemExit(run())'
+    for program in (create_node, create_run, create_sim)}
+"""Python that runs an executable wherever this package can be imported, installed or not."""

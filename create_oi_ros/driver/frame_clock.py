@@ -2,41 +2,61 @@
 When a frame left the robot, estimated from when frames arrived.
 
 The robot sends a frame every 15 ms by its own clock; the line adds a delay that is never
-negative. So the earliest arrivals, not the average, tell where the robot's slots lie: the
-estimate is the lower envelope of the arrivals over the last second or so.
+negative. So the earliest arrivals, not the average, tell where the robot's slots lie: stamps
+follow the lower envelope of the arrivals over the last second or so.
 """
 
 from collections import deque
+from itertools import islice
 
 from .. import oi
 
 WINDOW = 64
 """Frames over which the earliest arrival counts: about a second."""
+RECENT = 16
+"""Frames in a row that must all be late before a slot is taken to have been lost."""
+LEAST_STEP = 1e-4
+"""Seconds by which stamps rise at least."""
 
 
 class FrameClock:
-    """Turns arrivals into stamps that never go backwards, free of most of the line's jitter."""
+    """Turns arrivals into rising stamps, free of most of the line's jitter."""
 
     def __init__(self) -> None:
         self._lateness: deque[float] = deque(maxlen=WINDOW)
-        self._count = 0
-        self._stamp: float | None = None
+        self._slot = 0
+        self._stamp = -float('inf')
 
     def restart(self) -> None:
-        """Forget the robot's slots: it was away."""
+        """Forget where the robot's slots lie: it was away."""
         self._lateness.clear()
-        self._count = 0
 
     def stamp(self, arrival: float, wire_time: float) -> tuple[float, float]:
         """
-        Return when a frame left, and the seconds since the one before (0 for the first).
+        Return when a frame left, and the robot's seconds since the one before.
 
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
-        self._count += 1
-        ideal = self._count * oi.SLOT
-        self._lateness.append(arrival - wire_time - ideal)
-        stamp = ideal + min(self._lateness)
-        before = self._stamp
-        self._stamp = stamp if before is None else max(stamp, before)
-        return self._stamp, 0.0 if before is None else self._stamp - before
+        self._slot += 1
+        self._lateness.append(arrival - wire_time - self._slot * oi.SLOT)
+        lost = self._lost_slots()
+        if lost:
+            self._slot += lost
+            recent = list(islice(self._lateness, len(self._lateness) - RECENT, None))
+            self._lateness.clear()
+            self._lateness.extend(late - lost * oi.SLOT for late in recent)
+        stamp = self._slot * oi.SLOT + min(self._lateness)
+        self._stamp = max(stamp, self._stamp + LEAST_STEP)
+        return self._stamp, (1 + max(lost, 0)) * oi.SLOT
+
+    def _lost_slots(self) -> int:
+        """
+        Return by how many slots all recent frames are late.
+
+        One late frame is the line's delay; when none comes in time any more, frames are missing.
+        """
+        older = len(self._lateness) - RECENT
+        if older <= 0:
+            return 0
+        before = min(islice(self._lateness, older))
+        return round((min(islice(self._lateness, older, None)) - before) / oi.SLOT)

@@ -1,0 +1,64 @@
+"""Stamps follow the robot's slots, whatever the line adds."""
+
+from random import Random
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros.driver.frame_clock import FrameClock, LEAST_STEP
+from create_oi_ros.oi import SLOT
+
+WIRE = 0.01
+
+
+def test_on_a_line_without_delay_stamps_are_the_slots():
+    clock = FrameClock()
+    for slot in range(1, 200):
+        stamp, dt = clock.stamp(slot * SLOT + WIRE, WIRE)
+        assert stamp == pytest.approx(slot * SLOT)
+        assert dt == SLOT
+
+
+def test_random_delays_are_taken_out():
+    clock, random = FrameClock(), Random(1)
+    errors = []
+    for slot in range(1, 4000):
+        stamp, _ = clock.stamp(slot * SLOT + WIRE + random.uniform(0, 0.005), WIRE)
+        errors.append(stamp - slot * SLOT)
+    settled = errors[100:]
+    assert (sum(error ** 2 for error in settled) / len(settled)) ** 0.5 < 0.001
+
+
+def test_lost_frames_are_noticed_and_their_time_is_not_lost():
+    clock = FrameClock()
+    slots = [slot for slot in range(1, 400) if slot not in (200, 201, 202)]
+    taken = [clock.stamp(slot * SLOT, 0.0) for slot in slots]
+    assert taken[-1][0] == pytest.approx(slots[-1] * SLOT)
+    assert sum(dt for _, dt in taken) == pytest.approx(slots[-1] * SLOT)
+
+
+def test_a_robot_whose_clock_is_slow_is_followed():
+    clock = FrameClock()
+    for slot in range(1, 20000):
+        stamp, _ = clock.stamp(slot * SLOT * 1.0005, 0.0)
+    assert stamp == pytest.approx(slot * SLOT * 1.0005, abs=0.001)
+
+
+def test_after_a_restart_stamps_go_on_from_the_new_arrivals():
+    clock = FrameClock()
+    clock.stamp(1.0, 0.0)
+    clock.restart()
+    stamp, _ = clock.stamp(100.0, 0.0)
+    assert stamp == pytest.approx(100.0)
+
+
+@given(st.lists(st.floats(0, 0.2), min_size=1, max_size=200))
+def test_stamps_always_rise_and_time_always_passes(gaps):
+    clock, arrival, before = FrameClock(), 0.0, -1.0
+    for gap in gaps:
+        arrival += gap
+        stamp, dt = clock.stamp(arrival, WIRE)
+        assert stamp >= before + LEAST_STEP / 2
+        assert dt >= SLOT
+        before = stamp
