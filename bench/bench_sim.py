@@ -1,0 +1,186 @@
+"""
+How fast the simulated Create is: `python bench/bench_sim.py [FILE.json]`, 40 seconds, a table.
+
+In memory: a robot that drives about while all single packets are streamed.  Served: `create_sim`
+processes on pseudo terminals, read by this process; a frame's lateness is measured from the
+earliest that a frame of this robot ever arrived after its slot, so what the reading process and
+the scheduler add counts as late, too.  Other work on the machine shows: its load is printed.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, ExitStack
+import json
+import os
+from pathlib import Path
+from random import Random
+import select
+import subprocess
+import sys
+from tempfile import TemporaryDirectory
+from time import monotonic, perf_counter
+from typing import NamedTuple
+
+from create_oi_ros import oi
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.world import shipped
+from create_oi_ros.start import PROGRAMS
+
+ALL = tuple(oi.PACKETS)
+FIT = tuple(number for number in oi.PACKETS if number not in (15, 16, 38))
+"""All that a slot at 57600 baud holds."""
+SETTLE, WATCH = 2.0, 10.0
+"""Seconds before and while a served robot is watched."""
+ON_TIME = 0.002
+TICKS = os.sysconf('SC_CLK_TCK')
+
+
+class Figure(NamedTuple):
+    """One measured number, and the least or the most it may be."""
+
+    what: str
+    value: float
+    unit: str
+    target: float | None = None
+    at_least: bool = False
+
+
+def begun(packets: tuple[int, ...]) -> bytes:
+    """Return what a host says to have a robot drive in circles and stream."""
+    return (oi.Start().encode() + oi.Safe().encode() + oi.Stream(packets=packets).encode()
+            + oi.Drive(velocity=200, radius=300).encode())
+
+
+def times_real_time(world: str, seconds: float = 60.0) -> float:
+    """Return how much faster than the clock a robot lives in memory."""
+    create = Create(Body(shipped(world)))
+    create.receive(begun(ALL), 0.0)
+    begin = perf_counter()
+    for slot in range(1, round(seconds / oi.SLOT)):
+        create.step(slot * oi.SLOT)
+        create.data_to_send()
+    return seconds / (perf_counter() - begin)
+
+
+def fuzz_seconds(count: int = 1_000_000) -> float:
+    """Return how long a million random bytes take, a wait ended by a power failure."""
+    random, create = Random(1), Create(
+        Body(shipped('room')), guesses=Guesses(boot_seconds=0.0, opcode_7_resets=False))
+    create.receive(begun(ALL), 0.0)
+    begin = perf_counter()
+    for part in range(count // 100):
+        now = part * oi.SLOT
+        create.receive(random.randbytes(100), now)
+        create.data_to_send()
+        if create.waiting:
+            create.lose_battery(now)
+            create.receive(begun(ALL), now)
+    return perf_counter() - begin
+
+
+@contextmanager
+def served(port: Path) -> Iterator[tuple[int, int]]:
+    """Run a robot; yield its process number and a descriptor of its port."""
+    process = subprocess.Popen(
+        [sys.executable, '-c', PROGRAMS['create_sim'], '--link', str(port), '--world', 'room'],
+        stdout=subprocess.PIPE)
+    try:
+        assert process.stdout is not None
+        process.stdout.readline()
+        line = os.open(port, os.O_RDWR | os.O_NOCTTY)
+        try:
+            os.write(line, begun(FIT))
+            yield process.pid, line
+        finally:
+            os.close(line)
+    finally:
+        process.terminate()
+        process.communicate()
+
+
+def processor_seconds(number: int) -> float:
+    """Return the processor time a process has used."""
+    fields = Path(f'/proc/{number}/stat').read_text('ascii').rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / TICKS
+
+
+def arrivals(lines: list[int], seconds: float) -> dict[int, list[float]]:
+    """Return when each line's frames were whole."""
+    size = oi.PacketList(FIT).frame_size
+    times: dict[int, list[float]] = {line: [] for line in lines}
+    pending = dict.fromkeys(lines, 0)
+    poll = select.epoll()
+    for line in lines:
+        poll.register(line, select.EPOLLIN)
+    end = monotonic() + seconds
+    while monotonic() < end:
+        for line, _ in poll.poll(0.1):
+            pending[line] += len(os.read(line, 65536))
+            now = monotonic()
+            times[line] += [now] * (pending[line] // size)
+            pending[line] %= size
+    poll.close()
+    return times
+
+
+def lateness(times: list[float]) -> list[float]:
+    """Return how long after its slot each frame came, the earliest taken as on time."""
+    offsets = [time - place * oi.SLOT for place, time in enumerate(times)]
+    return [offset - min(offsets) for offset in offsets]
+
+
+def served_figures(count: int) -> list[Figure]:
+    """Measure so many robots at once, a process each."""
+    with TemporaryDirectory() as folder, ExitStack() as stack:
+        robots = [stack.enter_context(served(Path(folder) / f'create{n}')) for n in range(count)]
+        lines = [line for _, line in robots]
+        arrivals(lines, SETTLE)
+        before = [processor_seconds(number) for number, _ in robots]
+        begin = monotonic()
+        times = arrivals(lines, WATCH)
+        passed = monotonic() - begin
+        used = [processor_seconds(number) - past
+                for (number, _), past in zip(robots, before, strict=True)]
+    late = sorted(each for line in lines for each in lateness(times[line]))
+    name = f'{count} served' if count > 1 else 'one served'
+    expected = count * passed / oi.SLOT
+    return [
+        Figure(f'{name}: processor, of one core, a robot', 100 * sum(used) / count / passed,
+               '%', 3),
+        Figure(f'{name}: frames within 2 ms of their slot',
+               100 * sum(each <= ON_TIME for each in late) / len(late), '%', 99, at_least=True),
+        Figure(f'{name}: frames late, median', 1e3 * late[len(late) // 2], 'ms'),
+        Figure(f'{name}: frames late, 99th percentile', 1e3 * late[len(late) * 99 // 100], 'ms'),
+        Figure(f'{name}: frames that came', 100 * len(late) / expected, '%'),
+    ]
+
+
+def measure() -> list[Figure]:
+    """Measure everything."""
+    return [
+        *(Figure(f'in memory, all 36 packets streamed, {world}: faster than real time',
+                 max(times_real_time(world) for _ in range(3)), 'x', 100, at_least=True)
+          for world in ('empty', 'room', 'apartment')),
+        Figure('in memory: a million random bytes', fuzz_seconds(), 's'),
+        *served_figures(1),
+        *served_figures(20),
+    ]
+
+
+def main() -> None:
+    """Print the table; with a path, write the figures there as JSON too."""
+    print(f'{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} before')
+    figures = measure()
+    width = max(len(figure.what) for figure in figures)
+    for what, value, unit, target, at_least in figures:
+        met = target is None or (value >= target if at_least else value <= target)
+        verdict = '' if target is None else f'  target {target:g}: {"met" if met else "missed"}'
+        print(f'{what:{width}}  {value:7.2f} {unit}{verdict}')
+    if sys.argv[1:]:
+        Path(sys.argv[1]).write_text(
+            json.dumps([figure._asdict() for figure in figures], indent=1), encoding='utf-8')
+
+
+if __name__ == '__main__':
+    main()
