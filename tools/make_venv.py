@@ -15,7 +15,7 @@ from step import step
 VENV = Path('.venv')
 PINS = Path(__file__).with_name('pins.txt')
 PIP = (VENV / 'bin/python', '-m', 'pip', '--disable-pip-version-check', '--no-input', 'install',
-       '--no-deps', '--ignore-installed', '--progress-bar', 'off')
+       '--no-deps', '--progress-bar', 'off')
 
 
 def read_pins(section: str) -> list[str]:
@@ -24,12 +24,14 @@ def read_pins(section: str) -> list[str]:
     return [line for line in text.splitlines()[1:] if line and not line.startswith('#')]
 
 
-def install(pins: list[str]) -> None:
+def install(kind: str, pins: list[str]) -> None:
     """Fetch one small package without a second try, then everything: no registry, no waiting."""
-    step([*PIP, '--retries', '0', '--timeout', '10', pins[0]], 'setup.log',
+    # Beside an installed ROS, .venv gets its own tools even where the system has the same.
+    own = ['--ignore-installed'] if kind == 'jazzy' else []
+    step([*PIP, *own, '--retries', '0', '--timeout', '10', pins[0]], 'setup.log',
          'cannot fetch from the Python package registry: check the network, the proxy '
          "and pip's index-url", show=False)
-    step([*PIP, *pins], 'setup.log', 'pip failed')
+    step([*PIP, *own, *pins], 'setup.log', 'pip failed')
 
 
 def name_this_python() -> None:
@@ -46,7 +48,7 @@ def main(kind: str) -> None:
     print(f'set-up: Python {sys.version.split()[0]} and {len(pins)} pinned packages into .venv '
           '(about half a minute, log/setup.log)', flush=True)
     venv.create(VENV, with_pip=True, symlinks=True, system_site_packages=kind == 'jazzy')
-    install(pins)
+    install(kind, pins)
     if kind == 'wheels':
         name_this_python()
 
