@@ -1,0 +1,7 @@
+"""Distance and angle in; pose, twist and covariance out. Pure: no clock, no I/O, SI units."""
+
+from .estimate import Estimate, Geometry, Increment
+from .odometry import Odometry
+from .rounding import Rounding
+
+__all__ = ['Estimate', 'Geometry', 'Increment', 'Odometry', 'Rounding']

@@ -1,0 +1,82 @@
+"""
+Several tracks at once, one for each assumption that is still plausible.
+
+Neither the rounding nor the wheels' acceleration is documented. A reading is more likely under
+one assumption than under another; the product of these likelihoods is the assumption's weight.
+"""
+
+from math import sqrt
+
+from .rounding import Rounding
+from .track import RAMP, Track
+
+ACCELERATIONS = (0.35, 0.55, 0.85, 1.3, 2.0, 3.1)
+"""First guesses, m/s²; each is good for learning what lies between its neighbours."""
+IMPLAUSIBLE = 1e-6
+"""Weight below which an assumption is given up."""
+ALIKE = 0.15
+"""Relative spread of the acceleration below which two tracks may be found to be one."""
+BETRAYALS = 3
+"""Surprises within the memory below after which everything is learned again."""
+MEMORY = 20
+"""Readings."""
+
+
+class Beliefs:
+    """The plausible tracks, best first."""
+
+    def __init__(self, linear_scale: float, angular_scale: float) -> None:
+        self.tracks = [Track(rounding, acceleration, linear_scale, angular_scale)
+                       for rounding in Rounding for acceleration in ACCELERATIONS]
+        self._surprised: list[int] = []
+        self._readings = 0
+
+    @property
+    def best(self) -> Track:
+        """The most plausible track."""
+        return self.tracks[0]
+
+    @property
+    def roundings(self) -> set[Rounding]:
+        """What the robot's rounding may be."""
+        return {track.rounding for track in self.tracks}
+
+    def read(self, distance: int, angle: int, *, driven: bool) -> None:
+        """Take a reading in."""
+        surprises = self.best.surprises
+        for track in self.tracks:
+            track.weight *= track.read(distance, angle)
+        if driven and self.best.surprises > surprises:
+            self._surprised.append(self._readings)
+        self._readings += 1
+        self._judge()
+        if sum(self._readings - when <= MEMORY for when in self._surprised) >= BETRAYALS:
+            self._surprised.clear()
+            self._learn_again()
+
+    def _judge(self) -> None:
+        """Weigh the tracks, best first; drop the implausible and the superfluous."""
+        total = sum(track.weight for track in self.tracks)
+        kept: list[Track] = []
+        for track in sorted(self.tracks, key=lambda track: -track.weight):
+            track.weight /= total
+            twin = next((other for other in kept if _alike(track, other)), None)
+            if twin is not None:
+                twin.weight += track.weight
+            elif track.weight > IMPLAUSIBLE or not kept:
+                kept.append(track)
+        self.tracks = kept
+
+    def _learn_again(self) -> None:
+        best = self.best
+        self.tracks = [best.fork(rounding, acceleration)
+                       for rounding in Rounding
+                       for acceleration in (best.acceleration, *ACCELERATIONS)]
+
+
+def _alike(a: Track, b: Track) -> bool:
+    if a.rounding is not b.rounding:
+        return False
+    spread = sqrt(a.covariance[RAMP][RAMP]), sqrt(b.covariance[RAMP][RAMP])
+    return (max(spread) < ALIKE
+            and abs(a.acceleration / b.acceleration - 1) < 2 * (spread[0] + spread[1]))

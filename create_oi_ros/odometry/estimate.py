@@ -1,0 +1,57 @@
+"""What goes into odometry, and what comes out of it; SI units."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """The robot's dimensions and the corrections that calibration found."""
+
+    wheel_separation: float = 0.258
+    """Metres between the wheels' contact points."""
+    wheel_radius: float = 0.033
+    """Metres; only the wheels' joint angles depend on it."""
+    linear_scale: float = 1.0
+    """True distance over the distance that the robot reports."""
+    angular_scale: float = 1.0
+    """True angle over the angle that the robot reports."""
+
+
+@dataclass(frozen=True, slots=True)
+class Increment:
+    """What one frame says about motion since the frame before."""
+
+    dt: float
+    """Seconds since the frame before, by the robot's clock."""
+    right: float
+    """Requested speed of the right wheel, m/s (packet 41)."""
+    left: float
+    """Requested speed of the left wheel, m/s (packet 42)."""
+    driven: bool
+    """Whether the wheels obey these requests: not in a demo, nor after a safety stop."""
+    distance: int | None = None
+    """Millimetres since it was last asked for (packet 19); None when not asked."""
+    angle: int | None = None
+    """Degrees since it was last asked for (packet 20); None when not asked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Pose in the odometry frame, twist in the base frame, wheels, and how sure that is."""
+
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+    linear: float = 0.0
+    """m/s, forward."""
+    angular: float = 0.0
+    """rad/s, counter-clockwise."""
+    pose_covariance: tuple[float, ...] = (1e-9, 0.0, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 1e-9)
+    """Row-major over x, y, yaw; m², m rad, rad²."""
+    twist_covariance: tuple[float, float] = (1e-6, 1e-6)
+    """Variances of linear and angular velocity."""
+    right_wheel: float = 0.0
+    """Angle of the right wheel, rad, and its speed, rad/s; likewise of the left one."""
+    right_wheel_speed: float = 0.0
+    left_wheel: float = 0.0
+    left_wheel_speed: float = 0.0

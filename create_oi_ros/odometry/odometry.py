@@ -1,0 +1,162 @@
+"""
+Pose, twist and covariance from every frame and a reading now and then.
+
+Between readings the tracks predict from the requested speeds, a reading corrects them (`track`),
+and readings also tell which of them to believe (`beliefs`). This file follows the best track
+smoothly: the estimate moves as the track moves, and corrections are blended in.
+"""
+
+from math import cos, exp, hypot, sin
+
+from .beliefs import Beliefs
+from .estimate import Estimate, Geometry, Increment
+from .plain import PlainOdometry
+from .reading_plan import ReadingPlan, SLOT
+from .track import DEGREE, TOP_SPEED, Track
+
+BLEND = 0.1
+"""Seconds in which a correction is blended in, ..."""
+STEP, TWIST = 1e-3, 0.2 * DEGREE
+"""... and the most of it in one frame, m and rad, ..."""
+FAR, ASKEW = 0.03, 5 * DEGREE
+"""... unless it is larger than this, because the robot moved on its own: then as fast as it can
+have moved, ..."""
+TOP_TURN = 2 * TOP_SPEED / 0.258
+"""... which is TOP_SPEED, and rad/s in place."""
+AS_BUILT = Geometry()
+FLOOR = 1e-9
+"""Variance of a pose that is known exactly, m² and rad²."""
+
+
+class Odometry:
+    """Turns increments into an estimate that never jumps."""
+
+    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0) -> None:
+        """
+        Ask for distance and angle every `window` seconds.
+
+        With 0, ask in every frame and believe what the robot says.
+        """
+        self.geometry = geometry
+        self.window = window
+        self.estimate = Estimate()
+        self.beliefs = Beliefs(geometry.linear_scale, geometry.angular_scale)
+        self._plain = PlainOdometry(geometry)
+        self._plan = ReadingPlan(window)
+        self._discard = True
+        self._gap = False
+        self._doubt = False
+        self._driven = False
+
+    @property
+    def reading_due(self) -> bool:
+        """
+        Whether the robot should be asked for distance and angle in its next frame.
+
+        True after one frame for one reading, after several in a row for as many; false while the
+        answer is under way.
+        """
+        return not self.window or self._plan.due
+
+    def reset(self) -> None:
+        """Begin again at the origin; what was learned of the robot stays."""
+        e = self.estimate
+        self.estimate = Estimate(right_wheel=e.right_wheel, left_wheel=e.left_wheel)
+        for track in self.beliefs.tracks:
+            track.reset()
+
+    def interrupted(self) -> None:
+        """Go on from here after frames were missed: the next reading spans an unknown time."""
+        self._gap = self._doubt = True
+        if not self.window:
+            self._discard = True
+
+    def update(self, increment: Increment) -> Estimate:
+        """Take one frame in."""
+        if not self.window:
+            self.estimate = self._as_reported(increment)
+            return self.estimate
+        self._move(increment)
+        best = self.beliefs.best
+        went, turned = best.went, best.turned
+        if increment.distance is not None and increment.angle is not None:
+            self._read(increment.distance, increment.angle, increment.driven)
+        self.estimate = self._followed(increment.dt, went, turned)
+        return self.estimate
+
+    def _as_reported(self, increment: Increment) -> Estimate:
+        if self._discard and increment.distance is not None:
+            self._discard = False
+            return self.estimate
+        return self._plain.after(self.estimate, increment)
+
+    def _move(self, increment: Increment) -> None:
+        """Let the tracks predict, and plan the next reading."""
+        dt, driven = increment.dt, increment.driven
+        right, left = (increment.right, increment.left) if driven else (0.0, 0.0)
+        best = self.beliefs.best
+        steady = right == best.right.request and left == best.left.request
+        for track in self.beliefs.tracks:
+            if self._gap:
+                track.resume(right, left)
+            track.advance(dt, right, left)
+        if dt > 1.5 * SLOT and self._plan.pending:
+            # The reading may have been in a frame that was lost.
+            self._doubt = True
+        if driven != self._driven:
+            self._plan.hurry()
+        self._gap, self._driven = False, driven
+        self._plan.step(dt, steady=steady, beliefs=self.beliefs)
+
+    def _read(self, distance: int, angle: int, driven: bool) -> None:
+        self._plan.came()
+        if self._discard:
+            # The first reading may hold travel from before.
+            for track in self.beliefs.tracks:
+                track.discard()
+        else:
+            if self._doubt:
+                for track in self.beliefs.tracks:
+                    track.doubt(distance, angle)
+            self.beliefs.read(distance, angle, driven=driven)
+        self._discard = self._doubt = False
+
+    def _followed(self, dt: float, went: float, turned: float) -> Estimate:
+        """Move the estimate as the best track moved, and some way towards it."""
+        before, best, g = self.estimate, self.beliefs.best, self.geometry
+        middle = before.yaw + turned / 2
+        chord = went * (1 - turned * turned / 24)
+        dx, dy = chord * cos(middle), chord * sin(middle)
+        x, y, yaw = best.x - before.x - dx, best.y - before.y - dy, best.yaw - before.yaw - turned
+        part = 1 - exp(-dt / BLEND)
+        share = _share(part, hypot(x, y), STEP, FAR, TOP_SPEED * dt - abs(went))
+        twist = yaw * _share(part, abs(yaw), TWIST, ASKEW, TOP_TURN * dt - abs(turned))
+        dx, dy, dyaw = dx + share * x, dy + share * y, turned + twist
+        forward = dx * cos(middle) + dy * sin(middle)
+        half = dyaw * g.wheel_separation / 2
+        rate = turned / dt * g.wheel_separation / 2
+        return Estimate(
+            x=before.x + dx, y=before.y + dy, yaw=before.yaw + dyaw,
+            linear=went / dt, angular=turned / dt,
+            pose_covariance=_spread(best, (1 - share) * x, (1 - share) * y, yaw - twist),
+            twist_covariance=best.twist_variance,
+            right_wheel=before.right_wheel + (forward + half) / g.wheel_radius,
+            right_wheel_speed=(went / dt + rate) / g.wheel_radius,
+            left_wheel=before.left_wheel + (forward - half) / g.wheel_radius,
+            left_wheel_speed=(went / dt - rate) / g.wheel_radius)
+
+
+def _share(part: float, whole: float, most: float, far: float, room: float) -> float:
+    """Return which part of a correction to blend in now."""
+    if whole > far:
+        most = max(most, room)
+    return min(part, most / whole) if whole else 0.0
+
+
+def _spread(best: Track, x: float, y: float, yaw: float) -> tuple[float, ...]:
+    """Return the covariance of an estimate that is this far behind the best track."""
+    p = best.covariance
+    xy, xa, ya = p[0][1] + x * y, p[0][2] + x * yaw, p[1][2] + y * yaw
+    return (p[0][0] + x * x + FLOOR, xy, xa,
+            xy, p[1][1] + y * y + FLOOR, ya,
+            xa, ya, p[2][2] + yaw * yaw + FLOOR)

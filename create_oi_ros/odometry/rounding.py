@@ -1,0 +1,71 @@
+"""
+What a whole number says about the quantity behind it.
+
+A Create reports whole millimetres and degrees.  Such a number is an interval, which one depends
+on the rounding; a normal distribution that meets an interval leaves its cut part, here described
+by mass, mean and variance (docs/odometry.md, "An integer is an interval").
+"""
+
+from enum import Enum
+from math import erf, erfc, exp, sqrt, tau
+
+_ROOT_HALF = sqrt(0.5)
+_ROOT_TAU = sqrt(tau)
+_FAR = 6.0
+"""Standard deviations from which the tail is treated as an exponential."""
+
+
+class Rounding(Enum):
+    """What the robot does with the part of its accumulator that is no whole unit."""
+
+    TRUNCATE = 'truncate'
+    """Towards zero; the rest is lost."""
+    ROUND = 'round'
+    """To the nearest; the rest is lost."""
+    CARRY = 'carry'
+    """Towards zero; the rest stays for the next reading."""
+
+
+def interval(rounding: Rounding, whole: int) -> tuple[float, float]:
+    """Return the ends of what the accumulator may have held when it reported `whole`."""
+    if rounding is Rounding.ROUND:
+        return whole - 0.5, whole + 0.5
+    return (float(whole) if whole > 0 else whole - 1.0,
+            float(whole) if whole < 0 else whole + 1.0)
+
+
+def cut_normal(low: float, high: float) -> tuple[float, float, float]:
+    """Return mean, variance and mass of the standard normal's part between low and high."""
+    if low > -high:
+        # The moments are wanted from the tail that is computed without cancellation.
+        mean, variance, mass = cut_normal(-high, -low)
+        return -mean, variance, mass
+    if high < -_FAR:
+        return _cut_tail(low, high)
+    if high < 0:
+        mass = (erfc(-high * _ROOT_HALF) - erfc(-low * _ROOT_HALF)) / 2
+    else:
+        mass = (erf(high * _ROOT_HALF) - erf(low * _ROOT_HALF)) / 2
+    width = high - low
+    if width < 1e-3:
+        # So narrow a piece is flat.
+        return (low + high) / 2, width * width / 12, mass
+    at_low, at_high = _density(low), _density(high)
+    mean = (at_low - at_high) / mass
+    variance = 1 + (low * at_low - high * at_high) / mass - mean * mean
+    return mean, min(1.0, max(variance, 1e-9)), mass
+
+
+def _density(z: float) -> float:
+    return exp(-z * z / 2) / _ROOT_TAU if abs(z) < 38 else 0.0
+
+
+def _cut_tail(low: float, high: float) -> tuple[float, float, float]:
+    """Return the same far below zero, where the density falls like exp(-rate (high - z))."""
+    rate, width = -high, high - low
+    fall = exp(-rate * width) if rate * width < 700 else 0.0
+    if rate * width < 1e-3:
+        return (low + high) / 2, width * width / 12, _density(high) * width
+    mean = high - 1 / rate + width * fall / (1 - fall)
+    variance = 1 / rate ** 2 - width * width * fall / (1 - fall) ** 2
+    return mean, max(variance, 1e-12), _density(high) / rate * (1 - fall)
