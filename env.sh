@@ -39,6 +39,7 @@ else
 fi
 [ -z "$_create_nounset" ] || set -u
 
+export CREATE_OI_ENV="$_create_root/env.sh"  # create_run tells its user to source this
 _create_bin="$_create_root/install/create_oi_ros/lib/create_oi_ros:$_create_root/.venv/bin"
 case ":$PATH:" in *":$_create_bin:"*) ;; *) export PATH="$_create_bin:$PATH" ;; esac
 unset _create_root _create_setup _create_bin _create_nounset
