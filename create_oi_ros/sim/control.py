@@ -69,7 +69,7 @@ class Control:
         words = text.split()
         if not words:
             return 'error nothing said: try help'
-        word = _WORDS.get(words[0])
+        word = WORDS.get(words[0])
         if word is None:
             return f'error {words[0]!r} is not known: try help'
         try:
@@ -82,7 +82,7 @@ class Control:
 
     def _help(self, words: list[str]) -> str:
         return 'ok ' + '; '.join(f'{name} {word.form}: {word.meaning}'.replace(' :', ':')
-                                 for name, word in _WORDS.items())
+                                 for name, word in WORDS.items())
 
     def facts(self) -> dict[str, Any]:
         """Return all there is to know: the world's truth and the robot's state."""
@@ -300,7 +300,7 @@ class _Word(NamedTuple):
     meaning: str
 
 
-_WORDS = {
+WORDS = {
     'help': _Word(Control._help, '', 'list the words'),
     'truth': _Word(
         Control._truth, '',
