@@ -107,8 +107,7 @@ class CreateNode(Node):
 
     def _stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         with self.session.request() as (driver, now):
-            response.success = driver.stop(now)
-        response.message = 'wheels stopped' if response.success else 'no robot answers'
+            response.success, response.message = driver.stop(now)
         return response
 
     def _reset_odometry(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

@@ -147,7 +147,7 @@ def test_the_wheels_stop_when_commands_stop(loop):
 def test_stop_stops_at_once(loop):
     loop.drive(0.2, 0.0, 0.2)
     loop.commands()
-    assert loop.driver.stop(loop.now)
+    assert loop.driver.stop(loop.now)[0]
     loop.turn()
     assert loop.commands()[0] == oi.DriveDirect(right=0, left=0)
 

@@ -1,17 +1,10 @@
 """The host's machine: wanted mode, watchdog, limits, stream plan. Pure: no clock, no I/O."""
 
-from .machine import (
-    Driver,
-    DriverEvent,
-    Link,
-    LinkCounts,
-    Moved,
-    Notice,
-    Reply,
-    Settings,
-    Severity,
-)
+from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
+from .machine import Driver
 from .motion import MotionLimits, wheel_speeds
+from .requests import Reply
+from .settings import Settings
 from .supervision import Cause, ModeStatus
 
 __all__ = [

@@ -8,16 +8,17 @@ Requests (drive, set_mode, ...) only change what is wanted; `poll` sends.
 """
 
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from enum import Enum
-from typing import NamedTuple
 
 from .. import oi
-from ..odometry import Estimate, Geometry, Increment, Odometry
+from ..odometry import Estimate, Increment, Odometry
+from .actuators import Actuators
+from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
 from .frame_clock import FrameClock
 from .motion import MM, Motion, MotionLimits
 from .outbox import Outbox
+from .requests import mode_refusal, ModeRequest, Reply, Requests
+from .scripts import Scripts
+from .settings import Settings
 from .stream_plan import StreamPlan
 from .supervision import MODE_COMMANDS, ModeStatus, Supervision
 
@@ -27,84 +28,18 @@ DRAIN = b'\xff' + bytes(260)
 The first byte completes Baud or Demo as no baud code and as `abort`; zeros complete any count,
 speed or output as nothing. Neither byte is an opcode.
 """
+END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
 SILENCE = 0.5
 """Seconds without a frame after which the robot is taken to be away, and called again."""
-
-Reply = Callable[[bool, str], None]
-"""Takes whether a request succeeded, and if not why and what to do."""
-
-
-class Severity(Enum):
-    """How loud a notice is."""
-
-    INFO = 'info'
-    WARNING = 'warning'
-    ERROR = 'error'
-
-
-class Notice(NamedTuple):
-    """Something a person should read, said once."""
-
-    severity: Severity
-    text: str
-
-
-class Moved(NamedTuple):
-    """A frame was taken in."""
-
-    stamp: float
-    """When the frame left the robot, in the clock of `now`."""
-    readings: oi.Readings
-    """The newest of every packet that has arrived so far."""
-    estimate: Estimate
-
-
-DriverEvent = Notice | Moved
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What the driver is to do; SI units."""
-
-    baud: int = 57600
-    mode_on_start: oi.Mode = oi.Mode.SAFE
-    mode_on_exit: oi.Mode = oi.Mode.PASSIVE
-    recover_mode: bool = True
-    odometry_window: float = 0.0
-    limits: MotionLimits = field(default_factory=MotionLimits)
-    geometry: Geometry = field(default_factory=Geometry)
-
-
-class Link(Enum):
-    """State of the line to the robot."""
-
-    CLOSED = 'port closed'
-    WAKING = 'no answer yet'
-    UP = 'robot answers'
-
-
-@dataclass
-class LinkCounts:
-    """What has come over the line since the driver was made."""
-
-    frames: int = 0
-    checksum_failures: int = 0
-    garbage_bytes: int = 0
-    implausible_frames: int = 0
-    silences: int = 0
-
-
-class _ModeRequest(NamedTuple):
-    mode: oi.Mode
-    deadline: float
-    reply: Reply
+DOCK_PAUSE = 1.0
+"""Seconds that the robot is to be in Passive before it is sent to its dock (reported)."""
 
 
 class Driver:
     """What the node talks to and the serial port is fed from."""
 
-    def __init__(self, settings: Settings = Settings()) -> None:
-        self.settings = settings
+    def __init__(self, settings: Settings | None = None) -> None:
+        self.settings = settings = settings or Settings()
         self.odometry = Odometry(settings.geometry, window=settings.odometry_window)
         self.link = Link.CLOSED
         self.counts = LinkCounts()
@@ -116,7 +51,10 @@ class Driver:
         self._clock = FrameClock()
         self._readings = oi.Readings()
         self._events: deque[DriverEvent] = deque()
-        self._mode_request: _ModeRequest | None = None
+        self._mode_request = ModeRequest()
+        self._requests = Requests(self._outbox, self._refusal)
+        self.actuators = Actuators(self._outbox, self._requests, self._readings)
+        self.scripts = Scripts(self._outbox, self._requests, lambda: self.plan)
         self._heard_at = 0.0
         self._refusal_said = False
 
@@ -131,10 +69,12 @@ class Driver:
         self.link = Link.CLOSED
         self._reader.flush()
         self._lose()
-        self._answer_mode_request(False, f'port lost: {why}')
+        self._mode_request.answer(False, f'port lost: {why}')
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
+        if self.scripts.take(data):
+            return
         self._reader.feed(data)
         while (event := self._reader.next_event()) is not None:
             match event:
@@ -149,10 +89,14 @@ class Driver:
         self._outbox.confirm()
         if self.link is Link.CLOSED:
             return
+        if self.scripts.reading:
+            self._heard_at = now
         if now - self._heard_at > SILENCE:
             self._miss(now)
-        if self._mode_request is not None and now > self._mode_request.deadline:
-            self._refuse_mode_request(self._mode_request.mode)
+        overdue = self._mode_request.expired(now)
+        if overdue is not None:
+            self._refuse_mode_request(overdue)
+        self.scripts.poll(now)
         if self._motion.expired(now):
             self._supervision.commands_paused()
         self._stream_and_drive(now)
@@ -183,19 +127,25 @@ class Driver:
         if not self._motion.command(linear, angular, now):
             self._say(Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
                       'stopped; send finite numbers')
-        if not self._motion.moving:
+        if self.scripts.playing:
+            self._motion.stop()
+            self._say_refusal(self.scripts.refusal)
+        elif not self._motion.moving:
             self._supervision.commands_paused()
         elif self.status.actual not in oi.DriveDirect.modes:
             self._drive_when_not_allowed(now)
 
-    def stop(self, now: float) -> bool:
-        """Stop the wheels before anything else is sent; False when no robot answers."""
+    def stop(self, now: float) -> tuple[bool, str]:
+        """Stop the wheels, and a demo, before anything else; says whether the robot hears it."""
         self._motion.stop()
         self._motion.forget()
         self._supervision.commands_paused()
         if self.link is not Link.CLOSED:
             self._outbox.send_at_once(oi.DriveDirect(right=0, left=0), now)
-        return self.link is Link.UP
+        if self.status.actual is oi.Mode.PASSIVE:
+            self._outbox.send_at_once(END_DEMO, now)
+        refusal = self._refusal(oi.Demo)
+        return not refusal, refusal or 'wheels stopped'
 
     def set_limits(self, limits: MotionLimits) -> None:
         """Bound the motion otherwise from the next command on."""
@@ -206,13 +156,36 @@ class Driver:
         if mode not in MODE_COMMANDS:
             allowed = ', '.join(f'{m.value} {m.name}' for m in MODE_COMMANDS)
             reply(False, f'mode {mode.name} cannot be set; allowed: {allowed}')
-        elif self.link is not Link.UP:
-            reply(False, f'{self.link.value}: check cable and power, the driver keeps trying')
+        elif refusal := self._refusal(MODE_COMMANDS[mode]):
+            reply(False, refusal)
         else:
-            self._answer_mode_request(False, 'another set_mode came before the robot answered')
-            self._mode_request = _ModeRequest(mode, now + SILENCE, reply)
+            self._mode_request.begin(mode, now + SILENCE, reply)
             self._supervision.want(mode)
             self._enter(mode)
+
+    def start_demo(self, demo: oi.DemoNumber, reply: Reply) -> None:
+        """Let the robot play one of its demos, in Passive, which is then the wanted mode."""
+        if demo is oi.DemoNumber.ABORT:
+            reply(False, 'no demo: call stop_demo to end one')
+            return
+        refusal = self._refusal(oi.Demo)
+        if refusal:
+            reply(False, refusal)
+            return
+        self._motion.stop()
+        self._supervision.want(oi.Mode.PASSIVE)
+        if demo is oi.DemoNumber.COVER_AND_DOCK and self.status.actual in oi.ACTUATE:
+            self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
+        self._requests.send(
+            oi.Demo(demo=demo), reply, f'demo {demo.name} runs; call stop_demo to end it')
+
+    def stop_demo(self, reply: Reply) -> None:
+        """End the demo that runs, if any; the robot stays in Passive."""
+        if self.link is Link.UP and self.status.actual in oi.ACTUATE:
+            reply(True, 'no demo runs: the robot obeys cmd_vel')
+        else:
+            self._requests.send(
+                END_DEMO, reply, 'demo ended; call set_mode with SAFE to drive again')
 
     def reset_odometry(self) -> None:
         """Put the origin of the odometry frame where the robot is."""
@@ -220,7 +193,7 @@ class Driver:
 
     def shut_down(self, now: float) -> None:
         """Say goodbye: wheels stopped, stream halted, the mode that was asked for on exit."""
-        self._answer_mode_request(False, 'driver is shutting down')
+        self._mode_request.answer(False, 'driver is shutting down')
         if self.link is Link.CLOSED:
             return
         self._outbox.clear()
@@ -248,6 +221,7 @@ class Driver:
 
     def _lose(self) -> None:
         self._outbox.clear()
+        self.scripts.lost()
         self._motion.stop()
         self._motion.forget()
         self._supervision.lost()
@@ -274,6 +248,8 @@ class Driver:
         self._readings.update(readings)
         if self.link is Link.WAKING:
             self._found()
+        if self.scripts.heard(frame.packets):
+            self._script_ended()
         self._supervise(now)
         self._events.append(Moved(
             stamp, oi.Readings(self._readings.__dict__), self._estimate(readings, dt)))
@@ -292,11 +268,26 @@ class Driver:
         self.link = Link.UP
         wanted = self.status.wanted
         self._say(Severity.INFO, f'robot answers; entering {wanted.name}')
+        self.actuators.restore_songs()
         self._enter(wanted)
 
     def _enter(self, mode: oi.Mode) -> None:
         self._motion.forget()
         self._outbox.send(MODE_COMMANDS[mode]())
+        if mode in oi.ACTUATE:
+            self.actuators.restore()
+
+    def _script_ended(self) -> None:
+        self._motion.forget()
+        self._say(Severity.INFO, 'the script has ended; wheels stopped')
+        if self._readings.oi_mode in oi.ACTUATE:
+            self.actuators.restore()
+
+    def _refusal(self, command: type[oi.Command]) -> str:
+        """Say why a command cannot be sent now, and what to do; '' if it can."""
+        if self.link is not Link.UP:
+            return f'{self.link.value}: check cable and power, the driver keeps trying'
+        return self.scripts.refusal or mode_refusal(command, self.status.actual)
 
     def _supervise(self, now: float) -> None:
         dropped = self._supervision.observe(self._readings, now)
@@ -307,9 +298,7 @@ class Driver:
             self._motion.forget()
             self._say(Severity.WARNING, f'robot left {status.wanted.name} for '
                       f'{self._readings.oi_mode.name}: {status.reason}')
-        request = self._mode_request
-        if request is not None and status.actual == request.mode:
-            self._answer_mode_request(True, f'robot is in {request.mode.name}')
+        self._mode_request.observe(status.actual)
 
     def _drive_when_not_allowed(self, now: float) -> None:
         """Bring the wanted mode back for a fresh command, or say why it is not obeyed."""
@@ -321,14 +310,18 @@ class Driver:
                 self._enter(status.wanted)
             return
         self._motion.stop()
-        if status.actual is not None and not self._refusal_said:
-            self._refusal_said = True
+        if status.actual is not None:
             why = f' ({status.reason})' if status.reason else ''
-            self._say(Severity.WARNING, f'not driving: robot is in {status.actual.name}{why}; '
-                      'let commands pause and send again, or call set_mode with SAFE')
+            self._say_refusal(f'robot is in {status.actual.name}{why}; let commands pause and '
+                              'send again, or call set_mode with SAFE')
+
+    def _say_refusal(self, why: str) -> None:
+        if not self._refusal_said:
+            self._refusal_said = True
+            self._say(Severity.WARNING, f'not driving: {why}')
 
     def _stream_and_drive(self, now: float) -> None:
-        if self.link is not Link.UP:
+        if self.link is not Link.UP or self.scripts.refusal:
             return
         if self.status.actual in oi.DriveDirect.modes:
             drive = self._motion.next_drive(now)
@@ -338,17 +331,12 @@ class Driver:
         if stream is not None:
             self._outbox.send(stream)
 
-    def _answer_mode_request(self, success: bool, message: str) -> None:
-        request, self._mode_request = self._mode_request, None
-        if request is not None:
-            request.reply(success, message)
-
     def _refuse_mode_request(self, mode: oi.Mode) -> None:
         actual = self.status.actual
         stays = 'does not answer' if actual is None else f'stays in {actual.name}'
         causes = self._supervision.status.reason
         why = f' ({causes})' if causes else ''
-        self._answer_mode_request(
+        self._mode_request.answer(
             False, f'robot {stays}{why} instead of entering {mode.name}: in SAFE it needs all '
             'wheels down, no cliff under it and no charger plugged in')
 

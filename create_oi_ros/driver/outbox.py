@@ -13,7 +13,7 @@ MODE_PAUSE = 0.02
 class _Outgoing(NamedTuple):
     encoded: bytes
     pause: float
-    written: Callable[[], None] | None
+    told: Callable[[bool], None] | None
 
 
 class Outbox:
@@ -23,16 +23,20 @@ class Outbox:
         self._queue: deque[_Outgoing] = deque()
         self._free_at = -float('inf')
         self._ready = bytearray()
-        self._unconfirmed: list[Callable[[], None]] = []
+        self._unconfirmed: list[Callable[[bool], None]] = []
 
     def send(
         self, command: oi.Command, *, pause: float = 0.0,
-        written: Callable[[], None] | None = None,
+        told: Callable[[bool], None] | None = None,
     ) -> None:
-        """Queue a command; ValueError, and nothing queued, where it is out of range."""
+        """
+        Queue a command; ValueError, and nothing queued, where it is out of range.
+
+        `told` is called once, with whether the command was written.
+        """
         if command.enters is not None:
             pause = max(pause, MODE_PAUSE)
-        self._queue.append(_Outgoing(command.encode(), pause, written))
+        self._queue.append(_Outgoing(command.encode(), pause, told))
 
     def send_raw(self, encoded: bytes) -> None:
         """Queue bytes that are no command."""
@@ -50,10 +54,13 @@ class Outbox:
 
     def clear(self) -> None:
         """Drop all that has not been let out."""
+        waiting = [told for *_, told in self._queue if told is not None] + self._unconfirmed
         self._queue.clear()
         self._ready.clear()
-        self._unconfirmed.clear()
+        self._unconfirmed = []
         self._free_at = -float('inf')
+        for told in waiting:
+            told(False)
 
     def release(self, now: float) -> None:
         """Let out what is due."""
@@ -61,8 +68,8 @@ class Outbox:
             outgoing = self._queue.popleft()
             self._ready += outgoing.encoded
             self._free_at = now + outgoing.pause
-            if outgoing.written is not None:
-                self._unconfirmed.append(outgoing.written)
+            if outgoing.told is not None:
+                self._unconfirmed.append(outgoing.told)
 
     def take(self) -> bytes:
         """Return what was let out."""
@@ -73,5 +80,5 @@ class Outbox:
     def confirm(self) -> None:
         """Tell those who wait that the bytes taken have been written."""
         confirmed, self._unconfirmed = self._unconfirmed, []
-        for written in confirmed:
-            written()
+        for told in confirmed:
+            told(True)

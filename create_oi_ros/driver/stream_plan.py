@@ -52,6 +52,9 @@ class StreamPlan:
     def __init__(self, baud: int) -> None:
         """Plan for a baud rate."""
         self.short, self._parts, self.full = _lists(baud)
+        self.marker = oi.PacketList.named(*ESSENTIAL)
+        """Asked for only to see whether the robot hears."""
+        self.baud = baud
         self.budget = self.full.budget(baud)
         self._rotation: Iterator[oi.PacketList] = cycle(self._parts or [self.short])
         self._asked: oi.PacketList | None = None
@@ -60,7 +63,7 @@ class StreamPlan:
     @property
     def lists(self) -> tuple[oi.PacketList, ...]:
         """All lists whose frames may arrive."""
-        return (self.short, self.full, *self._parts)
+        return (self.short, self.full, *self._parts, self.marker)
 
     def restart(self) -> None:
         """Forget what was asked for: the robot may have been switched off."""

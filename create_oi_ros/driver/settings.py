@@ -1,0 +1,20 @@
+"""What the driver is to do; settled before it starts."""
+
+from dataclasses import dataclass, field
+
+from .. import oi
+from ..odometry import Geometry
+from .motion import MotionLimits
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the driver is to do; SI units."""
+
+    baud: int = 57600
+    mode_on_start: oi.Mode = oi.Mode.SAFE
+    mode_on_exit: oi.Mode = oi.Mode.PASSIVE
+    recover_mode: bool = True
+    odometry_window: float = 0.0
+    limits: MotionLimits = field(default_factory=MotionLimits)
+    geometry: Geometry = field(default_factory=Geometry)
