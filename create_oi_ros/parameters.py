@@ -17,11 +17,12 @@ from rclpy.exceptions import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from .driver import MotionLimits, Settings
+from .driver import BatteryLimits, LowBatteryAction, MotionLimits, Settings
 from .odometry import Geometry
 from .oi import BaudCode, Mode
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
+ACTIONS = {action.value: action for action in LowBatteryAction}
 BAUDS = tuple(code.rate for code in BaudCode)
 
 
@@ -42,7 +43,8 @@ class Parameters:
         '/dev/ttyUSB0', 'Serial device of the robot, or a pyserial URL (socket://HOST:PORT)',
         fixed=True)
     baud: int = parameter(
-        57600, 'Baud rate, bit/s', choices=BAUDS, fixed=True)
+        57600, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200, then the others',
+        choices=(0, *BAUDS), fixed=True)
     mode_on_start: str = parameter(
         'safe', 'Mode that the robot is put into', choices=tuple(START_MODES), fixed=True)
     mode_on_exit: str = parameter(
@@ -61,6 +63,11 @@ class Parameters:
         fixed=True)
     max_wheel_speed: float = parameter(
         MotionLimits.max_wheel_speed, 'Highest speed of either wheel, m/s', low=0.0, high=0.5)
+    max_linear_acceleration: float = parameter(
+        0.0, 'Highest change of the forward speed, m/s2; 0: no limit. The end of commands and '
+        '`stop` know none', low=0.0, high=10.0)
+    max_angular_acceleration: float = parameter(
+        0.0, 'Highest change of the turning speed, rad/s2; 0: no limit', low=0.0, high=100.0)
     linear_scale: float = parameter(
         1.0, 'True distance over the distance that the robot reports', low=0.5, high=2.0,
         fixed=True)
@@ -76,12 +83,26 @@ class Parameters:
     battery_technology: str = parameter(
         'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
         choices=('nimh', 'alkaline'), fixed=True)
+    battery_low: float = parameter(
+        BatteryLimits.low, 'Voltage below which the battery is reported as low, V',
+        low=0.0, high=20.0, fixed=True)
+    battery_empty: float = parameter(
+        BatteryLimits.empty, 'Voltage below which it is reported as nearly empty, V',
+        low=0.0, high=20.0, fixed=True)
+    low_battery_action: str = parameter(
+        BatteryLimits.action.value, 'What to do when the battery is nearly empty: nothing, stop '
+        'in Passive, or look for the dock', choices=tuple(ACTIONS), fixed=True)
+    dead_man: bool = parameter(
+        True, 'Whether a process of its own stops the robot when the node dies', fixed=True)
 
     def settings(self) -> Settings:
         """Return what the driver needs of them."""
         return Settings(
             baud=self.baud, mode_on_start=START_MODES[self.mode_on_start],
             mode_on_exit=START_MODES[self.mode_on_exit], recover_mode=self.recover_mode,
+            battery=BatteryLimits(
+                low=self.battery_low, empty=self.battery_empty,
+                action=ACTIONS[self.low_battery_action]),
             limits=self.limits(), geometry=Geometry(
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
                 angular_scale=self.angular_scale))
@@ -90,7 +111,9 @@ class Parameters:
         """Return what bounds the motion; may change while the node runs."""
         return MotionLimits(
             wheel_separation=self.wheel_separation, max_wheel_speed=self.max_wheel_speed,
-            timeout=self.cmd_vel_timeout)
+            timeout=self.cmd_vel_timeout,
+            linear_acceleration=self.max_linear_acceleration,
+            angular_acceleration=self.max_angular_acceleration)
 
 
 def descriptor(name: str) -> ParameterDescriptor:

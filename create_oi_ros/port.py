@@ -9,6 +9,8 @@ changes the robot's baud rate (manual: Serial Port Settings).
 import errno
 from glob import glob
 import os
+from pathlib import Path
+import time
 from typing import Any
 
 import serial
@@ -16,6 +18,9 @@ import serial
 CANDIDATES = ('/dev/create', '/dev/ttyUSB*', '/dev/ttyACM*', '/dev/serial0')
 """Where a Create usually is."""
 READ_AT_MOST = 4096
+FAST = 115200
+"""At this rate the robot needs a pause between bytes (manual: Baud)."""
+FAST_PAUSE = 0.0002
 
 
 class PortError(OSError):
@@ -37,6 +42,27 @@ class Port:
         except (OSError, ValueError) as error:
             raise PortError(_advice(url, error)) from error
 
+    @property
+    def baud(self) -> int:
+        """Bits per second; can be changed while the port is open."""
+        return int(self._serial.baudrate)
+
+    @baud.setter
+    def baud(self, baud: int) -> None:
+        try:
+            self._serial.baudrate = baud
+        except (OSError, ValueError) as error:
+            raise PortError(f'{self.url}: baud rate {baud} cannot be set ({error})') from error
+
+    @property
+    def descriptor(self) -> int | None:
+        """The operating system's number of the open line; None where it has none."""
+        try:
+            line = getattr(self._serial, '_socket', self._serial)
+            return int(line.fileno())
+        except (AttributeError, OSError):
+            return None
+
     def read(self) -> bytes:
         """Return the bytes that have come, waiting for the first; b'' when none came in time."""
         try:
@@ -52,7 +78,12 @@ class Port:
     def write(self, encoded: bytes) -> None:
         """Write all bytes."""
         try:
-            self._serial.write(encoded)
+            if self.baud < FAST:
+                self._serial.write(encoded)
+                return
+            for byte in encoded:
+                self._serial.write(bytes([byte]))
+                time.sleep(FAST_PAUSE)
         except (OSError, TypeError) as error:
             raise PortError(f'{self.url}: writing failed ({error}); is the cable in?') from error
 
@@ -68,6 +99,37 @@ class Port:
         self._serial.close()
 
 
+def exists(url: str) -> bool:
+    """Tell whether a device is there; of a URL nobody can tell, so it is taken to be."""
+    return '://' in url or Path(url).exists()
+
+
+def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
+    """
+    Return the name under which a device is found again when it is plugged in elsewhere.
+
+    A USB adapter that comes back may be ttyUSB1 where it was ttyUSB0; by its id it is the same.
+    """
+    for link in sorted(glob(f'{names}/*')):
+        if Path(link).resolve() == Path(device).resolve():
+            return link
+    return None
+
+
+def holder(device: str) -> str | None:
+    """Name a process that has a device open, where the kernel lets us see it."""
+    target = os.path.realpath(device)
+    for link in glob('/proc/[0-9]*/fd/*'):
+        process = Path(link).parents[1]
+        try:
+            if os.readlink(link) == target and process.name != str(os.getpid()):
+                return f'{(process / "comm").read_text().strip()} (process {process.name})'
+        except OSError:
+            # It has ended or closed the file since, or belongs to somebody else.
+            continue
+    return None
+
+
 def _advice(url: str, error: Exception) -> str:
     """Say why a port could not be opened and what to do about it."""
     code = _error_number(error)
@@ -81,7 +143,8 @@ def _advice(url: str, error: Exception) -> str:
         user = os.environ.get('USER', '$USER')
         return f'{url}: no permission; `sudo usermod -aG dialout {user}`, then log in again'
     if code in (errno.EAGAIN, errno.EBUSY):
-        return f'{url} is in use by another program; `fuser -v {url}` names it'
+        by = holder(url) or 'another program'
+        return f'{url} is in use by {by}; end it, or give another port'
     return f'{url} could not be opened: {error}'
 
 

@@ -11,12 +11,13 @@ from contextlib import contextmanager
 import threading
 import time
 
-from .driver import Driver, DriverEvent, Notice, Severity
-from .port import Port, PortError
+from .dead_man import DeadMan
+from .driver import Driver, DriverEvent, LAST_WORDS, Notice, Severity
+from .port import exists, lasting_name, Port, PortError
 
 READ_TIMEOUT = 0.02
 """Seconds that a read waits at most: how late the driver's own timers may be."""
-RETRY_FIRST, RETRY_MOST = 0.1, 2.0
+RETRY_FIRST, RETRY_MOST = 0.1, 0.8
 """Seconds between attempts to open the port: doubling from the first to the second."""
 
 
@@ -25,20 +26,24 @@ class Session:
 
     def __init__(
         self, driver: Driver, url: str, *, on_event: Callable[[DriverEvent], None],
-        on_failure: Callable[[], None],
+        on_failure: Callable[[], None], dead_man: bool = False,
     ) -> None:
         """
         Prepare.
 
         `on_event` is called by whichever thread is at the driver, `on_failure` when the
         session's own thread ends unasked, with its traceback printed: then `close` at once.
+        With `dead_man`, a process of its own stops the robot when this one dies.
         """
         self.driver = driver
         self.url = url
         self._on_event = on_event
         self._on_failure = on_failure
+        self._wants_dead_man = dead_man
         self._lock = threading.RLock()
         self._port: Port | None = None
+        self._dead_man: DeadMan | None = None
+        self._lasting_name: str | None = None
         self._closing = threading.Event()
         self._complaint = ''
         self._thread = threading.Thread(target=self._run, name='create_session')
@@ -67,47 +72,80 @@ class Session:
                     self._port.flush()
                 except PortError as error:
                     self._complain(error)
-        self._thread.join()
-        if self._port is not None:
-            self._port.close()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._close_port()
 
     def _run(self) -> None:
         pause = RETRY_FIRST
         try:
             while not self._closing.is_set():
-                if self._port is None:
-                    pause = RETRY_FIRST if self._open() else self._wait(pause)
-                else:
+                if self._port is not None:
                     self._read(self._port)
+                elif self._open():
+                    pause = RETRY_FIRST
+                else:
+                    self._wait(pause)
+                    pause = min(pause * 2, RETRY_MOST)
         finally:
             if not self._closing.is_set():
                 self._on_failure()
 
-    def _wait(self, pause: float) -> float:
-        self._closing.wait(pause)
-        return min(pause * 2, RETRY_MOST)
+    def _wait(self, pause: float) -> None:
+        """Wait before the next attempt, but not when a device that was missing appears."""
+        missing = not self._device_exists()
+        until = time.monotonic() + pause
+        while time.monotonic() < until and not self._closing.wait(min(pause, RETRY_FIRST)):
+            if missing and self._device_exists():
+                return
+
+    def _device_exists(self) -> bool:
+        return exists(self.url) or self._lasting_name is not None and exists(self._lasting_name)
 
     def _open(self) -> bool:
+        url = self.url
+        if not exists(url) and self._lasting_name is not None and exists(self._lasting_name):
+            url = self._lasting_name
         try:
-            port = Port(self.url, self.driver.settings.baud, timeout=READ_TIMEOUT)
+            port = Port(url, self.driver.baud, timeout=READ_TIMEOUT)
         except PortError as error:
             self._complain(error)
             return False
         with self._lock:
             self._complaint = ''
             self._port = port
-            self._on_event(Notice(Severity.INFO, f'{self.url} opened, calling the robot'))
+            self._lasting_name = lasting_name(url) or self._lasting_name
+            self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
+            self._post_dead_man(port)
             now = time.monotonic()
             self.driver.connected(now)
             self._exchange(now)
         return True
+
+    def _post_dead_man(self, port: Port) -> None:
+        if not self._wants_dead_man:
+            return
+        line = port.descriptor
+        if line is None:
+            self._on_event(Notice(
+                Severity.WARNING, f'{port.url}: no dead-man for this kind of port; if this '
+                'process dies, the robot drives on'))
+            return
+        try:
+            self._dead_man = DeadMan(line, LAST_WORDS)
+        except OSError as error:
+            self._on_event(Notice(
+                Severity.ERROR, f'the dead-man could not be started ({error}); if this process '
+                'dies, the robot drives on'))
 
     def _read(self, port: Port) -> None:
         try:
             received = port.read()
         except PortError as error:
             with self._lock:
-                self._lose(error)
+                # Another thread may have lost it already, in writing.
+                if self._port is port:
+                    self._lose(error)
             return
         with self._lock:
             if self._closing.is_set():
@@ -121,20 +159,30 @@ class Session:
         """Let the driver send, and pass on what has happened."""
         self.driver.poll(now)
         outgoing = self.driver.data_to_send()
-        if outgoing and self._port is not None:
+        if self._port is not None:
             try:
-                self._port.write(outgoing)
+                if self._port.baud != self.driver.baud:
+                    self._port.baud = self.driver.baud
+                if outgoing:
+                    self._port.write(outgoing)
             except PortError as error:
                 self._lose(error)
         while (event := self.driver.next_event()) is not None:
             self._on_event(event)
 
     def _lose(self, error: PortError) -> None:
+        self._close_port()
+        self.driver.disconnected(str(error))
+        self._complain(error)
+
+    def _close_port(self) -> None:
+        # The dead-man holds the line as well, and would keep it from being opened again.
+        if self._dead_man is not None:
+            self._dead_man.release()
+            self._dead_man = None
         if self._port is not None:
             self._port.close()
             self._port = None
-        self.driver.disconnected(str(error))
-        self._complain(error)
 
     def _complain(self, error: PortError) -> None:
         """Say what is wrong with the port, once until it changes."""

@@ -20,7 +20,9 @@ class Loop:
     def __init__(
         self, settings: Settings | None = None, *, world: World | None = None, delay: float = 0.0,
         rounding: Rounding = Rounding.CARRY, checksum: oi.Checksum = oi.Checksum.HARDWARE,
+        robot_baud: int | None = None,
     ) -> None:
+        """With `robot_baud` the robot has a rate of its own; else it has always the driver's."""
         self.body = Body(world or shipped('empty'), rounding=rounding)
         self.robot = Create(self.body, checksum=checksum)
         self.driver = Driver(settings or Settings())
@@ -33,6 +35,10 @@ class Loop:
         self.moved: list[Moved] = []
         self._up: deque[tuple[float, bytes]] = deque()
         self._down: deque[tuple[float, bytes]] = deque()
+        self._has_rate = robot_baud is not None
+        if robot_baud is not None:
+            code = oi.BaudCode.of_rate(robot_baud)
+            self.robot.receive(oi.Start().encode() + oi.Baud(code=code).encode(), self.now - 1)
         self.driver.connected(self.now)
 
     def run(self, seconds: float) -> None:
@@ -44,6 +50,7 @@ class Loop:
     def turn(self) -> None:
         """Let one step of time pass."""
         self.now += STEP
+        self.robot.host_baud(self.driver.baud if self._has_rate else None)
         self.robot.step(self.now)
         self._carry(self._down, self.robot.data_to_send())
         while (data := self._arrived(self._down)) is not None:
@@ -52,7 +59,7 @@ class Loop:
         self._carry(self._up, self.driver.data_to_send())
         while (data := self._arrived(self._up)) is not None:
             self.heard += data
-            self.robot.receive(data, self.now)
+            self.robot.receive(data, self.now, self.driver.baud if self._has_rate else None)
         while (event := self.driver.next_event()) is not None:
             (self.moved if isinstance(event, Moved) else self.notices).append(event)
 

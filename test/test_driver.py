@@ -16,7 +16,8 @@ from create_oi_ros.driver import (
     Severity,
     wheel_speeds,
 )
-from create_oi_ros.driver.machine import DRAIN, SILENCE
+from create_oi_ros.driver.calling import DRAIN
+from create_oi_ros.driver.machine import SILENCE
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.world import shipped
 from loop import Loop, turn_difference
@@ -166,7 +167,7 @@ def test_a_velocity_that_is_not_finite_is_refused_and_stops(loop, velocity):
 def test_limits_keep_the_curve(linear, angular):
     limits = MotionLimits()
     right, left = wheel_speeds(linear, angular, limits)
-    assert max(abs(right), abs(left)) <= 500
+    assert max(abs(right), abs(left)) <= 500 + 1e-9
     free = MotionLimits(max_wheel_speed=1e9)
     free_right, free_left = wheel_speeds(linear, angular, free)
     fastest = max(abs(free_right), abs(free_left))
@@ -185,6 +186,46 @@ def test_a_metre_and_a_turn_agree_with_the_truth(loop):
     assert loop.estimate.x == pytest.approx(truth.pose.x, abs=0.01)
     assert loop.estimate.y == pytest.approx(truth.pose.y, abs=0.01)
     assert turn_difference(loop.estimate.yaw, truth.pose.yaw) < 0.03
+
+
+def requested(loop: Loop) -> list[oi.DriveDirect]:
+    """Return the drives that the robot was sent since the last call."""
+    return [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
+
+
+@pytest.mark.parametrize('acceleration', [0.01, 0.5])
+def test_acceleration_is_limited_up_and_down_and_the_curve_is_kept(acceleration):
+    loop = Loop(Settings(limits=MotionLimits(linear_acceleration=acceleration)))
+    loop.run(0.3)
+    requested(loop)
+    loop.drive(0.2, 0.4, 0.3)
+    sent = requested(loop)
+    assert sent[-1].right + sent[-1].left == pytest.approx(2000 * acceleration * 0.3, abs=20)
+    for each in sent[len(sent) // 2:]:
+        assert each.right == pytest.approx(each.left * 251.6 / 148.4, abs=1.5)
+    loop.drive(0.2, 0.4, 0.3)
+    loop.drive(0.0, 0.0, 0.1)
+    assert requested(loop)[-1].right > 0
+
+
+def test_turning_acceleration_is_limited():
+    loop = Loop(Settings(limits=MotionLimits(angular_acceleration=1.0)))
+    loop.run(0.3)
+    requested(loop)
+    loop.drive(0.0, 2.0, 0.5)
+    last = requested(loop)[-1]
+    assert (last.right - last.left) / 258 == pytest.approx(0.5, abs=0.05)
+
+
+def test_stop_and_the_end_of_commands_know_no_acceleration_limit():
+    loop = Loop(Settings(limits=MotionLimits(linear_acceleration=0.2)))
+    loop.run(0.3)
+    for end in (lambda: loop.driver.stop(loop.now), lambda: loop.run(TIMEOUT)):
+        loop.drive(0.2, 0.0, 0.5)
+        assert requested(loop)[-1].right > 50
+        end()
+        loop.run(0.02)
+        assert requested(loop)[-1] == oi.DriveDirect(right=0, left=0)
 
 
 # Modes.
@@ -320,7 +361,8 @@ def test_silence_is_said_once_and_the_robot_is_called_until_it_answers(loop):
     loop.run(5 * SILENCE)
     assert loop.driver.link is Link.WAKING
     assert loop.driver.status.actual is None
-    assert len(texts(loop.notices, Severity.ERROR)) == 1
+    said = [text.partition(':')[0] for text in texts(loop.notices, Severity.ERROR)]
+    assert said == [f'no frame for {SILENCE} s', 'no answer at 57600 baud']
     assert loop.body.truth().speed > 0, 'the last Drive holds for ever'
     loop.cut = False
     loop.run(1.0)

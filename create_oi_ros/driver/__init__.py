@@ -1,13 +1,16 @@
 """The host's machine: wanted mode, watchdog, limits, stream plan. Pure: no clock, no I/O."""
 
+from .calling import LAST_WORDS
 from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
 from .machine import Driver
 from .motion import MotionLimits, wheel_speeds
+from .power import BatteryLevel, BatteryLimits, LowBatteryAction
 from .requests import Reply
 from .settings import Settings
 from .supervision import Cause, ModeStatus
 
 __all__ = [
-    'Cause', 'Driver', 'DriverEvent', 'Link', 'LinkCounts', 'ModeStatus', 'MotionLimits', 'Moved',
+    'BatteryLevel', 'BatteryLimits', 'Cause', 'Driver', 'DriverEvent', 'LAST_WORDS', 'Link',
+    'LinkCounts', 'LowBatteryAction', 'ModeStatus', 'MotionLimits', 'Moved',
     'Notice', 'Reply', 'Settings', 'Severity', 'wheel_speeds',
 ]

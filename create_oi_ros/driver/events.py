@@ -52,4 +52,5 @@ class LinkCounts:
     checksum_failures: int = 0
     garbage_bytes: int = 0
     implausible_frames: int = 0
+    impossible_jumps: int = 0
     silences: int = 0

@@ -12,22 +12,19 @@ from collections import deque
 from .. import oi
 from ..odometry import Estimate, Increment, Odometry
 from .actuators import Actuators
+from .calling import CALL_AGAIN, Calling, DRAIN
+from .checks import Jumps, TurnCheck
 from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
 from .frame_clock import FrameClock
 from .motion import MM, Motion, MotionLimits
 from .outbox import Outbox
+from .power import BatteryLevel, BatteryWatch, LowBatteryAction
 from .requests import mode_refusal, ModeRequest, Reply, Requests
 from .scripts import Scripts
 from .settings import Settings
 from .stream_plan import StreamPlan
-from .supervision import MODE_COMMANDS, ModeStatus, Supervision
+from .supervision import Cause, causes_in, MODE_COMMANDS, ModeStatus, Supervision
 
-DRAIN = b'\xff' + bytes(260)
-"""Ends any command that was cut short, harmlessly (manual: "waiting" state).
-
-The first byte completes Baud or Demo as no baud code and as `abort`; zeros complete any count,
-speed or output as nothing. Neither byte is an opcode.
-"""
 END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
 SILENCE = 0.5
 """Seconds without a frame after which the robot is taken to be away, and called again."""
@@ -43,25 +40,36 @@ class Driver:
         self.odometry = Odometry(settings.geometry, window=settings.odometry_window)
         self.link = Link.CLOSED
         self.counts = LinkCounts()
-        self.plan = StreamPlan(settings.baud)
+        self.battery = BatteryWatch(settings.battery)
+        self.turning = TurnCheck(settings.limits.wheel_separation)
+        self._jumps = Jumps()
+        self._calling = Calling(settings.baud)
+        self.plan = StreamPlan(self._calling.baud)
         self._motion = Motion(settings.limits)
         self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
         self._outbox = Outbox()
         self._reader = oi.StreamReader(self.plan.lists)
         self._clock = FrameClock()
-        self._readings = oi.Readings()
+        self.readings = oi.Readings()
+        """The newest of every packet that has arrived so far."""
         self._events: deque[DriverEvent] = deque()
         self._mode_request = ModeRequest()
         self._requests = Requests(self._outbox, self._refusal)
-        self.actuators = Actuators(self._outbox, self._requests, self._readings)
+        self.actuators = Actuators(self._outbox, self._requests, self.readings)
         self.scripts = Scripts(self._outbox, self._requests, lambda: self.plan)
-        self._heard_at = 0.0
+        self.heard_at = 0.0
+        """When the last frame came, in the clock of `now`."""
         self._refusal_said = False
 
     # What the line says.
 
     def connected(self, now: float) -> None:
         """Begin to talk: the port has been opened."""
+        self._calling.begin()
+        if not self.plan.short.budget(self.baud).fits:
+            self._say(Severity.ERROR, f'{self.baud} baud is too slow: a frame of '
+                      f'{self.plan.short.frame_size} bytes does not fit into {oi.SLOT * 1000:.0f} '
+                      'ms; use 19200 or more')
         self._wake(now)
 
     def disconnected(self, why: str) -> None:
@@ -82,6 +90,7 @@ class Driver:
                     self._take_frame(event, now)
                 case oi.Garbage():
                     self.counts.garbage_bytes += len(event.data)
+                    self._calling.overheard(event.data)
         self.counts.checksum_failures = self._reader.checksum_failures
 
     def poll(self, now: float) -> None:
@@ -90,8 +99,8 @@ class Driver:
         if self.link is Link.CLOSED:
             return
         if self.scripts.reading:
-            self._heard_at = now
-        if now - self._heard_at > SILENCE:
+            self.heard_at = now
+        if now - self.heard_at > (SILENCE if self.link is Link.UP else CALL_AGAIN):
             self._miss(now)
         overdue = self._mode_request.expired(now)
         if overdue is not None:
@@ -116,6 +125,21 @@ class Driver:
     def status(self) -> ModeStatus:
         """The wanted mode, the actual one, and why they differ."""
         return self._supervision.status
+
+    @property
+    def baud(self) -> int:
+        """Bits per second at which the robot is spoken to; the port has to follow."""
+        return self._calling.baud
+
+    @property
+    def hazards(self) -> tuple[Cause, ...]:
+        """What would take the robot out of Safe mode now; empty before the first frame."""
+        return tuple(causes_in(self.readings)) if self.readings.has('oi_mode') else ()
+
+    @property
+    def moving(self) -> bool:
+        """Whether wheels are wanted to turn."""
+        return self._motion.moving
 
     @property
     def checksum(self) -> oi.Checksum | None:
@@ -210,14 +234,21 @@ class Driver:
     def _wake(self, now: float) -> None:
         """Call the robot, whatever state it is in, and stop it."""
         self.link = Link.WAKING
-        self._heard_at = now
+        self.heard_at = now
         self._lose()
+        self._tune(self._calling.call())
         self._outbox.send_raw(DRAIN)
         self._outbox.send(oi.DriveDirect(right=0, left=0))
         self._outbox.send(oi.Start())
         stream = self.plan.next_stream(now, motion_due=True)
         if stream is not None:
             self._outbox.send(stream)
+
+    def _tune(self, baud: int) -> None:
+        """Plan for a baud rate; whoever holds the port follows `baud`."""
+        if baud != self.plan.baud:
+            self.plan = StreamPlan(baud)
+            self._reader.expect(self.plan.lists)
 
     def _lose(self) -> None:
         self._outbox.clear()
@@ -227,13 +258,21 @@ class Driver:
         self._supervision.lost()
         self.plan.restart()
         self._clock.restart()
+        self._jumps.restart()
         self.odometry.interrupted()
 
     def _miss(self, now: float) -> None:
         if self.link is Link.UP:
             self.counts.silences += 1
+            self._calling.begin()
             self._say(Severity.ERROR, f'no frame for {SILENCE} s: the robot is off, asleep or '
                       'unplugged; calling it until it answers')
+        rest = self._reader.flush()
+        if rest is not None:
+            self._calling.overheard(rest.data)
+        complaint = self._calling.complaint()
+        if complaint is not None:
+            self._events.append(complaint)
         self._wake(now)
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
@@ -242,20 +281,47 @@ class Driver:
             self.counts.implausible_frames += 1
             return
         self.counts.frames += 1
-        self._heard_at = now
-        wire_time = frame.packets.budget(self.settings.baud).seconds
+        self.heard_at = now
+        wire_time = frame.packets.budget(self.baud).seconds
         stamp, dt = self._clock.stamp(now, wire_time)
-        self._readings.update(readings)
+        self.readings.update(readings)
         if self.link is Link.WAKING:
             self._found()
         if self.scripts.heard(frame.packets):
             self._script_ended()
         self._supervise(now)
-        self._events.append(Moved(
-            stamp, oi.Readings(self._readings.__dict__), self._estimate(readings, dt)))
-
-    def _estimate(self, readings: oi.Readings, dt: float) -> Estimate:
+        self._check(readings, dt, now)
         asked = readings.has('distance', 'angle')
+        if asked and not self._jumps.possible(readings, stamp):
+            self.counts.impossible_jumps += 1
+            asked = False
+        self._events.append(Moved(
+            stamp, oi.Readings(self.readings.__dict__), self._estimate(readings, dt, asked)))
+
+    def _check(self, readings: oi.Readings, dt: float, now: float) -> None:
+        """Look for what a person should be told of."""
+        if self.turning.observe(readings, dt):
+            self._say(Severity.WARNING, 'the angle does not change though the robot was told to '
+                      'turn: are the wheels blocked, or does odometry_window: 0 hide slow turns? '
+                      'Some firmware before 3.4.1 is reported to send a constant 0')
+        if self.battery.observe(self.readings, now):
+            self._mind_battery()
+
+    def _mind_battery(self) -> None:
+        level, action = self.battery.level, self.battery.limits.action
+        volts = f'{self.readings.voltage / 1000:.1f} V'
+        self._say(Severity.WARNING, f'battery {level.value} ({volts}): charge it')
+        if level is not BatteryLevel.EMPTY or action is LowBatteryAction.NONE:
+            return
+        if action is LowBatteryAction.DOCK:
+            self.start_demo(oi.DemoNumber.COVER_AND_DOCK, lambda *_: None)
+        else:
+            self._motion.stop()
+            self._supervision.want(oi.Mode.PASSIVE)
+            self._enter(oi.Mode.PASSIVE)
+        self._say(Severity.ERROR, f'battery {level.value}: low_battery_action {action.value}')
+
+    def _estimate(self, readings: oi.Readings, dt: float, asked: bool) -> Estimate:
         return self.odometry.update(Increment(
             dt=dt,
             right=readings.requested_right_velocity / MM,
@@ -280,7 +346,7 @@ class Driver:
     def _script_ended(self) -> None:
         self._motion.forget()
         self._say(Severity.INFO, 'the script has ended; wheels stopped')
-        if self._readings.oi_mode in oi.ACTUATE:
+        if self.readings.oi_mode in oi.ACTUATE:
             self.actuators.restore()
 
     def _refusal(self, command: type[oi.Command]) -> str:
@@ -290,14 +356,14 @@ class Driver:
         return self.scripts.refusal or mode_refusal(command, self.status.actual)
 
     def _supervise(self, now: float) -> None:
-        dropped = self._supervision.observe(self._readings, now)
+        dropped = self._supervision.observe(self.readings, now)
         status = self.status
         if dropped:
             self._refusal_said = False
             self._motion.stop()
             self._motion.forget()
             self._say(Severity.WARNING, f'robot left {status.wanted.name} for '
-                      f'{self._readings.oi_mode.name}: {status.reason}')
+                      f'{self.readings.oi_mode.name}: {status.reason}')
         self._mode_request.observe(status.actual)
 
     def _drive_when_not_allowed(self, now: float) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from .. import oi
 from ..odometry import Geometry
 from .motion import MotionLimits
+from .power import BatteryLimits
 
 
 @dataclass(frozen=True)
@@ -12,9 +13,11 @@ class Settings:
     """What the driver is to do; SI units."""
 
     baud: int = 57600
+    """Bits per second; 0 looks for the robot's rate."""
     mode_on_start: oi.Mode = oi.Mode.SAFE
     mode_on_exit: oi.Mode = oi.Mode.PASSIVE
     recover_mode: bool = True
     odometry_window: float = 0.0
+    battery: BatteryLimits = field(default_factory=BatteryLimits)
     limits: MotionLimits = field(default_factory=MotionLimits)
     geometry: Geometry = field(default_factory=Geometry)

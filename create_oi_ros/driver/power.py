@@ -1,0 +1,69 @@
+"""Watches the battery, so that it is not run flat."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+from .. import oi
+
+MILLI = 0.001
+SETTLE = 5.0
+"""Seconds that the voltage must stay below a level: motors that start pull it down."""
+RISE = 0.3
+"""Volts above a level at which it is left again."""
+
+
+class LowBatteryAction(Enum):
+    """What to do when the battery is nearly empty."""
+
+    NONE = 'none'
+    STOP = 'stop'
+    DOCK = 'dock'
+
+
+class BatteryLevel(Enum):
+    """How the battery is."""
+
+    FINE = 'fine'
+    LOW = 'low'
+    EMPTY = 'nearly empty'
+
+
+@dataclass(frozen=True)
+class BatteryLimits:
+    """Voltages, V, of the twelve cells together, and what to do at the lower one."""
+
+    low: float = 13.5
+    empty: float = 12.5
+    action: LowBatteryAction = LowBatteryAction.NONE
+
+
+class BatteryWatch:
+    """Turns voltages into a level that does not flicker."""
+
+    def __init__(self, limits: BatteryLimits) -> None:
+        self.limits = limits
+        self.level = BatteryLevel.FINE
+        self._below_since: dict[BatteryLevel, float] = {}
+
+    def observe(self, readings: oi.Readings, now: float) -> bool:
+        """Take readings in; True when the level has just become worse."""
+        if not readings.has('voltage', 'charging_sources'):
+            return False
+        before = self.level
+        self.level = BatteryLevel.FINE
+        for level, limit in ((BatteryLevel.LOW, self.limits.low),
+                             (BatteryLevel.EMPTY, self.limits.empty)):
+            if self._stays_below(level, limit, readings, now):
+                self.level = level
+        levels = list(BatteryLevel)
+        return levels.index(self.level) > levels.index(before)
+
+    def _stays_below(
+        self, level: BatteryLevel, limit: float, readings: oi.Readings, now: float,
+    ) -> bool:
+        since = self._below_since.get(level)
+        voltage = readings.voltage * MILLI
+        if readings.charging_sources or voltage > limit + (RISE if since is not None else 0.0):
+            self._below_since.pop(level, None)
+            return False
+        return now - self._below_since.setdefault(level, now) >= SETTLE

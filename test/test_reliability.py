@@ -1,0 +1,205 @@
+"""What the driver does when something is wrong with line or robot, in memory."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import (
+    BatteryLevel,
+    BatteryLimits,
+    Link,
+    LowBatteryAction,
+    Settings,
+    Severity,
+)
+from create_oi_ros.driver.calling import Calling, LAST_WORDS, SPEECH, USUAL
+from create_oi_ros.driver.checks import FASTEST, Jumps, SLACK
+from create_oi_ros.driver.power import SETTLE
+from create_oi_ros.sim.encoders import Rounding
+from loop import Loop
+
+
+def said(loop: Loop, severity: Severity, words: str) -> int:
+    """Count the notices of a severity that hold some words."""
+    return sum(words in notice.text for notice in loop.notices if notice.severity is severity)
+
+
+# Calling.
+
+
+@pytest.mark.parametrize('baud', [code.rate for code in oi.BaudCode if code.rate >= 19200])
+def test_the_robot_is_found_at_its_rate(baud):
+    loop = Loop(Settings(baud=0), robot_baud=baud)
+    loop.run(10)
+    assert loop.driver.link is Link.UP
+    # Bytes at a wrong rate are garbage, and may happen to be a Baud.
+    assert loop.driver.baud == loop.robot.baud
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+@pytest.mark.parametrize('baud', USUAL)
+def test_the_usual_rates_are_found_within_a_second(baud):
+    loop = Loop(Settings(baud=0), robot_baud=baud)
+    loop.run(1.0)
+    assert loop.driver.link is Link.UP
+
+
+def test_every_rate_is_tried():
+    calling = Calling(0)
+    tried = {calling.call() for _ in range(100)}
+    assert tried == {code.rate for code in oi.BaudCode}
+
+
+def test_a_fixed_rate_stays():
+    calling = Calling(19200)
+    assert {calling.call() for _ in range(100)} == {19200}
+
+
+def test_a_silent_robot_is_told_of_once_with_what_to_look_at():
+    loop = Loop(Settings(baud=0))
+    loop.cut = True
+    loop.run(20)
+    assert said(loop, Severity.ERROR, 'no answer at 57600 and 19200 baud') == 1
+
+
+def test_something_else_that_speaks_is_told_of():
+    loop = Loop()
+    loop.cut = True
+    for _ in range(20):
+        loop.run(0.1)
+        loop.driver.receive(b'$GPGGA,123519,4807' * 2, loop.now)
+    assert said(loop, Severity.ERROR, 'not like a Create') == 1
+    assert loop.driver.link is Link.WAKING
+
+
+def test_a_rate_that_is_too_slow_is_told_of():
+    loop = Loop(Settings(baud=9600), robot_baud=9600)
+    loop.run(1)
+    assert said(loop, Severity.ERROR, '9600 baud is too slow') == 1
+
+
+def test_a_robot_that_boots_is_met_when_it_is_done():
+    loop = Loop()
+    loop.run(1)
+    loop.robot.power(False, loop.now)
+    loop.run(2)
+    assert loop.driver.link is Link.WAKING
+    loop.robot.power(True, loop.now)
+    loop.run(4.0)
+    assert loop.driver.link is Link.UP
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+# Last words.
+
+
+@pytest.mark.parametrize('begun', [b'', oi.DriveDirect(right=500, left=500).encode()[:3],
+                                   oi.Leds(bits=0, color=0, intensity=0).encode()[:2],
+                                   bytes([oi.Song.opcode, 3, 16, 60])])
+def test_last_words_stop_a_robot_whatever_it_was_being_told(begun):
+    loop = Loop()
+    loop.run(0.3)
+    loop.drive(0.3, 0.0, 0.5)
+    loop.robot.receive(begun + LAST_WORDS, loop.now)
+    loop.cut = True
+    loop.run(1.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.body.truth().speed == 0
+
+
+# What cannot be.
+
+
+def test_an_impossible_jump_is_dropped_and_counted():
+    loop = Loop()
+    loop.run(1)
+    before = loop.estimate
+    forged = loop.driver.plan.full
+    values = [0] * len(forged.packets)
+    values[forged.names.index('distance')] = 1000
+    values[forged.names.index('oi_mode')] = oi.Mode.SAFE
+    loop.driver.receive(forged.pack_frame(values), loop.now)
+    loop.run(0.1)
+    assert loop.driver.counts.impossible_jumps == 1
+    assert loop.estimate.x == pytest.approx(before.x, abs=1e-6)
+
+
+def test_what_is_possible_passes():
+    jumps = Jumps()
+    reading = oi.Readings({'distance': 30000, 'angle': 0})
+    assert jumps.possible(reading, 0.0), 'the first spans an unknown time'
+    reading = oi.Readings({'distance': int(FASTEST * 1000) + SLACK, 'angle': -700})
+    assert jumps.possible(reading, 1.0)
+    assert not jumps.possible(reading, 1.1)
+
+
+def test_a_reading_out_of_the_manuals_range_is_not_published():
+    loop = Loop()
+    loop.run(1)
+    seen = len(loop.moved)
+    forged = loop.driver.plan.full
+    values = [0] * len(forged.packets)
+    values[forged.names.index('wall')] = 7
+    loop.driver.receive(forged.pack_frame(values), loop.now)
+    while loop.driver.next_event() is not None:
+        seen += 1
+    assert seen == len(loop.moved)
+    assert loop.driver.counts.implausible_frames == 1
+
+
+def test_an_angle_that_never_changes_is_told_of():
+    # Asked in every frame, a robot that truncates never reports a slow turn.
+    loop = Loop(Settings(odometry_window=0.0), rounding=Rounding.TRUNCATE)
+    loop.run(0.5)
+    loop.drive(0.0, 1.0, 8.0)
+    assert said(loop, Severity.WARNING, 'the angle does not change') == 1
+    loop.drive(0.0, 3.0, 2.0)
+    assert not loop.driver.turning.stuck
+
+
+# The battery.
+
+
+def drained(action: LowBatteryAction) -> Loop:
+    """Return a robot with a nearly empty battery, after the driver has noticed."""
+    loop = Loop(Settings(battery=BatteryLimits(low=14.0, empty=13.9, action=action)))
+    loop.run(0.5)
+    loop.body.set_battery(charge=0.02)
+    loop.run(SETTLE + 2)
+    return loop
+
+
+def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
+    loop = drained(LowBatteryAction.NONE)
+    assert loop.driver.battery.level is BatteryLevel.EMPTY
+    assert said(loop, Severity.WARNING, 'battery') in (1, 2)
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+def test_on_request_the_robot_stops_in_passive():
+    loop = drained(LowBatteryAction.STOP)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.body.truth().speed == 0
+
+
+def test_on_request_the_robot_looks_for_its_dock():
+    loop = drained(LowBatteryAction.DOCK)
+    assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
+
+
+def test_a_short_dip_is_no_low_battery():
+    loop = Loop(Settings(battery=BatteryLimits(low=14.0, empty=13.9)))
+    loop.run(0.5)
+    loop.body.set_battery(charge=0.02)
+    loop.run(SETTLE / 2)
+    loop.body.set_battery(charge=0.9)
+    loop.run(SETTLE)
+    assert loop.driver.battery.level is BatteryLevel.FINE
+    assert not said(loop, Severity.WARNING, 'battery')
+
+
+def test_speech_is_remembered_within_bounds():
+    calling = Calling(0)
+    for _ in range(1000):
+        calling.overheard(bytes(500))
+    assert len(calling._heard) <= 2 * SPEECH
