@@ -7,8 +7,10 @@ one assumption than under another; the product of these likelihoods is the assum
 
 from math import sqrt
 
+from .errors import RAMP
+from .estimate import Geometry
 from .rounding import Rounding
-from .track import RAMP, Track
+from .track import Track
 
 ACCELERATIONS = (0.35, 0.55, 0.85, 1.3, 2.0, 3.1)
 """First guesses, m/s²; each is good for learning what lies between its neighbours."""
@@ -25,8 +27,8 @@ MEMORY = 20
 class Beliefs:
     """The plausible tracks, best first."""
 
-    def __init__(self, linear_scale: float, angular_scale: float) -> None:
-        self.tracks = [Track(rounding, acceleration, linear_scale, angular_scale)
+    def __init__(self, geometry: Geometry) -> None:
+        self.tracks = [Track(rounding, acceleration, geometry)
                        for rounding in Rounding for acceleration in ACCELERATIONS]
         self._surprised: list[int] = []
         self._readings = 0
@@ -77,6 +79,6 @@ class Beliefs:
 def _alike(a: Track, b: Track) -> bool:
     if a.rounding is not b.rounding:
         return False
-    spread = sqrt(a.covariance[RAMP][RAMP]), sqrt(b.covariance[RAMP][RAMP])
+    spread = sqrt(a.errors.variance(RAMP)), sqrt(b.errors.variance(RAMP))
     return (max(spread) < ALIKE
             and abs(a.acceleration / b.acceleration - 1) < 2 * (spread[0] + spread[1]))

@@ -15,6 +15,10 @@ class Geometry:
     """True distance over the distance that the robot reports."""
     angular_scale: float = 1.0
     """True angle over the angle that the robot reports."""
+    slip: float = 5e-5
+    """Metres by which a wheel strays from what its encoder counts, per root metre of travel.
+    Nothing on the robot can measure it; it only widens the covariance. A hard floor has little;
+    a carpet may need 0.002."""
 
 
 @dataclass(frozen=True, slots=True)

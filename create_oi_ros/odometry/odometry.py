@@ -8,11 +8,12 @@ smoothly: the estimate moves as the track moves, and corrections are blended in.
 
 from math import cos, exp, hypot, sin
 
+from .assumptions import DEGREE, TOP_SPEED
 from .beliefs import Beliefs
 from .estimate import Estimate, Geometry, Increment
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan, SLOT
-from .track import DEGREE, TOP_SPEED, Track
+from .track import Track
 
 BLEND = 0.1
 """Seconds in which a correction is blended in, ..."""
@@ -40,7 +41,7 @@ class Odometry:
         self.geometry = geometry
         self.window = window
         self.estimate = Estimate()
-        self.beliefs = Beliefs(geometry.linear_scale, geometry.angular_scale)
+        self.beliefs = Beliefs(geometry)
         self._plain = PlainOdometry(geometry)
         self._plan = ReadingPlan(window)
         self._discard = True
@@ -155,7 +156,7 @@ def _share(part: float, whole: float, most: float, far: float, room: float) -> f
 
 def _spread(best: Track, x: float, y: float, yaw: float) -> tuple[float, ...]:
     """Return the covariance of an estimate that is this far behind the best track."""
-    p = best.covariance
+    p = best.errors.rows
     xy, xa, ya = p[0][1] + x * y, p[0][2] + x * yaw, p[1][2] + y * yaw
     return (p[0][0] + x * x + FLOOR, xy, xa,
             xy, p[1][1] + y * y + FLOOR, ya,

@@ -6,9 +6,9 @@ wheels run at their goals where that is possible. As long as its rounding is unk
 asked in some frames in a row at moments at which the roundings would answer differently.
 """
 
+from .assumptions import DEGREE, MM
 from .beliefs import Beliefs
 from .rounding import Rounding
-from .track import DEGREE, MM
 
 SLOT = 0.015
 ANSWER = 6

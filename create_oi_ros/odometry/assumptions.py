@@ -1,0 +1,36 @@
+"""What the tracks take for granted: SI units, standard deviations unless it says otherwise."""
+
+from math import pi
+
+MM = 1e-3
+DEGREE = pi / 180
+GAIN_SPREAD, SEPARATION_SPREAD = 0.02, 0.006
+"""Standard deviations at the start: relative, ..."""
+RAMP_SPREAD = 0.25
+"""... relative, of what one first guess of the acceleration is to cover, ..."""
+LAG_SPREAD = 0.005
+"""... and in seconds: a slot is 0.015."""
+HALF_SLOT = 0.0075
+JITTER = 1 / 16
+"""Variance, in squared slots, of the moment at which a request takes effect, about the learned
+lag; 1/12 would be any moment, and 0 always the same."""
+GAIN_DRIFT = 1e-4
+"""Standard deviation of a gain's random walk, per root second of motion."""
+RAMP_NOISE = 0.002
+"""Part of a ramp's travel by which it departs from a constant acceleration."""
+WANDER = 0.5
+"""Acceleration of a robot that moves on its own, m/s per root second."""
+SURPRISE, SURPRISE_FLOOR = 5.0, 0.1
+"""Standard deviations, and units added to them, beyond which prediction has failed."""
+CERTAIN = 1e-14
+"""Variance, m² or rad², of what is known exactly: more would be numerical trouble."""
+UNLIKELY = 1e-3
+"""Likelihood that is left to a reading that ought not to be."""
+TOP_SPEED = 0.5
+"""m/s, of either wheel (manual)."""
+LONGEST_SEGMENT = 0.25
+"""Seconds between updates of the covariance."""
+BELIEVABLE = 1.5, 0.05
+"""Units, and part of the travel, by which a robot that obeys again may miss its prediction, ..."""
+TELLING_TIME = 0.2
+"""... and the seconds that a window must last to tell."""
