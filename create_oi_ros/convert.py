@@ -1,19 +1,47 @@
-"""Readings and estimates to ROS messages, in SI units. Pure functions, one a message."""
+"""Readings and estimates to ROS messages, requests to the core's terms, in SI units. Pure."""
 
 from math import cos, nan, sin
 
 from builtin_interfaces.msg import Time
-from create_oi_msgs.msg import Bumper, Cliff, Mode, WheelDrop
+from create_oi_msgs.msg import (
+    Bumper,
+    Buttons,
+    CargoBay,
+    Charging,
+    Cliff,
+    IrOmni,
+    Mode,
+    Overcurrent,
+    Song,
+    Wall,
+    WheelDrop,
+)
 from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 from std_msgs.msg import Header
 
+from . import oi
 from .driver import ModeStatus
 from .odometry import Estimate
-from .oi import BumpsAndWheelDrops, ChargingState, Readings
+from .oi import (
+    BumpsAndWheelDrops,
+    ChargingSources,
+    ChargingState,
+    DigitalInputs,
+    Infrared,
+    LedBits,
+    OutputBits,
+    Overcurrents,
+    Readings,
+    Script,
+)
+from .oi.script import commands_of
+from .oi.text import format_commands, parse_script
 
 MILLI = 0.001
+VOLTS_PER_STEP = 5 / 1023
+"""Of the analog input (manual: Cargo Bay Analog Signal)."""
 NANOSECONDS = 1_000_000_000
 NOT_MEASURED = 1e6
 """Variance of what a robot on a floor cannot measure: height, roll and pitch."""
@@ -153,3 +181,90 @@ def mode(status: ModeStatus, header: Header) -> Mode:
     return Mode(
         header=header, mode=Mode.UNKNOWN if status.actual is None else status.actual,
         wanted=status.wanted, reason=status.reason)
+
+
+def wall(readings: Readings, header: Header) -> Wall:
+    """Return the wall sensor and the virtual wall (packets 8, 13 and 27)."""
+    return Wall(
+        header=header, wall=readings.wall, virtual_wall=readings.virtual_wall,
+        signal=readings.wall_signal)
+
+
+def buttons(readings: Readings, header: Header) -> Buttons:
+    """Return which buttons are pressed (packet 18)."""
+    return Buttons(
+        header=header, play=bool(readings.buttons & oi.Buttons.PLAY),
+        advance=bool(readings.buttons & oi.Buttons.ADVANCE))
+
+
+def ir_omni(readings: Readings, header: Header) -> IrOmni:
+    """Return the infrared character that is received, and its name (packet 17)."""
+    character = readings.infrared
+    name = Infrared(character).name.lower() if character in list(Infrared) else ''
+    return IrOmni(header=header, character=character, name=name)
+
+
+def charging(readings: Readings, header: Header) -> Charging:
+    """Return the charging state and the sources (packets 21 and 34)."""
+    sources = readings.charging_sources
+    return Charging(
+        header=header, state=readings.charging_state,
+        internal_charger=bool(sources & ChargingSources.INTERNAL_CHARGER),
+        home_base=bool(sources & ChargingSources.HOME_BASE))
+
+
+def overcurrent(readings: Readings, header: Header) -> Overcurrent:
+    """Return what draws too much current (packet 14)."""
+    bits = readings.overcurrents
+    return Overcurrent(
+        header=header, left_wheel=bool(bits & Overcurrents.LEFT_WHEEL),
+        right_wheel=bool(bits & Overcurrents.RIGHT_WHEEL),
+        driver_0=bool(bits & Overcurrents.DRIVER_0), driver_1=bool(bits & Overcurrents.DRIVER_1),
+        driver_2=bool(bits & Overcurrents.DRIVER_2))
+
+
+def song(readings: Readings, header: Header) -> Song:
+    """Return the song that plays, or played last (packets 36 and 37)."""
+    return Song(header=header, number=readings.song_number, playing=readings.song_playing)
+
+
+def cargo_bay(readings: Readings, header: Header) -> CargoBay:
+    """Return the inputs of the cargo bay connector (packets 32 and 33)."""
+    bits = readings.digital_inputs
+    return CargoBay(
+        header=header, input_0=bool(bits & DigitalInputs.INPUT_0),
+        input_1=bool(bits & DigitalInputs.INPUT_1), input_2=bool(bits & DigitalInputs.INPUT_2),
+        input_3=bool(bits & DigitalInputs.INPUT_3),
+        baud_rate_pin=bool(bits & DigitalInputs.BAUD_RATE_CHANGE),
+        analog=readings.analog_signal * VOLTS_PER_STEP)
+
+
+def age(stamp: Time, nanoseconds: int) -> float:
+    """Return the seconds from a stamp to a time; 0 where there is no stamp."""
+    stamped = stamp.sec * NANOSECONDS + stamp.nanosec
+    return (nanoseconds - stamped) / NANOSECONDS if stamped else 0.0
+
+
+def led_bits(play: bool, advance: bool) -> LedBits:
+    """Return the bits of the LEDs that are on."""
+    return LedBits(LedBits.PLAY * play | LedBits.ADVANCE * advance)
+
+
+def output_bits(*outputs: bool) -> OutputBits:
+    """Return the bits of the digital outputs 0, 1 and 2 that are high."""
+    return OutputBits(sum(bit for bit, high in zip(OutputBits, outputs) if high))
+
+
+def script(text: str, code: bytes) -> Script:
+    """Return a script given as text or as bytes; ValueError says what is wrong with it."""
+    if text and code:
+        raise ValueError('both text and code are given: leave one empty')
+    return parse_script(text) if text else Script(script=code)
+
+
+def script_text(code: bytes) -> str:
+    """Return a script's commands, a line each; '' where its bytes are no commands."""
+    try:
+        return format_commands(commands_of(Script(script=code)))
+    except ValueError:
+        return ''

@@ -5,27 +5,25 @@ import sys
 import time
 
 from builtin_interfaces.msg import Time
-from create_oi_msgs.srv import SetMode
 from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from std_srvs.srv import Trigger
 
-from . import convert, diagnostics, oi, parameters, topics
-from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Reply, Severity
+from . import convert, diagnostics, parameters, topics
+from .answers import Answers
+from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Severity
 from .ending import call_on_signal, spin_until
 from .odometry import Estimate
-from .services import SERVICES
 from .session import Session
 
 DIAGNOSTICS_PERIOD = 1.0
-MODES = ', '.join(f'{mode.value} {mode.name}' for mode in oi.Mode)
+STALE_EVERY = 5.0
+"""Seconds between two complaints about stale commands."""
 
 
 class CreateNode(Node):
@@ -43,10 +41,12 @@ class CreateNode(Node):
         self.add_post_set_parameters_callback(self._parameters_changed)
         self.session = Session(
             Driver(self.parameters.settings()), self.parameters.port,
-            on_event=self._on_event, on_failure=lambda: ended.set_result(1))
+            on_event=self._on_event, on_failure=lambda: ended.set_result(1),
+            dead_man=self.parameters.dead_man)
         self._mode_published: ModeStatus | None = None
+        self._stale = 0
         self._declare_topics()
-        self._declare_services()
+        self.answers = Answers(self, self.session)
         self._counts = copy(self.session.driver.counts)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
         self._publish_mode()
@@ -59,22 +59,14 @@ class CreateNode(Node):
         self._joints = publisher(topics.JOINT_STATES)
         self._mode = publisher(topics.MODE)
         self._diagnostics = publisher(topics.DIAGNOSTICS)
-        charge_known = self.parameters.battery_technology == 'nimh'
+        self._charge_known = self.parameters.battery_technology == 'nimh'
         self._sensors = [
             (topic, topics.Edge(topic), publisher(topic))
-            for topic in topics.sensor_topics(charge_known=charge_known)]
+            for topic in topics.sensor_topics(charge_known=self._charge_known)]
         if self.parameters.enable_stamped_cmd_vel:
             self.create_subscription(TwistStamped, 'cmd_vel', self._on_stamped_velocity, 1)
         else:
             self.create_subscription(Twist, 'cmd_vel', self._on_velocity, 1)
-
-    def _declare_services(self) -> None:
-        # A service that waits for the robot must not keep the other callbacks from running.
-        together = ReentrantCallbackGroup()
-        for service in SERVICES:
-            answer = getattr(self, f'_{service.name}')
-            self.create_service(
-                service.type, service.name, answer, callback_group=together)
 
     # From ROS to the robot: on the executor's thread.
 
@@ -83,38 +75,14 @@ class CreateNode(Node):
             driver.drive(twist.linear.x, twist.angular.z, now)
 
     def _on_stamped_velocity(self, message: TwistStamped) -> None:
-        self._on_velocity(message.twist)
-
-    async def _set_mode(
-        self, request: SetMode.Request, response: SetMode.Response,
-    ) -> SetMode.Response:
-        if request.mode not in list(oi.Mode):
-            response.message = f'mode {request.mode} is none of {MODES}'
-            return response
-        answered = Future()
-        with self.session.request() as (driver, now):
-            driver.set_mode(oi.Mode(request.mode), now, self._resolver(answered))
-        response.success, response.message = await answered
-        return response
-
-    def _resolver(self, answered: Future) -> Reply:
-        """Return a reply that resumes the service which awaits it, from whichever thread."""
-        def reply(success: bool, message: str) -> None:
-            answered.set_result((success, message))
-            if self.executor is not None:
-                self.executor.wake()
-        return reply
-
-    def _stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        with self.session.request() as (driver, now):
-            response.success, response.message = driver.stop(now)
-        return response
-
-    def _reset_odometry(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        with self.session.request() as (driver, _now):
-            driver.reset_odometry()
-        response.success, response.message = True, 'odom starts again where the robot is'
-        return response
+        age = convert.age(message.header.stamp, self.get_clock().now().nanoseconds)
+        if age <= self.parameters.cmd_vel_timeout:
+            self._on_velocity(message.twist)
+            return
+        self._stale += 1
+        self.get_logger().warning(
+            f'cmd_vel of {age:.1f} s ago is dropped: is the clock of its sender right?',
+            throttle_duration_sec=STALE_EVERY)
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
         self.parameters = parameters.changed(self.parameters, changed)
@@ -163,11 +131,13 @@ class CreateNode(Node):
 
     def _publish_diagnostics(self) -> None:
         name = self.get_fully_qualified_name().lstrip('/')
-        with self.session.request() as (driver, _now):
+        with self.session.request() as (driver, now):
             message = topics.DIAGNOSTICS.type(status=[
                 diagnostics.serial_link(
-                    name, driver, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
-                diagnostics.mode(name, driver)])
+                    name, driver, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD, now),
+                diagnostics.mode(name, driver), diagnostics.safety(name, driver),
+                diagnostics.battery(name, driver, charge_known=self._charge_known),
+                diagnostics.driver(name, driver, self._stale)])
             self._counts = copy(driver.counts)
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

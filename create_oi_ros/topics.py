@@ -7,9 +7,22 @@ Publishers, their documentation and the decision what is due derive from these t
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
+from math import inf
 from typing import Any
 
-from create_oi_msgs.msg import Bumper, Cliff, Mode, WheelDrop
+from create_oi_msgs.msg import (
+    Bumper,
+    Buttons,
+    CargoBay,
+    Charging,
+    Cliff,
+    IrOmni,
+    Mode,
+    Overcurrent,
+    Song,
+    Wall,
+    WheelDrop,
+)
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -52,6 +65,15 @@ class SensorTopic(Topic):
     """Seconds after which it is published though nothing changed; None: at `sensor_rate`."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class StateTopic(SensorTopic):
+    """One topic that is published on change only, and kept for who comes late."""
+
+    when: str = 'on change, latched'
+    period: float | None = inf
+    qos: QoSProfile = field(default_factory=lambda: LATCHED)
+
+
 ODOM = Topic(
     name='odom', type=Odometry, when='every frame, 66.7 Hz',
     about='pose in `odom_frame`, velocity in `base_frame`, with covariances')
@@ -65,7 +87,8 @@ MODE = Topic(
     name='mode', type=Mode, when='on change, latched', qos=LATCHED,
     about='the actual mode, the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
-    name='/diagnostics', type=DiagnosticArray, when='1 Hz', about='serial link and mode')
+    name='/diagnostics', type=DiagnosticArray, when='1 Hz',
+    about='battery, safety, mode, serial link, driver (REP 107)')
 
 BUMPS = BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
@@ -84,6 +107,37 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
         needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
         watch=lambda readings: [getattr(readings, name) for name in CLIFFS],
         about='the four cliff sensors, with signal strengths'),
+    SensorTopic(
+        name='wall', type=Wall, convert=convert.wall,
+        needs=('wall', 'virtual_wall', 'wall_signal'),
+        watch=lambda readings: (readings.wall, readings.virtual_wall),
+        about='the wall sensor on the right, with its signal strength, and virtual walls'),
+    SensorTopic(
+        name='cargo_bay', type=CargoBay, convert=convert.cargo_bay, qos=LATCHED,
+        needs=('digital_inputs', 'analog_signal'),
+        watch=lambda readings: readings.digital_inputs,
+        when='on change at once, else at `sensor_rate`; latched',
+        about='digital inputs, analog input in volts, baud rate pin'),
+    StateTopic(
+        name='buttons', type=Buttons, convert=convert.buttons, needs=('buttons',),
+        watch=lambda readings: readings.buttons, about='Play and Advance'),
+    StateTopic(
+        name='ir_omni', type=IrOmni, convert=convert.ir_omni, needs=('infrared',),
+        watch=lambda readings: readings.infrared,
+        about='infrared character that is received, with its name'),
+    StateTopic(
+        name='charging', type=Charging, convert=convert.charging,
+        needs=('charging_state', 'charging_sources'),
+        watch=lambda readings: (readings.charging_state, readings.charging_sources),
+        about='charging state, charger and Home Base'),
+    StateTopic(
+        name='overcurrent', type=Overcurrent, convert=convert.overcurrent, needs=('overcurrents',),
+        watch=lambda readings: readings.overcurrents,
+        about='wheels and low side drivers that draw too much'),
+    StateTopic(
+        name='song', type=Song, convert=convert.song, needs=('song_number', 'song_playing'),
+        watch=lambda readings: (readings.song_number, readings.song_playing),
+        about='the song that plays, or played last'),
     SensorTopic(
         name='battery_state', type=BatteryState, convert=convert.battery_state, period=1.0,
         needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',

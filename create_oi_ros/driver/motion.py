@@ -5,7 +5,7 @@ The watchdog lives here too: the Open Interface has no timeout, the last Drive h
 """
 
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 
 from .. import oi
 
@@ -23,9 +23,20 @@ class MotionLimits:
     """m/s for either wheel."""
     timeout: float = 0.5
     """Seconds that a command holds."""
+    linear_acceleration: float = 0.0
+    """m/s2, faster and slower; 0 is no limit. A stop and the end of commands know none."""
+    angular_acceleration: float = 0.0
+    """rad/s2, likewise."""
 
 
-def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> tuple[int, int]:
+RAMP_STEP = 2 * oi.SLOT
+"""Seconds of acceleration at once, at most: nobody asked between two drives far apart."""
+WheelSpeeds = tuple[float, float]
+"""Right and left, mm/s."""
+STOPPED = (0.0, 0.0)
+
+
+def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> WheelSpeeds:
     """
     Return right and left wheel speed in mm/s for m/s forward and rad/s counter-clockwise.
 
@@ -36,10 +47,29 @@ def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> tuple[i
     right, left = linear + turn, linear - turn
     fastest = max(abs(right), abs(left))
     scale = min(1.0, limits.max_wheel_speed / fastest) if fastest else 1.0
-    return round(right * scale * MM), round(left * scale * MM)
+    return right * scale * MM, left * scale * MM
 
 
-STOPPED = (0, 0)
+def next_speeds(
+    before: WheelSpeeds, wanted: WheelSpeeds, seconds: float, limits: MotionLimits,
+) -> WheelSpeeds:
+    """
+    Return what comes after some seconds on the way from one pair of wheel speeds to another.
+
+    Both accelerations are cut by one factor, so that the way is straight: from a stand, the
+    curve is the wanted one from the beginning.
+    """
+    right, left = wanted[0] - before[0], wanted[1] - before[1]
+    linear = abs(right + left) / 2 / MM
+    angular = abs(right - left) / limits.wheel_separation / MM
+    part = 1.0
+    for change, limit in ((linear, limits.linear_acceleration),
+                          (angular, limits.angular_acceleration)):
+        if limit and change:
+            part = min(part, limit * seconds / change)
+    if part == 1.0:
+        return wanted
+    return before[0] + part * right, before[1] + part * left
 
 
 class Motion:
@@ -48,20 +78,26 @@ class Motion:
     def __init__(self, limits: MotionLimits) -> None:
         self.limits = limits
         self._wanted = STOPPED
-        self._commanded_at = -float('inf')
+        self._commanded_at = -inf
+        self._speeds = STOPPED
+        """Where the acceleration limits have brought the wheels."""
+        self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
-        self._sent_at = -float('inf')
+        self._sent_at = -inf
 
     def command(self, linear: float, angular: float, now: float) -> bool:
         """Take a command in; False when it is not finite, which stops the robot."""
         self._commanded_at = now
         finite = isfinite(linear) and isfinite(angular)
-        self._wanted = wheel_speeds(linear, angular, self.limits) if finite else STOPPED
+        if finite:
+            self._wanted = wheel_speeds(linear, angular, self.limits)
+        else:
+            self.stop()
         return finite
 
     def stop(self) -> None:
-        """Want the wheels to stand."""
-        self._wanted = STOPPED
+        """Want the wheels to stand, at once."""
+        self._wanted = self._speeds = STOPPED
 
     @property
     def moving(self) -> bool:
@@ -83,11 +119,12 @@ class Motion:
         No more often than the robot listens (one slot), except that a stop never waits.
         """
         if self.expired(now):
-            self._wanted = STOPPED
-        if self._wanted == self._sent:
+            self.stop()
+        since = min(now - self._ramped_at, RAMP_STEP)
+        self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
+        self._ramped_at = now
+        told = round(self._speeds[0]), round(self._speeds[1])
+        if told == self._sent or told != (0, 0) and now - self._sent_at < oi.SLOT:
             return None
-        if self._wanted != STOPPED and now - self._sent_at < oi.SLOT:
-            return None
-        self._sent, self._sent_at = self._wanted, now
-        right, left = self._wanted
-        return oi.DriveDirect(right=right, left=left)
+        self._sent, self._sent_at = told, now
+        return oi.DriveDirect(right=told[0], left=told[1])
