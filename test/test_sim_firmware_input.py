@@ -11,7 +11,6 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.oi import Checksum, Mode
 from create_oi_ros.sim.encoders import Rounding
-from create_oi_ros.sim.sensing import frame_layout
 from robot import GENTLE, Robot
 
 SIZES = {0: 26, 1: 10, 2: 6, 3: 10, 4: 14, 5: 12, 6: 52, 7: 1, 8: 1, 9: 1, 10: 1, 11: 1, 12: 1,
@@ -329,21 +328,6 @@ def test_what_is_below_a_unit_when_read_is_lost_or_carried(
     robot.ask(19)
     total = sum(robot.slots() and 0 or robot.ask(19)[1] for _ in range(1000))
     assert total == pytest.approx(15 * 30 * share, abs=2)
-
-
-@given(st.lists(st.sampled_from(sorted(oi.PACKET_IDS)), min_size=1, max_size=20), st.data(),
-       st.booleans())
-def test_its_fast_frames_are_those_of_the_codec(
-        ids: list[int], data: st.DataObject, header: bool) -> None:
-    packets = oi.PacketList(ids)
-    layout = frame_layout(packets.ids)
-    if layout is None:
-        assert packets.length > 255
-        return
-    values = [data.draw(st.integers(packet.wire.low, packet.wire.high))
-              for packet in packets.packets]
-    assert layout.pack(values, header_in_sum=header) == packets.pack_frame(
-        values, header_in_sum=header)
 
 
 @given(st.lists(st.floats(0.001, 0.2), max_size=20))

@@ -68,6 +68,7 @@ from .packets import (
     BITS_PER_BYTE,
     Budget,
     frame_capacity,
+    FRAME_LIMIT,
     GROUPS,
     HEADER,
     NAMES,
@@ -84,13 +85,13 @@ from .packets import (
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 
 __all__ = [
-    'ACTUATE', 'ANY', 'BITS_PER_BYTE', 'COMMANDS', 'GROUPS', 'HEADER', 'NAMES',
-    'NOTES_PER_SECOND', 'NUMBERS', 'PACKETS', 'PACKET_IDS', 'REST', 'SLOT', 'SOUNDING', 'STARTED',
-    'Baud', 'BaudCode', 'Budget', 'BumpsAndWheelDrops', 'Buttons', 'ChargingSources',
-    'ChargingState', 'Checksum', 'Command', 'CommandReader', 'Control', 'Cover', 'CoverAndDock',
-    'Demo', 'DemoNumber', 'DigitalInputs', 'DigitalOutputs', 'Drive', 'DriveDirect', 'DriverBits',
-    'Event', 'Frame', 'Full', 'Garbage', 'Infrared', 'LedBits', 'Leds', 'LowSideDrivers', 'Mode',
-    'Note', 'OutputBits', 'Overcurrents', 'Packet', 'PacketList', 'PauseResumeStream',
+    'ACTUATE', 'ANY', 'BITS_PER_BYTE', 'COMMANDS', 'GROUPS', 'HEADER', 'NAMES', 'NOTES_PER_SECOND',
+    'NUMBERS', 'PACKETS', 'PACKET_IDS', 'REST', 'SLOT', 'SOUNDING', 'STARTED', 'Baud', 'BaudCode',
+    'Budget', 'BumpsAndWheelDrops', 'Buttons', 'ChargingSources', 'ChargingState', 'Checksum',
+    'Command', 'CommandReader', 'Control', 'Cover', 'CoverAndDock', 'Demo', 'DemoNumber',
+    'DigitalInputs', 'DigitalOutputs', 'Drive', 'DriveDirect', 'DriverBits', 'Event',
+    'FRAME_LIMIT', 'Frame', 'Full', 'Garbage', 'Infrared', 'LedBits', 'Leds', 'LowSideDrivers',
+    'Mode', 'Note', 'OutputBits', 'Overcurrents', 'Packet', 'PacketList', 'PauseResumeStream',
     'PlayScript', 'PlaySong', 'PwmLowSideDrivers', 'QueryList', 'Radius', 'Readings', 'Safe',
     'Script', 'SendIr', 'Sensors', 'ShowScript', 'Song', 'Spot', 'Start', 'Stream', 'StreamReader',
     'StreamState', 'UnknownOpcode', 'WaitAngle', 'WaitDistance', 'WaitEvent', 'WaitTime',

@@ -314,16 +314,13 @@ class PacketList:
         """
         Encode a stream frame, values in the order of `packets`.
 
-        The manual leaves the header out of the checksum; real robots include it.
+        The manual leaves the header out of the checksum; real robots include it. ValueError
+        where the list is too long for the length byte.
         """
-        frame = bytearray([HEADER, self.length])
-        place = 0
-        reply = self.pack_reply(values)
-        for number in self.ids:
-            frame.append(number)
-            frame += reply[place:place + size_of(number)]
-            place += size_of(number)
-        total = sum(frame) - (0 if header_in_sum else HEADER)
-        frame.append(-total & 0xff)
+        if self.frame_size > FRAME_LIMIT:
+            raise ValueError(f'frame of {self.frame_size} bytes; allowed: up to {FRAME_LIMIT}')
+        whole = int.from_bytes(self._frame.pack(*values)) | self._tags
+        frame = bytearray(whole.to_bytes(self.frame_size))
+        frame[-1] = (0 if header_in_sum else HEADER) - sum(frame) & 0xff
         return bytes(frame)
 
