@@ -14,7 +14,7 @@ test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov)
 build: $(BUILT)
 bench: build ; @$(ENTER) for each in bench/bench_*.py; do python $$each $(ARGS) || exit; done
 fuzz: build ; @$(ENTER) python bench/fuzz_stream.py $(ARGS)
-docs: build ; @$(ENTER) python -m create_oi_ros.interface README.md && python -m create_oi_ros.oi document docs/open_interface.md
+docs: build ; @$(ENTER) python -m create_oi_ros.interface README.md config/create.yaml && python -m create_oi_ros.oi document docs/open_interface.md
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
 

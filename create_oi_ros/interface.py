@@ -1,18 +1,25 @@
 """
-The ROS interface as Markdown tables, made from the declarations.
+The ROS interface as Markdown tables and as a parameter file, made from the declarations.
 
-`python -m create_oi_ros.interface README.md` writes them between their markers.
+`python -m create_oi_ros.interface README.md config/create.yaml` writes them: tables between
+their markers, a parameter file as a whole.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
+import json
 from pathlib import Path
 import re
 import sys
+from textwrap import wrap
+from typing import Any
 
 from .parameters import Parameters
 from .services import SERVICES
 from .topics import PUBLISHED
+
+CONFIG_WIDTH = 93
+"""Characters of a comment line."""
 
 
 def type_name(type_: type) -> str:
@@ -59,6 +66,29 @@ def parameters() -> str:
 TABLES = {'topics': topics, 'services': services, 'parameters': parameters}
 
 
+CONFIG_HEAD = (
+    '# Every parameter of create_node with its default; made by `make docs`. Copy it, change it:\n'
+    '# ros2 run create_oi_ros create_node --ros-args --params-file my_create.yaml\n'
+    '/**:\n'
+    '  ros__parameters:\n')
+
+
+def config() -> str:
+    """Return a parameter file with all defaults."""
+    lines = []
+    for declared in fields(Parameters):
+        about = declared.metadata['description'] + _allowed(declared.metadata)
+        lines += [f'    # {line}' for line in wrap(about, CONFIG_WIDTH)]
+        lines.append(f'    {declared.name}: {json.dumps(declared.default)}')
+    return CONFIG_HEAD + '\n'.join(lines) + '\n'
+
+
+def _allowed(facts: Mapping[str, Any]) -> str:
+    if facts['choices']:
+        return f' ({", ".join(str(choice) for choice in facts["choices"])})'
+    return '' if facts['low'] is None else f' ({facts["low"]} to {facts["high"]})'
+
+
 def rewritten(text: str) -> str:
     """Return a document with its tables made afresh."""
     for name, make in TABLES.items():
@@ -71,4 +101,4 @@ def rewritten(text: str) -> str:
 if __name__ == '__main__':
     for name in sys.argv[1:]:
         path = Path(name)
-        path.write_text(rewritten(path.read_text()))
+        path.write_text(config() if path.suffix == '.yaml' else rewritten(path.read_text()))

@@ -1,0 +1,36 @@
+"""
+Several simulated Creates, each in a namespace and with frames of its own: robot1, robot2, ...
+
+    ros2 launch create_oi_ros fleet.launch.py count:=3
+    ros2 topic pub -r 10 /robot2/cmd_vel geometry_msgs/msg/Twist '{linear: {x: 0.1}}'
+"""
+
+import os
+
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import LaunchConfiguration
+
+SHARE = get_package_share_directory('create_oi_ros')
+
+
+def robots(context):
+    """Return one launch of a simulated robot for each."""
+    count = int(LaunchConfiguration('count').perform(context))
+    one = os.path.join(SHARE, 'launch', 'create.launch.py')
+    names = [f'robot{number}' for number in range(1, count + 1)]
+    return [
+        IncludeLaunchDescription(PythonLaunchDescriptionSource(one), launch_arguments={
+            'simulated': 'true', 'world': LaunchConfiguration('world'), 'namespace': name,
+            'frame_prefix': f'{name}/'}.items())
+        for name in names]
+
+
+def generate_launch_description():
+    """Declare the arguments and start the robots."""
+    return LaunchDescription([
+        DeclareLaunchArgument('count', default_value='2', description='number of robots'),
+        DeclareLaunchArgument('world', default_value='room', description='world of each robot'),
+        OpaqueFunction(function=robots)])
