@@ -162,7 +162,7 @@ class Edge:
     def __init__(self, topic: SensorTopic) -> None:
         self._topic = topic
         self._last: object = None
-        self._last_at = -float('inf')
+        self._due_at = -inf
 
     def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
         """Take the newest readings in, of a frame at `stamp` seconds."""
@@ -171,7 +171,10 @@ class Edge:
         value = self._topic.watch(readings)
         period = self._topic.period or sensor_period
         # Frames come in slots: the slot nearest to the moment is the one that is meant.
-        if value == self._last and stamp - self._last_at < period - SLOT / 2:
+        if value == self._last and stamp < self._due_at - SLOT / 2:
             return False
-        self._last, self._last_at = value, stamp
+        # The next moment is a period after this one was due, so that the rate is right.
+        next_at = self._due_at + period
+        in_step = value == self._last and next_at > stamp
+        self._last, self._due_at = value, next_at if in_step else stamp + period
         return True
