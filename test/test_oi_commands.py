@@ -217,3 +217,19 @@ def test_nothing_out_of_range_leaves(velocity: int, radius: int) -> None:
         assert struct.unpack('>Bhh', command.encode()) == (137, velocity, radius) and fine
     except ValueError:
         assert not fine
+
+
+@pytest.mark.parametrize('fields', [{}, {'right': 1}, {'right': 1, 'left': 2, 'up': 3}])
+def test_a_field_that_is_missing_or_unknown_is_refused(fields: dict[str, int]) -> None:
+    with pytest.raises(TypeError, match='needs right, left'):
+        oi.DriveDirect(**fields)
+
+
+def test_a_command_is_a_value_that_cannot_be_changed() -> None:
+    command = oi.DriveDirect(right=1, left=2)
+    with pytest.raises(AttributeError, match='cannot be changed'):
+        command.right = 3  # type: ignore[misc]
+    assert command == oi.DriveDirect(left=2, right=1)
+    assert hash(command) == hash(oi.DriveDirect(left=2, right=1))
+    assert command != oi.DriveDirect(right=2, left=1)
+    assert repr(command) == 'DriveDirect(right=1, left=2)'

@@ -6,10 +6,17 @@ annotated fields. No number of the manual stands here: they are all in `commands
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from dataclasses import fields as fields_of
 import struct
-from typing import Any, ClassVar, dataclass_transform, get_args, get_origin, NamedTuple, Self
+from typing import (
+    Any,
+    ClassVar,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    NamedTuple,
+    NoReturn,
+    Self,
+)
 
 from .codes import Mode
 from .wire import BIG_ENDIAN, Counted, Wire
@@ -36,6 +43,8 @@ class Command:
     A command of the Open Interface, an immutable value with keyword-only fields.
 
     Holding a value out of range is allowed, sending it is not: `encode` raises ValueError.
+    Type checkers take subclasses for frozen dataclasses. They are not made by `dataclasses`,
+    which would take longer to load than all the rest of this package.
     """
 
     opcode: ClassVar[int]
@@ -50,23 +59,43 @@ class Command:
     fields: ClassVar[tuple[Field, ...]]
     tail: ClassVar[Tail | None]
     by_opcode: ClassVar[dict[int, type['Command']]] = {}
+    _names: ClassVar[dict[str, None]]
     _head: ClassVar[struct.Struct]
 
     def __init_subclass__(
         cls, *, opcode: int, title: str, section: str,
         modes: frozenset[Mode], enters: Mode | None = None,
     ) -> None:
-        dataclass(frozen=True, kw_only=True)(cls)
         if opcode in cls.by_opcode:
             raise TypeError(
                 f'opcode {opcode} of {title} is already that of {cls.by_opcode[opcode].title}')
         cls.opcode, cls.title, cls.section = opcode, title, section
         cls.modes, cls.enters = modes, enters
         cls.fields, cls.tail = _declared(cls)
+        cls._names = dict.fromkeys(cls.__annotations__)
         count = 'B' if cls.tail else ''
         formats = ''.join(field.wire.format for field in cls.fields)
         cls._head = struct.Struct(f'{BIG_ENDIAN}B{formats}{count}')
         cls.by_opcode[opcode] = cls
+
+    def __init__(self, **values: Any) -> None:
+        if values.keys() != self._names.keys():
+            wanted = ', '.join(self._names) or 'no fields'
+            raise TypeError(f'{self.title} has {", ".join(values) or "no fields"}; needs {wanted}')
+        self.__dict__.update(values)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f'{self.title} cannot be changed; make a new one')
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and other.__dict__ == self.__dict__
+
+    def __hash__(self) -> int:
+        return hash((self.opcode, *(getattr(self, name) for name in self._names)))
+
+    def __repr__(self) -> str:
+        values = ', '.join(f'{name}={getattr(self, name)!r}' for name in self._names)
+        return f'{type(self).__name__}({values})'
 
     def encode(self) -> bytes:
         """Return the bytes to send; ValueError names field, value and range."""
@@ -143,15 +172,15 @@ def _declared(cls: type) -> tuple[tuple[Field, ...], Tail | None]:
     """Read the annotated fields of a class: numbers first, then at most one counted tail."""
     fields: list[Field] = []
     tail: Tail | None = None
-    for declared in fields_of(cls):
-        kind, declaration = get_args(declared.type)
+    for name, annotation in cls.__annotations__.items():
+        kind, declaration = get_args(annotation)
         if tail is not None:
-            raise TypeError(f'{cls.__name__}.{declared.name} follows a counted field')
+            raise TypeError(f'{cls.__name__}.{name} follows a counted field')
         if isinstance(declaration, Counted):
             item = get_args(kind)[0] if get_origin(kind) else kind
-            tail = Tail(declared.name, declaration, item)
+            tail = Tail(name, declaration, item)
         else:
-            fields.append(Field(declared.name, declaration))
+            fields.append(Field(name, declaration))
     return tuple(fields), tail
 
 

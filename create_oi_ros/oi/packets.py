@@ -8,7 +8,6 @@ out (manual: Sensor Packets; Input Commands).
 """
 
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 import struct
 from typing import Annotated, Any, get_args, NamedTuple
@@ -186,8 +185,7 @@ def frame_capacity(baud: int) -> int:
     return int(SLOT * baud / BITS_PER_BYTE)
 
 
-@dataclass(frozen=True)
-class Budget:
+class Budget(NamedTuple):
     """What a stream frame costs on the wire."""
 
     size: int

@@ -7,17 +7,15 @@ from it. Ranges are checked when a value is about to leave, never when it arrive
 a host must not send nonsense, but a simulator must be able to receive it.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from operator import index
-from typing import Any
+from typing import Any, NamedTuple
 
 BIG_ENDIAN = '>'
 """Sixteen-bit values are sent high byte first (manual: Sensor Packets; Drive)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Wire:
+class Wire(NamedTuple):
     """
     One number on the wire: a struct format, the range the manual allows, unit and names.
 
@@ -85,8 +83,7 @@ class Wire:
         return self.names._value2member_map_.get(value, value)
 
 
-@dataclass(frozen=True, slots=True)
-class Counted:
+class Counted(NamedTuple):
     """A count byte and that many items, each of one or two numbers (``item``)."""
 
     low: int
