@@ -14,6 +14,7 @@ from create_oi_ros.driver import (
 from create_oi_ros.driver.calling import Calling, LAST_WORDS, SPEECH, USUAL
 from create_oi_ros.driver.checks import FASTEST, Jumps, SLACK
 from create_oi_ros.driver.power import SETTLE
+from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.encoders import Rounding
 from loop import Loop
 
@@ -203,3 +204,49 @@ def test_speech_is_remembered_within_bounds():
     for _ in range(1000):
         calling.overheard(bytes(500))
     assert len(calling._heard) <= 2 * SPEECH
+
+
+# Commands that the robot did not hear.
+
+
+def lose_next(loop: Loop, kind: type[oi.Command]) -> None:
+    """Let the next command of a kind be lost on its way."""
+    receive, code = loop.robot.receive, bytes([kind.opcode])
+
+    def without(data: bytes, now: float, baud: int | None = None) -> None:
+        if data.startswith(code):
+            data, loop.robot.receive = data[kind.size(data):], receive
+        receive(data, now, baud)
+    loop.robot.receive = without
+
+
+def test_a_stop_that_is_lost_is_sent_again():
+    loop = Loop()
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    lose_next(loop, oi.DriveDirect)
+    loop.run(1.5)
+    assert loop.body.truth().speed == 0
+
+
+def test_a_mode_that_the_robot_did_not_hear_of_is_entered_again():
+    loop = Loop()
+    loop.run(0.5)
+    lose_next(loop, oi.Full)
+    loop.driver.set_mode(oi.Mode.FULL, loop.now, lambda *_: None)
+    loop.run(0.5)
+    assert loop.robot.mode is oi.Mode.FULL
+
+
+def test_a_robot_that_cannot_enter_its_mode_at_first_is_not_pestered_and_may_later():
+    loop = Loop()
+    loop.body.plug_charger(True)
+    loop.run(2.0)
+    assert loop.driver.status.reason == 'charger powered'
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert sum(isinstance(each, oi.Safe) for each in loop.commands()) <= 2
+    loop.body.plug_charger(False)
+    loop.run(CLEAR_FOR + 1.0)
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.body.truth().speed > 0

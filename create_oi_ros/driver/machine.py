@@ -185,7 +185,7 @@ class Driver:
         else:
             self._mode_request.begin(mode, now + SILENCE, reply)
             self._supervision.want(mode)
-            self._enter(mode)
+            self._enter(mode, now)
 
     def start_demo(self, demo: oi.DemoNumber, reply: Reply) -> None:
         """Let the robot play one of its demos, in Passive, which is then the wanted mode."""
@@ -286,7 +286,7 @@ class Driver:
         stamp, dt = self._clock.stamp(now, wire_time)
         self.readings.update(readings)
         if self.link is Link.WAKING:
-            self._found()
+            self._found(now)
         if self.scripts.heard(frame.packets):
             self._script_ended()
         self._supervise(now)
@@ -305,9 +305,9 @@ class Driver:
                       'turn: are the wheels blocked, or does odometry_window: 0 hide slow turns? '
                       'Some firmware before 3.4.1 is reported to send a constant 0')
         if self.battery.observe(self.readings, now):
-            self._mind_battery()
+            self._mind_battery(now)
 
-    def _mind_battery(self) -> None:
+    def _mind_battery(self, now: float) -> None:
         level, action = self.battery.level, self.battery.limits.action
         volts = f'{self.readings.voltage / 1000:.1f} V'
         self._say(Severity.WARNING, f'battery {level.value} ({volts}): charge it')
@@ -318,7 +318,7 @@ class Driver:
         else:
             self._motion.stop()
             self._supervision.want(oi.Mode.PASSIVE)
-            self._enter(oi.Mode.PASSIVE)
+            self._enter(oi.Mode.PASSIVE, now)
         self._say(Severity.ERROR, f'battery {level.value}: low_battery_action {action.value}')
 
     def _estimate(self, readings: oi.Readings, dt: float, asked: bool) -> Estimate:
@@ -330,14 +330,15 @@ class Driver:
             distance=readings.distance if asked else None,
             angle=readings.angle if asked else None))
 
-    def _found(self) -> None:
+    def _found(self, now: float) -> None:
         self.link = Link.UP
         wanted = self.status.wanted
         self._say(Severity.INFO, f'robot answers; entering {wanted.name}')
         self.actuators.restore_songs()
-        self._enter(wanted)
+        self._enter(wanted, now)
 
-    def _enter(self, mode: oi.Mode) -> None:
+    def _enter(self, mode: oi.Mode, now: float) -> None:
+        self._supervision.entering(now)
         self._motion.forget()
         self._outbox.send(MODE_COMMANDS[mode]())
         if mode in oi.ACTUATE:
@@ -365,6 +366,12 @@ class Driver:
             self._say(Severity.WARNING, f'robot left {status.wanted.name} for '
                       f'{self.readings.oi_mode.name}: {status.reason}')
         self._mode_request.observe(status.actual)
+        readings = self.readings
+        if status.actual in oi.DriveDirect.modes:
+            self._motion.reported(
+                readings.requested_right_velocity, readings.requested_left_velocity, now)
+        if self._supervision.must_enter_again(now) and not self.scripts.refusal:
+            self._enter(status.wanted, now)
 
     def _drive_when_not_allowed(self, now: float) -> None:
         """Bring the wanted mode back for a fresh command, or say why it is not obeyed."""
@@ -373,7 +380,7 @@ class Driver:
             if not self._outbox.busy:
                 self._say(Severity.INFO, f'{status.reason} is gone: entering '
                           f'{status.wanted.name} again')
-                self._enter(status.wanted)
+                self._enter(status.wanted, now)
             return
         self._motion.stop()
         if status.actual is not None:

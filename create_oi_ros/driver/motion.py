@@ -29,6 +29,8 @@ class MotionLimits:
     """rad/s2, likewise."""
 
 
+UNHEARD = 10 * oi.SLOT
+"""Seconds after which the robot should report the speeds that it was sent."""
 RAMP_STEP = 2 * oi.SLOT
 """Seconds of acceleration at once, at most: nobody asked between two drives far apart."""
 WheelSpeeds = tuple[float, float]
@@ -43,11 +45,12 @@ def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> WheelSp
     Too fast a command is slowed down as a whole, both wheels by one factor, so that the curve is
     kept.
     """
-    turn = angular * limits.wheel_separation / 2
-    right, left = linear + turn, linear - turn
+    # Reckoned by halves, whose sum a float can hold whatever was asked for.
+    half, turn = linear / 2, angular * limits.wheel_separation / 4
+    right, left = half + turn, half - turn
     fastest = max(abs(right), abs(left))
-    scale = min(1.0, limits.max_wheel_speed / fastest) if fastest else 1.0
-    return right * scale * MM, left * scale * MM
+    scale = min(1.0, limits.max_wheel_speed / 2 / fastest) if fastest else 1.0
+    return right * scale * 2 * MM, left * scale * 2 * MM
 
 
 def next_speeds(
@@ -111,6 +114,11 @@ class Motion:
     def forget(self) -> None:
         """Assume nothing about what the robot's wheels were told last."""
         self._sent = None
+
+    def reported(self, right: int, left: int, now: float) -> None:
+        """Note what the robot says it was told, mm/s; if it missed the last, tell it again."""
+        if self._sent not in (None, (right, left)) and now - self._sent_at > UNHEARD:
+            self.forget()
 
     def next_drive(self, now: float) -> oi.DriveDirect | None:
         """

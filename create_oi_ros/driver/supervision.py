@@ -14,6 +14,8 @@ from .. import oi
 
 CLEAR_FOR = 1.0
 """Seconds that the cause of a drop must have been gone before the mode may come back."""
+ENTER_AGAIN, ENTRIES = 0.2, 3
+"""Seconds after which a mode should have been entered, and how often it is tried."""
 MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
 
 
@@ -73,14 +75,30 @@ class Supervision:
         self._before: tuple[Cause, ...] = ()
         self._cause_seen_at = -float('inf')
         self._released = False
+        self._entries = 0
+        self._entered_at = -float('inf')
 
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; what dropped the last one no longer matters."""
         self.status = ModeStatus(self.status.actual, mode)
+        self._entries = 0
 
     def lost(self) -> None:
         """Note that no robot answers."""
         self.status = ModeStatus(None, self.status.wanted)
+        self._entries = 0
+
+    def entering(self, now: float) -> None:
+        """Note that the wanted mode is being entered."""
+        self._entries += 1
+        self._entered_at = now
+
+    def must_enter_again(self, now: float) -> bool:
+        """Tell whether the robot seems not to have heard that it is to enter the wanted mode."""
+        status = self.status
+        return (status.actual is not None and status.actual != status.wanted
+                and not status.causes and 0 < self._entries < ENTRIES
+                and now - self._entered_at > ENTER_AGAIN)
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
@@ -95,11 +113,19 @@ class Supervision:
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
             self._released = False
         elif actual == before.wanted:
-            causes = ()
+            causes, self._entries = (), 0
+        elif self._refused(present, now):
+            causes = present or (Cause.UNKNOWN,)
         self._before = present
         if (actual, causes) != (before.actual, before.causes):
             self.status = ModeStatus(actual, before.wanted, causes)
         return dropped
+
+    def _refused(self, present: tuple[Cause, ...], now: float) -> bool:
+        """Tell whether the robot will not enter the wanted mode, however often it is asked."""
+        return (not self.status.causes and 0 < self._entries
+                and now - self._entered_at > ENTER_AGAIN
+                and (bool(present) or self._entries >= ENTRIES))
 
     def commands_paused(self) -> None:
         """Note that the commands have paused or been zero: the next one is a fresh wish."""
