@@ -145,17 +145,17 @@ class Answers:
             return response
         demo = oi.DemoNumber(request.demo)
         return await self._ask(
-            response, lambda driver, _, reply: driver.start_demo(demo, reply))
+            response, lambda driver, _, reply: driver.demos.start(demo, reply))
 
     async def stop_demo(
         self, _: Trigger.Request, response: Trigger.Response,
     ) -> Trigger.Response:
         """End a demo."""
-        return await self._ask(response, lambda driver, _, reply: driver.stop_demo(reply))
+        return await self._ask(response, lambda driver, _, reply: driver.demos.stop(reply))
 
     async def dock(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Look for the Home Base."""
-        return await self._ask(response, lambda driver, _, reply: driver.start_demo(
+        return await self._ask(response, lambda driver, _, reply: driver.demos.start(
             oi.DemoNumber.COVER_AND_DOCK, reply))
 
     async def define_script(

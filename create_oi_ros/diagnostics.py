@@ -12,7 +12,7 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
 from . import convert, oi
-from .driver import Driver, Link, LinkCounts
+from .driver import BatteryLevel, Driver, Link, LinkCounts
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -42,6 +42,7 @@ def serial_link(
     counts = driver.counts
     faults = counts.checksum_failures - before.checksum_failures
     faults += counts.implausible_frames - before.implausible_frames
+    faults += counts.impossible_jumps - before.impossible_jumps
     garbage = counts.garbage_bytes - before.garbage_bytes
     level, message = OK, 'frames arrive'
     if driver.link is not Link.UP:
@@ -104,7 +105,7 @@ def battery(name: str, driver: Driver, *, charge_known: bool) -> DiagnosticStatu
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', STALE, 'no robot answers', {})
     state = convert.battery_state(readings, Header(), charge_known=charge_known)
-    level, message = _battery(readings, state)
+    level, message = _battery(readings, state, driver.battery.level)
     return status(f'{name}: battery', level, message, {
         'voltage (V)': round(state.voltage, 3), 'current (A)': round(state.current, 3),
         'charge (%)': 'not known' if isnan(state.percentage) else round(100 * state.percentage),
@@ -112,7 +113,7 @@ def battery(name: str, driver: Driver, *, charge_known: bool) -> DiagnosticStatu
         'charging': oi.ChargingState(readings.charging_state).name.lower()})
 
 
-def _battery(readings: oi.Readings, state: BatteryState) -> Verdict:
+def _battery(readings: oi.Readings, state: BatteryState, watched: BatteryLevel) -> Verdict:
     if readings.charging_state == oi.ChargingState.FAULT:
         return ERROR, 'charging fault: check battery and charger'
     if state.temperature >= TOO_HOT:
@@ -121,9 +122,9 @@ def _battery(readings: oi.Readings, state: BatteryState) -> Verdict:
         return OK, 'on the charger'
     if readings.charging_sources and readings.oi_mode in oi.ACTUATE:
         return WARN, f'does not charge in {readings.oi_mode.name}: call set_mode with PASSIVE'
-    if state.percentage < EMPTY:
+    if state.percentage < EMPTY or watched is BatteryLevel.EMPTY:
         return ERROR, 'empty: charge it now'
-    if state.percentage < LOW:
+    if state.percentage < LOW or watched is BatteryLevel.LOW:
         return WARN, 'low: charge it soon'
     if state.temperature >= HOT:
         return WARN, f'hot: {state.temperature:.0f} degrees Celsius'
@@ -135,6 +136,8 @@ def driver(name: str, driver: Driver, stale_commands: int) -> DiagnosticStatus:
     level, message = OK, 'driving' if driver.moving else 'waiting for commands'
     if driver.scripts.refusal:
         level, message = WARN, driver.scripts.refusal
+    elif driver.turning.stuck:
+        level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
     return status(f'{name}: driver', level, message, {
         'stale commands dropped': stale_commands,
         'songs stored': ', '.join(map(str, sorted(driver.actuators.songs))) or 'none'})

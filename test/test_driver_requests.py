@@ -156,8 +156,8 @@ def test_in_passive_the_reply_says_what_to_do(loop, request_of):
 @pytest.mark.parametrize('request_of', [
     lambda driver, reply: driver.actuators.define_song(0, [60], [0.5], reply),
     lambda driver, reply: driver.actuators.set_leds(BLUE, 0, 0, reply),
-    lambda driver, reply: driver.start_demo(oi.DemoNumber.COVER, reply),
-    lambda driver, reply: driver.stop_demo(reply),
+    lambda driver, reply: driver.demos.start(oi.DemoNumber.COVER, reply),
+    lambda driver, reply: driver.demos.stop(reply),
     lambda driver, reply: driver.scripts.define(WAITING, reply),
     lambda driver, reply: driver.scripts.play(0.0, reply, force=True),
     lambda driver, reply: driver.scripts.show(0.0, reply),
@@ -229,18 +229,18 @@ def test_all_is_restored_after_a_drop(loop):
 
 
 def test_a_demo_runs_until_it_is_stopped(loop):
-    answer = ask(loop, loop.driver.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    answer = ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     assert answer.success
     assert loop.robot.demo is oi.DemoNumber.DRIVE_FIGURE_EIGHT
     assert loop.driver.status.wanted is oi.Mode.PASSIVE
     assert loop.driver.status.reason == ''
-    assert ask(loop, loop.driver.stop_demo).success
+    assert ask(loop, loop.driver.demos.stop).success
     assert loop.robot.demo is None
     assert loop.body.truth().speed == pytest.approx(0, abs=0.2)
 
 
 def test_stop_ends_a_demo_too(loop):
-    ask(loop, loop.driver.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     assert loop.driver.stop(loop.now)[0]
     loop.run(0.5)
     assert loop.robot.demo is None
@@ -248,13 +248,13 @@ def test_stop_ends_a_demo_too(loop):
 
 
 def test_stopping_no_demo_leaves_the_mode(loop):
-    assert ask(loop, loop.driver.stop_demo).success
+    assert ask(loop, loop.driver.demos.stop).success
     assert loop.robot.mode is oi.Mode.SAFE
 
 
 def test_before_docking_the_robot_rests_a_second_in_passive(loop):
     answer = Answer()
-    loop.driver.start_demo(oi.DemoNumber.COVER_AND_DOCK, answer)
+    loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK, answer)
     loop.run(0.9)
     assert answer.success is None
     assert loop.robot.mode is oi.Mode.PASSIVE

@@ -7,7 +7,7 @@ from rclpy.serialization import deserialize_message
 
 from create_oi_ros.interface import type_name
 from create_oi_ros.topics import PUBLISHED, Topic
-from ros import scene, Scene
+from ros import Scene, scene
 from source import ROOT
 
 rosbag2 = pytest.importorskip('rosbags.rosbag2', reason='no rosbags here: see tools/pins.txt')

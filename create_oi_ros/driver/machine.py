@@ -14,6 +14,7 @@ from ..odometry import Estimate, Increment, Odometry
 from .actuators import Actuators
 from .calling import CALL_AGAIN, Calling, DRAIN
 from .checks import Jumps, TurnCheck
+from .demos import Demos, END_DEMO
 from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
 from .frame_clock import FrameClock
 from .motion import MM, Motion, MotionLimits
@@ -25,11 +26,8 @@ from .settings import Settings
 from .stream_plan import StreamPlan
 from .supervision import Cause, causes_in, MODE_COMMANDS, ModeStatus, Supervision
 
-END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
 SILENCE = 0.5
 """Seconds without a frame after which the robot is taken to be away, and called again."""
-DOCK_PAUSE = 1.0
-"""Seconds that the robot is to be in Passive before it is sent to its dock (reported)."""
 
 
 class Driver:
@@ -56,6 +54,7 @@ class Driver:
         self._mode_request = ModeRequest()
         self._requests = Requests(self._outbox, self._refusal)
         self.actuators = Actuators(self._outbox, self._requests, self.readings)
+        self.demos = Demos(self._outbox, self._requests, self._supervision, self._motion)
         self.scripts = Scripts(self._outbox, self._requests, lambda: self.plan)
         self.heard_at = 0.0
         """When the last frame came, in the clock of `now`."""
@@ -187,30 +186,6 @@ class Driver:
             self._supervision.want(mode)
             self._enter(mode, now)
 
-    def start_demo(self, demo: oi.DemoNumber, reply: Reply) -> None:
-        """Let the robot play one of its demos, in Passive, which is then the wanted mode."""
-        if demo is oi.DemoNumber.ABORT:
-            reply(False, 'no demo: call stop_demo to end one')
-            return
-        refusal = self._refusal(oi.Demo)
-        if refusal:
-            reply(False, refusal)
-            return
-        self._motion.stop()
-        self._supervision.want(oi.Mode.PASSIVE)
-        if demo is oi.DemoNumber.COVER_AND_DOCK and self.status.actual in oi.ACTUATE:
-            self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
-        self._requests.send(
-            oi.Demo(demo=demo), reply, f'demo {demo.name} runs; call stop_demo to end it')
-
-    def stop_demo(self, reply: Reply) -> None:
-        """End the demo that runs, if any; the robot stays in Passive."""
-        if self.link is Link.UP and self.status.actual in oi.ACTUATE:
-            reply(True, 'no demo runs: the robot obeys cmd_vel')
-        else:
-            self._requests.send(
-                END_DEMO, reply, 'demo ended; call set_mode with SAFE to drive again')
-
     def reset_odometry(self) -> None:
         """Put the origin of the odometry frame where the robot is."""
         self.odometry.reset()
@@ -314,7 +289,7 @@ class Driver:
         if level is not BatteryLevel.EMPTY or action is LowBatteryAction.NONE:
             return
         if action is LowBatteryAction.DOCK:
-            self.start_demo(oi.DemoNumber.COVER_AND_DOCK, lambda *_: None)
+            self.demos.start(oi.DemoNumber.COVER_AND_DOCK, lambda *_: None)
         else:
             self._motion.stop()
             self._supervision.want(oi.Mode.PASSIVE)
