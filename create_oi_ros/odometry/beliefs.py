@@ -30,6 +30,8 @@ class Beliefs:
     def __init__(self, geometry: Geometry) -> None:
         self.tracks = [Track(rounding, acceleration, geometry)
                        for rounding in Rounding for acceleration in ACCELERATIONS]
+        self.rivals: list[Track] = []
+        """The best track of each other rounding."""
         self._surprised: list[int] = []
         self._readings = 0
 
@@ -68,6 +70,8 @@ class Beliefs:
             elif track.weight > IMPLAUSIBLE or not kept:
                 kept.append(track)
         self.tracks = kept
+        self.rivals = [next(track for track in kept if track.rounding is rounding)
+                       for rounding in self.roundings - {kept[0].rounding}]
 
     def _learn_again(self) -> None:
         best = self.best

@@ -69,6 +69,11 @@ class Errors:
         """Return the variance of one error."""
         return self.rows[index][index]
 
+    def speed_variance(self, right: float, left: float) -> float:
+        """Return the sum of the wheels' speed variances; they cruise at these speeds, m/s."""
+        return (self.rows[RIGHT_SPEED][RIGHT_SPEED] + self.rows[LEFT_SPEED][LEFT_SPEED]
+                + self.rows[RIGHT][RIGHT] * right * right + self.rows[LEFT][LEFT] * left * left)
+
     def add(self, variance: float, terms: Terms) -> None:
         """Add a disturbance that moves several states at once."""
         for i, a in terms:

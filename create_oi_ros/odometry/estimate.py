@@ -37,6 +37,8 @@ class Increment:
     """Millimetres since it was last asked for (packet 19); None when not asked."""
     angle: int | None = None
     """Degrees since it was last asked for (packet 20); None when not asked."""
+    lifted: bool = False
+    """Whether a drive wheel hangs down: wheels may turn then, but nothing moves."""
 
 
 @dataclass(frozen=True, slots=True)

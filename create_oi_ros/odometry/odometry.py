@@ -13,7 +13,6 @@ from .beliefs import Beliefs
 from .estimate import Estimate, Geometry, Increment
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan, SLOT
-from .track import Track
 
 BLEND = 0.1
 """Seconds in which a correction is blended in, ..."""
@@ -47,7 +46,7 @@ class Odometry:
         self._discard = True
         self._gap = False
         self._doubt = False
-        self._driven = False
+        self._driven = self._lifted = False
 
     @property
     def reading_due(self) -> bool:
@@ -100,13 +99,15 @@ class Odometry:
         for track in self.beliefs.tracks:
             if self._gap:
                 track.resume(right, left)
+            if increment.lifted != self._lifted:
+                track.lift(increment.lifted)
             track.advance(dt, right, left)
         if dt > 1.5 * SLOT and self._plan.pending:
             # The reading may have been in a frame that was lost.
             self._doubt = True
         if driven != self._driven:
             self._plan.hurry()
-        self._gap, self._driven = False, driven
+        self._gap, self._driven, self._lifted = False, driven, increment.lifted
         self._plan.step(dt, steady=steady, beliefs=self.beliefs)
 
     def _read(self, distance: int, angle: int, driven: bool) -> None:
@@ -139,12 +140,24 @@ class Odometry:
         return Estimate(
             x=before.x + dx, y=before.y + dy, yaw=before.yaw + dyaw,
             linear=went / dt, angular=turned / dt,
-            pose_covariance=_spread(best, (1 - share) * x, (1 - share) * y, yaw - twist),
+            pose_covariance=self._spread((1 - share) * x, (1 - share) * y, yaw - twist),
             twist_covariance=best.twist_variance,
             right_wheel=before.right_wheel + (forward + half) / g.wheel_radius,
             right_wheel_speed=(went / dt + rate) / g.wheel_radius,
             left_wheel=before.left_wheel + (forward - half) / g.wheel_radius,
             left_wheel_speed=(went / dt - rate) / g.wheel_radius)
+
+    def _spread(self, x: float, y: float, yaw: float) -> tuple[float, ...]:
+        """Return the covariance of an estimate that is so far behind the best track."""
+        best = self.beliefs.best
+        (xx, xy, xa, *_), (_, yy, ya, *_), (_, _, aa, *_) = best.errors.rows[:3]
+        leads = [(1.0, x, y, yaw)]
+        for rival in self.beliefs.rivals:
+            leads.append((rival.weight, rival.x - best.x, rival.y - best.y, rival.yaw - best.yaw))
+        for weight, x, y, yaw in leads:
+            xx, xy, xa = xx + weight * x * x, xy + weight * x * y, xa + weight * x * yaw
+            yy, ya, aa = yy + weight * y * y, ya + weight * y * yaw, aa + weight * yaw * yaw
+        return xx + FLOOR, xy, xa, xy, yy + FLOOR, ya, xa, ya, aa + FLOOR
 
 
 def _share(part: float, whole: float, most: float, far: float, room: float) -> float:
@@ -152,12 +165,3 @@ def _share(part: float, whole: float, most: float, far: float, room: float) -> f
     if whole > far:
         most = max(most, room)
     return min(part, most / whole) if whole else 0.0
-
-
-def _spread(best: Track, x: float, y: float, yaw: float) -> tuple[float, ...]:
-    """Return the covariance of an estimate that is this far behind the best track."""
-    p = best.errors.rows
-    xy, xa, ya = p[0][1] + x * y, p[0][2] + x * yaw, p[1][2] + y * yaw
-    return (p[0][0] + x * x + FLOOR, xy, xa,
-            xy, p[1][1] + y * y + FLOOR, ya,
-            xa, ya, p[2][2] + yaw * yaw + FLOOR)

@@ -38,8 +38,8 @@ class Track:
     def __init__(self, rounding: Rounding, acceleration: float, geometry: Geometry) -> None:
         self.rounding = rounding
         self.acceleration = acceleration
-        self.scales = geometry.linear_scale, geometry.angular_scale
-        self._slip = geometry.slip ** 2
+        self._geometry = geometry
+        self._scales = geometry.linear_scale, geometry.angular_scale
         self.weight = 1.0
         self.x = self.y = self.yaw = 0.0
         self.separation = 0.258
@@ -55,7 +55,6 @@ class Track:
         self.forget_parameters()
         self.went = self.turned = 0.0
         """Travel and turn of the newest step, before any correction."""
-        self._expected = [0.0, 0.0]
         self._open_window()
         self._open_segment()
         self._empty(rounding is Rounding.CARRY)
@@ -65,7 +64,7 @@ class Track:
         other = copy(self)
         other.right, other.left = copy(self.right), copy(self.left)
         other.errors = self.errors.copy()
-        other._expected = list(self._expected)
+        other._expected, other._miscounted = list(self._expected), list(self._miscounted)
         other.rounding, other.acceleration = rounding, acceleration
         other.weight, other.surprises = 1.0, 0
         other.forget_parameters()
@@ -94,12 +93,9 @@ class Track:
     @property
     def twist_variance(self) -> tuple[float, float]:
         """Variance of the forward speed, (m/s)², and of the turn rate, (rad/s)²."""
-        p, both = self.errors.rows, 0.0
-        for wheel, gain, speed in (
-                (self.right, RIGHT, RIGHT_SPEED), (self.left, LEFT, LEFT_SPEED)):
-            both += p[speed][speed]
-            if self.free is None and wheel.speed == wheel.goal:
-                both += p[gain][gain] * wheel.goal * wheel.goal
+        cruising = [wheel.goal if self.free is None and wheel.speed == wheel.goal else 0.0
+                    for wheel in (self.right, self.left)]
+        both = self.errors.speed_variance(*cruising)
         return both / 4 + 1e-6, both / self.separation ** 2 + 1e-6
 
     # Motion.
@@ -166,8 +162,10 @@ class Track:
         counted_turn = (counted_right - counted_left) / self.separation
         self.angle += counted_turn
         self._counted_turn += counted_turn
-        went = (right + left) / 2 * self.scales[0]
-        turn = (right - left) / self.separation * self.scales[1]
+        went = (right + left) / 2 * self._scales[0]
+        turn = (right - left) / self.separation * self._scales[1]
+        self._miscounted[0] += (right + left - counted_right - counted_left) / 2 * self._scales[0]
+        self._miscounted[1] += turn - counted_turn * self._scales[1]
         middle = self.yaw + turn / 2
         chord = went * (1 - turn * turn / 24)
         self.x += chord * cos(middle)
@@ -216,12 +214,15 @@ class Track:
             keep = right.speed != right.goal, left.speed != left.goal
         return Segment(
             self.x - x, self.y - y, cos(middle), sin(middle), self.yaw - yaw, self._counted_turn,
-            self.separation, self.scales, counts, gain, seconds, ramp, speed_ramp, keep)
+            self.separation, self._scales, counts, gain, seconds, ramp, speed_ramp, keep)
 
     def _disturb(self, s: Segment) -> None:
         """Add what no parameter explains: slip, uneven ramps, parameters that drift."""
         p, b = self.errors.rows, self.separation
-        slip = self._slip * self._path
+        stray = self._geometry.slip
+        if self.free is not None:
+            stray = max(stray, given.ASTRAY)
+        slip = stray * stray * self._path
         p[X][X] += slip / 4
         p[Y][Y] += slip / 4
         p[YAW][YAW] += slip / (b * b)
@@ -237,10 +238,9 @@ class Track:
     # Readings.
 
     def read(self, distance: int, angle: int) -> float:
-        """Take a reading in; return how likely it was, 1 for one that tells nothing of that."""
+        """Take a reading in; return how likely it was."""
         self.close_segment()
-        readings = (distance, angle)
-        likelihood = 1.0
+        readings, likelihood = (distance, angle), 1.0
         surprise = None if self.free else self._surprise(readings)
         if surprise:
             likelihood = given.UNLIKELY
@@ -271,12 +271,18 @@ class Track:
         self.close_segment()
         if self.free is not None:
             self._run_bound()
-        for wheel, request, index in ((self.right, right, RIGHT_SPEED),
-                                      (self.left, left, LEFT_SPEED)):
+        for wheel, request in ((self.right, right), (self.left, left)):
             wheel.ask(request)
             wheel.speed = wheel.goal
             wheel.settle_sign()
-            self.errors.clear(index)
+        self.errors.clear(RIGHT_SPEED)
+        self.errors.clear(LEFT_SPEED)
+
+    def lift(self, lifted: bool) -> None:
+        """Take the robot off the floor, where wheels turn and nothing moves, or put it down."""
+        self.close_segment()
+        g = self._geometry
+        self._scales = (0.0, 0.0) if lifted else (g.linear_scale, g.angular_scale)
 
     def reset(self) -> None:
         """Put the origin of the odometry frame where the robot is."""
@@ -318,6 +324,11 @@ class Track:
         self.errors.add(angle ** 2, (
             (X, -dy / 2), (Y, dx / 2), (YAW, 1.0), (ANGLE, 1.0),
             (RIGHT_SPEED, turn_rate), (LEFT_SPEED, -turn_rate)))
+        # Whoever holds a wheel also ends its rolling on under the wrong sign.
+        far, turn = self._miscounted
+        self.errors.add(1.0, ((X, far * cos(middle)), (Y, far * sin(middle)), (YAW, turn)))
+        self.x, self.y, self.yaw = (
+            self.x - far * cos(middle), self.y - far * sin(middle), self.yaw - turn)
         shape = (distance * min(angle, 1.0) / 4) ** 2
         self.errors.add(shape, ((X, 1.0),))
         self.errors.add(shape, ((Y, 1.0),))
@@ -387,4 +398,6 @@ class Track:
         self._window_start = self.x, self.y, self.yaw
         self._window_seconds = 0.0
         self._expected = [0.0, 0.0]
+        self._miscounted = [0.0, 0.0]
+        """True travel and turn of the window less what the encoders make of them."""
 
