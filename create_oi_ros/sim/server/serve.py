@@ -54,8 +54,10 @@ class Server:
         self._create.step(0.0)
         while not self._stopping:
             now = self._now()
-            if now >= (self._slots + 1) * SLOT:
-                self._slot(now)
+            if now >= (self._slots + 1) * SLOT - _EARLY:
+                # One at a time, however late, so that watchers see the end of every slot.
+                self._slots += 1
+                self._slot(self._slots * SLOT)
             self._pass_on(now)
             wait = min((self._slots + 1) * SLOT, self._due()) - self._now()
             ready, _, _ = select.select(self._watched(), [], [], max(0.0, wait / self._speed))
@@ -72,7 +74,6 @@ class Server:
         return now
 
     def _slot(self, now: float) -> None:
-        self._slots = int(now / SLOT + _EARLY)
         self._go_wrong(now)
         self._create.host_baud(self._line.baud())
         self._create.step(now)
