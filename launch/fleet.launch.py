@@ -23,8 +23,9 @@ def robots(context):
     names = [f'robot{number}' for number in range(1, count + 1)]
     return [
         IncludeLaunchDescription(PythonLaunchDescriptionSource(one), launch_arguments={
-            'simulated': 'true', 'world': LaunchConfiguration('world'), 'namespace': name,
-            'frame_prefix': f'{name}/'}.items())
+            'simulated': 'true', 'namespace': name, 'frame_prefix': f'{name}/',
+            'world': LaunchConfiguration('world'),
+            'description': LaunchConfiguration('description')}.items())
         for name in names]
 
 
@@ -33,4 +34,6 @@ def generate_launch_description():
     return LaunchDescription([
         DeclareLaunchArgument('count', default_value='2', description='number of robots'),
         DeclareLaunchArgument('world', default_value='room', description='world of each robot'),
+        DeclareLaunchArgument('description', default_value='true',
+                              description='true: publish models (robot_state_publisher)'),
         OpaqueFunction(function=robots)])
