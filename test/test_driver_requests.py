@@ -263,7 +263,27 @@ def test_before_docking_the_robot_rests_a_second_in_passive(loop):
     assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
 
 
+def test_stop_ends_a_demo_that_is_about_to_begin(loop):
+    loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK, Answer())
+    loop.run(0.5)
+    assert loop.driver.stop(loop.now)[0]
+    loop.run(1.0)
+    assert loop.robot.demo is None
+    assert loop.body.truth().speed == 0
+
+
 # Scripts.
+
+
+def test_while_the_robot_drives_no_script_is_played_or_shown(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    loop.driver.drive(0.2, 0.0, loop.now)
+    played, shown = Answer(), Answer()
+    loop.driver.scripts.play(loop.now, played, force=True)
+    loop.driver.scripts.show(loop.now, shown)
+    for answer in (played, shown):
+        assert answer.success is False
+        assert 'stop it first' in answer.message
 
 
 def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):

@@ -55,7 +55,8 @@ class Driver:
         self._requests = Requests(self._outbox, self._refusal)
         self.actuators = Actuators(self._outbox, self._requests, self.readings)
         self.demos = Demos(self._outbox, self._requests, self._supervision, self._motion)
-        self.scripts = Scripts(self._outbox, self._requests, lambda: self.plan)
+        self.scripts = Scripts(
+            self._outbox, self._requests, self._motion, lambda: self.plan)
         self.heard_at = 0.0
         """When the last frame came, in the clock of `now`."""
         self._refusal_said = False
@@ -167,6 +168,8 @@ class Driver:
             self._outbox.send_at_once(oi.DriveDirect(right=0, left=0), now)
         if self.status.actual is oi.Mode.PASSIVE:
             self._outbox.send_at_once(END_DEMO, now)
+        if self.status.wanted is oi.Mode.PASSIVE and self._outbox.busy:
+            self._outbox.send(END_DEMO)  # one may be about to begin
         refusal = self._refusal(oi.Demo)
         return not refusal, refusal or 'wheels stopped'
 

@@ -107,6 +107,11 @@ class Motion:
         """Whether wheels are wanted to turn."""
         return self._wanted != STOPPED
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether the wheels stand, or are to stand at once."""
+        return self._wanted == self._speeds == STOPPED
+
     def expired(self, now: float) -> bool:
         """Tell whether the newest command is too old to hold."""
         return now - self._commanded_at > self.limits.timeout

@@ -16,6 +16,7 @@ from enum import Enum
 from .. import oi
 from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
 from ..oi.text import format_command
+from .motion import Motion
 from .outbox import Outbox
 from .requests import Reply, Requests
 from .stream_plan import StreamPlan
@@ -26,6 +27,7 @@ HUSH = 0.1
 """Seconds after which the line is silent once the stream was halted."""
 PATIENCE = 0.5
 """Seconds that the robot may take to begin to tell its script."""
+DRIVES = 'the robot drives, and could not be told to stop meanwhile: stop it first'
 
 ShowReply = Callable[[bool, str, bytes], None]
 """Takes whether the script could be read, if not why, and its bytes."""
@@ -44,11 +46,13 @@ class Scripts:
     """The script that the robot stores, as far as it is known."""
 
     def __init__(
-        self, outbox: Outbox, requests: Requests, plan: Callable[[], StreamPlan],
+        self, outbox: Outbox, requests: Requests, motion: Motion,
+        plan: Callable[[], StreamPlan],
     ) -> None:
-        """Take where commands go, what checks them, and what tells the present stream plan."""
+        """Take where commands go, what checks them, the wheels, and the present stream plan."""
         self._outbox = outbox
         self._requests = requests
+        self._motion = motion
         self._plan = plan
         self._stored: oi.Script | None = None
         self._doing = Doing.NOTHING
@@ -88,6 +92,8 @@ class Scripts:
         refusal = '' if force else self._doubt()
         if self._stored == oi.Script(script=b''):
             refusal = 'no script is stored: call define_script'
+        if not self._motion.at_rest:
+            refusal = DRIVES
         if refusal:
             reply(False, refusal)
             return
@@ -98,6 +104,8 @@ class Scripts:
     def show(self, now: float, reply: ShowReply) -> None:
         """Ask the robot for its script."""
         refusal = self._requests.refusal(oi.ShowScript)
+        if not self._motion.at_rest:
+            refusal = DRIVES
         if refusal:
             reply(False, refusal, b'')
             return
