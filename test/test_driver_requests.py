@@ -5,7 +5,7 @@ from math import nan
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Link
+from create_oi_ros.driver import Driver, Link, Settings
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.text import parse_script
 from create_oi_ros.sim.guesses import Guesses
@@ -225,7 +225,28 @@ def test_all_is_restored_after_a_drop(loop):
     assert_restored(loop)
 
 
+@pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.FULL])
+def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
+    loop = Loop(Settings(mode_on_start=oi.Mode.FULL, mode_on_exit=mode))
+    loop.run(0.3)
+    ask(loop, loop.driver.actuators.set_drivers, (1.0, 1.0, 1.0))
+    loop.drive(0.2, 0.0, 0.3)
+    loop.driver.shut_down(loop.now)
+    loop.turn()
+    assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
+    assert loop.robot.mode is mode
+    loop.run(1.0)
+    assert loop.body.truth().speed == 0
+
+
 # Demos.
+
+
+def test_a_demo_ends_when_the_driver_does(loop):
+    ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    loop.driver.shut_down(loop.now)
+    loop.turn()
+    assert loop.robot.demo is None
 
 
 def test_a_demo_runs_until_it_is_stopped(loop):

@@ -194,13 +194,15 @@ class Driver:
         self.odometry.reset()
 
     def shut_down(self, now: float) -> None:
-        """Say goodbye: wheels stopped, stream halted, the mode that was asked for on exit."""
+        """Say goodbye: all that moves stopped, stream halted, the mode asked for on exit."""
         self._mode_request.answer(False, 'driver is shutting down')
         if self.link is Link.CLOSED:
             return
         self._outbox.clear()
         for command in (
             oi.DriveDirect(right=0, left=0),
+            oi.PwmLowSideDrivers(driver_0=0, driver_1=0, driver_2=0),
+            *((END_DEMO,) if self.status.actual is oi.Mode.PASSIVE else ()),
             oi.PauseResumeStream(state=oi.StreamState.PAUSE),
             MODE_COMMANDS[self.settings.mode_on_exit](),
         ):

@@ -114,6 +114,8 @@ class Scripts:
 
     def poll(self, now: float) -> None:
         """Do what time asks for."""
+        if self._doing is Doing.HUSHING and self._outbox.busy:
+            self._due = now + HUSH
         if self._doing is Doing.NOTHING or now < self._due or self._outbox.busy:
             return
         if self._doing is Doing.PLAYING:
