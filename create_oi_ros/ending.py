@@ -45,11 +45,13 @@ def call_on_signal(end: Callable[[], None]) -> None:
 
 def spin_until(executor: Executor, ended: Future) -> None:
     """
-    Run callbacks until a future is done.
+    Run callbacks until a future is done, and end at once then.
 
     rclpy's own function of this kind adds a callback to the future each time round, so that a
-    program that runs for days grows.
+    program that runs for days grows. `Executor.wake` does not end a wait: it takes a callback
+    that is run.
     """
-    ended.add_done_callback(lambda _: executor.wake())
+    bell = executor.get_nodes()[0].create_guard_condition(lambda: None)
+    ended.add_done_callback(lambda _: bell.trigger())
     while not ended.done():
         executor.spin_once()

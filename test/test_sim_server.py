@@ -394,6 +394,13 @@ def test_quit_ends_it(port: Path, tmp_path: Path) -> None:
 
 # Faults, record, drawing.
 
+def test_faults_that_are_taken_back_end(tmp_path: Path) -> None:
+    with taught(tmp_path) as (port, teacher), opened(port) as client:
+        teacher.tell('fault silence@0+1000 unplug@1000', 'after 0.05', 'fault off', 'after 0.05')
+        os.write(client, START + bytes([142, 35]))
+        assert receive(client, 1) == b'\x01'
+
+
 def test_faults_happen_at_their_times(tmp_path: Path) -> None:
     with taught(tmp_path, '--fault', 'unplug@0.5+0.5', '--fault', 'brownout@2',
                 '--speed', '2') as (port, teacher):

@@ -84,8 +84,6 @@ class Server:
             self.control_port.serve(self._create.time)
 
     def _go_wrong(self, now: float) -> None:
-        if not self._faults.faults:
-            return
         unplugged = self._faults.active(Kind.UNPLUG)
         begun = self._faults.step(now)
         if Kind.BROWNOUT in begun:
