@@ -167,6 +167,8 @@ def refusal(name: str, value: Any) -> str:
         return f'parameter {name} = {value!r}; allowed: {_listed(choices)}'
     if isinstance(value, float) and value != value:
         return f'parameter {name} is not a number'
+    if value == '':
+        return f'parameter {name} is empty'
     return ''
 
 
