@@ -6,6 +6,7 @@ One Create: its driver, its model, and, as wished, a simulated robot and RViz.
 """
 
 import os
+import tempfile
 
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from launch import LaunchDescription
@@ -35,7 +36,8 @@ def nodes(context):
     namespace, prefix, port = value['namespace'], value['frame_prefix'], value['port']
     made = []
     if asked['simulated']:
-        port = f'/tmp/create_{namespace.strip("/").replace("/", "_") or "robot"}_{os.getpid()}'
+        name = namespace.strip('/').replace('/', '_') or 'robot'
+        port = os.path.join(tempfile.gettempdir(), f'create_{name}_{os.getpid()}')
         made.append(simulator(port, value['world']))
     made.append(Node(
         package='create_oi_ros', executable='create_node', namespace=namespace, output='screen',

@@ -215,6 +215,15 @@ def test_all_is_restored_after_a_power_cycle_but_drivers_stay_off(loop):
     assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
 
 
+def test_all_is_restored_after_a_reconnect(loop):
+    set_everything(loop)
+    loop.cut = True
+    loop.run(2.0)
+    loop.cut = False
+    loop.run(2.0)
+    assert_restored(loop)
+
+
 def test_all_is_restored_after_a_drop(loop):
     set_everything(loop)
     loop.body.drop(left=True)
