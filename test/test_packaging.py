@@ -14,7 +14,8 @@ from source import imported, modules, PACKAGE, ROOT
 MODULES = modules(PACKAGE)
 FOLDERS = ('launch', 'test', 'bench')
 """Beside the package: what only these import may be a test dependency."""
-OURS = {PACKAGE, *FOLDERS, *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
+OURS = {PACKAGE, *FOLDERS,
+        *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
     'hypothesis', 'matplotlib', 'numpy', 'pexpect', 'psutil', 'pytest', 'serial', 'yaml')}
 """Where a module is not called like its rosdep key."""
