@@ -33,7 +33,7 @@ TOP_SPEED = 0.5
 """m/s, of either wheel (manual)."""
 LONGEST_SEGMENT = 0.25
 """Seconds between updates of the covariance."""
-BELIEVABLE = 1.5, 0.05
+BELIEVABLE = 2.0, 0.05
 """Units, and part of the travel, by which a robot that obeys again may miss its prediction, ..."""
 TELLING_TIME = 0.2
 """... and the seconds that a window must last to tell."""

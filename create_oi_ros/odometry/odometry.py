@@ -12,7 +12,7 @@ from .assumptions import DEGREE, TOP_SPEED
 from .beliefs import Beliefs
 from .estimate import Estimate, Geometry, Increment
 from .plain import PlainOdometry
-from .reading_plan import ReadingPlan, SLOT
+from .reading_plan import ANSWER, ReadingPlan, SLOT
 
 BLEND = 0.1
 """Seconds in which a correction is blended in, ..."""
@@ -46,6 +46,9 @@ class Odometry:
         self._discard = True
         self._gap = False
         self._doubt = False
+        self._missed: tuple[float, float] | None = None
+        """What the accumulators were believed to hold when a reading that was asked for had not
+        come: it may never have been sent, or be lost."""
         self._driven = self._lifted = False
 
     @property
@@ -102,18 +105,19 @@ class Odometry:
             if increment.lifted != self._lifted:
                 track.lift(increment.lifted)
             track.advance(dt, right, left)
-        if dt > 1.5 * SLOT and self._plan.pending:
-            # The reading may have been in a frame that was lost.
-            self._doubt = True
         if driven != self._driven:
             self._plan.hurry()
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
-        self._plan.step(dt, steady=steady, beliefs=self.beliefs)
+        if self._plan.step(dt, steady=steady, beliefs=self.beliefs):
+            self._missed = best.distance, best.angle
 
     def _read(self, distance: int, angle: int, driven: bool) -> None:
         self._plan.came()
-        if self._discard:
-            # The first reading may hold travel from before.
+        missed, self._missed = self._missed, None
+        if self._discard or missed is not None and self.beliefs.best.since(
+                missed, distance, angle, ANSWER * SLOT):
+            # The first reading may hold travel from before; one that was lost on the line has
+            # taken away what this one lacks.
             for track in self.beliefs.tracks:
                 track.discard()
         else:

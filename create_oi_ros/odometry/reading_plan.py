@@ -49,12 +49,17 @@ class ReadingPlan:
         """Ask soon: what the robot does has changed for a reason of its own."""
         self._age = PATIENCE * self.window
 
-    def step(self, dt: float, *, steady: bool, beliefs: Beliefs) -> None:
-        """Let a frame pass; `steady`: with the same requests as the one before."""
+    def step(self, dt: float, *, steady: bool, beliefs: Beliefs) -> bool:
+        """
+        Let a frame pass; `steady`: with the same requests as the one before.
+
+        Return whether it was the last one in which the answer to a question could have come.
+        """
         self._age += dt
         self._probed += dt
         self._steady = self._steady + dt if steady else 0.0
         self._asked += 1
+        in_vain = self._asked == ANSWER
         if self._probe:
             self._probe -= 1
             self.due = True
@@ -67,6 +72,7 @@ class ReadingPlan:
             self.due = self._age >= self._patience(beliefs)
         if self.due:
             self._asked = 0
+        return in_vain
 
     def _patience(self, beliefs: Beliefs) -> float:
         best = beliefs.best
