@@ -42,6 +42,13 @@ class Robot:
         self._thread = threading.Thread(target=self._server.serve)
         self._thread.start()
 
+    def soon(self, action: Callable[[], object]) -> None:
+        """Do something to the robot on its own thread."""
+        def once() -> None:
+            self._server.watchers.remove(once)
+            action()
+        self._server.watchers.append(once)
+
     def close(self) -> None:
         """Pull the cable out."""
         self._server.stop()

@@ -175,7 +175,7 @@ def test_scripts_are_stored_shown_and_played(ready):
     ready.ask(PlayScript, 'play_script')
     ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1)
     ready.ros.until(lambda: 'script has ended' in ready.node.output)
-    assert ready.robot.body.truth().speed == 0
+    ready.ros.until(lambda: ready.robot.body.truth().speed == 0)
     ready.ask(DefineScript, 'define_script', code=[155, 1, 153])
     assert 'force' in ready.refused(PlayScript, 'play_script')
     assert 'column' in ready.refused(DefineScript, 'define_script', text='Fly away')
@@ -186,7 +186,7 @@ def test_a_power_cycle_loses_nothing_that_was_set(ready):
     ready.ask(SetLeds, 'set_leds', advance=True, power_intensity=9)
     ready.ask(DefineSong, 'define_song', number=1, pitches=[60], seconds=[0.5])
     create = ready.robot.create
-    create.lose_battery(create.time)
+    ready.robot.soon(lambda: create.lose_battery(create.time))
     ready.until_mode(Mode.UNKNOWN)
     ready.until_mode(Mode.SAFE)
     ready.ros.until(lambda: create.lights == (oi.LedBits.ADVANCE, 0, 9))
@@ -232,15 +232,17 @@ def test_others_see_it_at_the_promised_rates_and_as_they_are_used_to(ready):
 def test_stale_commands_are_dropped_by_their_stamp(stage):
     ready = Ready(stage, enable_stamped_cmd_vel=True)
     velocity = ready.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)
-    ready.ros.until(velocity.get_subscription_count)
-    command = TwistStamped(twist=Twist(linear=Vector3(x=0.2)))
-    now = ready.ros.node.get_clock().now().nanoseconds
-    command.header.stamp = convert.time(now - 2 * convert.NANOSECONDS)
-    velocity.publish(command)
+    old = [2.0]
+
+    def publish() -> None:
+        now = ready.ros.node.get_clock().now().nanoseconds
+        command = TwistStamped(twist=Twist(linear=Vector3(x=0.2)))
+        command.header.stamp = convert.time(now - round(old[0] * convert.NANOSECONDS))
+        velocity.publish(command)
+    ready.ros.node.create_timer(0.1, publish)
     ready.ros.until(lambda: 'is dropped' in ready.node.output)
     assert ready.robot.body.truth().travelled == 0
-    command.header.stamp = ready.ros.node.get_clock().now().to_msg()
-    velocity.publish(command)
+    old[0] = 0.0
     ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1)
 
 
