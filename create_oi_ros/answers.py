@@ -18,6 +18,7 @@ from create_oi_msgs.srv import (
 )
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
@@ -26,6 +27,8 @@ from .driver import Driver, Reply
 from .services import SERVICES
 from .session import Session
 
+AT_ONCE = QoSProfile(depth=200)
+"""So many requests may come at once; of ROS's own ten, those beyond are never answered."""
 MODES = ', '.join(f'{mode.value} {mode.name}' for mode in oi.Mode)
 DEMOS = ', '.join(f'{demo.value} {demo.name}' for demo in oi.DemoNumber if demo >= 0)
 
@@ -44,7 +47,8 @@ class Answers:
         together = ReentrantCallbackGroup()
         for service in SERVICES:
             node.create_service(
-                service.type, service.name, getattr(self, service.name), callback_group=together)
+                service.type, service.name, getattr(self, service.name),
+                qos_profile=AT_ONCE, callback_group=together)
 
     async def _ask(self, response: Any, asked: Asked) -> Any:
         """Put a request to the driver; return the response when the reply has come."""
