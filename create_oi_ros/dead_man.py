@@ -44,6 +44,11 @@ class DeadMan:
         """The process's number."""
         return self._process.pid
 
+    @property
+    def ended(self) -> bool:
+        """Whether somebody has ended the process, so that nobody watches."""
+        return self._process.poll() is not None
+
     def release(self) -> None:
         """Let the process end without touching the robot."""
         try:

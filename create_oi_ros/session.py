@@ -8,6 +8,7 @@ driver to one of them at a time, and bytes in the order in which they were decid
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import inf
 import threading
 import time
 
@@ -19,6 +20,10 @@ READ_TIMEOUT = 0.02
 """Seconds that a read waits at most: how late the driver's own timers may be."""
 RETRY_FIRST, RETRY_MOST = 0.1, 0.8
 """Seconds between attempts to open the port: doubling from the first to the second."""
+NAMED_AFTER = 1.0
+"""Seconds after which a device that was plugged in has all its names."""
+LEAST_WATCH = 1.0
+"""Seconds that a dead-man must have lasted for another one to be posted in its place."""
 
 
 class Session:
@@ -43,7 +48,10 @@ class Session:
         self._lock = threading.RLock()
         self._port: Port | None = None
         self._dead_man: DeadMan | None = None
+        self._posted_at = 0.0
         self._lasting_name: str | None = None
+        self._named_at = inf
+        """When to ask for the lasting name of the port that was opened last."""
         self._closing = threading.Event()
         self._complaint = ''
         self._thread = threading.Thread(target=self._run, name='create_session')
@@ -114,10 +122,10 @@ class Session:
         with self._lock:
             self._complaint = ''
             self._port = port
-            self._lasting_name = lasting_name(url) or self._lasting_name
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
             self._post_dead_man(port)
             now = time.monotonic()
+            self._named_at = now + NAMED_AFTER
             self.driver.connected(now)
             self._exchange(now)
         return True
@@ -131,12 +139,25 @@ class Session:
                 Severity.WARNING, f'{port.url}: no dead-man for this kind of port; if this '
                 'process dies, the robot drives on'))
             return
+        self._posted_at = time.monotonic()
         try:
             self._dead_man = DeadMan(line, LAST_WORDS)
         except OSError as error:
             self._on_event(Notice(
                 Severity.ERROR, f'the dead-man could not be started ({error}); if this process '
                 'dies, the robot drives on'))
+
+    def _mind_dead_man(self, port: Port, now: float) -> None:
+        """Post another one where the first was ended, unless that happens at once again."""
+        if self._dead_man is None or not self._dead_man.ended:
+            return
+        self._dead_man.release()
+        self._dead_man = None
+        then = 'if this process dies, the robot drives on'
+        if now - self._posted_at > LEAST_WATCH:
+            self._post_dead_man(port)
+            then = 'another one watches now'
+        self._on_event(Notice(Severity.ERROR, f'the dead-man was ended by somebody; {then}'))
 
     def _read(self, port: Port) -> None:
         try:
@@ -151,6 +172,10 @@ class Session:
             if self._closing.is_set():
                 return
             now = time.monotonic()
+            self._mind_dead_man(port, now)
+            if now > self._named_at:
+                self._lasting_name = lasting_name(port.url) or self._lasting_name
+                self._named_at = inf
             if received:
                 self.driver.receive(received, now)
             self._exchange(now)

@@ -1,5 +1,6 @@
 """Ports that cannot be had, in words; a device that comes back under another name."""
 
+from contextlib import contextmanager
 import errno
 import os
 from pathlib import Path
@@ -84,40 +85,81 @@ def test_the_lasting_name_of_a_device_is_found(tmp_path, terminal):
     assert lasting_name(terminal, str(tmp_path)) == str(tmp_path / 'usb-adapter-if00')
 
 
-def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypatch):
-    names = tmp_path / 'by-id'
-    names.mkdir()
-    monkeypatch.setattr(session, 'lasting_name', lambda url: lasting_name(url, str(names)))
-    notices: list[str] = []
-    told = threading.Condition()
+class Heard:
+    """The notices of a session, which other threads may wait for."""
 
-    def on_event(event):
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self._told = threading.Condition()
+
+    def __call__(self, event) -> None:
+        """Take an event in."""
         if isinstance(event, Notice):
-            with told:
-                notices.append(event.text)
-                told.notify_all()
+            with self._told:
+                self.texts.append(event.text)
+                self._told.notify_all()
 
-    def wait_for(words: str) -> None:
-        with told:
-            assert told.wait_for(lambda: any(words in text for text in notices), PATIENCE), notices
+    def wait_for(self, words: str, times: int = 1) -> None:
+        """Wait until some words have been said so often."""
+        with self._told:
+            assert self._told.wait_for(
+                lambda: sum(words in text for text in self.texts) >= times, PATIENCE), self.texts
 
-    robot = Robot(tmp_path / 'ttyUSB0', shipped('empty'), Rounding.CARRY)
-    (names / 'usb-adapter').symlink_to(tmp_path / 'ttyUSB0')
+
+@contextmanager
+def session_on(url: Path, *, dead_man: bool = False):
+    """Keep a driver connected; yield it and what is heard of it."""
+    heard = Heard()
     ours = Session(
-        Driver(), str(tmp_path / 'ttyUSB0'), on_event=on_event, on_failure=lambda: None)
+        Driver(), str(url), on_event=heard, on_failure=lambda: None, dead_man=dead_man)
     ours.start()
     try:
-        wait_for('robot answers')
-        robot.close()
-        wait_for('does not exist')
-        notices.clear()
-        robot = Robot(tmp_path / 'ttyUSB1', shipped('empty'), Rounding.CARRY)
-        beside = Path(tmp_path / 'beside')
-        beside.symlink_to(tmp_path / 'ttyUSB1')
-        beside.replace(names / 'usb-adapter')
-        wait_for('robot answers')
-        assert any(f'{names}/usb-adapter opened' in text for text in notices)
-        assert ours.driver.link is Link.UP
+        yield ours, heard
     finally:
         ours.close()
+
+
+@contextmanager
+def robot_on(link: Path):
+    """Switch a robot on."""
+    robot = Robot(link, shipped('empty'), Rounding.CARRY)
+    try:
+        yield robot
+    finally:
         robot.close()
+
+
+def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypatch):
+    name = tmp_path / 'by-id' / 'usb-adapter'
+    name.parent.mkdir()
+    named = threading.Event()
+
+    def asked(url: str) -> str | None:
+        named.set()
+        return lasting_name(url, str(tmp_path / 'by-id'))
+    monkeypatch.setattr(session, 'lasting_name', asked)
+    with session_on(tmp_path / 'ttyUSB0') as (ours, heard):
+        with robot_on(tmp_path / 'ttyUSB0'):
+            name.symlink_to(tmp_path / 'ttyUSB0')
+            heard.wait_for('robot answers')
+            named.wait(PATIENCE)
+        heard.wait_for('does not exist')
+        with robot_on(tmp_path / 'ttyUSB1'):
+            (tmp_path / 'beside').symlink_to(tmp_path / 'ttyUSB1')
+            (tmp_path / 'beside').replace(name)
+            heard.wait_for('robot answers', times=2)
+            assert ours.driver.link is Link.UP
+
+
+def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
+    monkeypatch.setattr(session, 'LEAST_WATCH', 0.0)
+    with robot_on(tmp_path / 'tty'), session_on(tmp_path / 'tty', dead_man=True) as (ours, heard):
+        heard.wait_for('robot answers')
+        first = ours._dead_man.pid
+        os.kill(first, 9)
+        heard.wait_for('another one watches')
+        assert ours._dead_man.pid != first
+        monkeypatch.setattr(session, 'LEAST_WATCH', 1000.0)
+        os.kill(ours._dead_man.pid, 9)
+        heard.wait_for('drives on')
+        assert ours._dead_man is None
