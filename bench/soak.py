@@ -95,7 +95,12 @@ class Soak:
         stage.start_node(baud=0)
         stage.furnish()
         with frozen_subscriber(stage.domain):
-            return self._go_on(minutes)
+            try:
+                return self._go_on(minutes)
+            except TimeoutError as error:
+                self.troubles.append(str(error))
+                return {'trouble': str(error), 'truth': stage.teacher.truth(),
+                        'node': stage.node.output[-3000:], 'commands': self._commands}
 
     def _go_on(self, minutes: float) -> dict[str, object]:
         stage, begun, first = self._stage, time.monotonic(), None
