@@ -43,7 +43,7 @@ QUICKLY = 1.0
 """Seconds within which the newest command must be obeyed though all those came before it."""
 FAULTS = (
     'unplug:0.03+1.5', 'cut:0.02+0.8', 'silence:0.02+1', 'deaf:0.02+0.5', 'brownout:0.01+0.1',
-    'flip:0.02', 'drop:0.02', 'garbage:0.02', 'drop.in:0.02')
+    'flip:0.02', 'drop:0.02', 'garbage:0.02')
 ROBOT = ('--guess', 'boot_seconds=0', '--seed', '7')
 BURN = 'while True: pass'
 SUBSCRIBER = """

@@ -116,7 +116,7 @@ def test_an_impossible_jump_is_dropped_and_counted():
     before = loop.estimate
     forged = loop.driver.plan.full
     values = [0] * len(forged.packets)
-    values[forged.names.index('distance')] = 1000
+    values[forged.names.index('distance')] = 4000
     values[forged.names.index('oi_mode')] = oi.Mode.SAFE
     loop.driver.receive(forged.pack_frame(values), loop.now)
     loop.run(0.1)
@@ -236,6 +236,37 @@ def test_a_mode_that_the_robot_did_not_hear_of_is_entered_again():
     loop.driver.set_mode(oi.Mode.FULL, loop.now, lambda *_: None)
     loop.run(0.5)
     assert loop.robot.mode is oi.Mode.FULL
+
+
+def test_a_robot_that_misheard_is_brought_back_from_full_to_safe():
+    loop = Loop()
+    loop.run(0.5)
+    loop.robot.receive(oi.Full().encode(), loop.now)
+    loop.run(0.5)
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+@pytest.mark.parametrize('begun', [
+    oi.Song(number=0, notes=(oi.Note(60, 10),) * 16).encode()[:3],
+    oi.Script(script=bytes(100)).encode()[:2], bytes([oi.Stream.opcode, 255])])
+def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(begun):
+    loop = Loop()
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    loop.robot.receive(begun, loop.now)
+    loop.driver.stop(loop.now)
+    loop.run(1.5)
+    assert loop.body.truth().speed == 0
+    assert loop.driver.link is Link.UP
+
+
+def test_a_robot_that_waits_for_ever_is_told_of_once():
+    loop = Loop()
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
+    loop.run(5.0)
+    assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
 
 
 def test_a_robot_that_cannot_enter_its_mode_at_first_is_not_pestered_and_may_later():

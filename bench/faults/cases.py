@@ -304,7 +304,6 @@ FAULTS = (
     Fault('robot deaf for a while', disturbing('deaf@0+999999')),
     Fault('bad line: 5 % flipped, short, garbage', disturbing('flip:0.05 drop:0.05 garbage:0.05')),
     Fault('all bytes garbled', disturbing('flip:1 drop:1 garbage:1')),
-    Fault('half the commands short of a byte', disturbing('drop.in:0.5'), node={'baud': 0}),
     Fault('command cut short before connecting', half_said, again=False, zero=None),
     Fault('robot at 19200, baud: 0', at_other_rate, again=False, zero=None),
     *map(_killed, (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)),

@@ -26,6 +26,9 @@ from .settings import Settings
 from .stream_plan import StreamPlan
 from .supervision import Cause, causes_in, MODE_COMMANDS, ModeStatus, Supervision
 
+DRAIN_AFTER, TELL_AFTER = 4, 14
+"""Speeds in a row that the robot missed, after which it is taken to be in the middle of a
+command, and after which the user is told: 0.6 s and 2 s."""
 SILENCE = 0.5
 """Seconds without a frame after which the robot is taken to be away, and called again."""
 
@@ -306,7 +309,7 @@ class Driver:
             dt=dt,
             right=readings.requested_right_velocity / MM,
             left=readings.requested_left_velocity / MM,
-            driven=readings.oi_mode in oi.DriveDirect.modes,
+            driven=readings.oi_mode in oi.DriveDirect.modes and not self.scripts.playing,
             distance=readings.distance if asked else None,
             angle=readings.angle if asked else None))
 
@@ -347,11 +350,19 @@ class Driver:
                       f'{self.readings.oi_mode.name}: {status.reason}')
         self._mode_request.observe(status.actual)
         readings = self.readings
-        if status.actual in oi.DriveDirect.modes:
-            self._motion.reported(
-                readings.requested_right_velocity, readings.requested_left_velocity, now)
+        if status.actual in oi.DriveDirect.modes and not self.scripts.refusal:
+            self._mind_deafness(self._motion.reported(
+                readings.requested_right_velocity, readings.requested_left_velocity, now))
         if self._supervision.must_enter_again(now) and not self.scripts.refusal:
             self._enter(status.wanted, now)
+
+    def _mind_deafness(self, missed: int) -> None:
+        """Do something about a robot that does not hear its speeds."""
+        if missed == DRAIN_AFTER:
+            self._outbox.send_raw(DRAIN)
+        elif missed == TELL_AFTER:
+            self._say(Severity.ERROR, 'the robot does not do what it is told, not even stop: '
+                      'damaged bytes may have told it to wait; lift it, switch it off and on')
 
     def _drive_when_not_allowed(self, now: float) -> None:
         """Bring the wanted mode back for a fresh command, or say why it is not obeyed."""

@@ -87,6 +87,7 @@ class Motion:
         self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
         self._sent_at = -inf
+        self._missed = 0
 
     def command(self, linear: float, angular: float, now: float) -> bool:
         """Take a command in; False when it is not finite, which stops the robot."""
@@ -120,10 +121,20 @@ class Motion:
         """Assume nothing about what the robot's wheels were told last."""
         self._sent = None
 
-    def reported(self, right: int, left: int, now: float) -> None:
-        """Note what the robot says it was told, mm/s; if it missed the last, tell it again."""
-        if self._sent not in (None, (right, left)) and now - self._sent_at > UNHEARD:
-            self.forget()
+    def reported(self, right: int, left: int, now: float) -> int:
+        """
+        Note what the robot says it was told, mm/s; what it missed is sent again.
+
+        Returns how often in a row it has missed the newest, when that has just become more.
+        """
+        if self._sent in (None, (right, left)):
+            self._missed = 0 if self._sent else self._missed
+            return 0
+        if now - self._sent_at <= UNHEARD:
+            return 0
+        self.forget()
+        self._missed += 1
+        return self._missed
 
     def next_drive(self, now: float) -> oi.DriveDirect | None:
         """

@@ -96,9 +96,11 @@ class Supervision:
     def must_enter_again(self, now: float) -> bool:
         """Tell whether the robot seems not to have heard that it is to enter the wanted mode."""
         status = self.status
-        return (status.actual is not None and status.actual != status.wanted
-                and not status.causes and 0 < self._entries < ENTRIES
-                and now - self._entered_at > ENTER_AGAIN)
+        if status.actual in (None, status.wanted) or now - self._entered_at <= ENTER_AGAIN:
+            return False
+        # Full instead of Safe, or Safe instead of Full: no safety stop, but a word misheard.
+        misheard = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
+        return misheard or not status.causes and 0 < self._entries < ENTRIES
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
