@@ -73,6 +73,10 @@ class Parameters:
         fixed=True)
     angular_scale: float = parameter(
         1.0, 'True angle over the angle that the robot reports', low=0.5, high=2.0, fixed=True)
+    odometry_window: float = parameter(
+        Settings.odometry_window, 'Seconds between readings of distance and angle, of which the '
+        'robot drops the fractions; 0 reads them in every frame and believes them',
+        low=0.0, high=10.0, fixed=True)
     odom_frame: str = parameter('odom', 'Frame of the odometry', fixed=True)
     base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor', fixed=True)
     publish_tf: bool = parameter(True, 'Whether to publish odom_frame -> base_frame on /tf',
@@ -103,7 +107,8 @@ class Parameters:
             battery=BatteryLimits(
                 low=self.battery_low, empty=self.battery_empty,
                 action=ACTIONS[self.low_battery_action]),
-            limits=self.limits(), geometry=Geometry(
+            odometry_window=self.odometry_window, limits=self.limits(),
+            geometry=Geometry(
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
                 angular_scale=self.angular_scale))
 

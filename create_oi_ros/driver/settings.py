@@ -17,7 +17,8 @@ class Settings:
     mode_on_start: oi.Mode = oi.Mode.SAFE
     mode_on_exit: oi.Mode = oi.Mode.PASSIVE
     recover_mode: bool = True
-    odometry_window: float = 0.0
+    odometry_window: float = 1.0
+    """Seconds between readings of distance and angle; 0 reads them in every frame."""
     battery: BatteryLimits = field(default_factory=BatteryLimits)
     limits: MotionLimits = field(default_factory=MotionLimits)
     geometry: Geometry = field(default_factory=Geometry)
