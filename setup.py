@@ -27,7 +27,9 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
+            'create_demo = create_oi_ros.start:create_demo',
             'create_node = create_oi_ros.start:create_node',
+            'create_report = create_oi_ros.start:create_report',
             'create_run = create_oi_ros.start:create_run',
             'create_sim = create_oi_ros.start:create_sim',
         ],

@@ -5,14 +5,16 @@ OK: nothing to do. WARN: look at it soon. ERROR: it does not do its work. STALE:
 old, for no robot answers.
 """
 
+from dataclasses import asdict
 from math import isnan
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
-from . import convert, oi
+from . import __version__, convert, oi
 from .driver import BatteryLevel, Driver, Link, LinkCounts
+from .parameters import Parameters
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -141,3 +143,9 @@ def driver(name: str, driver: Driver, stale_commands: int) -> DiagnosticStatus:
     return status(f'{name}: driver', level, message, {
         'stale commands dropped': stale_commands,
         'songs stored': ', '.join(map(str, sorted(driver.actuators.songs))) or 'none'})
+
+
+def parameters(name: str, values: Parameters) -> DiagnosticStatus:
+    """Say what runs and how it is set, so that every recording tells."""
+    return status(f'{name}: parameters', OK, f'version {__version__}', {
+        'version': __version__, **asdict(values)})

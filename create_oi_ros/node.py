@@ -137,7 +137,8 @@ class CreateNode(Node):
                     name, driver, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD, now),
                 diagnostics.mode(name, driver), diagnostics.safety(name, driver),
                 diagnostics.battery(name, driver, charge_known=self._charge_known),
-                diagnostics.driver(name, driver, self._stale)])
+                diagnostics.driver(name, driver, self._stale),
+                diagnostics.parameters(name, self.parameters)])
             self._counts = copy(driver.counts)
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

@@ -24,10 +24,24 @@ def _loading() -> Iterator[None]:
             '`source install/setup.bash`') from None
 
 
+def create_demo() -> int:
+    """Let a simulated robot show itself, and report on it."""
+    with _loading():
+        from .demo.command import main
+    return main()
+
+
 def create_node() -> int:
     """Run the driver."""
     with _loading():
         from .node import main
+    return main()
+
+
+def create_report() -> int:
+    """Show on one page what a robot did, from a bag."""
+    with _loading():
+        from .report.command import main
     return main()
 
 
@@ -47,5 +61,5 @@ def create_sim() -> int:
 
 PROGRAMS = {
     program.__name__: f'from {__name__} import {program.__name__} as run; raise SystemExit(run())'
-    for program in (create_node, create_run, create_sim)}
+    for program in (create_demo, create_node, create_report, create_run, create_sim)}
 """Python that runs an executable wherever this package can be imported, installed or not."""

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+import create_oi_ros
 from source import imported, modules, PACKAGE, ROOT
 
 MODULES = modules(PACKAGE)
@@ -19,6 +20,8 @@ OURS = {PACKAGE, *FOLDERS,
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
     'hypothesis', 'matplotlib', 'numpy', 'pexpect', 'psutil', 'pytest', 'serial', 'yaml')}
 """Where a module is not called like its rosdep key."""
+NO_KEY = {'rosbags'}
+"""Modules without a rosdep key: what needs them says how to get them."""
 BARE = 'oi', 'odometry', 'driver', 'sim'
 
 
@@ -36,7 +39,7 @@ def named(*tags: str) -> set[str]:
 def foreign(folder: str) -> set[str]:
     """Return the rosdep keys of all that a folder imports and neither we nor Python bring."""
     tops = {name.split('.')[0] for path in modules(folder).values() for name in imported(path)}
-    return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - sys.stdlib_module_names}
+    return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - NO_KEY - sys.stdlib_module_names}
 
 
 def run_python(*arguments: str) -> None:
@@ -63,7 +66,7 @@ def test_one_version() -> None:
     setup = re.findall(r"version='(.*?)'", (ROOT / 'setup.py').read_text())
     changes = re.findall(r'^(\d+\.\d+\.\d+) \(', (ROOT / 'CHANGELOG.rst').read_text(), re.M)
     manifests = [manifest(folder).findtext('version') for folder in ('.', 'msg_defs')]
-    assert {*setup, changes[0], *manifests} == {setup[0]}
+    assert {*setup, changes[0], *manifests, create_oi_ros.__version__} == {setup[0]}
 
 
 @pytest.mark.parametrize('module', [  # a __main__ is run, not imported

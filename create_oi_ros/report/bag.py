@@ -1,0 +1,48 @@
+"""
+Bags by the library `rosbags`: which reads and writes them without an installed rosbag2.
+
+`rosbags` and matplotlib are loaded by who makes a report, never by the node.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+PIP = {'rosbags': 'rosbags==0.11.9', 'matplotlib': 'matplotlib==3.11.2'}
+"""What to ask pip for."""
+
+
+class BagError(Exception):
+    """A bag cannot be read, or tells nothing of our robot; the message is one sentence."""
+
+
+def missing(module: str) -> str:
+    """Say how to get a Python module that is not installed."""
+    apt = {'matplotlib': ' or `sudo apt-get install python3-matplotlib`'}.get(module, '')
+    wanted = PIP.get(module, module)
+    return (f'the Python module {module} is not installed: '
+            f'`python3 -m pip install --break-system-packages {wanted}`{apt}')
+
+
+def message_files() -> list[Path]:
+    """Return the files that define our messages: as installed, else as in the repository."""
+    try:
+        share = Path(get_package_share_directory('create_oi_msgs'))
+    except PackageNotFoundError:
+        share = Path(__file__).parents[2] / 'msg_defs'
+    return sorted(share.glob('msg/*.msg'))
+
+
+def definitions() -> Typestore:
+    """Return ROS 2 Jazzy's message definitions and ours."""
+    from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for path in message_files():
+        store.register(get_types_from_msg(path.read_text(), f'create_oi_msgs/msg/{path.stem}'))
+    return store

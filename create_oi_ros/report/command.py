@@ -1,0 +1,59 @@
+"""The command `create_report`: a bag in, one page out."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+import sys
+
+from .bag import BagError, missing
+from .reading import read
+
+WIDTH = 30
+
+
+def bar(label: str) -> Callable[[float], None]:
+    """Return what draws a progress bar, where somebody watches."""
+    def show(part: float) -> None:
+        done = round(WIDTH * min(1.0, max(0.0, part)))
+        end = '\n' if part >= 1 else ''
+        print(f'\r{label} [{"#" * done}{"." * (WIDTH - done)}] {min(1.0, part):4.0%}',
+              end=end, file=sys.stderr, flush=True)
+    return show if sys.stderr.isatty() else lambda part: None
+
+
+def report(bag: Path, target: Path, robot: str | None = None) -> None:
+    """Make a report; BagError and OSError say why there is none."""
+    try:
+        recording = read(bag, bar(f'reading {bag.name}'), robot)
+        from .page import write
+        write(recording, target)
+    except ModuleNotFoundError as error:
+        raise BagError(missing((error.name or '').partition('.')[0])) from error
+
+
+def _target(text: str) -> Path:
+    target = Path(text)
+    if target.suffix not in ('.html', '.png'):
+        raise argparse.ArgumentTypeError(f'{text!r} must end in .html or .png')
+    return target
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `create_report`; 2: there is nothing to report on."""
+    parser = argparse.ArgumentParser(
+        prog='create_report', description='Show on one page what a robot did, from a bag.')
+    parser.add_argument('bag', type=Path, metavar='BAG',
+                        help='folder of a bag, or its .mcap or .db3 file')
+    parser.add_argument('-o', dest='target', type=_target, default=Path('report.html'),
+                        metavar='FILE', help='.html or .png (default: %(default)s)')
+    parser.add_argument('--robot', metavar='NAMESPACE', help='which of several in the bag')
+    options = parser.parse_args(arguments)
+    try:
+        report(options.bag, options.target, options.robot)
+    except (BagError, OSError) as error:
+        print(f'create_report: {error}', file=sys.stderr)
+        return 2
+    print(options.target)
+    return 0

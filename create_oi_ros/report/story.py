@@ -1,0 +1,137 @@
+"""A recording in words: what happened when, and how much of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime, UTC
+from math import hypot, isfinite, isnan
+
+from .recording import Recording, Span
+
+TOUCHES = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
+           'overcurrent': 'Too much current', 'buttons': 'Button'}
+
+
+@dataclass(frozen=True)
+class Happening:
+    """Something that a reader should know of."""
+
+    time: float
+    kind: str
+    text: str
+
+
+def clock(seconds: float) -> str:
+    """Write a time since the beginning, as 1:02:03 or 2:03.4."""
+    minutes, rest = divmod(seconds, 60)
+    hours, minutes = divmod(int(minutes), 60)
+    return f'{hours}:{minutes:02d}:{rest:02.0f}' if hours else f'{minutes}:{rest:04.1f}'
+
+
+def happenings(recording: Recording) -> list[Happening]:
+    """Return all that happened, in the order of time."""
+    found = [*_modes(recording), *_touches(recording)]
+    for span in recording.spans['song'].all:
+        found.append(Happening(span.start, 'song', f'Plays {span.text}{_lasting(span)}'))
+    for span in recording.spans['charging'].all:
+        found.append(Happening(span.start, 'charging', f'Charging: {span.text}{_lasting(span)}'))
+    for span in recording.gaps:
+        found.append(Happening(span.start, 'gap', f'Gap{_lasting(span)}: {span.text}'))
+    return sorted(found, key=lambda each: each.time)
+
+
+def _modes(recording: Recording) -> Iterator[Happening]:
+    before = ''
+    for span in recording.spans['mode'].all:
+        reason = f' ({span.reason})' if span.reason else ''
+        if span.text != before:
+            yield Happening(span.start, 'mode', f'Mode {span.text}{reason}')
+        before = span.text
+
+
+def _touches(recording: Recording) -> Iterator[Happening]:
+    for kind, word in TOUCHES.items():
+        for span in recording.spans[kind].all:
+            yield Happening(span.start, kind, f'{word} {span.text}{_lasting(span)}')
+
+
+def _lasting(span: Span) -> str:
+    return f', {span.end - span.start:.1f} s'
+
+
+def travelled(recording: Recording) -> float:
+    """Return the length of the track, metres; jumps of the odometry are left out."""
+    xs, ys = recording.odom['x'], recording.odom['y']
+    steps = (hypot(b - a, d - c) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:]))
+    return sum(step for step in steps if step < 1.0)
+
+
+def summary(recording: Recording) -> list[str]:
+    """Return the report's first sentences."""
+    day = datetime.fromtimestamp(recording.began, UTC).strftime('%Y-%m-%d %H:%M:%S UTC')
+    robot = f' of {recording.robot}' if recording.robot else ''
+    lines = [f'Recorded{robot} on {day}; {clock(recording.seconds)} (minutes:seconds), '
+             f'{recording.messages} messages ({recording.storage}).']
+    if recording.odom:
+        fastest = max((abs(speed) for speed in recording.odom['speed'] if isfinite(speed)),
+                      default=0.0)
+        lines.append(f'It went {travelled(recording):.2f} m, at most {fastest:.2f} m/s.')
+    lines += [_times_in_modes(recording), _counts(recording), _battery(recording)]
+    lines += [_link(recording), _gaps(recording)]
+    version = recording.settings.get('version')
+    if version:
+        port = recording.settings.get('port', 'unknown')
+        lines.append(f'Driver version {version}, port {port}.')
+    if recording.damage:
+        lines.append(f'The bag is damaged and was read in part: {recording.damage}.')
+    return [line for line in lines if line]
+
+
+def _times_in_modes(recording: Recording) -> str:
+    times: dict[str, float] = {}
+    for span in recording.spans['mode'].all:
+        times[span.text] = times.get(span.text, 0.0) + span.end - span.start
+    parts = [f'{text} {seconds:.1f} s' for text, seconds in times.items()]
+    return f'Modes: {", ".join(parts)}.' if parts else ''
+
+
+def _counts(recording: Recording) -> str:
+    names = {'bumper': 'bumps', 'cliff': 'cliffs', 'wheel drop': 'wheel drops',
+             'buttons': 'pressed buttons', 'song': 'songs'}
+    parts = [f'{name}: {len(recording.spans[kind])}' for kind, name in names.items()]
+    return f'Number of {", ".join(parts)}.'
+
+
+def _battery(recording: Recording) -> str:
+    if not recording.battery:
+        return 'The bag tells nothing of the battery.'
+    volts, charge = recording.battery['volts'], recording.battery['charge']
+    known = '' if isnan(charge[-1]) else f', {charge[0]:.0f} % to {charge[-1]:.0f} %'
+    return f'Battery {volts[0]:.1f} V to {volts[-1]:.1f} V{known}.'
+
+
+def _link(recording: Recording) -> str:
+    if not recording.link:
+        return 'The bag tells nothing of the serial link (/diagnostics).'
+    damaged = sum(each for each in recording.link['damaged'] if isfinite(each))
+    garbage = sum(each for each in recording.link['garbage'] if isfinite(each))
+    rates = sorted(each for each in recording.link['frames'] if isfinite(each))
+    middle = f'{rates[len(rates) // 2]:.0f} frames/s' if rates else 'frames not counted'
+    return f'Serial link: {middle}, {damaged:.0f} damaged frames, {garbage:.0f} garbage bytes.'
+
+
+def _gaps(recording: Recording) -> str:
+    if not recording.gaps:
+        return 'The recording has no gap.'
+    longest = max(recording.gaps, key=lambda span: span.end - span.start)
+    return (f'Gaps in the recording: {len(recording.gaps)}, the longest at '
+            f'{clock(longest.start)}{_lasting(longest)}.')
+
+
+def complaints(recording: Recording) -> list[Happening]:
+    """Return what the diagnostics warned of."""
+    return sorted(
+        (Happening(span.start, subject, f'{span.text}{_lasting(span)}')
+         for subject, spans in recording.complaints.items() for span in spans.all),
+        key=lambda each: each.time)
