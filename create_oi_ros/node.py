@@ -22,6 +22,8 @@ from .odometry import Estimate
 from .session import Session
 
 DIAGNOSTICS_PERIOD = 1.0
+AT_ONCE, MOST_LOOKS = 1e-4, 10
+"""Seconds within which two clocks are read together, and how often that is tried."""
 STALE_EVERY = 5.0
 """Seconds between two complaints about stale commands."""
 
@@ -102,8 +104,12 @@ class CreateNode(Node):
 
     def _stamp(self, monotonic: float) -> Time:
         """Return a moment of the driver's clock as a time of the node's clock."""
-        age = round((time.monotonic() - monotonic) * convert.NANOSECONDS)
-        return convert.time(self.get_clock().now().nanoseconds - age)
+        for _ in range(MOST_LOOKS):
+            before, now = time.monotonic(), self.get_clock().now().nanoseconds
+            # On a busy computer much time may pass between two looks at two clocks.
+            if time.monotonic() - before < AT_ONCE:
+                break
+        return convert.time(now - round((before - monotonic) * convert.NANOSECONDS))
 
     def _publish_motion(self, estimate: Estimate, stamp: Time) -> None:
         base, odom = self.parameters.base_frame, self.parameters.odom_frame
