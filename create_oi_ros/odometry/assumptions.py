@@ -10,6 +10,8 @@ RAMP_SPREAD = 0.25
 """... relative, of what one first guess of the acceleration is to cover, ..."""
 LAG_SPREAD = 0.005
 """... and in seconds: a slot is 0.015."""
+GAINS, SEPARATIONS, ACCELERATIONS = (0.92, 1.08), (0.252, 0.264), (0.1, 10.0)
+"""What no lesson goes beyond: m, m/s²."""
 HALF_SLOT = 0.0075
 JITTER = 1 / 16
 """Variance, in squared slots, of the moment at which a request takes effect, about the learned
@@ -27,7 +29,7 @@ SURPRISE, SURPRISE_FLOOR = 5.0, 0.1
 """Standard deviations, and units added to them, beyond which prediction has failed."""
 CERTAIN = 1e-14
 """Variance, m² or rad², of what is known exactly: more would be numerical trouble."""
-UNLIKELY = 1e-3
+UNLIKELY = 1e-2
 """Likelihood that is left to a reading that ought not to be."""
 TOP_SPEED = 0.5
 """m/s, of either wheel (manual)."""

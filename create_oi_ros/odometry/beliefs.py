@@ -12,15 +12,15 @@ from .estimate import Geometry
 from .rounding import Rounding
 from .track import Track
 
-ACCELERATIONS = (0.35, 0.55, 0.85, 1.3, 2.0, 3.1)
-"""First guesses, m/s²; each is good for learning what lies between its neighbours."""
-IMPLAUSIBLE = 1e-6
+ACCELERATIONS = (0.85, 1.3, 0.55, 2.0, 0.35, 3.1)
+"""First guesses, m/s², the likeliest first; each can learn what lies halfway to the next."""
+IMPLAUSIBLE = 1e-7
 """Weight below which an assumption is given up."""
 ALIKE = 0.15
 """Relative spread of the acceleration below which two tracks may be found to be one."""
 BETRAYALS = 3
 """Surprises within the memory below after which everything is learned again."""
-MEMORY = 20
+MEMORY = 60
 """Readings."""
 
 

@@ -17,6 +17,12 @@ PATIENCE = 1.5
 """Windows after which a reading no longer waits for the wheels to reach their goals."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
+WAITS = 0.5, 1.0
+"""Windows between readings, at least and at most, ..."""
+STEADY_WAITS = 0.5, 2.0
+"""... and once the rounding is known, while the requests stay the same, ..."""
+GOLDEN = 0.618
+"""... and the step that fills this range evenly."""
 PROBE = 8
 """Frames of a probe."""
 PROBE_EVERY = 1.0
@@ -32,7 +38,7 @@ class ReadingPlan:
         self.window = window
         self.due = True
         self._age = self._steady = self._probed = 0.0
-        self._probe = 0
+        self._probe = self._readings = 0
         self._asked = ANSWER + 1
 
     @property
@@ -43,6 +49,7 @@ class ReadingPlan:
     def came(self) -> None:
         """Note that a reading has come."""
         self._age = 0.0
+        self._readings += 1
         self._asked = ANSWER + 1
 
     def hurry(self) -> None:
@@ -75,10 +82,18 @@ class ReadingPlan:
         return in_vain
 
     def _patience(self, beliefs: Beliefs) -> float:
+        """
+        Return the seconds to wait after the last reading.
+
+        They vary: steady motion read at even intervals would be rounded alike each time.
+        """
         best = beliefs.best
         if best.free is not None:
             return FREE * self.window
-        return self.window * (1.0 if best.settled else PATIENCE)
+        plain = len(beliefs.roundings) == 1 and self._steady > self._age
+        shortest, longest = STEADY_WAITS if plain else WAITS
+        varied = self.window * (shortest + (longest - shortest) * (self._readings * GOLDEN % 1))
+        return varied * (1.0 if best.settled else PATIENCE)
 
     def _worth_a_probe(self, beliefs: Beliefs) -> bool:
         """Tell whether readings in a row would now tell the roundings that are left apart."""

@@ -39,7 +39,7 @@ class Track(Prediction):
         self.rounding = rounding
         self.weight = 1.0
         self.surprises = 0
-        """Readings that said that the wheels do not obey."""
+        """Readings that lay beyond belief."""
         self.forget_parameters()
         self._empty(rounding is Rounding.CARRY)
 
@@ -66,8 +66,10 @@ class Track(Prediction):
         """Take a reading in; return how likely it was."""
         self.close_segment()
         readings, likelihood = (distance, angle), 1.0
-        surprise = None if self.free else self._surprise(readings)
+        was_free = self.free is not None
+        surprise = None if was_free else self._surprise(readings)
         if surprise:
+            self.surprises += 1
             likelihood = given.UNLIKELY
             self._stray(*surprise)
             if self._obeys(readings, (self.distance, self.angle)):
@@ -78,7 +80,7 @@ class Track(Prediction):
             mass = self._cut(index, unit, whole)
             if not surprise:
                 likelihood *= mass + given.UNLIKELY
-        if (self.free is not None and self.window.seconds > given.TELLING_TIME
+        if (was_free and self.window.seconds > given.TELLING_TIME
                 and self._obeys(readings, (self.window.expected, self.window.expected_angle))):
             self._run_bound()
         self._take_out(distance * given.MM, angle * given.DEGREE)
@@ -155,7 +157,6 @@ class Track(Prediction):
 
     def _run_free(self) -> None:
         """Give up the requested speeds: from here only the readings say how the robot moves."""
-        self.surprises += 1
         self.free = list(self.speeds)
 
     def _stray(self, distance: float, angle: float) -> None:
@@ -164,18 +165,19 @@ class Track(Prediction):
         seconds = max(window.seconds, 2 * given.HALF_SLOT)
         dx, dy, middle = self.x - window.x, self.y - window.y, (self.yaw + window.yaw) / 2
         rate, turn_rate = 1 / seconds, self.separation / 2 / seconds
+        grip = 1.0 if any(self.scales) else 0.0
         self.errors.add(distance ** 2, (
-            (X, cos(middle)), (Y, sin(middle)), (DISTANCE, 1.0),
+            (X, grip * cos(middle)), (Y, grip * sin(middle)), (DISTANCE, 1.0),
             (RIGHT_SPEED, rate), (LEFT_SPEED, rate)))
         self.errors.add(angle ** 2, (
-            (X, -dy / 2), (Y, dx / 2), (YAW, 1.0), (ANGLE, 1.0),
+            (X, -dy / 2), (Y, dx / 2), (YAW, grip), (ANGLE, 1.0),
             (RIGHT_SPEED, turn_rate), (LEFT_SPEED, -turn_rate)))
         # Whoever holds a wheel also ends its rolling on under the wrong sign.
         far, turn = window.miscounted, window.miscounted_angle
         self.errors.add(1.0, ((X, far * cos(middle)), (Y, far * sin(middle)), (YAW, turn)))
         self.x, self.y, self.yaw = (
             self.x - far * cos(middle), self.y - far * sin(middle), self.yaw - turn)
-        shape = (distance * min(angle, 1.0) / 4) ** 2
+        shape = (grip * distance * min(angle, 1.0) / 4) ** 2
         self.errors.add(shape, ((X, 1.0),))
         self.errors.add(shape, ((Y, 1.0),))
 
@@ -208,19 +210,20 @@ class Track(Prediction):
         self.yaw += by[YAW]
         self.distance += by[DISTANCE]
         self.angle += by[ANGLE]
-        self.separation *= 1 + by[SEPARATION]
-        self.lag = min(given.HALF_SLOT, max(-given.HALF_SLOT, self.lag + by[LAG]))
-        self.acceleration = min(10.0, max(0.1, self.acceleration / max(0.2, 1 + by[RAMP])))
+        self.separation = _within(given.SEPARATIONS, self.separation * (1 + by[SEPARATION]))
+        self.lag = _within((-given.HALF_SLOT, given.HALF_SLOT), self.lag + by[LAG])
+        self.acceleration = _within(
+            given.ACCELERATIONS, self.acceleration / max(0.2, 1 + by[RAMP]))
         if self.free is not None:
-            self.free = [min(given.TOP_SPEED, max(-given.TOP_SPEED, speed + by[index]))
+            self.free = [_within((-given.TOP_SPEED, given.TOP_SPEED), speed + by[index])
                          for speed, index in zip(self.free, (RIGHT_SPEED, LEFT_SPEED))]
         else:
             for wheel, index in ((self.right, RIGHT_SPEED), (self.left, LEFT_SPEED)):
                 if wheel.speed != wheel.goal:
                     wheel.speed += by[index]
                     wheel.settle_sign()
-        self.right.learn(self.right.gain * (1 + by[RIGHT]))
-        self.left.learn(self.left.gain * (1 + by[LEFT]))
+        self.right.learn(_within(given.GAINS, self.right.gain * (1 + by[RIGHT])))
+        self.left.learn(_within(given.GAINS, self.left.gain * (1 + by[LEFT])))
         self.open_segment()
 
     def _take_out(self, distance: float, angle: float) -> None:
@@ -241,3 +244,7 @@ class Track(Prediction):
 
     def _open_window(self) -> None:
         self.window = Window(self.x, self.y, self.yaw)
+
+
+def _within(bounds: tuple[float, float], value: float) -> float:
+    return min(bounds[1], max(bounds[0], value))
