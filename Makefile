@@ -1,7 +1,7 @@
 # One line each; whatever is missing is set up and built first. ARGS= is handed on.
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: run test build bench faults soak fuzz docs lint clean
+.PHONY: run demo test build bench faults soak fuzz docs lint clean
 
 # An installed ROS is used where it is sourced; anywhere else the wheels are.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -10,6 +10,7 @@ BUILT := install/built
 ENTER := source ./env.sh &&
 
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
+demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov)
 build: $(BUILT)
 bench: build ; @$(ENTER) for each in bench/bench_*.py; do python $$each $(ARGS) || exit; done

@@ -56,7 +56,6 @@ def _track(axes: Axes, recording: Recording, told: list[Happening]) -> None:
     axes.set(xlabel='x, m', ylabel='y, m')
     axes.set_aspect('equal', adjustable='datalim')
     axes.grid(alpha=0.3)
-    axes.margins(0.12)
     axes.set_title('Track by odometry, from dark to light; arrows: where it looks;\n'
                    'numbers: as listed on the right, at the same place side by side',
                    fontsize=9)
@@ -79,6 +78,9 @@ def _headings(axes: Axes, odom: Curve) -> None:
     xs, ys, yaws = odom['x'], odom['y'], odom['yaw']
     size = max(max(xs) - min(xs), max(ys) - min(ys), 0.5)
     whole = sum(hypot(b - a, d - c) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:]))
+    # Room for marks at the rim: margins are lost when the axes are made equal.
+    axes.plot([min(xs) - size / 8, max(xs) + size / 8], [min(ys) - size / 8, max(ys) + size / 8],
+              alpha=0)
     apart, gone, chosen = max(whole / HEADINGS, size / 40), 0.0, [0]
     for place in range(1, len(odom)):
         gone += hypot(xs[place] - xs[place - 1], ys[place] - ys[place - 1])

@@ -8,7 +8,7 @@ decoded only where it may tell something new: a sensor topic repeats itself 20 t
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import atan2
+from math import atan2, inf
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
@@ -23,6 +23,8 @@ POINTS = 20_000
 """Of a curve; more than a page can show."""
 GAP, SILENCE = 0.5, 2.0
 """Seconds without odometry, and without anything, that are a gap."""
+SETTLING = 1.0
+"""Seconds by which the number of a song may come later than its beginning."""
 BODY = slice(12, None)
 """Of a serialized message whose first field is a header: what follows its stamp."""
 MODES = {0: 'Off', 1: 'Passive', 2: 'Safe', 3: 'Full', 255: 'no robot'}
@@ -103,8 +105,13 @@ class Taker:
             time, MODES.get(message.mode, str(message.mode)), message.reason)
 
     def _take_song(self, time: float, message: Any) -> None:
-        self.recording.spans['song'].become(
-            time, f'song {message.number}' if message.playing else '')
+        spans = self.recording.spans['song']
+        text = f'song {message.number}' if message.playing else ''
+        begins = spans.all and time - spans.all[-1].start < SETTLING
+        if text and begins and spans.all[-1].end == inf:
+            spans.all[-1].text = text
+        else:
+            spans.become(time, text)
 
     def _take_charging(self, time: float, message: Any) -> None:
         self.recording.spans['charging'].become(time, CHARGING.get(message.state, ''))

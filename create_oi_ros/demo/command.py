@@ -1,0 +1,129 @@
+"""The command `create_demo`: a simulated robot, the node, a tour, a bag, a report."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, ExitStack
+from datetime import datetime
+import os
+from pathlib import Path
+import tempfile
+import threading
+import time
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from ..ending import call_on_signal
+from ..report.bag import BagError, missing
+from ..report.command import report
+from ..run import Children
+from .pilot import Pilot, Stopped, TourError
+from .recorder import Recorder
+from .tour import SHORT, Step, TOUR, WORLD
+
+BAG = 'create_demo'
+STOPPED = 130
+"""The exit code of a program that Ctrl-C has ended."""
+
+
+def go_private() -> None:
+    """Keep to this computer and to a ROS domain of our own: no other robot is to obey."""
+    os.environ.setdefault('ROS_DOMAIN_ID', str(40 + os.getpid() % 60))
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+
+
+def say(text: str) -> None:
+    """Print a line at once, to be read by who watches."""
+    print(f'create_demo: {text}', flush=True)
+
+
+def tour(steps: Sequence[Step], pilot: Pilot) -> None:
+    """Show everything, saying what is shown."""
+    began = time.monotonic()
+    for number, step in enumerate(steps, 1):
+        say(f'{time.monotonic() - began:5.1f} s  {number} of {len(steps)}: {step.what}')
+        step.do(pilot)
+
+
+@contextmanager
+def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[Pilot]:
+    """Yield who drives, while everything is recorded."""
+    def check() -> None:
+        if stop.is_set():
+            raise Stopped
+        ended = children.ended()
+        if ended is not None:
+            raise TourError(f'{ended}; see above for why')
+
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node('create_demo')
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    recorder = Recorder(node, bag)
+    try:
+        yield Pilot(node, executor, check)
+    finally:
+        # The wheels come first: without the node the robot stops.
+        children.end()
+        recorder.close()
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.shutdown()
+
+
+def record(steps: Sequence[Step], bag: Path, stop: threading.Event) -> None:
+    """Let a simulated robot go on a tour; TourError and Stopped say why it ended early."""
+    children = Children()
+    with ExitStack() as stack:
+        port = f'{stack.enter_context(tempfile.TemporaryDirectory(prefix="create-"))}/create'
+        stack.callback(children.end)
+        children.start('create_sim', '--link', port, '--world', WORLD,
+                       '--odometry', 'carry')
+        children.start('create_node', '--ros-args', '-p', f'port:={port}')
+        tour(steps, stack.enter_context(recording(bag, children, stop)))
+
+
+def show(folder: Path) -> None:
+    """Make the report in both forms, and name it."""
+    say('the report is being made')
+    for name in ('report.png', 'report.html'):
+        report(folder / BAG, folder / name)
+    say(f'the bag is {folder / BAG}')
+    say(f'look at {folder / "report.png"} or {folder / "report.html"}')
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `create_demo`; 1: something did not happen, 2: there is no report."""
+    parser = argparse.ArgumentParser(
+        prog='create_demo', description='Let a simulated Create show itself for two minutes, '
+        'record everything to a bag and make a report of it.')
+    parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
+                        help='a new folder for bag and report (default: demo-DATE-TIME)')
+    parser.add_argument('--short', action='store_true', help='a song and a turn only')
+    options = parser.parse_args(arguments)
+    folder = options.folder or Path(f'demo-{datetime.now():%Y%m%d-%H%M%S}')
+    if folder.exists():
+        parser.error(f'{folder} is there already')
+    stop, code = threading.Event(), 0
+    call_on_signal(stop.set)
+    go_private()
+    try:
+        record(SHORT if options.short else TOUR, folder / BAG, stop)
+    except ModuleNotFoundError as error:
+        say(missing((error.name or '').partition('.')[0]))
+        return 2
+    except TourError as error:
+        say(f'the tour ends here: {error}')
+        code = 1
+    except Stopped:
+        say(f'stopped; what was recorded is {folder / BAG}')
+        return STOPPED
+    try:
+        show(folder)
+    except (BagError, OSError) as error:
+        say(str(error))
+        return 2
+    return code

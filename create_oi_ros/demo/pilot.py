@@ -1,0 +1,199 @@
+"""Drives a robot by its topics and services, and waits for what it reports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import atan2, copysign, cos, hypot, pi, remainder, sin, tau
+import time
+from typing import Any
+
+from create_oi_msgs.msg import Bumper, Mode, Song
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import Twist, Vector3
+from nav_msgs.msg import Odometry
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from ..topics import LATCHED
+
+PERIOD = 0.05
+"""Seconds between two commands."""
+CRUISE, TURN = 0.3, 1.2
+"""m/s and rad/s."""
+BRAKING = 2.5
+"""Turning speed for each radian that is left to turn."""
+CLOSE, STRAIGHT = 0.02, 0.03
+"""Metres and radians that are near enough."""
+STANDING = 0.01
+
+
+class TourError(Exception):
+    """Something that the tour waits for did not happen; the message says what."""
+
+
+class Stopped(Exception):
+    """Somebody has asked for the end."""
+
+
+class Pilot:
+    """One who drives; each method returns when what it says is done."""
+
+    def __init__(
+        self, node: Node, executor: SingleThreadedExecutor, check: Callable[[], None],
+    ) -> None:
+        """`check` is called all the time, and may raise."""
+        self._node, self._executor, self._check = node, executor, check
+        self._velocity = node.create_publisher(Twist, 'cmd_vel', 1)
+        self._commanded: Twist | None = None
+        self._next = 0.0
+        self.odom: Odometry | None = None
+        self.mode, self.bumped, self.song = Mode(mode=Mode.UNKNOWN), False, Song()
+        self.warnings: list[str] = []
+        self.turned = 0.0
+        """Radians since the beginning, not folded."""
+        node.create_subscription(Odometry, 'odom', self._on_odom, 10)
+        node.create_subscription(Bumper, 'bumper', self._on_bumper, 10)
+        node.create_subscription(Mode, 'mode', self._on_mode, LATCHED)
+        node.create_subscription(Song, 'song', self._on_song, LATCHED)
+        node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
+
+    def _on_odom(self, odom: Odometry) -> None:
+        before = self.yaw
+        self.odom = odom
+        self.turned += remainder(self.yaw - before, tau)
+
+    def _on_bumper(self, bumper: Bumper) -> None:
+        self.bumped = bool(bumper.left or bumper.right)
+
+    def _on_mode(self, mode: Mode) -> None:
+        self.mode = mode
+
+    def _on_song(self, song: Song) -> None:
+        self.song = song
+
+    def _on_diagnostics(self, diagnostics: DiagnosticArray) -> None:
+        self.warnings = [status.message for status in diagnostics.status
+                         if status.level != DiagnosticStatus.OK]
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Where the odometry says that the robot is, metres."""
+        if self.odom is None:
+            return 0.0, 0.0
+        return self.odom.pose.pose.position.x, self.odom.pose.pose.position.y
+
+    @property
+    def yaw(self) -> float:
+        """Where the robot looks, radians."""
+        if self.odom is None:
+            return 0.0
+        heading = self.odom.pose.pose.orientation
+        return 2 * atan2(heading.z, heading.w)
+
+    @property
+    def standing(self) -> bool:
+        """Whether neither wheel turns."""
+        twist = self.odom.twist.twist if self.odom else Twist()
+        return bool(abs(twist.linear.x) < STANDING and abs(twist.angular.z) < 5 * STANDING)
+
+    def until(
+        self, happened: Callable[[], Any], what: str, seconds: float = 10.0,
+        steer: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Wait until something has happened, steering meanwhile; TourError: it did not."""
+        deadline = time.monotonic() + seconds
+        while not happened():
+            self._check()
+            if time.monotonic() > deadline:
+                self.release()
+                raise TourError(f'{what} did not happen within {seconds:.0f} s')
+            self._executor.spin_once(timeout_sec=PERIOD / 2)
+            if time.monotonic() >= self._next:
+                self._next = time.monotonic() + PERIOD
+                steer()
+                if self._commanded is not None:
+                    self._velocity.publish(self._commanded)
+
+    def command(self, speed: float, turn: float) -> None:
+        """Set the velocity that is sent from now on."""
+        self._commanded = Twist(linear=Vector3(x=speed), angular=Vector3(z=turn))
+
+    def release(self) -> None:
+        """Stop, and send no more commands."""
+        self._velocity.publish(Twist())
+        self._commanded = None
+
+    def stop(self) -> None:
+        """Stop, and wait until the robot stands."""
+        self.command(0.0, 0.0)
+        self.until(lambda: self.standing, 'the robot stands', 3.0)
+
+    def call(self, type_: type, name: str, **fields: Any) -> str:
+        """Call a service; TourError: it refuses. Return its message."""
+        client = self._node.create_client(type_, name)
+        self.until(client.service_is_ready, f'service {name} is offered')
+        future = client.call_async(type_.Request(**fields))  # type: ignore[attr-defined]
+        self.until(future.done, f'service {name} answers')
+        self._node.destroy_client(client)
+        reply = future.result()
+        if not reply.success:
+            raise TourError(f'{name}: {reply.message}')
+        return str(reply.message)
+
+    def turn_to(self, yaw: float) -> None:
+        """Turn on the spot, the short way."""
+        def left() -> float:
+            return remainder(yaw - self.yaw, tau)
+
+        def steer() -> None:
+            self.command(0.0, copysign(min(TURN, max(0.2, BRAKING * abs(left()))), left()))
+        self.until(lambda: abs(left()) < STRAIGHT, f'a turn to {yaw:.1f} rad', 15.0, steer)
+        self.stop()
+
+    def go_to(self, x: float, y: float) -> None:
+        """Turn to a point and drive there; TourError: something is in the way."""
+        def bearing() -> float:
+            return atan2(y - self.place[1], x - self.place[0])
+
+        def away() -> float:
+            return hypot(x - self.place[0], y - self.place[1])
+
+        def steer() -> None:
+            off = remainder(bearing() - self.yaw, tau)
+            # So near that the bearing says nothing, keep straight on.
+            turn = 2.0 * off if away() > 0.1 and abs(off) < pi / 2 else 0.0
+            self.command(min(CRUISE, max(0.08, 2.0 * away())), turn)
+
+        self.turn_to(bearing())
+        aim = self.yaw
+
+        def arrived() -> bool:
+            if self.bumped:
+                raise TourError(f'something is in the way at {self.place[0]:.2f}, '
+                                f'{self.place[1]:.2f} m')
+            ahead = (x - self.place[0]) * cos(aim) + (y - self.place[1]) * sin(aim)
+            return away() < CLOSE or ahead < 0
+        self.until(arrived, f'a drive to {x:.1f}, {y:.1f} m', 10.0 + away() / CRUISE * 2, steer)
+        self.stop()
+
+    def back(self, distance: float) -> None:
+        """Drive straight back."""
+        x, y = self.place
+        self.command(-0.15, 0.0)
+        self.until(lambda: hypot(self.place[0] - x, self.place[1] - y) >= distance,
+                   f'{distance} m backwards')
+        self.stop()
+
+    def spiral(self, turns: float, inner: float, outer: float) -> None:
+        """Drive clockwise round and round, farther out each time."""
+        began = self.turned
+
+        def done() -> float:
+            return (began - self.turned) / (turns * tau)
+
+        def steer() -> None:
+            radius = inner + (outer - inner) * min(1.0, max(0.0, done()))
+            speed = min(CRUISE, 1.6 * radius)
+            self.command(speed, -speed / radius)
+        self.until(lambda: done() >= 1, f'{turns} turns of a spiral', 20.0 * turns, steer)
+        self.stop()

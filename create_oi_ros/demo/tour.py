@@ -1,0 +1,114 @@
+"""What the robot shows: a way through the world `apartment`, which it enters at (0, 0)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import pi
+from typing import NamedTuple
+
+from create_oi_msgs.msg import Mode
+from create_oi_msgs.srv import DefineSong, PlaySong, SetLeds, SetMode
+
+from .pilot import Pilot, TourError
+
+WORLD = 'apartment'
+GREEN, ORANGE, RED = 0, 96, 255
+HELLO, GOODBYE = 0, 1
+SIDE = 0.6
+"""Metres of the square."""
+WALL_AHEAD = (-0.1, -1.5)
+"""A point from which the living room's wall can be hit; x is the robot's first heading."""
+DOORS = ((0.4, -1.05), (2.85, -1.05), (2.85, -3.25))
+"""The way to the hall, through two doors."""
+EDGE_SPEED = 0.15
+
+
+class Step(NamedTuple):
+    """A part of the tour."""
+
+    what: str
+    do: Callable[[Pilot], None]
+
+
+def hello(pilot: Pilot) -> None:
+    """Wait for the robot, store two songs, play one."""
+    pilot.until(lambda: pilot.odom is not None and pilot.mode.mode == Mode.SAFE,
+                'the robot answers and is in Safe', 30.0)
+    pilot.call(SetLeds, 'set_leds', play=True, power_color=GREEN, power_intensity=255)
+    pilot.call(DefineSong, 'define_song', number=GOODBYE, pitches=[79, 76, 72],
+               seconds=[0.25, 0.25, 0.5])
+    pilot.call(DefineSong, 'define_song', number=HELLO, pitches=[72, 76, 79, 84],
+               seconds=[0.2, 0.2, 0.2, 0.4], play=True)
+    song_ends(pilot)
+
+
+def song_ends(pilot: Pilot) -> None:
+    """Wait for a song's beginning and end; its number may come later."""
+    pilot.until(lambda: pilot.song.playing, 'a song begins')
+    pilot.until(lambda: not pilot.song.playing, 'a song ends')
+
+
+def square(pilot: Pilot) -> None:
+    """Drive a square to the right, and look ahead again."""
+    for x, y in ((SIDE, 0.0), (SIDE, -SIDE), (0.0, -SIDE), (0.0, 0.0)):
+        pilot.go_to(x, y)
+    pilot.turn_to(0.0)
+
+
+def spiral(pilot: Pilot) -> None:
+    """Drive a spiral."""
+    pilot.call(SetLeds, 'set_leds', advance=True, power_color=ORANGE, power_intensity=255)
+    pilot.spiral(3.0, 0.08, 0.4)
+
+
+def bump_and_turn(pilot: Pilot) -> None:
+    """Run into two walls, turning away each time."""
+    pilot.go_to(*WALL_AHEAD)
+    for heading in (-pi / 2, 0.0):
+        pilot.turn_to(heading)
+        pilot.command(0.2, 0.0)
+        pilot.until(lambda: pilot.bumped, 'a bump into a wall', 20.0)
+        pilot.back(0.2)
+
+
+def to_the_hall(pilot: Pilot) -> None:
+    """Drive through two doors."""
+    pilot.call(SetLeds, 'set_leds', play=True, advance=True, power_color=GREEN,
+               power_intensity=128)
+    for x, y in DOORS:
+        pilot.go_to(x, y)
+    pilot.turn_to(0.0)
+
+
+def cliff(pilot: Pilot) -> None:
+    """Drive to the stairs, where the robot itself stops and falls to Passive; come back."""
+    pilot.command(EDGE_SPEED, 0.0)
+    pilot.until(lambda: pilot.mode.mode == Mode.PASSIVE, 'a cliff drops the robot to Passive',
+                20.0)
+    pilot.release()
+    pilot.until(lambda: pilot.standing, 'the robot stands at the edge')
+    pilot.until(lambda: any('PASSIVE instead of SAFE' in each for each in pilot.warnings),
+                'the diagnostics warn of Passive')
+    pilot.call(SetMode, 'set_mode', mode=Mode.SAFE)
+    pilot.back(0.4)
+    if pilot.mode.mode != Mode.SAFE:
+        raise TourError('the robot did not stay in Safe')
+
+
+def goodbye(pilot: Pilot) -> None:
+    """Turn round and play the other song."""
+    pilot.turn_to(pi)
+    pilot.call(SetLeds, 'set_leds', power_color=RED, power_intensity=60)
+    pilot.call(PlaySong, 'play_song', number=GOODBYE)
+    song_ends(pilot)
+    pilot.release()
+
+
+TOUR: Sequence[Step] = (
+    Step('LEDs and a song', hello), Step('a square', square), Step('a spiral', spiral),
+    Step('bump and turn, twice', bump_and_turn),
+    Step('through two doors to the hall', to_the_hall),
+    Step('the stairs: a cliff, Passive, and back to Safe', cliff),
+    Step('another song', goodbye))
+SHORT: Sequence[Step] = (Step('LEDs and a song', hello), Step('a turn', lambda pilot:
+                         pilot.turn_to(pi / 2)), Step('another song', goodbye))
