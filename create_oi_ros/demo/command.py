@@ -95,34 +95,39 @@ def show(folder: Path) -> None:
     say(f'look at {folder / "report.png"} or {folder / "report.html"}')
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_demo`; 1: something did not happen, 2: there is no report."""
+def _arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='create_demo', description='Let a simulated Create show itself for two minutes, '
         'record everything to a bag and make a report of it.')
     parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
+                        default=Path(f'demo-{datetime.now():%Y%m%d-%H%M%S}'),
                         help='a new folder for bag and report (default: demo-DATE-TIME)')
     parser.add_argument('--short', action='store_true', help='a song and a turn only')
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `create_demo`; 1: something did not happen, 2: there is no report."""
+    parser = _arguments()
     options = parser.parse_args(arguments)
-    folder = options.folder or Path(f'demo-{datetime.now():%Y%m%d-%H%M%S}')
-    if folder.exists():
-        parser.error(f'{folder} is there already')
+    if options.folder.exists():
+        parser.error(f'{options.folder} is there already')
     stop, code = threading.Event(), 0
     call_on_signal(stop.set)
     go_private()
     try:
-        record(SHORT if options.short else TOUR, folder / BAG, stop)
-    except ModuleNotFoundError as error:
-        say(missing((error.name or '').partition('.')[0]))
-        return 2
+        record(SHORT if options.short else TOUR, options.folder / BAG, stop)
     except TourError as error:
         say(f'the tour ends here: {error}')
         code = 1
     except Stopped:
-        say(f'stopped; what was recorded is {folder / BAG}')
+        say(f'stopped; what was recorded is {options.folder / BAG}')
         return STOPPED
+    except ModuleNotFoundError as error:
+        say(missing((error.name or '').partition('.')[0]))
+        return 2
     try:
-        show(folder)
+        show(options.folder)
     except (BagError, OSError) as error:
         say(str(error))
         return 2

@@ -14,9 +14,6 @@ from ament_index_python.packages import get_package_share_directory, PackageNotF
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-PIP = {'rosbags': 'rosbags==0.11.9', 'matplotlib': 'matplotlib==3.11.2'}
-"""What to ask pip for."""
-
 
 class BagError(Exception):
     """A bag cannot be read, or tells nothing of our robot; the message is one sentence."""
@@ -25,9 +22,8 @@ class BagError(Exception):
 def missing(module: str) -> str:
     """Say how to get a Python module that is not installed."""
     apt = {'matplotlib': ' or `sudo apt-get install python3-matplotlib`'}.get(module, '')
-    wanted = PIP.get(module, module)
     return (f'the Python module {module} is not installed: '
-            f'`python3 -m pip install --break-system-packages {wanted}`{apt}')
+            f'`python3 -m pip install --break-system-packages {module}`{apt}')
 
 
 def message_files() -> list[Path]:
