@@ -158,6 +158,13 @@ class Track(Prediction):
     def _run_free(self) -> None:
         """Give up the requested speeds: from here only the readings say how the robot moves."""
         self.free = list(self.speeds)
+        # Whoever holds a wheel also ends its rolling on under the wrong sign.
+        far, turn = self.window.miscounted, self.window.miscounted_angle
+        middle = (self.yaw + self.window.yaw) / 2
+        self.errors.add(1.0, ((X, far * cos(middle)), (Y, far * sin(middle)), (YAW, turn)))
+        self.x -= far * cos(middle)
+        self.y -= far * sin(middle)
+        self.yaw -= turn
 
     def _stray(self, distance: float, angle: float) -> None:
         """Doubt the window's travel and turn by these."""
@@ -172,11 +179,6 @@ class Track(Prediction):
         self.errors.add(angle ** 2, (
             (X, -dy / 2), (Y, dx / 2), (YAW, grip), (ANGLE, 1.0),
             (RIGHT_SPEED, turn_rate), (LEFT_SPEED, -turn_rate)))
-        # Whoever holds a wheel also ends its rolling on under the wrong sign.
-        far, turn = window.miscounted, window.miscounted_angle
-        self.errors.add(1.0, ((X, far * cos(middle)), (Y, far * sin(middle)), (YAW, turn)))
-        self.x, self.y, self.yaw = (
-            self.x - far * cos(middle), self.y - far * sin(middle), self.yaw - turn)
         shape = (grip * distance * min(angle, 1.0) / 4) ** 2
         self.errors.add(shape, ((X, 1.0),))
         self.errors.add(shape, ((Y, 1.0),))
