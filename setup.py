@@ -28,6 +28,7 @@ setup(
     entry_points={
         'console_scripts': [
             'create_demo = create_oi_ros.start:create_demo',
+            'create_calibrate = create_oi_ros.start:create_calibrate',
             'create_node = create_oi_ros.start:create_node',
             'create_report = create_oi_ros.start:create_report',
             'create_run = create_oi_ros.start:create_run',

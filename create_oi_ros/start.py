@@ -24,6 +24,13 @@ def _loading() -> Iterator[None]:
             '`source install/setup.bash`') from None
 
 
+def create_calibrate() -> int:
+    """Work out the parameters of the odometry."""
+    with _loading():
+        from .calibrate import main
+    return main()
+
+
 def create_demo() -> int:
     """Let a simulated robot show itself, and report on it."""
     with _loading():
@@ -61,5 +68,6 @@ def create_sim() -> int:
 
 PROGRAMS = {
     program.__name__: f'from {__name__} import {program.__name__} as run; raise SystemExit(run())'
-    for program in (create_demo, create_node, create_report, create_run, create_sim)}
+    for program in (
+        create_calibrate, create_demo, create_node, create_report, create_run, create_sim)}
 """Python that runs an executable wherever this package can be imported, installed or not."""

@@ -7,6 +7,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.body import Body, Rounding
+from create_oi_ros.sim.config import BodyConfig
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import shipped, World
 
@@ -20,10 +21,12 @@ class Loop:
     def __init__(
         self, settings: Settings | None = None, *, world: World | None = None, delay: float = 0.0,
         rounding: Rounding = Rounding.CARRY, checksum: oi.Checksum = oi.Checksum.HARDWARE,
-        robot_baud: int | None = None,
+        robot_baud: int | None = None, wheel_separation: float = 0.258,
     ) -> None:
         """With `robot_baud` the robot has a rate of its own; else it has always the driver's."""
-        self.body = Body(world or shipped('empty'), rounding=rounding)
+        self.body = Body(
+            world or shipped('empty'), rounding=rounding,
+            config=BodyConfig(wheel_separation=wheel_separation))
         self.robot = Create(self.body, checksum=checksum)
         self.driver = Driver(settings or Settings())
         self.now = 100.0

@@ -12,7 +12,7 @@ from create_oi_ros.driver import (
     Severity,
 )
 from create_oi_ros.driver.calling import Calling, LAST_WORDS, SPEECH, USUAL
-from create_oi_ros.driver.checks import FASTEST, Jumps, SLACK
+from create_oi_ros.driver.checks import FASTEST, FASTEST_TURN, Jumps, SLACK
 from create_oi_ros.driver.power import SETTLE
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.encoders import Rounding
@@ -128,7 +128,7 @@ def test_what_is_possible_passes():
     jumps = Jumps()
     reading = oi.Readings({'distance': 30000, 'angle': 0})
     assert jumps.possible(reading, 0.0), 'the first spans an unknown time'
-    reading = oi.Readings({'distance': int(FASTEST * 1000) + SLACK, 'angle': -700})
+    reading = oi.Readings({'distance': int(FASTEST * 1000) + SLACK, 'angle': -int(FASTEST_TURN)})
     assert jumps.possible(reading, 1.0)
     assert not jumps.possible(reading, 1.1)
 

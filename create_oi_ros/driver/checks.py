@@ -5,8 +5,8 @@ from math import degrees
 from .. import oi
 from .motion import MM
 
-FASTEST, FASTEST_TURN = 2.0, 720.0
-"""m/s and deg/s: more than wheels or a hand can do."""
+FASTEST, FASTEST_TURN = 1.0, 450.0
+"""m/s and deg/s: twice what the wheels can do, for a robot that is pushed."""
 SLACK, TURN_SLACK = 50, 20
 """mm and degrees allowed beyond that, for whole units and late frames."""
 TURN_BY = 360.0

@@ -1,0 +1,66 @@
+"""`create_calibrate listen`: how far and how much the robot has moved, as `odom` reports it."""
+
+from math import atan2, degrees, pi
+
+from nav_msgs.msg import Odometry
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from .ending import call_on_signal, spin_until
+
+
+class Tally:
+    """Adds up distance along the way and turning, without limit."""
+
+    def __init__(self) -> None:
+        self.distance = 0.0
+        """Metres, forward less backward."""
+        self.turned = 0.0
+        """Radians, counter-clockwise."""
+        self._before: tuple[float, float, float] | None = None
+
+    def add(self, x: float, y: float, yaw: float, *, forward: bool) -> None:
+        """Take a pose in."""
+        if self._before is not None:
+            x0, y0, yaw0 = self._before
+            step = ((x - x0) ** 2 + (y - y0) ** 2) ** 0.5
+            self.distance += step if forward else -step
+            self.turned += (yaw - yaw0 + pi) % (2 * pi) - pi
+        self._before = (x, y, yaw)
+
+
+class _Listener(Node):
+
+    def __init__(self, tally: Tally) -> None:
+        super().__init__('create_calibrate')
+        self._tally = tally
+        self.create_subscription(Odometry, 'odom', self._on_odom, 100)
+        self.create_timer(0.5, self._print)
+
+    def _on_odom(self, odom: Odometry) -> None:
+        at, turned = odom.pose.pose.position, odom.pose.pose.orientation
+        self._tally.add(
+            at.x, at.y, 2 * atan2(turned.z, turned.w), forward=odom.twist.twist.linear.x >= 0)
+
+    def _print(self) -> None:
+        print(f'\rreported: {self._tally.distance:+8.3f} m  {degrees(self._tally.turned):+9.1f} '
+              'degrees   (Ctrl-C ends)', end='', flush=True)
+
+
+def listen() -> int:
+    """Print the tally until Ctrl-C."""
+    ended = Future()
+    call_on_signal(lambda: ended.set_result(0))
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = _Listener(Tally())
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    spin_until(executor, ended)
+    print()
+    executor.shutdown()
+    node.destroy_node()
+    rclpy.shutdown()
+    return 0
