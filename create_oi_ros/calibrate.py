@@ -48,7 +48,8 @@ def parser() -> argparse.ArgumentParser:
                        ('turns', 'turns in place, degrees')):
         ways.add_parser(way, help=about).add_argument(
             'runs', type=_run, nargs='+', metavar='MEASURED:REPORTED')
-    marks = ways.add_parser('square', help='UMBmark: where the robot ended, measured less reported')
+    marks = ways.add_parser(
+        'square', help='UMBmark: where the robot ended, measured less reported')
     marks.add_argument('--side', type=float, required=True, help='metres')
     for name in ('--clockwise', '--counter'):
         marks.add_argument(name, type=_return, nargs='+', required=True, metavar='X,Y')
