@@ -219,7 +219,7 @@ def test_others_see_it_at_the_promised_rates_and_as_they_are_used_to(ready):
     assert not volatile
     names = {status.name for status in statuses[-1].status}
     assert names == {f'create: {part}' for part in (
-        'battery', 'safety', 'mode', 'serial link', 'driver')}
+        'battery', 'safety', 'mode', 'serial link', 'driver', 'parameters')}
     for topic in PUBLISHED:
         info, = ready.ros.node.get_publishers_info_by_topic(
             topic.name if topic.name.startswith('/') else f'/{topic.name}')
