@@ -38,6 +38,27 @@ def test_lost_frames_are_noticed_and_their_time_is_not_lost():
     assert sum(dt for _, dt in taken) == pytest.approx(slots[-1] * SLOT)
 
 
+def test_a_line_that_becomes_slower_loses_nothing():
+    clock, random = FrameClock(), Random(2)
+    total, arrival = 0.0, 0.0
+    for slot in range(1, 3000):
+        # Pieces do not overtake each other, so delays are high for long.
+        arrival = max(arrival, slot * SLOT + random.uniform(0, 0.03))
+        total += clock.stamp(arrival, 0.0)[1]
+    assert total == pytest.approx(2999 * SLOT)
+
+
+def test_a_single_lost_frame_is_noticed_where_garbage_came():
+    clock = FrameClock()
+    total = 0.0
+    for slot in range(1, 400):
+        if slot == 200:
+            clock.suspect()
+        else:
+            total += clock.stamp(slot * SLOT, 0.0)[1]
+    assert total == pytest.approx(399 * SLOT)
+
+
 def test_a_robot_whose_clock_is_slow_is_followed():
     clock = FrameClock()
     for slot in range(1, 20000):

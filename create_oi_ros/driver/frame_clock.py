@@ -15,6 +15,8 @@ WINDOW = 64
 """Frames over which the earliest arrival counts: about a second."""
 RECENT = 16
 """Frames in a row that must all be late before a slot is taken to have been lost."""
+SILENT = 3.5 * oi.SLOT
+"""Seconds without a frame after which some may have been lost unseen; no delay is that long."""
 LEAST_STEP = 1e-4
 """Seconds by which stamps rise at least."""
 
@@ -26,10 +28,18 @@ class FrameClock:
         self._lateness: deque[float] = deque(maxlen=WINDOW)
         self._slot = 0
         self._stamp = -float('inf')
+        self._arrival: float | None = None
+        self._suspicious = 0
 
     def restart(self) -> None:
         """Forget where the robot's slots lie: it was away."""
         self._lateness.clear()
+        self._arrival = None
+        self._suspicious = 0
+
+    def suspect(self) -> None:
+        """Note that bytes came which may have been a frame."""
+        self._suspicious = WINDOW
 
     def stamp(self, arrival: float, wire_time: float) -> tuple[float, float]:
         """
@@ -37,6 +47,9 @@ class FrameClock:
 
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
+        if self._arrival is not None and arrival - self._arrival > SILENT:
+            self.suspect()
+        self._arrival = arrival
         self._slot += 1
         self._lateness.append(arrival - wire_time - self._slot * oi.SLOT)
         lost = self._lost_slots()
@@ -53,10 +66,12 @@ class FrameClock:
         """
         Return by how many slots all recent frames are late.
 
-        One late frame is the line's delay; when none comes in time any more, frames are missing.
+        One late frame is the line's delay; when none comes in time any more, and there was a
+        sign of it, frames are missing. Without a sign a line may just have become slower.
         """
+        self._suspicious -= 1
         older = len(self._lateness) - RECENT
-        if older <= 0:
+        if older <= 0 or self._suspicious < 0:
             return 0
         before = min(islice(self._lateness, older))
         return round((min(islice(self._lateness, older, None)) - before) / oi.SLOT)

@@ -51,6 +51,7 @@ class Driver:
         self._outbox = Outbox()
         self._reader = oi.StreamReader(self.plan.lists)
         self._clock = FrameClock()
+        self._unseen = 0.0
         self.readings = oi.Readings()
         """The newest of every packet that has arrived so far."""
         self._events: deque[DriverEvent] = deque()
@@ -94,6 +95,7 @@ class Driver:
                 case oi.Garbage():
                     self.counts.garbage_bytes += len(event.data)
                     self._calling.overheard(event.data)
+                    self._clock.suspect()
         self.counts.checksum_failures = self._reader.checksum_failures
 
     def poll(self, now: float) -> None:
@@ -260,13 +262,15 @@ class Driver:
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         readings = frame.readings
+        wire_time = frame.packets.budget(self.baud).seconds
+        stamp, dt = self._clock.stamp(now, wire_time)
+        self._unseen += dt
         if readings.implausible():
             self.counts.implausible_frames += 1
             return
+        dt, self._unseen = self._unseen, 0.0
         self.counts.frames += 1
         self.heard_at = now
-        wire_time = frame.packets.budget(self.baud).seconds
-        stamp, dt = self._clock.stamp(now, wire_time)
         self.readings.update(readings)
         if self.link is Link.WAKING:
             self._found(now)
