@@ -31,7 +31,7 @@ MORE_DRIVES = 37
 CALIBRATED = 2
 WINDOWS = {'naive': 0.0, 'ours': 1.0}
 LOOP = Condition('whole driver', latency=0.03, any_moment=True, target=True, seconds=300)
-LOOP_DRIVES = 5
+LOOP_DRIVES = 4
 MEANS = {'turn': 0.3, 'distance': 1.0}
 WORSTS = {'turn': 0.8, 'distance': 2.5, 'step': 1.0, 'step_angle': 0.2}
 CARRY_TURN = 0.1

@@ -60,7 +60,7 @@ class Condition:
     """Whether the issue sets figures to reach."""
     slip: float = FLOOR
     """What the estimator is told of the floor."""
-    seconds: float = 120.0
+    seconds: float = 90.0
 
 
 CONDITIONS = (

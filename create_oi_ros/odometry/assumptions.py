@@ -35,6 +35,8 @@ TOP_SPEED = 0.5
 """m/s, of either wheel (manual)."""
 LONGEST_SEGMENT = 0.25
 """Seconds between updates of the covariance."""
+EXPLICABLE = 3.0, 0.15
+"""Units, and part of the path, by which wrong parameters may make prediction fail."""
 BELIEVABLE = 2.0, 0.05
 """Units, and part of the travel, by which a robot that obeys again may miss its prediction, ..."""
 TELLING_TIME = 0.2

@@ -105,6 +105,8 @@ class Odometry:
             if increment.lifted != self._lifted:
                 track.lift(increment.lifted)
             track.advance(dt, right, left)
+            if dt > 1.5 * SLOT:
+                track.doubt_time(SLOT)
         if driven != self._driven:
             self._plan.hurry()
         self._gap, self._driven, self._lifted = False, driven, increment.lifted

@@ -86,6 +86,18 @@ class Prediction:
         self._request(right, left, dt)
         self._glide(dt - until)
 
+    def doubt_time(self, seconds: float) -> None:
+        """Doubt for how long the wheels have turned: frames were lost, or taken to be."""
+        self.close_segment()
+        right, left = self.speeds
+        linear, angular = self.scales
+        forward, turn = (right + left) / 2, (right - left) / self.separation
+        i, j = (self.right.counts, self.left.counts) if self.free is None else (1.0, 1.0)
+        self.errors.add(seconds * seconds, (
+            (X, forward * linear * cos(self.yaw)), (Y, forward * linear * sin(self.yaw)),
+            (YAW, turn * angular), (DISTANCE, (i * right + j * left) / 2),
+            (ANGLE, (i * right - j * left) / self.separation)))
+
     def _request(self, right: float, left: float, span: float) -> None:
         """Take a request that came at an unknown moment within `span` seconds."""
         wheels, requests = (self.right, self.left), (right, left)
@@ -147,6 +159,7 @@ class Prediction:
         self.went += went
         self.turned += turn
         self._path += abs(right) + abs(left)
+        window.path += abs(right) + abs(left)
         self._seconds += seconds
 
     # Covariance.

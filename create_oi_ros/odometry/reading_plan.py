@@ -8,6 +8,7 @@ asked in some frames in a row at moments at which the roundings would answer dif
 
 from .assumptions import DEGREE, MM
 from .beliefs import Beliefs
+from .errors import RAMP
 from .rounding import Rounding
 
 SLOT = 0.015
@@ -21,6 +22,10 @@ WAITS = 0.5, 1.0
 """Windows between readings, at least and at most, ..."""
 STEADY_WAITS = 0.5, 2.0
 """... and once the rounding is known, while the requests stay the same, ..."""
+UNSURE = 0.1
+"""Relative error of the acceleration above which a reading waits for ramps to end, ..."""
+SETTLED, UNSETTLED = 1.0, 2.5
+"""... for so many seconds after a request, and so many windows at most."""
 GOLDEN = 0.618
 """... and the step that fills this range evenly."""
 PROBE = 8
@@ -90,6 +95,9 @@ class ReadingPlan:
         best = beliefs.best
         if best.free is not None:
             return FREE * self.window
+        if best.errors.variance(RAMP) > UNSURE ** 2 and self._steady < SETTLED:
+            # A ramp that is half over tells little of an acceleration that is hardly known.
+            return UNSETTLED * self.window
         plain = len(beliefs.roundings) == 1 and self._steady > self._age
         shortest, longest = STEADY_WAITS if plain else WAITS
         varied = self.window * (shortest + (longest - shortest) * (self._readings * GOLDEN % 1))

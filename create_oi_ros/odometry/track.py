@@ -72,7 +72,7 @@ class Track(Prediction):
             self.surprises += 1
             likelihood = given.UNLIKELY
             self._stray(*surprise)
-            if self._obeys(readings, (self.distance, self.angle)):
+            if self._roughly_obeys(readings):
                 self._learn_more()
             else:
                 self._run_free()
@@ -188,6 +188,13 @@ class Track(Prediction):
         slack, part = given.BELIEVABLE
         return all(abs(whole * unit - much) <= slack * unit + part * abs(much)
                    for (_, unit), whole, much in zip(UNITS, readings, expected))
+
+    def _roughly_obeys(self, readings: tuple[int, int]) -> bool:
+        """Tell whether wrong parameters would explain what prediction missed."""
+        slack, part = given.EXPLICABLE
+        paths = part * self.window.path / 2, part * self.window.path / self.separation
+        return all(abs(whole * unit - held) <= slack * unit + path for (_, unit), whole, held, path
+                   in zip(UNITS, readings, (self.distance, self.angle), paths))
 
     def _run_bound(self) -> None:
         """Trust the requested speeds again."""

@@ -13,6 +13,8 @@ class Window:
     yaw: float
     seconds: float = 0.0
     """Its length as far as the covariance has followed."""
+    path: float = 0.0
+    """Metres that both wheels rolled, in whichever direction, together."""
     expected: float = 0.0
     """Metres that wheels that run free would have been counted had they obeyed."""
     expected_angle: float = 0.0
