@@ -1,7 +1,7 @@
 # One line each; whatever is missing is set up and built first. ARGS= is handed on.
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: run demo test build bench faults soak fuzz docs lint clean
+.PHONY: run demo test build bench bench-odometry faults soak fuzz docs lint clean
 
 # An installed ROS is used where it is sourced; anywhere else the wheels are.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -14,6 +14,7 @@ demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov)
 build: $(BUILT)
 bench: build ; @$(ENTER) for each in bench/bench_*.py; do python $$each $(ARGS) || exit; done
+bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 faults: build ; @$(ENTER) PYTHONPATH=bench:test:$$PYTHONPATH python -m faults $(ARGS)
 soak: build ; @$(ENTER) PYTHONPATH=bench:test:$$PYTHONPATH python bench/soak.py $(ARGS)
 fuzz: build ; @$(ENTER) python bench/fuzz_stream.py $(ARGS)
