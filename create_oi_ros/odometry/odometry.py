@@ -21,8 +21,8 @@ STEP, TWIST = 1e-3, 0.2 * DEGREE
 FAR, ASKEW = 0.03, 5 * DEGREE
 """... unless it is larger than this, because the robot moved on its own: then as fast as it can
 have moved, ..."""
-TOP_TURN = 2 * 1.03 * TOP_SPEED / 0.258
-"""... which is TOP_SPEED, and this in rad/s: the manual's, and 3 % for wheels that are fast."""
+TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / 0.258
+"""... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
 AS_BUILT = Geometry()
 FLOOR = 1e-9
 """Variance of a pose that is known exactly, m² and rad²."""
@@ -132,13 +132,14 @@ class Odometry:
     def _followed(self, dt: float, went: float, turned: float) -> Estimate:
         """Move the estimate as the best track moved, and some way towards it."""
         before, best, g = self.estimate, self.beliefs.best, self.geometry
+        went = max(-TOP * dt, min(TOP * dt, went))
         turned = max(-TOP_TURN * dt, min(TOP_TURN * dt, turned))
         middle = before.yaw + turned / 2
         chord = went * (1 - turned * turned / 24)
         dx, dy = chord * cos(middle), chord * sin(middle)
         x, y, yaw = best.x - before.x - dx, best.y - before.y - dy, best.yaw - before.yaw - turned
         part = 1 - exp(-dt / BLEND)
-        share = _share(part, hypot(x, y), STEP, FAR, TOP_SPEED * dt - abs(went))
+        share = _share(part, hypot(x, y), STEP, FAR, TOP * dt - abs(went))
         twist = yaw * _share(part, abs(yaw), TWIST, ASKEW, TOP_TURN * dt - abs(turned))
         dx, dy, dyaw = dx + share * x, dy + share * y, turned + twist
         forward = dx * cos(middle) + dy * sin(middle)
