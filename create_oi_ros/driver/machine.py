@@ -29,6 +29,8 @@ from .supervision import Cause, causes_in, MODE_COMMANDS, ModeStatus, Supervisio
 DRAIN_AFTER, TELL_AFTER = 4, 14
 """Speeds in a row that the robot missed, after which it is taken to be in the middle of a
 command, and after which the user is told: 0.6 s and 2 s."""
+LIFTED = oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
+"""A wheel that hangs does not move the robot, whatever it counts."""
 SILENCE = 0.5
 """Seconds without a frame after which the robot is taken to be away, and called again."""
 
@@ -314,6 +316,7 @@ class Driver:
             right=readings.requested_right_velocity / MM,
             left=readings.requested_left_velocity / MM,
             driven=readings.oi_mode in oi.DriveDirect.modes and not self.scripts.playing,
+            lifted=bool(readings.bumps_and_wheel_drops & LIFTED),
             distance=readings.distance if asked else None,
             angle=readings.angle if asked else None))
 

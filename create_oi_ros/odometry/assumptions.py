@@ -18,7 +18,7 @@ JITTER = 1 / 16
 lag; 1/12 would be any moment, and 0 always the same."""
 GAIN_DRIFT = 1e-4
 """Standard deviation of a gain's random walk, per root second of motion."""
-ASTRAY = 0.06
+ASTRAY = 0.09
 """Metres by which a wheel that is not driven as requested strays from its encoder, per root metre:
 nobody knows when it reverses, and its encoder counts on with the old sign."""
 RAMP_NOISE = 0.002
