@@ -115,6 +115,7 @@ class Listener:
         self.node = rclpy.create_node('listener', context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
+        self._clients: dict[str, Any] = {}
 
     def listen(self, type_: type, name: str, qos: QoSProfile | int = 10) -> list[Any]:
         """Return a list that fills with the messages of a topic."""
@@ -131,13 +132,25 @@ class Listener:
         return result
 
     def call(self, type_: type, name: str, **fields: Any) -> Any:
-        """Call a service and return its reply."""
-        client = self.node.create_client(type_, name)
+        """
+        Call a service and return its reply.
+
+        A client that has just come may be asked before the service knows where to reply to; such
+        a reply is lost. So a client is kept, and asks again when it has heard nothing for long.
+        """
+        if name not in self._clients:
+            self._clients[name] = self.node.create_client(type_, name)
+        client = self._clients[name]
         self.until(client.service_is_ready, f'service {name}')
-        future = client.call_async(type_.Request(**fields))
-        self.until(future.done, f'reply of {name}')
-        self.node.destroy_client(client)
-        return future.result()
+        futures = [client.call_async(type_.Request(**fields))]
+        again = time.monotonic() + PATIENCE / 3
+
+        def answered() -> bool:
+            if time.monotonic() > again and len(futures) == 1:
+                futures.append(client.call_async(type_.Request(**fields)))
+            return any(future.done() for future in futures)
+        self.until(answered, f'reply of {name}')
+        return next(future.result() for future in futures if future.done())
 
     def close(self) -> None:
         """Leave the graph."""
