@@ -56,7 +56,7 @@ def parameters() -> str:
         if facts['low'] is not None:
             allowed = f'{facts["low"]} to {facts["high"]}'
         value = declared.default
-        default = str(value).lower() if isinstance(value, bool) else str(value)
+        default = str(value).lower() if isinstance(value, bool) else str(value) or "''"
         rows.append((
             f'`{declared.name}`', f'`{default}`', allowed,
             'at start' if facts['fixed'] else 'any time', facts['description']))

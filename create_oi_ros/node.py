@@ -1,6 +1,7 @@
 """The ROS node `create`: topics, services and parameters around a session with the robot."""
 
 from copy import copy
+from functools import partial
 import sys
 import time
 
@@ -16,9 +17,12 @@ from rclpy.task import Future
 
 from . import convert, diagnostics, parameters, topics
 from .answers import Answers
+from .capture import begin, CapturedPort
 from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Severity
 from .ending import call_on_signal, spin_until
 from .odometry import Estimate
+from .oi.capture import Kind
+from .port import Port
 from .session import Session
 
 DIAGNOSTICS_PERIOD = 1.0
@@ -33,7 +37,7 @@ class CreateNode(Node):
 
     def __init__(self, ended: Future) -> None:
         """
-        Declare everything; ValueError says which parameter is wrong. Opens nothing.
+        Declare everything; ValueError says which parameter is wrong. Opens only the capture.
 
         `ended` gets the exit code when the node cannot go on.
         """
@@ -41,10 +45,12 @@ class CreateNode(Node):
         self.parameters = parameters.declare(self)
         self.add_on_set_parameters_callback(parameters.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
+        self.capture = begin(self.parameters, self.get_logger())
         self.session = Session(
             Driver(self.parameters.settings()), self.parameters.port,
             on_event=self._on_event, on_failure=lambda: ended.set_result(1),
-            dead_man=self.parameters.dead_man)
+            dead_man=self.parameters.dead_man,
+            open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._mode_published: ModeStatus | None = None
         self._stale = 0
         self._declare_topics()
@@ -150,6 +156,8 @@ class CreateNode(Node):
         self._diagnostics.publish(message)
 
     def _log(self, notice: Notice) -> None:
+        if self.capture is not None:
+            self.capture.tell(Kind.NOTE, f'{notice.severity.name.lower()}: {notice.text}')
         match notice.severity:
             case Severity.INFO:
                 self.get_logger().info(notice.text)
@@ -176,6 +184,8 @@ def main() -> int:
         spin_until(executor, ended)
     finally:
         node.session.close()
+        if node.capture is not None:
+            node.capture.close()
         executor.shutdown()
         node.destroy_node()
         rclpy.shutdown()

@@ -98,6 +98,9 @@ class Parameters:
         'in Passive, or look for the dock', choices=tuple(ACTIONS), fixed=True)
     dead_man: bool = parameter(
         True, 'Whether a process of its own stops the robot when the node dies', fixed=True)
+    capture: str = parameter(
+        '', 'File to write every byte of the serial line to, both ways, with times; nothing is '
+        'overwritten: where it exists, a number is added to its name', fixed=True)
 
     def settings(self) -> Settings:
         """Return what the driver needs of them."""
@@ -172,7 +175,7 @@ def refusal(name: str, value: Any) -> str:
         return f'parameter {name} = {value!r}; allowed: {_listed(choices)}'
     if isinstance(value, float) and value != value:
         return f'parameter {name} is not a number'
-    if value == '':
+    if value == '' and _declaration(name).default != '':
         return f'parameter {name} is empty'
     return ''
 

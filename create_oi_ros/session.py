@@ -32,19 +32,22 @@ class Session:
     def __init__(
         self, driver: Driver, url: str, *, on_event: Callable[[DriverEvent], None],
         on_failure: Callable[[], None], dead_man: bool = False,
+        open_port: Callable[..., Port] = Port,
     ) -> None:
         """
         Prepare.
 
         `on_event` is called by whichever thread is at the driver, `on_failure` when the
         session's own thread ends unasked, with its traceback printed: then `close` at once.
-        With `dead_man`, a process of its own stops the robot when this one dies.
+        With `dead_man`, a process of its own stops the robot when this one dies. `open_port`
+        takes what `Port` takes.
         """
         self.driver = driver
         self.url = url
         self._on_event = on_event
         self._on_failure = on_failure
         self._wants_dead_man = dead_man
+        self._open_port = open_port
         self._lock = threading.RLock()
         self._port: Port | None = None
         self._dead_man: DeadMan | None = None
@@ -115,7 +118,7 @@ class Session:
         if not exists(url) and self._lasting_name is not None and exists(self._lasting_name):
             url = self._lasting_name
         try:
-            port = Port(url, self.driver.baud, timeout=READ_TIMEOUT)
+            port = self._open_port(url, self.driver.baud, timeout=READ_TIMEOUT)
         except PortError as error:
             self._complain(error)
             return False

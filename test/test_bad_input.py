@@ -174,7 +174,7 @@ def bad_values(declared) -> list:
                 [default]]
     if isinstance(default, int):
         return [-1, 1, 57601, 2 ** 63 - 1, -2 ** 63, 57600.0, '57600', [57600]]
-    wrong = ['', 1, True, nan, ['a']]
+    wrong = [*([''] if default else []), 1, True, nan, ['a']]
     return [*wrong, 'SAFE', 'ünbekannt', ' safe', 'x' * 5000] if facts['choices'] else wrong
 
 
