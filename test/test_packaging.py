@@ -13,7 +13,7 @@ import create_oi_ros
 from source import imported, modules, PACKAGE, ROOT
 
 MODULES = modules(PACKAGE)
-FOLDERS = ('launch', 'test', 'bench')
+FOLDERS = ('launch', 'test', 'bench', 'examples')
 """Beside the package: what only these import may be a test dependency."""
 OURS = {PACKAGE, *FOLDERS,
         *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
