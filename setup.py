@@ -33,6 +33,7 @@ setup(
             'create_report = create_oi_ros.start:create_report',
             'create_run = create_oi_ros.start:create_run',
             'create_sim = create_oi_ros.start:create_sim',
+            'create_view = create_oi_ros.start:create_view',
         ],
     },
 )

@@ -66,8 +66,16 @@ def create_sim() -> int:
     return main()
 
 
+def create_view() -> int:
+    """See a robot, and drive it, in a terminal."""
+    with _loading():
+        from .view.command import main
+    return main()
+
+
 PROGRAMS = {
     program.__name__: f'from {__name__} import {program.__name__} as run; raise SystemExit(run())'
     for program in (
-        create_calibrate, create_demo, create_node, create_report, create_run, create_sim)}
+        create_calibrate, create_demo, create_node, create_report, create_run, create_sim,
+        create_view)}
 """Python that runs an executable wherever this package can be imported, installed or not."""

@@ -32,6 +32,10 @@ RULES = {
     'sim.lines': Rule(ours='oi', pure=False),
     'port': Rule(others='serial', pure=False),
     'convert': Rule(ours=r'oi|odometry|driver\.ModeStatus', others=MESSAGES),
+    'view': Rule(ours='oi|convert', others=MESSAGES),
+    'view.terminal': Rule(pure=False),
+    'view.graph': Rule(ours='topics|services', others='rclpy|' + MESSAGES, pure=False),
+    'view.command': Rule(ours='ending', others='rclpy', pure=False),
     'start': Rule(ours=r'\w+', pure=False),
     '': Rule(ours=r'(?!sim\b)\w+', others='', pure=False),
 }

@@ -1,0 +1,259 @@
+"""What the robot senses, line by line; loud is what is to be seen at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import degrees, isfinite, isnan
+from typing import Any, NamedTuple
+
+from create_oi_msgs.msg import (
+    Bumper,
+    Buttons,
+    CargoBay,
+    Charging,
+    Cliff,
+    IrOmni,
+    Mode,
+    Overcurrent,
+    Song,
+    Wall,
+    WheelDrop,
+)
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState, JointState
+
+from .. import oi
+from ..convert import WHEEL_JOINTS
+from .state import State
+
+NOTHING = '-'
+"""Stands for what was not heard yet."""
+MODES = {mode.value: mode.name for mode in oi.Mode}
+LARGEST = 9999
+"""Figures beyond this are written with an exponent, so that they keep their place."""
+BAR = 14
+LOW = 0.2
+"""Part of the battery's charge below which it is to be seen."""
+QUIET = 2.5
+"""Seconds of silence on all topics after which the driver is taken to be gone."""
+MOST_NAMES = 4
+FRESH = 0.5
+"""Seconds for which a velocity command counts as being followed."""
+
+
+class Piece(NamedTuple):
+    """Some text of a line, at a column of the panel."""
+
+    column: int
+    text: str
+    loud: bool = False
+
+
+Line = list[Piece]
+
+
+def number(value: float, digits: int) -> str:
+    """Return a figure with its sign, in few characters whatever it is."""
+    if isfinite(value) and abs(value) > LARGEST:
+        return f'{value:+.1e}'
+    return f'{value:+.{digits}f}'
+
+
+def plain(*texts: str) -> Line:
+    """Return a line with nothing to be seen at once."""
+    return [Piece(0, ' '.join(texts))]
+
+
+def flags(*named: tuple[str, bool], width: int = 7) -> Line:
+    """Return names in columns; one that is set is loud, and in capitals for who sees no colour."""
+    return [Piece(index * width, name.upper() if is_set else name, is_set)
+            for index, (name, is_set) in enumerate(named)]
+
+
+def mode_name(value: int) -> str:
+    """Return the name of a mode of the message Mode."""
+    return MODES.get(value, 'NO ROBOT')
+
+
+def velocity(linear: float, angular: float) -> str:
+    """Return a velocity as it is read."""
+    return f'{number(linear, 3)} m/s {number(angular, 2)} rad/s'
+
+
+def _position(state: State, _: float) -> Line:
+    pose = state.pose
+    return [] if pose is None else plain(f'x {number(pose.x, 3)} y {number(pose.y, 3)} m')
+
+
+def _heading(state: State, _: float) -> Line:
+    pose = state.pose
+    return [] if pose is None else plain(f'{number(degrees(pose.yaw), 1)} degrees')
+
+
+def _speed(odom: Any) -> Line:
+    return plain(velocity(odom.twist.twist.linear.x, odom.twist.twist.angular.z))
+
+
+def _command(state: State, now: float) -> Line:
+    type_ = min((Twist, TwistStamped), key=lambda each: state.age(each, now))
+    command, age = state.get(type_), state.age(type_, now)
+    if command is None:
+        return plain('none heard')
+    if age > FRESH:
+        return plain(f'none for {age:.0f} s' if age < 1000 else 'none for long')
+    twist = command.twist if type_ is TwistStamped else command
+    return plain(velocity(twist.linear.x, twist.angular.z))
+
+
+def _wheels(joints: Any) -> Line:
+    turning = dict(zip(joints.name, joints.velocity, strict=False))
+    left, right = (turning.get(name) for name in WHEEL_JOINTS)
+    if left is None or right is None:
+        return []
+    return plain(f'L {number(left, 2)} R {number(right, 2)} rad/s')
+
+
+def _bumper(bumper: Any) -> Line:
+    return flags(('left', bumper.left), ('right', bumper.right))
+
+
+def _drops(drop: Any) -> Line:
+    return flags(('left', drop.left), ('right', drop.right), ('caster', drop.caster))
+
+
+def _cliffs(cliff: Any) -> Line:
+    return flags(('left', cliff.left), ('fleft', cliff.front_left), ('fright', cliff.front_right),
+                 ('right', cliff.right))
+
+
+def _signals(cliff: Any) -> Line:
+    return flags(*((f'{signal:4d}', False) for signal in (
+        cliff.left_signal, cliff.front_left_signal, cliff.front_right_signal,
+        cliff.right_signal)))
+
+
+def _wall(wall: Any) -> Line:
+    return [*flags(('wall', wall.wall), (f'{wall.signal:4d}', False)),
+            Piece(14, 'VIRTUAL' if wall.virtual_wall else 'virtual', wall.virtual_wall)]
+
+
+def _overcurrent(over: Any) -> Line:
+    return flags(('left', over.left_wheel), ('right', over.right_wheel),
+                 ('ld0', over.driver_0), ('ld1', over.driver_1), ('ld2', over.driver_2), width=6)
+
+
+def _charge(battery: Any) -> Line:
+    part = battery.percentage
+    if isnan(part):
+        return plain('charge not known')
+    full = round(BAR * min(max(part, 0.0), 1.0))
+    return [Piece(0, f'[{"#" * full}{"-" * (BAR - full)}] {part:.0%}', part < LOW)]
+
+
+def _volts(battery: Any) -> Line:
+    return plain(f'{battery.voltage:.2f} V {number(battery.current, 2)} A '
+                 f'{battery.temperature:.0f} C')
+
+
+def _charging(charging: Any) -> Line:
+    try:
+        state = oi.ChargingState(charging.state).name.lower().replace('_', ' ')
+    except ValueError:
+        state = f'state {charging.state}'
+    where = [name for name, here in (
+        ('home base', charging.home_base), ('charger', charging.internal_charger)) if here]
+    return [Piece(0, ', '.join([state, *where]),
+                  charging.state == Charging.FAULT)]
+
+
+def _mode(mode: Any) -> Line:
+    differs = mode.mode != mode.wanted
+    wanted = f' ({mode_name(mode.wanted)} wanted)' if differs else ''
+    return [Piece(0, mode_name(mode.mode) + wanted, differs)]
+
+
+def _buttons(buttons: Any) -> Line:
+    return flags(('play', buttons.play), ('advance', buttons.advance))
+
+
+def _song(song: Any) -> Line:
+    # The robot is asked for the number only once a second: while a song plays it may be old.
+    return plain('plays' if song.playing else f'{song.number} was the last')
+
+
+def _infrared(infrared: Any) -> Line:
+    name = infrared.name.removeprefix('home_base_').replace('_and_', '+').replace('_', ' ')
+    heard = infrared.character != IrOmni.NONE
+    return plain(f'{infrared.character} {name}' if heard else 'none')
+
+
+def _cargo(cargo: Any) -> Line:
+    bits = ''.join(str(int(each)) for each in (
+        cargo.input_3, cargo.input_2, cargo.input_1, cargo.input_0))
+    return plain(f'inputs {bits} (3210)  analog {cargo.analog:.2f} V')
+
+
+def _link(state: State, _: float) -> Line:
+    link = state.diagnostics.get('serial link')
+    if link is None:
+        return []
+    known = {value.key: value.value for value in link.values}
+    loud = link.level != DiagnosticStatus.OK
+    rate, damaged = known.get('frames per second', '-'), known.get('damaged frames', '-')
+    return [Piece(0, f'{rate} frames/s, {damaged} damaged', loud)]
+
+
+def of(type_: type, line: Callable[[Any], Line]) -> Callable[[State, float], Line]:
+    """Return a line that needs one message, and is empty without it."""
+    def made(state: State, _: float) -> Line:
+        message = state.get(type_)
+        return [] if message is None else line(message)
+    return made
+
+
+ROWS: tuple[tuple[str, Callable[[State, float], Line]], ...] = (
+    ('pose', _position), ('yaw', _heading), ('speed', of(Odometry, _speed)),
+    ('cmd_vel', _command), ('wheels', of(JointState, _wheels)),
+    ('bumper', of(Bumper, _bumper)), ('drops', of(WheelDrop, _drops)),
+    ('cliffs', of(Cliff, _cliffs)), ('', of(Cliff, _signals)), ('wall', of(Wall, _wall)),
+    ('current', of(Overcurrent, _overcurrent)),
+    ('battery', of(BatteryState, _charge)), ('', of(BatteryState, _volts)),
+    ('charger', of(Charging, _charging)), ('mode', of(Mode, _mode)),
+    ('buttons', of(Buttons, _buttons)), ('song', of(Song, _song)),
+    ('ir', of(IrOmni, _infrared)), ('link', _link),
+    ('cargo', of(CargoBay, _cargo)),
+)
+"""The panel from the top; what a low terminal has no room for stands last."""
+
+
+def lines(state: State, now: float) -> list[tuple[str, Line]]:
+    """Return what each line is about, and what it says."""
+    return [(about, line(state, now) or plain(NOTHING if about else '')) for about, line in ROWS]
+
+
+def silences(state: State, now: float) -> list[str]:
+    """Return which topics are missed, and since when at least."""
+    if (quiet := state.quiet_for(now)) > QUIET:
+        return [f'nothing heard for {quiet:.0f} s: driver or network is gone']
+    missed = state.missed(now)
+    if not missed:
+        return []
+    first, more = [*missed][:MOST_NAMES], len(missed) - MOST_NAMES
+    names = ', '.join(first) + (f' and {more} more' if more > 0 else '')
+    return [f'no {names} for {min(missed.values()):.0f} s']
+
+
+def alarms(state: State, now: float) -> list[str]:
+    """Return what is amiss: the silence, the mode, what the driver complains of."""
+    found = silences(state, now)
+    if state.drivers > 1:
+        found.append(f'{state.drivers} drivers publish here: give each a namespace or domain')
+    mode = state.get(Mode)
+    if mode is not None and mode.reason:
+        found.append(f'{mode_name(mode.wanted)} is wanted: {mode.reason}')
+    ranked = sorted(state.diagnostics.items(), key=lambda each: each[1].level, reverse=True)
+    # The mode has said it already, and better.
+    return found + [f'{name}: {status.message}' for name, status in ranked
+                    if status.level != DiagnosticStatus.OK and name != 'mode']

@@ -1,0 +1,163 @@
+"""A program on a pseudo terminal: what it shows is read as a person would see it."""
+
+from collections.abc import Callable
+import fcntl
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from typing import Any
+
+from create_oi_ros.start import PROGRAMS
+
+PATIENCE = 30.0
+"""Seconds after which what a test waits for is taken not to come."""
+SEQUENCE = re.compile(r'\x1b\[([?\d;]*)([A-Za-z])')
+
+
+class Screen:
+    """As much of a terminal as `create_view` uses: a cursor, and clearing."""
+
+    def __init__(self, columns: int, rows: int) -> None:
+        self.columns, self.rows = columns, rows
+        self.other = False
+        """Whether the other screen is shown."""
+        self._rest = ''
+        self._row = self._column = 0
+        self._clear()
+
+    def _clear(self) -> None:
+        self._cells = [[' '] * self.columns for _ in range(self.rows)]
+
+    def feed(self, text: str) -> None:
+        """Take in what was written; a sequence may be cut anywhere."""
+        text, self._rest = self._rest + text, ''
+        at = 0
+        while at < len(text):
+            if text[at] != '\x1b':
+                self._put(text[at])
+                at += 1
+            elif found := SEQUENCE.match(text, at):
+                self._obey(*found.groups())
+                at = found.end()
+            else:
+                self._rest = text[at:]
+                assert len(self._rest) < 20, f'no sequence: {self._rest!r}'
+                return
+
+    def _obey(self, arguments: str, command: str) -> None:
+        match arguments, command:
+            case '2', 'J':
+                self._clear()
+            case _, 'H':
+                row, column = map(int, arguments.split(';'))
+                self._row, self._column = row - 1, column - 1
+            case '?1049', _:
+                self.other = command == 'h'
+            case _:
+                assert (arguments, command) in {
+                    ('?25', 'l'), ('?25', 'h'), ('?7', 'l'), ('?7', 'h'), ('0', 'm'), ('7', 'm')}
+
+    def _put(self, character: str) -> None:
+        if not self.other or character in '\r\n':
+            return
+        assert self._row < self.rows and self._column < self.columns, 'written beside the screen'
+        self._cells[self._row][self._column] = character
+        self._column += 1
+
+    @property
+    def text(self) -> str:
+        """All that is seen."""
+        return '\n'.join(''.join(row) for row in self._cells)
+
+    def after(self, label: str) -> str:
+        """Return what the panel says after a label."""
+        found = re.search(rf'[│|]{label:8}(.*)', self.text)
+        return found[1].strip() if found else ''
+
+
+class Typist:
+    """A program on a terminal of its own, somebody who types, and the screen."""
+
+    def __init__(
+        self, program: str, *arguments: str, domain: int, size: tuple[int, int] = (80, 24),
+        **environment: str,
+    ) -> None:
+        self.master, self.slave = pty.openpty()
+        self.screen = Screen(*size)
+        self.said = ''
+        """All that it has written."""
+        self.resize(*size)
+        self.settings = termios.tcgetattr(self.slave)
+        command = [sys.executable, '-c', PROGRAMS[program], *arguments]
+        self.process = subprocess.Popen(
+            command, stdin=self.slave, stdout=self.slave, stderr=self.slave,
+            start_new_session=True, preexec_fn=self._take_terminal, env={
+                **os.environ, 'ROS_DOMAIN_ID': str(domain), 'TERM': 'xterm',
+                'PYTHONIOENCODING': 'utf-8', **environment})
+
+    @staticmethod
+    def _take_terminal() -> None:
+        fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+    def resize(self, columns: int, rows: int) -> None:
+        """Drag the window."""
+        fcntl.ioctl(self.slave, termios.TIOCSWINSZ, struct.pack('HHHH', rows, columns, 0, 0))
+        self.screen = Screen(columns, rows)
+        self.screen.other = bool(self.said)
+
+    def type(self, keys: str) -> None:
+        """Press keys."""
+        os.write(self.master, keys.encode())
+
+    def look(self, seconds: float = 0.0) -> None:
+        """Take in what was written."""
+        while select.select([self.master], [], [], seconds)[0]:
+            seconds = 0.0
+            text = os.read(self.master, 65536).decode(errors='replace')
+            self.said += text
+            self.screen.feed(text)
+
+    def until(self, happened: Callable[[], Any], what: str = '') -> None:
+        """Watch until something has happened; fail when it does not."""
+        deadline = time.monotonic() + PATIENCE
+        while not happened():
+            assert time.monotonic() < deadline, f'{what} did not happen:\n{self.screen.text}'
+            assert self.process.poll() is None, f'it has ended:\n{self.said[-3000:]}'
+            self.look(0.05)
+
+    def sees(self, text: str) -> None:
+        """Wait until a text is seen."""
+        self.until(lambda: text in self.screen.text, f'{text!r}')
+
+    def send(self, number: signal.Signals) -> None:
+        """Send it a signal."""
+        self.process.send_signal(number)
+
+    def ended(self) -> int:
+        """Wait for its end; return its exit code."""
+        deadline = time.monotonic() + PATIENCE
+        while self.process.poll() is None:
+            assert time.monotonic() < deadline, f'it does not end:\n{self.screen.text}'
+            self.look(0.05)
+        self.look()
+        return self.process.returncode
+
+    @property
+    def restored(self) -> bool:
+        """Tell whether the terminal is as it was."""
+        return termios.tcgetattr(self.slave) == self.settings and not self.screen.other
+
+    def close(self) -> None:
+        """End it, whatever it is doing."""
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+        for descriptor in (self.master, self.slave):
+            os.close(descriptor)
