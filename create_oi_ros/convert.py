@@ -1,4 +1,9 @@
-"""Readings and estimates to ROS messages, requests to the core's terms, in SI units. Pure."""
+"""
+Readings and estimates to ROS messages, requests to the core's terms, in SI units. Pure.
+
+What is published often is filled into a message that was made once: making an Odometry costs
+more than sending it. Publishing copies, so nobody sees a message change.
+"""
 
 from math import cos, nan, sin
 
@@ -47,13 +52,23 @@ NOT_MEASURED = 1e6
 """Variance of what a robot on a floor cannot measure: height, roll and pitch."""
 POSE_AXES, TWIST_AXES = (0, 1, 5), (0, 5)
 """Places of x, y, yaw and of forward and turning speed among the six axes of a covariance."""
+POSE_PLACES = tuple(6 * row + column for row in POSE_AXES for column in POSE_AXES)
+"""Where the covariance of x, y and yaw, row by row, stands among the 36 numbers of ROS."""
+TWIST_PLACES = tuple(7 * axis for axis in TWIST_AXES)
+"""Where the variances of the speeds stand there."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
 
 
 def time(nanoseconds: int) -> Time:
     """Return a ROS time from nanoseconds since the epoch."""
-    seconds, rest = divmod(nanoseconds, NANOSECONDS)
-    return Time(sec=seconds, nanosec=rest)
+    stamp = Time()
+    set_time(stamp, nanoseconds)
+    return stamp
+
+
+def set_time(stamp: Time, nanoseconds: int) -> None:
+    """Make it the time so many nanoseconds after the epoch."""
+    stamp.sec, stamp.nanosec = divmod(nanoseconds, NANOSECONDS)
 
 
 def header(frame: str, stamp: Time) -> Header:
@@ -61,80 +76,81 @@ def header(frame: str, stamp: Time) -> Header:
     return Header(frame_id=frame, stamp=stamp)
 
 
-def quaternion(yaw: float) -> Quaternion:
-    """Return a rotation about the vertical."""
-    return Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))
+def turn(rotation: Quaternion, yaw: float) -> None:
+    """Make it a rotation about the vertical."""
+    rotation.z = sin(yaw / 2)
+    rotation.w = cos(yaw / 2)
 
 
-def covariance(axes: tuple[int, ...], known: tuple[float, ...]) -> list[float]:
-    """Spread a small row-major covariance over the six axes of ROS."""
-    spread = [0.0] * 36
-    for axis in range(6):
-        spread[7 * axis] = NOT_MEASURED
-    for row, row_axis in enumerate(axes):
-        for column, column_axis in enumerate(axes):
-            spread[6 * row_axis + column_axis] = known[row * len(axes) + column]
-    return spread
+def unmeasured() -> list[float]:
+    """Return a covariance over the six axes of ROS that knows none of them."""
+    return [NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
 
 
-def odometry(estimate: Estimate, header: Header, base_frame: str) -> Odometry:
-    """Pose in the frame of the header, twist in the base frame (REP 105, REP 103)."""
+def odometry_message(header: Header, base_frame: str) -> Odometry:
+    """Return what `odometry` fills again and again; the frame of the header is the pose's."""
     message = Odometry(header=header, child_frame_id=base_frame)
-    message.pose.pose.position.x = estimate.x
-    message.pose.pose.position.y = estimate.y
-    message.pose.pose.orientation = quaternion(estimate.yaw)
-    message.pose.covariance = covariance(POSE_AXES, estimate.pose_covariance)
-    message.twist.twist.linear.x = estimate.linear
-    message.twist.twist.angular.z = estimate.angular
-    linear, angular = estimate.twist_covariance
-    message.twist.covariance = covariance(TWIST_AXES, (linear, 0.0, 0.0, angular))
+    message.pose.covariance = message.twist.covariance = unmeasured()
     return message
 
 
-def transform(estimate: Estimate, header: Header, base_frame: str) -> TransformStamped:
-    """Return the base frame's place in the frame of the header."""
-    message = TransformStamped(header=header, child_frame_id=base_frame)
+def odometry(message: Odometry, estimate: Estimate) -> None:
+    """Fill in the pose in the frame of the header, the twist in the base frame (REP 105, 103)."""
+    pose, twist = message.pose, message.twist
+    pose.pose.position.x = estimate.x
+    pose.pose.position.y = estimate.y
+    turn(pose.pose.orientation, estimate.yaw)
+    for place, known in zip(POSE_PLACES, estimate.pose_covariance):
+        pose.covariance[place] = known
+    twist.twist.linear.x = estimate.linear
+    twist.twist.angular.z = estimate.angular
+    for place, known in zip(TWIST_PLACES, estimate.twist_covariance):
+        twist.covariance[place] = known
+
+
+def transform(message: TransformStamped, estimate: Estimate) -> None:
+    """Fill in the base frame's place in the frame of the header."""
     message.transform.translation.x = estimate.x
     message.transform.translation.y = estimate.y
-    message.transform.rotation = quaternion(estimate.yaw)
-    return message
+    turn(message.transform.rotation, estimate.yaw)
 
 
-def joint_states(estimate: Estimate, header: Header) -> JointState:
-    """Return the wheels' measured angles, rad, and speeds, rad/s."""
-    return JointState(
-        header=header, name=WHEEL_JOINTS,
-        position=[estimate.left_wheel, estimate.right_wheel],
-        velocity=[estimate.left_wheel_speed, estimate.right_wheel_speed])
+def joint_states_message(header: Header) -> JointState:
+    """Return what `joint_states` fills again and again."""
+    return JointState(header=header, name=WHEEL_JOINTS)
 
 
-def bumper(readings: Readings, header: Header) -> Bumper:
-    """Return the bumper's two halves (packet 7)."""
+def joint_states(message: JointState, estimate: Estimate) -> None:
+    """Fill in the wheels' measured angles, rad, and speeds, rad/s."""
+    message.position = [estimate.left_wheel, estimate.right_wheel]
+    message.velocity = [estimate.left_wheel_speed, estimate.right_wheel_speed]
+
+
+def bumper(message: Bumper, readings: Readings) -> None:
+    """Fill in the bumper's two halves (packet 7)."""
     bits = readings.bumps_and_wheel_drops
-    return Bumper(
-        header=header, left=bool(bits & BumpsAndWheelDrops.BUMP_LEFT),
-        right=bool(bits & BumpsAndWheelDrops.BUMP_RIGHT))
+    message.left = bool(bits & BumpsAndWheelDrops.BUMP_LEFT)
+    message.right = bool(bits & BumpsAndWheelDrops.BUMP_RIGHT)
 
 
-def wheel_drop(readings: Readings, header: Header) -> WheelDrop:
-    """Return which wheels hang (packet 7)."""
+def wheel_drop(message: WheelDrop, readings: Readings) -> None:
+    """Fill in which wheels hang (packet 7)."""
     bits = readings.bumps_and_wheel_drops
-    return WheelDrop(
-        header=header, left=bool(bits & BumpsAndWheelDrops.WHEEL_DROP_LEFT),
-        right=bool(bits & BumpsAndWheelDrops.WHEEL_DROP_RIGHT),
-        caster=bool(bits & BumpsAndWheelDrops.WHEEL_DROP_CASTER))
+    message.left = bool(bits & BumpsAndWheelDrops.WHEEL_DROP_LEFT)
+    message.right = bool(bits & BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
+    message.caster = bool(bits & BumpsAndWheelDrops.WHEEL_DROP_CASTER)
 
 
-def cliff(readings: Readings, header: Header) -> Cliff:
-    """Return the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
-    return Cliff(
-        header=header,
-        left=readings.cliff_left, front_left=readings.cliff_front_left,
-        front_right=readings.cliff_front_right, right=readings.cliff_right,
-        left_signal=readings.cliff_left_signal,
-        front_left_signal=readings.cliff_front_left_signal,
-        front_right_signal=readings.cliff_front_right_signal,
-        right_signal=readings.cliff_right_signal)
+def cliff(message: Cliff, readings: Readings) -> None:
+    """Fill in the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
+    message.left = readings.cliff_left
+    message.front_left = readings.cliff_front_left
+    message.front_right = readings.cliff_front_right
+    message.right = readings.cliff_right
+    message.left_signal = readings.cliff_left_signal
+    message.front_left_signal = readings.cliff_front_left_signal
+    message.front_right_signal = readings.cliff_front_right_signal
+    message.right_signal = readings.cliff_right_signal
 
 
 CHARGING = {
@@ -147,9 +163,9 @@ CHARGING = {
 """What a charging state with a source means; without one the battery is discharging."""
 
 
-def battery_state(readings: Readings, header: Header, *, charge_known: bool) -> BatteryState:
+def battery_state(message: BatteryState, readings: Readings, *, charge_known: bool) -> None:
     """
-    Return the battery, true to its message: NaN for what is not known (packets 21 to 26).
+    Fill in the battery, true to its message: NaN for what is not known (packets 21 to 26).
 
     The charge is not known with the alkaline pack (manual: Battery Charge). Real robots may
     report a charge above the capacity, and a capacity of 0.
@@ -162,18 +178,19 @@ def battery_state(readings: Readings, header: Header, *, charge_known: bool) -> 
     if charge_known and readings.battery_capacity > 0:
         charge = readings.battery_charge * MILLI
         capacity = readings.battery_capacity * MILLI
-    return BatteryState(
-        header=header, voltage=readings.voltage * MILLI, current=readings.current * MILLI,
-        temperature=float(readings.battery_temperature), charge=charge, capacity=capacity,
-        design_capacity=nan, percentage=min(charge / capacity, 1.0),
-        power_supply_status=status,
-        power_supply_health=(
-            BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if faulty
-            else BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN),
-        power_supply_technology=(
-            BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
-            else BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN),
-        present=True)
+    message.present = True
+    message.voltage = readings.voltage * MILLI
+    message.current = readings.current * MILLI
+    message.temperature = float(readings.battery_temperature)
+    message.charge, message.capacity, message.design_capacity = charge, capacity, nan
+    message.percentage = min(charge / capacity, 1.0)
+    message.power_supply_status = status
+    message.power_supply_health = (
+        BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if faulty
+        else BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
+    message.power_supply_technology = (
+        BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
+        else BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN)
 
 
 def mode(status: ModeStatus, header: Header) -> Mode:
@@ -183,60 +200,59 @@ def mode(status: ModeStatus, header: Header) -> Mode:
         wanted=status.wanted, reason=status.reason)
 
 
-def wall(readings: Readings, header: Header) -> Wall:
-    """Return the wall sensor and the virtual wall (packets 8, 13 and 27)."""
-    return Wall(
-        header=header, wall=readings.wall, virtual_wall=readings.virtual_wall,
-        signal=readings.wall_signal)
+def wall(message: Wall, readings: Readings) -> None:
+    """Fill in the wall sensor and the virtual wall (packets 8, 13 and 27)."""
+    message.wall = readings.wall
+    message.virtual_wall = readings.virtual_wall
+    message.signal = readings.wall_signal
 
 
-def buttons(readings: Readings, header: Header) -> Buttons:
-    """Return which buttons are pressed (packet 18)."""
-    return Buttons(
-        header=header, play=bool(readings.buttons & oi.Buttons.PLAY),
-        advance=bool(readings.buttons & oi.Buttons.ADVANCE))
+def buttons(message: Buttons, readings: Readings) -> None:
+    """Fill in which buttons are pressed (packet 18)."""
+    message.play = bool(readings.buttons & oi.Buttons.PLAY)
+    message.advance = bool(readings.buttons & oi.Buttons.ADVANCE)
 
 
-def ir_omni(readings: Readings, header: Header) -> IrOmni:
-    """Return the infrared character that is received, and its name (packet 17)."""
+def ir_omni(message: IrOmni, readings: Readings) -> None:
+    """Fill in the infrared character that is received, and its name (packet 17)."""
     character = readings.infrared
-    name = Infrared(character).name.lower() if character in list(Infrared) else ''
-    return IrOmni(header=header, character=character, name=name)
+    message.character = character
+    message.name = Infrared(character).name.lower() if character in list(Infrared) else ''
 
 
-def charging(readings: Readings, header: Header) -> Charging:
-    """Return the charging state and the sources (packets 21 and 34)."""
+def charging(message: Charging, readings: Readings) -> None:
+    """Fill in the charging state and the sources (packets 21 and 34)."""
     sources = readings.charging_sources
-    return Charging(
-        header=header, state=readings.charging_state,
-        internal_charger=bool(sources & ChargingSources.INTERNAL_CHARGER),
-        home_base=bool(sources & ChargingSources.HOME_BASE))
+    message.state = readings.charging_state
+    message.internal_charger = bool(sources & ChargingSources.INTERNAL_CHARGER)
+    message.home_base = bool(sources & ChargingSources.HOME_BASE)
 
 
-def overcurrent(readings: Readings, header: Header) -> Overcurrent:
-    """Return what draws too much current (packet 14)."""
+def overcurrent(message: Overcurrent, readings: Readings) -> None:
+    """Fill in what draws too much current (packet 14)."""
     bits = readings.overcurrents
-    return Overcurrent(
-        header=header, left_wheel=bool(bits & Overcurrents.LEFT_WHEEL),
-        right_wheel=bool(bits & Overcurrents.RIGHT_WHEEL),
-        driver_0=bool(bits & Overcurrents.DRIVER_0), driver_1=bool(bits & Overcurrents.DRIVER_1),
-        driver_2=bool(bits & Overcurrents.DRIVER_2))
+    message.left_wheel = bool(bits & Overcurrents.LEFT_WHEEL)
+    message.right_wheel = bool(bits & Overcurrents.RIGHT_WHEEL)
+    message.driver_0 = bool(bits & Overcurrents.DRIVER_0)
+    message.driver_1 = bool(bits & Overcurrents.DRIVER_1)
+    message.driver_2 = bool(bits & Overcurrents.DRIVER_2)
 
 
-def song(readings: Readings, header: Header) -> Song:
-    """Return the song that plays, or played last (packets 36 and 37)."""
-    return Song(header=header, number=readings.song_number, playing=readings.song_playing)
+def song(message: Song, readings: Readings) -> None:
+    """Fill in the song that plays, or played last (packets 36 and 37)."""
+    message.number = readings.song_number
+    message.playing = readings.song_playing
 
 
-def cargo_bay(readings: Readings, header: Header) -> CargoBay:
-    """Return the inputs of the cargo bay connector (packets 32 and 33)."""
+def cargo_bay(message: CargoBay, readings: Readings) -> None:
+    """Fill in the inputs of the cargo bay connector (packets 32 and 33)."""
     bits = readings.digital_inputs
-    return CargoBay(
-        header=header, input_0=bool(bits & DigitalInputs.INPUT_0),
-        input_1=bool(bits & DigitalInputs.INPUT_1), input_2=bool(bits & DigitalInputs.INPUT_2),
-        input_3=bool(bits & DigitalInputs.INPUT_3),
-        baud_rate_pin=bool(bits & DigitalInputs.BAUD_RATE_CHANGE),
-        analog=readings.analog_signal * VOLTS_PER_STEP)
+    message.input_0 = bool(bits & DigitalInputs.INPUT_0)
+    message.input_1 = bool(bits & DigitalInputs.INPUT_1)
+    message.input_2 = bool(bits & DigitalInputs.INPUT_2)
+    message.input_3 = bool(bits & DigitalInputs.INPUT_3)
+    message.baud_rate_pin = bool(bits & DigitalInputs.BAUD_RATE_CHANGE)
+    message.analog = readings.analog_signal * VOLTS_PER_STEP
 
 
 def age(stamp: Time, nanoseconds: int) -> float:

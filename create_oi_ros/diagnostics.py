@@ -10,7 +10,6 @@ from math import isnan
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Header
 
 from . import __version__, convert, oi
 from .driver import BatteryLevel, Driver, Link, LinkCounts
@@ -106,7 +105,8 @@ def battery(name: str, driver: Driver, *, charge_known: bool) -> DiagnosticStatu
     if driver.link is not Link.UP or not readings.has(
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', STALE, 'no robot answers', {})
-    state = convert.battery_state(readings, Header(), charge_known=charge_known)
+    state = BatteryState()
+    convert.battery_state(state, readings, charge_known=charge_known)
     level, message = _battery(readings, state, driver.battery.level)
     return status(f'{name}: battery', level, message, {
         'voltage (V)': round(state.voltage, 3), 'current (A)': round(state.current, 3),

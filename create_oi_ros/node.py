@@ -11,7 +11,6 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
@@ -20,9 +19,9 @@ from .answers import Answers
 from .capture import begin, CapturedPort
 from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Severity
 from .ending import call_on_signal, spin_until
-from .odometry import Estimate
 from .oi.capture import Kind
 from .port import Port
+from .publishing import MotionPublisher, publisher, SensorPublisher
 from .session import Session
 
 DIAGNOSTICS_PERIOD = 1.0
@@ -53,6 +52,7 @@ class CreateNode(Node):
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._mode_published: ModeStatus | None = None
         self._stale = 0
+        self._stamp = Time()
         self._declare_topics()
         self.answers = Answers(self, self.session)
         self._counts = copy(self.session.driver.counts)
@@ -60,17 +60,13 @@ class CreateNode(Node):
         self._publish_mode()
 
     def _declare_topics(self) -> None:
-        def publisher(topic: topics.Topic) -> Publisher:
-            return self.create_publisher(topic.type, topic.name, topic.qos)
-        self._odom = publisher(topics.ODOM)
-        self._tf = publisher(topics.TF)
-        self._joints = publisher(topics.JOINT_STATES)
-        self._mode = publisher(topics.MODE)
-        self._diagnostics = publisher(topics.DIAGNOSTICS)
         self._charge_known = self.parameters.battery_technology == 'nimh'
+        self._motion = MotionPublisher(self, self.parameters, self._stamp)
         self._sensors = [
-            (topic, topics.Edge(topic), publisher(topic))
+            SensorPublisher(self, topic, self.parameters.base_frame, self._stamp)
             for topic in topics.sensor_topics(charge_known=self._charge_known)]
+        self._mode = publisher(self, topics.MODE)
+        self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         if self.parameters.enable_stamped_cmd_vel:
             self.create_subscription(TwistStamped, 'cmd_vel', self._on_stamped_velocity, 1)
         else:
@@ -102,36 +98,23 @@ class CreateNode(Node):
     def _on_event(self, event: DriverEvent) -> None:
         match event:
             case Moved():
-                self._publish_motion(event.estimate, self._stamp(event.stamp))
-                self._publish_sensors(event)
+                self._set_stamp(event.stamp)
+                self._motion.publish(event.estimate)
+                period = 1 / self.parameters.sensor_rate
+                for sensor in self._sensors:
+                    sensor.publish(event.readings, event.stamp, period)
             case Notice():
                 self._log(event)
         self._publish_mode()
 
-    def _stamp(self, monotonic: float) -> Time:
-        """Return a moment of the driver's clock as a time of the node's clock."""
+    def _set_stamp(self, monotonic: float) -> None:
+        """Stamp what is published next with a moment of the driver's clock, in the node's."""
         for _ in range(MOST_LOOKS):
             before, now = time.monotonic(), self.get_clock().now().nanoseconds
             # On a busy computer much time may pass between two looks at two clocks.
             if time.monotonic() - before < AT_ONCE:
                 break
-        return convert.time(now - round((before - monotonic) * convert.NANOSECONDS))
-
-    def _publish_motion(self, estimate: Estimate, stamp: Time) -> None:
-        base, odom = self.parameters.base_frame, self.parameters.odom_frame
-        self._odom.publish(convert.odometry(estimate, convert.header(odom, stamp), base))
-        self._joints.publish(convert.joint_states(estimate, convert.header('', stamp)))
-        if self.parameters.publish_tf:
-            self._tf.publish(topics.TF.type(
-                transforms=[convert.transform(estimate, convert.header(odom, stamp), base)]))
-
-    def _publish_sensors(self, moved: Moved) -> None:
-        stamp = self._stamp(moved.stamp)
-        period = 1 / self.parameters.sensor_rate
-        for topic, edge, publisher in self._sensors:
-            if edge.due(moved.readings, moved.stamp, period):
-                publisher.publish(topic.convert(
-                    moved.readings, convert.header(self.parameters.base_frame, stamp)))
+        convert.set_time(self._stamp, now - round((before - monotonic) * convert.NANOSECONDS))
 
     def _publish_mode(self) -> None:
         status = self.session.driver.status

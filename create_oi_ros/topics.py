@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
-from typing import Any
+from operator import attrgetter
 
 from create_oi_msgs.msg import (
     Bumper,
@@ -59,8 +59,8 @@ class SensorTopic(Topic):
     """Readings that must have arrived."""
     watch: Callable[[Readings], object]
     """What is published at once when it changes."""
-    convert: Callable[..., Any]
-    """Makes the message of readings and a header."""
+    fill: Callable[..., None]
+    """Fills a message, its header apart, with readings."""
     period: float | None = None
     """Seconds after which it is published though nothing changed; None: at `sensor_rate`."""
 
@@ -90,59 +90,59 @@ DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
     about='battery, safety, mode, serial link, driver, version and parameters (REP 107)')
 
-BUMPS = BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT
+BUMPS = int(BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT)
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        name='bumper', type=Bumper, convert=convert.bumper, needs=('bumps_and_wheel_drops',),
-        watch=lambda readings: readings.bumps_and_wheel_drops & BUMPS,
+        name='bumper', type=Bumper, fill=convert.bumper, needs=('bumps_and_wheel_drops',),
+        watch=lambda readings: int(readings.bumps_and_wheel_drops) & BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
-        name='wheel_drop', type=WheelDrop, convert=convert.wheel_drop,
+        name='wheel_drop', type=WheelDrop, fill=convert.wheel_drop,
         needs=('bumps_and_wheel_drops',),
-        watch=lambda readings: readings.bumps_and_wheel_drops & ~BUMPS,
+        watch=lambda readings: int(readings.bumps_and_wheel_drops) & ~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
-        name='cliff', type=Cliff, convert=convert.cliff,
+        name='cliff', type=Cliff, fill=convert.cliff,
         needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
-        watch=lambda readings: [getattr(readings, name) for name in CLIFFS],
+        watch=attrgetter(*CLIFFS),
         about='the four cliff sensors, with signal strengths'),
     SensorTopic(
-        name='wall', type=Wall, convert=convert.wall,
+        name='wall', type=Wall, fill=convert.wall,
         needs=('wall', 'virtual_wall', 'wall_signal'),
-        watch=lambda readings: (readings.wall, readings.virtual_wall),
+        watch=attrgetter('wall', 'virtual_wall'),
         about='the wall sensor on the right, with its signal strength, and virtual walls'),
     SensorTopic(
-        name='cargo_bay', type=CargoBay, convert=convert.cargo_bay, qos=LATCHED,
+        name='cargo_bay', type=CargoBay, fill=convert.cargo_bay, qos=LATCHED,
         needs=('digital_inputs', 'analog_signal'),
-        watch=lambda readings: readings.digital_inputs,
+        watch=attrgetter('digital_inputs'),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts, baud rate pin'),
     StateTopic(
-        name='buttons', type=Buttons, convert=convert.buttons, needs=('buttons',),
-        watch=lambda readings: readings.buttons, about='Play and Advance'),
+        name='buttons', type=Buttons, fill=convert.buttons, needs=('buttons',),
+        watch=attrgetter('buttons'), about='Play and Advance'),
     StateTopic(
-        name='ir_omni', type=IrOmni, convert=convert.ir_omni, needs=('infrared',),
-        watch=lambda readings: readings.infrared,
+        name='ir_omni', type=IrOmni, fill=convert.ir_omni, needs=('infrared',),
+        watch=attrgetter('infrared'),
         about='infrared character that is received, with its name'),
     StateTopic(
-        name='charging', type=Charging, convert=convert.charging,
+        name='charging', type=Charging, fill=convert.charging,
         needs=('charging_state', 'charging_sources'),
-        watch=lambda readings: (readings.charging_state, readings.charging_sources),
+        watch=attrgetter('charging_state', 'charging_sources'),
         about='charging state, charger and Home Base'),
     StateTopic(
-        name='overcurrent', type=Overcurrent, convert=convert.overcurrent, needs=('overcurrents',),
-        watch=lambda readings: readings.overcurrents,
+        name='overcurrent', type=Overcurrent, fill=convert.overcurrent, needs=('overcurrents',),
+        watch=attrgetter('overcurrents'),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
-        name='song', type=Song, convert=convert.song, needs=('song_number', 'song_playing'),
-        watch=lambda readings: (readings.song_number, readings.song_playing),
+        name='song', type=Song, fill=convert.song, needs=('song_number', 'song_playing'),
+        watch=attrgetter('song_number', 'song_playing'),
         about='the song that plays, or played last'),
     SensorTopic(
-        name='battery_state', type=BatteryState, convert=convert.battery_state, period=1.0,
+        name='battery_state', type=BatteryState, fill=convert.battery_state, period=1.0,
         needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
                'battery_capacity', 'charging_sources'),
-        watch=lambda readings: (readings.charging_state, readings.charging_sources),
+        watch=attrgetter('charging_state', 'charging_sources'),
         when='1 Hz, and when the charging state changes',
         about='voltage, current, charge, temperature, charging status'),
 )
@@ -152,7 +152,7 @@ PUBLISHED: tuple[Topic, ...] = (ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, MODE, DI
 def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
     """Return the table for a battery whose charge the robot can tell, or cannot."""
     return [
-        replace(topic, convert=partial(topic.convert, charge_known=charge_known))
+        replace(topic, fill=partial(topic.fill, charge_known=charge_known))
         if topic.type is BatteryState else topic for topic in SENSOR_TOPICS]
 
 
@@ -161,12 +161,14 @@ class Edge:
 
     def __init__(self, topic: SensorTopic) -> None:
         self._topic = topic
+        self._complete = False
         self._last: object = None
         self._due_at = -inf
 
     def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
-        """Take the newest readings in, of a frame at `stamp` seconds."""
-        if not readings.has(*self._topic.needs):
+        """Take the newest of all readings in, of a frame at `stamp` seconds."""
+        self._complete = self._complete or readings.has(*self._topic.needs)
+        if not self._complete:
             return False
         value = self._topic.watch(readings)
         period = self._topic.period or sensor_period

@@ -242,8 +242,8 @@ from create_oi_ros import convert, start
 def fall(*_):
     raise RuntimeError('a fault of the campaign')
 bumper = convert.bumper
-convert.bumper = lambda readings, header: (
-    fall() if readings.bumps_and_wheel_drops else bumper(readings, header))
+convert.bumper = lambda message, readings: (
+    fall() if readings.bumps_and_wheel_drops else bumper(message, readings))
 from create_oi_ros.node import CreateNode
 hear = CreateNode._on_velocity
 CreateNode._on_velocity = lambda node, twist: fall() if twist.linear.z else hear(node, twist)
