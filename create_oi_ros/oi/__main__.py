@@ -2,8 +2,9 @@
 The command line: `python -m create_oi_ros.oi decode|encode|packets|commands`.
 
 Made for the curious and for a pipe from a serial sniffer. `decode` explains bytes as they come;
-what it prints can be read by `encode`. The exit code is 0 when all was understood, 1 when
-something was not, 2 for wrong usage.
+what it prints can be read by `encode`. Of a driver's capture (`--capture FILE`) it tells what was
+said when, in lines for people. The exit code is 0 when all was understood, 1 when something was
+not, 2 for wrong usage.
 """
 
 from argparse import ArgumentParser, Namespace
@@ -13,22 +14,26 @@ from pathlib import Path
 import sys
 from typing import TextIO
 
+from .capture import CaptureError, CaptureReader, records_of
 from .commands import QueryList
 from .explain import decimal, explain_commands, explain_stream, octets, understood
 from .packets import PacketList, PACKETS
 from .tables import budget_lines, columns, commands_table, document, packets_table
 from .text import parse_command, parse_commands
+from .transcript import explain_capture
 
 NOT_UNDERSTOOD = 1
 BROKEN_PIPE = 128 + 13
 INTERRUPTED = 128 + 2
+AT_ONCE = 4096
+"""Bytes."""
 
 
 def _chunks(wanted: Namespace, stdin: TextIO) -> Iterator[bytes]:
     if wanted.bytes:
         yield octets(' '.join(wanted.bytes), hexadecimal=wanted.hex)
     elif wanted.raw:
-        yield from iter(lambda: stdin.buffer.read1(4096), b'')  # type: ignore[attr-defined]
+        yield from iter(lambda: stdin.buffer.read1(AT_ONCE), b'')  # type: ignore[attr-defined]
     else:
         for number, line in enumerate(stdin, 1):
             try:
@@ -43,7 +48,23 @@ def _packet_list(text: str) -> PacketList:
     return PacketList(command.packets)
 
 
+def _capture(wanted: Namespace) -> Iterator[str]:
+    reader = CaptureReader()
+    with wanted.capture.open('rb') as file:
+        records = records_of(iter(lambda: file.read(AT_ONCE), b''), reader)
+        told = explain_capture(records, at_length=wanted.explain, everything=wanted.all)
+        try:
+            for number, line in enumerate(told):
+                if number == 0 and reader.facts is not None:
+                    yield from (f'{name} = {value}' for name, value in reader.facts.items())
+                yield line
+        except CaptureError as error:
+            raise ValueError(f'{wanted.capture}: {error}') from error
+
+
 def _decode(wanted: Namespace, stdin: TextIO) -> Iterator[str]:
+    if wanted.capture:
+        return _capture(wanted)
     chunks = _chunks(wanted, stdin)
     if wanted.stream:
         return explain_stream(chunks, map(_packet_list, wanted.stream))
@@ -93,6 +114,10 @@ def _parser() -> ArgumentParser:
     door.add_argument('--explain', action='store_true', help='say what each command does')
     door.add_argument('--stream', metavar='IDS', action='append', help=(
         'the bytes are stream frames of these packets (29,13 or names); again for another list'))
+    door.add_argument('--capture', metavar='FILE', type=Path, help=(
+        'explain a capture of a driver: what was said when, by host (->) and robot (<-)'))
+    door.add_argument('--all', action='store_true', help=(
+        'of a capture, every frame, not only what changes'))
     door.set_defaults(work=_decode)
     door = doors.add_parser('encode', help='turn commands, given here or on stdin, into bytes')
     door.add_argument('command', nargs='*', help="such as 'Drive velocity=-200 radius=500'")

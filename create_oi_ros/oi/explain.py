@@ -11,7 +11,7 @@ from typing import Any
 
 from .command import Command
 from .grammar import label
-from .packets import PacketList
+from .packets import Packet, PacketList
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 from .text import format_command
 
@@ -57,13 +57,14 @@ def explain_commands(chunks: Iterable[bytes], *, at_length: bool = False) -> Ite
             if isinstance(found, UnknownOpcode):
                 yield f'# {found.data[0]} is the opcode of no command'
             else:
-                yield _explained(found, at_length)
+                yield explain_command(found, at_length=at_length)
     if reader.pending:
         title = Command.by_opcode[reader.pending[0]].title
         yield f'# {title} is cut short: {decimal(reader.pending)}'
 
 
-def _explained(command: Command, at_length: bool) -> str:
+def explain_command(command: Command, *, at_length: bool) -> str:
+    """Explain one command; at length with its bytes, what it does, and when it is obeyed."""
     line = format_command(command)
     try:
         encoded = command.encode()
@@ -83,7 +84,7 @@ def explain_stream(chunks: Iterable[bytes], lists: Iterable[PacketList]) -> Iter
         if isinstance(found, Frame) and found.checksum is not convention:
             convention = found.checksum
             yield CONVENTIONS[convention]
-        yield _frame(found) if isinstance(found, Frame) else _garbage(found)
+        yield explain_frame(found) if isinstance(found, Frame) else _garbage(found)
 
 
 def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | Garbage]:
@@ -94,11 +95,17 @@ def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | G
     yield from reader.finish()
 
 
-def _frame(frame: Frame) -> str:
+def explain_frame(frame: Frame) -> str:
+    """Explain all that a frame brings."""
     values = vars(frame.readings)
     return ', '.join(
-        f'{packet.title} = {_value(values[name])}{packet.wire.unit and f" {packet.wire.unit}"}'
+        explain_reading(packet, values[name])
         for packet, name in zip(frame.packets.packets, frame.packets.names))
+
+
+def explain_reading(packet: Packet, value: Any) -> str:
+    """Explain one value of a packet."""
+    return f'{packet.title} = {_value(value)}{packet.wire.unit and f" {packet.wire.unit}"}'
 
 
 def _value(value: Any) -> str:

@@ -1,0 +1,209 @@
+"""
+A capture in the manual's words: what was said, when and by whom, as lines.
+
+Which packets a frame holds is known from the Stream commands before it. A robot says the same
+most of the time, so frames are told by what they change, and once in a while by a sum; likewise
+speeds that are sent again, and lists of packets that were asked for before.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+
+from .capture import Kind, MICROSECONDS, Record
+from .command import Command
+from .commands import Drive, DriveDirect, Stream
+from .explain import CONVENTIONS, decimal, explain_command, explain_frame, explain_reading
+from .packets import NUMBERS, PACKET_IDS, PacketList, PACKETS
+from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
+
+SUM_AFTER = 10 * MICROSECONDS
+"""How long frames are added up."""
+SILENCE = MICROSECONDS // 4
+"""How long a robot says nothing where that is told."""
+BYTES_SHOWN = 24
+LISTS_KEPT = 32
+"""Lists of packets whose frames may still come."""
+HELD = (Drive, DriveDirect, Stream)
+"""Commands that change nothing where they are repeated."""
+FROM_ROBOT, TO_ROBOT, BESIDE = '<-', '->', '--'
+WORDS = {
+    Kind.OPENED: 'port opened: ', Kind.LOST: 'port lost: ', Kind.BAUD: 'host speaks at baud rate ',
+    Kind.NOTE: 'driver says ', Kind.END: 'end of the capture',
+}
+TELLING = {
+    name: PACKETS[number] for name, number in NUMBERS.items()
+    if PACKETS[number].wire.format == 'B' or PACKETS[number].wire.unit == 'mm/s'}
+"""Readings that stay as they are unless something happens: no signals, voltages, distances."""
+
+
+class Sum:
+    """What is not told one by one."""
+
+    def __init__(self, since: int) -> None:
+        """Begin to add up, at a time in microseconds."""
+        self.since = since
+        self.frames = 0
+        self.totals: Counter[str] = Counter()
+        self.voltage: int | None = None
+        self.repeated: Counter[str] = Counter()
+
+    def add(self, frame: Frame) -> None:
+        """Add a frame."""
+        values = vars(frame.readings)
+        self.frames += 1
+        for name in ('distance', 'angle'):
+            if name in values:
+                self.totals[name] += values[name]
+        self.voltage = values.get('voltage', self.voltage)
+
+    def text(self, now: int) -> str:
+        """Tell it; '' where nothing was added."""
+        parts = []
+        if self.frames:
+            parts.append(f'{self.frames} frames in {(now - self.since) / MICROSECONDS:.1f} s')
+            parts += [explain_reading(PACKETS[NUMBERS[name]], total)
+                      for name, total in self.totals.items()]
+        if self.voltage is not None:
+            parts.append(explain_reading(PACKETS[NUMBERS['voltage']], self.voltage))
+        parts += [f'{title} sent again {count} times' for title, count in self.repeated.items()]
+        return ', '.join(parts)
+
+
+class Transcript:
+    """Explains records, one after the other; all of them at once where `everything` is wanted."""
+
+    def __init__(self, *, at_length: bool = False, everything: bool = False) -> None:
+        self._at_length, self._everything = at_length, everything
+        self._robot, self._host = StreamReader(), CommandReader()
+        self._lists: dict[PacketList, None] = {}
+        self._checksum: Checksum | None = None
+        self._sum = Sum(0)
+        self._now = 0
+        self._begin()
+
+    def _begin(self) -> None:
+        """Forget what was told: the port has been opened, so that all of it is news."""
+        self._told: dict[str, object] = {}
+        self._held: dict[type[Command], list[Command]] = {}
+        self._heard: int | None = None
+
+    def lines(self, record: Record) -> Iterator[str]:
+        """Explain a record."""
+        if record.time - self._sum.since > SUM_AFTER:
+            yield from self._add_up(self._now)
+        self._now = record.time
+        match record.kind:
+            case Kind.FROM_ROBOT:
+                yield from self._from_robot(record)
+            case Kind.TO_ROBOT:
+                self._host.feed(record.data)
+                yield from self._commands()
+            case _:
+                if record.kind is not Kind.NOTE:
+                    yield from self.finish()
+                if record.kind is Kind.OPENED:
+                    self._begin()
+                yield self._line(BESIDE, WORDS[record.kind] + record.text)
+
+    def finish(self) -> Iterator[str]:
+        """Explain what is left when nothing follows."""
+        for event in self._robot.finish():
+            yield from self._event(event)
+        if self._host.pending:
+            title = Command.by_opcode[self._host.pending[0]].title
+            yield self._line(
+                TO_ROBOT, f'{title} is cut short: {self._shown(self._host.clear())}')
+        yield from self._add_up(self._now)
+
+    def _from_robot(self, record: Record) -> Iterator[str]:
+        before, self._heard = self._heard, record.time
+        silence = 0 if before is None else record.time - before
+        if silence > SILENCE:
+            yield self._line(BESIDE, f'silence of the robot, {silence / MICROSECONDS:.3f} s')
+        self._robot.feed(record.data)
+        while (event := self._robot.next_event()) is not None:
+            yield from self._event(event)
+
+    def _line(self, direction: str, text: str) -> str:
+        return f'{self._now / MICROSECONDS:11.3f} {direction} {text}'
+
+    def _add_up(self, now: int) -> Iterator[str]:
+        told = self._sum.text(now)
+        if told:
+            yield self._line(BESIDE, told)
+        self._sum = Sum(now)
+
+    def _event(self, event: Frame | Garbage) -> Iterator[str]:
+        if isinstance(event, Garbage):
+            text = f' {event.text!r}' if event.text else ''
+            yield self._line(FROM_ROBOT, f'no frame: {self._shown(event.data)}{text}')
+            return
+        if event.checksum is not self._checksum:
+            self._checksum = event.checksum
+            yield self._line(BESIDE, CONVENTIONS[event.checksum].removeprefix('# '))
+        if self._everything:
+            yield self._line(FROM_ROBOT, explain_frame(event))
+            return
+        self._sum.add(event)
+        news = {name: value for name, value in vars(event.readings).items()
+                if name in TELLING and self._told.get(name) != value}
+        if news:
+            self._told.update(news)
+            yield self._line(FROM_ROBOT, ', '.join(
+                explain_reading(TELLING[name], value) for name, value in news.items()))
+
+    def _commands(self) -> Iterator[str]:
+        unknown = bytearray()
+        while (found := self._host.next_event()) is not None:
+            if isinstance(found, UnknownOpcode):
+                unknown += found.data
+                continue
+            yield from self._unknown(unknown)
+            unknown.clear()
+            if isinstance(found, Stream) and set(found.packets) <= set(PACKET_IDS):
+                self._expect(PacketList(found.packets))
+            if self._is_news(found) or self._everything:
+                yield self._line(TO_ROBOT, explain_command(found, at_length=self._at_length))
+            else:
+                self._sum.repeated[found.title] += 1
+        yield from self._unknown(unknown)
+
+    def _unknown(self, data: bytes | bytearray) -> Iterator[str]:
+        if data:
+            yield self._line(TO_ROBOT, f'no command: {self._shown(bytes(data))}')
+
+    def _is_news(self, command: Command) -> bool:
+        if not isinstance(command, HELD):
+            return True
+        held = self._held.setdefault(type(command), [])
+        if command in held:
+            return False
+        if not isinstance(command, Stream):
+            for kind in (Drive, DriveDirect):
+                self._held[kind] = []
+        self._held[type(command)].append(command)
+        return True
+
+    def _expect(self, packets: PacketList) -> None:
+        if packets not in self._lists:
+            self._lists[packets] = None
+            self._lists = dict.fromkeys(list(self._lists)[-LISTS_KEPT:])
+            self._robot.expect(self._lists)
+
+    def _shown(self, data: bytes) -> str:
+        if len(data) <= BYTES_SHOWN or self._everything:
+            return decimal(data)
+        return f'{decimal(data[:BYTES_SHOWN])} ... ({len(data)} bytes)'
+
+
+def explain_capture(
+    records: Iterable[Record], *, at_length: bool = False, everything: bool = False,
+) -> Iterator[str]:
+    """Explain records as they come; an error in them comes when all before it is told."""
+    transcript = Transcript(at_length=at_length, everything=everything)
+    try:
+        for record in records:
+            yield from transcript.lines(record)
+    except ValueError:
+        yield from transcript.finish()
+        raise

@@ -1,0 +1,248 @@
+"""A capture as a file: what was written is read, whatever is cut off; then as a story."""
+
+from collections.abc import Iterable
+import io
+from pathlib import Path
+
+from hypothesis import example, given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.oi.__main__ import main
+from create_oi_ros.oi.capture import (
+    CaptureError,
+    CaptureReader,
+    encode_head,
+    encode_record,
+    FIRST_LINE,
+    HEAD_LIMIT,
+    Kind,
+    Record,
+    RECORD_LIMIT,
+    records_of,
+)
+from create_oi_ros.oi.transcript import BYTES_SHOWN, explain_capture, LISTS_KEPT, SUM_AFTER
+
+LINE = st.text(st.characters(exclude_characters='\n', exclude_categories=['Cs']))
+FACTS = st.dictionaries(st.from_regex(r'[a-z][a-z0-9_]{0,9}', fullmatch=True), LINE)
+BEGUN = [kind for kind in Kind if kind is not Kind.END]
+PAUSE = st.one_of(st.integers(0, 20_000), st.integers(0, 2 ** 59))
+RECORDS = st.lists(st.tuples(PAUSE, st.sampled_from(BEGUN), st.binary(max_size=300)), max_size=12)
+SECOND = 1_000_000
+
+
+def written(facts: dict[str, str], parts: Iterable[tuple[int, Kind, bytes]]) -> bytes:
+    """Return the bytes of a file whose end is not written yet."""
+    return encode_head(facts) + b''.join(encode_record(*part) for part in parts)
+
+
+def timed(parts: Iterable[tuple[int, Kind, bytes]]) -> list[Record]:
+    """Return what is to be read."""
+    now, records = 0, []
+    for pause, kind, data in parts:
+        now += pause
+        records.append(Record(now, kind, data))
+    return records
+
+
+def read(data: bytes, size: int = 1 << 20) -> tuple[dict[str, str] | None, list[Record], str]:
+    """Return facts, records and what was wrong with the file, read in pieces."""
+    reader, records = CaptureReader(), []
+    try:
+        for record in records_of(
+                (data[at:at + size] for at in range(0, len(data), size)), reader):
+            records.append(record)
+    except CaptureError as error:
+        return reader.facts, records, str(error)
+    return reader.facts, records, ''
+
+
+@given(FACTS, RECORDS, st.integers(1, 50))
+@example({}, [], 1)
+def test_what_was_written_is_read(
+        facts: dict[str, str], parts: list[tuple[int, Kind, bytes]], size: int) -> None:
+    ended = [*parts, (1, Kind.END, b'')]
+    assert read(written(facts, ended), size) == (facts, timed(ended), '')
+
+
+@given(FACTS, RECORDS, st.data())
+def test_a_file_cut_anywhere_is_read_up_to_the_cut(
+        facts: dict[str, str], parts: list[tuple[int, Kind, bytes]], data: st.DataObject) -> None:
+    whole = written(facts, [*parts, (1, Kind.END, b'')])
+    head = len(encode_head(facts))
+    cut = data.draw(st.integers(0, len(whole) - 1))
+    found, records, wrong = read(whole[:cut])
+    assert found == (facts if cut >= head else None)
+    assert records == timed(parts)[:len(records)]
+    kept = len(written(facts, parts[:len(records)]))
+    assert cut < head or len(records) == len(parts) or cut < kept + len(
+        encode_record(*parts[len(records)]))
+    assert wrong.startswith('cut short at ' if cut else 'empty')
+
+
+@given(st.binary())
+def test_any_bytes_are_read_or_refused_in_words(data: bytes) -> None:
+    assert read(data)[2]
+    read(encode_head({}) + data, 3)
+
+
+def test_a_frame_costs_four_bytes_more_than_it_has() -> None:
+    assert len(encode_record(15_000, Kind.FROM_ROBOT, bytes(79))) == 79 + 4
+
+
+def test_the_format_is_as_described() -> None:
+    assert written({'port': '/dev/create'}, [
+        (5, Kind.TO_ROBOT, b'\x80'), (20, Kind.FROM_ROBOT, b'\1\2'), (0, Kind.END, b'')]) == (
+            b'create capture 1\nport /dev/create\n\n'
+            b'\x29\x01\x80' b'\xa0\x01\x02\x01\x02' b'\x06\x00')
+
+
+@pytest.mark.parametrize('data, words', [
+    (b'\x89PNG', 'no capture'),
+    (b'create capture 2\nport x\n\n', 'version 2; this program reads version 1'),
+    (FIRST_LINE + bytes(HEAD_LIMIT), 'its head has no end'),
+    (written({}, [(0, Kind.END, b''), (0, Kind.NOTE, b'')]), 'bytes follow its end'),
+    (encode_head({}) + b'\7\0', 'damaged at byte 18'),
+    (encode_head({}) + b'\0' + b'\xff\xff\xff\x01', 'damaged at byte 18'),
+    (encode_head({}) + b'\0\0' + b'\xff' * 9, 'damaged at byte 20'),
+])
+def test_what_is_no_capture_is_told_from_a_damaged_one(data: bytes, words: str) -> None:
+    assert words in read(data)[2]
+
+
+@pytest.mark.parametrize('facts', [{'Port': ''}, {'': 'x'}, {'port': 'a\nb'}])
+def test_a_fact_is_a_name_and_a_line(facts: dict[str, str]) -> None:
+    with pytest.raises(ValueError, match='one line'):
+        encode_head(facts)
+
+
+@pytest.mark.parametrize('pause, size', [(-1, 0), (0, RECORD_LIMIT + 1)])
+def test_a_record_that_could_not_be_read_is_not_written(pause: int, size: int) -> None:
+    with pytest.raises(ValueError, match='allowed'):
+        encode_record(pause, Kind.NOTE, bytes(size))
+
+
+# As a story.
+
+LIST = oi.PacketList.named('bumps_and_wheel_drops', 'distance', 'voltage', 'cliff_left_signal')
+ASK = oi.Stream(packets=LIST.ids).encode()
+
+
+def frame(bumps: int = 0, distance: int = 0, signal: int = 0) -> bytes:
+    """Return a frame of the list."""
+    return LIST.pack_frame([bumps, distance, 15000, signal])
+
+
+def story(*records: tuple[float, Kind, bytes], everything: bool = False) -> list[str]:
+    """Return what is told of records at times in seconds, without the spaces in front."""
+    return [line.strip() for line in explain_capture(
+        (Record(round(time * SECOND), kind, data) for time, kind, data in records),
+        everything=everything)]
+
+
+QUIET = [(1 + at * 0.015, Kind.FROM_ROBOT, frame(distance=3, signal=at)) for at in range(100)]
+
+
+def test_a_quiet_time_is_a_sum() -> None:
+    told = story((0.0, Kind.OPENED, b'/dev/x at 57600 baud'), (0.9, Kind.TO_ROBOT, ASK), *QUIET,
+                 (2.6, Kind.FROM_ROBOT, frame(bumps=1)), (2.7, Kind.TO_ROBOT, ASK),
+                 (2.8, Kind.END, b''))
+    assert told == [
+        '0.000 -- port opened: /dev/x at 57600 baud',
+        '0.900 -> Stream packets=7,19,22,28',
+        '1.000 -- checksums include the header, as real robots do',
+        '1.000 <- Bumps and Wheel Drops = 0',
+        '2.600 <- Bumps and Wheel Drops = bump_right',
+        '2.800 -- 101 frames in 2.8 s, Distance = 300 mm, Voltage = 15000 mV, '
+        'Stream sent again 1 times',
+        '2.800 -- end of the capture']
+
+
+def test_everything_can_be_told() -> None:
+    told = story((0.9, Kind.TO_ROBOT, ASK + ASK), *QUIET, everything=True)
+    assert len(told) == 2 + 1 + 100
+    assert told[-1] == ('2.485 <- Bumps and Wheel Drops = 0, Distance = 3 mm, '
+                        'Voltage = 15000 mV, Cliff Left Signal = 99')
+
+
+def test_a_long_time_is_summed_up_in_pieces() -> None:
+    hour = [(at * 0.1, Kind.FROM_ROBOT, frame(distance=1)) for at in range(36000)]
+    told = story((0.0, Kind.TO_ROBOT, ASK), *hour, (3600.0, Kind.LOST, b'unplugged'))
+    assert len(told) < 5 + 3600 * SECOND / SUM_AFTER
+    assert told[3:5] == [
+        '10.000 -- 101 frames in 10.0 s, Distance = 101 mm, Voltage = 15000 mV',
+        '20.000 -- 100 frames in 10.0 s, Distance = 100 mm, Voltage = 15000 mV']
+    assert told[-1] == '3600.000 -- port lost: unplugged'
+
+
+def test_speeds_are_told_when_they_change() -> None:
+    go, halt = (oi.DriveDirect(right=v, left=v).encode() for v in (100, 0))
+    told = story((1, Kind.TO_ROBOT, go), (2, Kind.TO_ROBOT, go), (3, Kind.TO_ROBOT, halt),
+                 (4, Kind.TO_ROBOT, go), (5, Kind.TO_ROBOT, oi.Safe().encode() * 2))
+    assert [line.split(maxsplit=1)[1] for line in told] == [
+        '-> Drive Direct right=100 left=100', '-> Drive Direct right=0 left=0',
+        '-> Drive Direct right=100 left=100', '-> Safe', '-> Safe']
+
+
+def test_silence_garbage_and_a_lost_port_are_told() -> None:
+    told = story(
+        (0, Kind.TO_ROBOT, bytes(30) + ASK), (1, Kind.FROM_ROBOT, frame()),
+        (2, Kind.FROM_ROBOT, b'\7RDK by iRobot!' + frame()[:6]), (3, Kind.TO_ROBOT, b'\x89'),
+        (4, Kind.LOST, b'gone'), (5, Kind.BAUD, b'19200'), (6, Kind.NOTE, b'info: hello'))
+    assert told == [
+        f'0.000 -> no command:{" 0" * BYTES_SHOWN} ... (30 bytes)',
+        '0.000 -> Stream packets=7,19,22,28',
+        '1.000 -- checksums include the header, as real robots do',
+        '1.000 <- Bumps and Wheel Drops = 0',
+        '2.000 -- silence of the robot, 1.000 s',
+        "4.000 <- no frame: 7 82 68 75 32 98 121 32 105 82 111 98 111 116 33 19 11 7 0 19 0 "
+        "'RDK by iRobot!'",
+        '4.000 -> Drive is cut short: 137',
+        '4.000 -- 1 frames in 4.0 s, Distance = 0 mm, Voltage = 15000 mV',
+        '4.000 -- port lost: gone',
+        '5.000 -- host speaks at baud rate 19200',
+        '6.000 -- driver says info: hello']
+
+
+def test_lists_that_no_robot_knows_are_told_and_not_waited_for() -> None:
+    lists = [bytes([148, 2, 7, number]) for number in range(7, 7 + LISTS_KEPT)]
+    told = story((0, Kind.TO_ROBOT, b''.join([bytes([148, 1, 43]), ASK, *lists])),
+                 (1, Kind.FROM_ROBOT, frame()), (2, Kind.END, b''))
+    assert told[0].startswith('0.000 -> # Stream packets=43 (out of range')
+    assert told[-2].startswith('2.000 <- no frame: 19 11 7 0 19')
+
+
+# At the door.
+
+def door(path: Path, *arguments: str) -> tuple[int, list[str], str]:
+    """Return exit code, lines and complaint of `decode --capture`."""
+    out, err = io.StringIO(), io.StringIO()
+    status = main(['decode', '--capture', str(path), *arguments], io.StringIO(), out, err)
+    return status, out.getvalue().splitlines(), err.getvalue().strip()
+
+
+def test_a_file_is_explained(tmp_path: Path) -> None:
+    path = tmp_path / 'walk.capture'
+    data = written({'port': '/dev/create'}, [
+        (0, Kind.OPENED, b'/dev/create'), (1000, Kind.TO_ROBOT, b'\x83'), (500, Kind.END, b'')])
+    path.write_bytes(data)
+    assert door(path) == (0, [
+        'port = /dev/create', '      0.000 -- port opened: /dev/create', '      0.001 -> Safe',
+        '      0.002 -- end of the capture'], '')
+    assert '# 131. Enter Safe mode' in door(path, '--explain')[1][2]
+    path.write_bytes(data[:-1])
+    status, lines, complaint = door(path, '--all')
+    assert status == 1 and lines[-1] == '      0.001 -> Safe'
+    assert complaint.startswith(f'{path}: cut short at 0.001 s')
+
+
+def test_a_file_that_is_none_gets_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / 'walk.capture'
+    assert 'No such file' in door(path)[2]
+    path.write_bytes(b'')
+    assert door(path) == (1, [], f'{path}: empty')
+    path.write_bytes(encode_head({'port': 'x'}))
+    assert door(path)[0] == 1
+    path.write_bytes(encode_head({}) + b'\7\0')
+    assert door(path) == (1, [], f'{path}: damaged at byte 18')
