@@ -13,9 +13,9 @@ from math import sqrt
 from create_oi_msgs.msg import Bumper, Mode, Wall
 from geometry_msgs.msg import Twist, Vector3
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
 
 SIGNAL = 500.0
 PERIOD = 0.05
@@ -84,12 +84,13 @@ class FollowWall(Node):
 
 
 def main() -> None:
-    rclpy.init()
+    # With rclpy's own handlers Ctrl-C would end ROS under the feet of whoever publishes.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = FollowWall()
     try:
         rclpy.spin_until_future_complete(node, node.ended)
         print(f'the robot has left Safe mode: {node.ended.result()}')
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except KeyboardInterrupt:
         print('no more commands: the driver stops the wheels')
 
 
