@@ -105,4 +105,4 @@ def draw(canvas: Canvas, box: Box, track: Track, pose: Pose | None) -> None:
         eighth = round(here.yaw / (pi / 4)) % 8
         put(here.x, here.y, (PLAIN_ARROWS if canvas.plain else ARROWS)[eighth], loud=True)
     elif pose is not None:
-        canvas.put(box.row, box.column + 1, 'the pose lies off every map', width=box.columns - 1)
+        canvas.put(box.row, box.column + 1, 'the pose is no place on a map', width=box.columns - 1)

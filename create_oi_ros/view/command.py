@@ -133,7 +133,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(remove_ros_args(given)[1:])
     try:
         check()
-        _view(given, plain=options.ascii or simple(sys.stdout.encoding))
+        _view(given, plain=options.ascii or simple())
     except TerminalError as error:
         print(f'create_view: {error}', file=sys.stderr)
         return 2

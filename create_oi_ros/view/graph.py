@@ -57,7 +57,8 @@ class Graph(Node):
         super().__init__('create_view', start_parameter_services=False, enable_rosout=False)
         self.state = state
         self._home = self.get_namespace().strip('/')
-        state.title = f'create_view  {self.get_namespace()}'
+        domain = self.context.get_domain_id()
+        state.title = f'create_view  namespace {self.get_namespace()}  ROS domain {domain}'
         self._expect(0.0)
         for topic in HEARD:
             heard = self._on_diagnostics if topic is topics.DIAGNOSTICS else self._on_message

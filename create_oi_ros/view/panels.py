@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import degrees, isfinite, isnan
+from math import degrees, inf, isfinite, isnan
 from typing import Any, NamedTuple
 
 from create_oi_msgs.msg import (
@@ -235,7 +235,7 @@ def lines(state: State, now: float) -> list[tuple[str, Line]]:
 
 def silences(state: State, now: float) -> list[str]:
     """Return which topics are missed, and since when at least."""
-    if (quiet := state.quiet_for(now)) > QUIET:
+    if QUIET < (quiet := state.quiet_for(now)) < inf:
         return [f'nothing heard for {quiet:.0f} s: driver or network is gone']
     missed = state.missed(now)
     if not missed:

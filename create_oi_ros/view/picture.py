@@ -28,8 +28,8 @@ def picture(state: State, now: float, columns: int, rows: int, *, plain: bool = 
     if state.helping:
         _help(canvas, box)
     elif state.silent:
-        _paragraph(canvas, box, f'Nothing heard of {state.title} yet. Is its driver running, '
-                   'in this ROS domain and namespace?')
+        _paragraph(canvas, box, 'Nothing heard yet. Is a driver running, in this ROS domain and '
+                   'namespace?')
     else:
         chart.draw(canvas, box, state.track, state.pose)
     _panel(canvas, state, now, box.rows)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+import locale
 import os
 import select
 import sys
@@ -20,6 +21,7 @@ ENTER = '\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J'
 """Another screen, no cursor, no wrapping at the right edge, empty."""
 LEAVE = '\x1b[0m\x1b[?7h\x1b[?25h\x1b[?1049l'
 LOUD, QUIET = '\x1b[7m', '\x1b[0m'
+USUAL_SIZE = (80, 24)
 LAST_WORDS = 0.5
 """Seconds that a stalled terminal is given to take what restores it."""
 MOST_ERRORS = 8192
@@ -65,8 +67,13 @@ class Terminal:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and rows, as of now."""
-        return os.get_terminal_size(self._screen)
+        """Columns and rows, as of now; HungUp: it has none any more."""
+        try:
+            columns, rows = os.get_terminal_size(self._screen)
+        except OSError as error:
+            raise HungUp from error
+        # A serial console may not know its size.
+        return (columns, rows) if columns and rows else USUAL_SIZE
 
     def read(self) -> bytes:
         """Return what was typed; HungUp: nobody will type again."""
@@ -117,7 +124,7 @@ class Terminal:
         with suppress(HungUp):
             # What is left of a picture may have broken off within a sequence: all of it first.
             self.write(LEAVE)
-            if self._unsent and select.select([], [self._screen], [], LAST_WORDS)[1]:
+            while self._unsent and select.select([], [self._screen], [], LAST_WORDS)[1]:
                 self._send()
 
 
@@ -131,9 +138,10 @@ def check() -> None:
                             'like, screen, tmux and the Linux console can')
 
 
-def simple(encoding: str) -> bool:
+def simple() -> bool:
     """Tell whether to keep to ASCII: another encoding, or a console with few characters."""
-    return encoding.lower().replace('-', '') != 'utf8' or os.environ.get('TERM') == 'linux'
+    encoding = locale.getencoding().lower().replace('-', '')
+    return encoding != 'utf8' or os.environ.get('TERM') == 'linux'
 
 
 def _screen_of(descriptor: int) -> int:
