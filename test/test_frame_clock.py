@@ -83,3 +83,16 @@ def test_stamps_always_rise_and_time_always_passes(gaps):
         assert stamp >= before + LEAST_STEP / 2
         assert dt >= SLOT
         before = stamp
+
+
+def test_tells_at_once_after_what_a_frame_may_have_been_lost():
+    clock = FrameClock()
+    gaps = []
+    for arrival in (0.0, SLOT, 2 * SLOT, 6 * SLOT, 7 * SLOT):
+        clock.stamp(arrival, 0.0)
+        gaps.append(clock.gap)
+    clock.suspect()
+    for arrival in (8 * SLOT, 9 * SLOT):
+        clock.stamp(arrival, 0.0)
+        gaps.append(clock.gap)
+    assert gaps == [False, False, False, True, False, True, False]

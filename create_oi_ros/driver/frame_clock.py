@@ -41,6 +41,11 @@ class FrameClock:
         """Note that bytes came which may have been a frame."""
         self._suspicious = WINDOW
 
+    @property
+    def gap(self) -> bool:
+        """Whether a frame may have been lost just before the newest one."""
+        return self._suspicious == WINDOW - 1
+
     def stamp(self, arrival: float, wire_time: float) -> tuple[float, float]:
         """
         Return when a frame left, and the robot's seconds since the one before.

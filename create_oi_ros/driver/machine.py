@@ -317,6 +317,7 @@ class Driver:
             left=readings.requested_left_velocity / MM,
             driven=readings.oi_mode in oi.DriveDirect.modes and not self.scripts.playing,
             lifted=bool(readings.bumps_and_wheel_drops & LIFTED),
+            lost=self._clock.gap or readings.has('distance') and not asked,
             distance=readings.distance if asked else None,
             angle=readings.angle if asked else None))
 

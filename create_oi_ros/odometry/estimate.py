@@ -39,6 +39,8 @@ class Increment:
     """Degrees since it was last asked for (packet 20); None when not asked."""
     lifted: bool = False
     """Whether a drive wheel hangs down: wheels may turn then, but nothing moves."""
+    lost: bool = False
+    """Whether a frame before this one, or a reading in this one, may have been lost."""
 
 
 @dataclass(frozen=True, slots=True)

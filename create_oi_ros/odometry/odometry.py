@@ -48,7 +48,9 @@ class Odometry:
         self._doubt = False
         self._missed: tuple[float, float] | None = None
         """What the accumulators were believed to hold when a reading that was asked for had not
-        come: it may never have been sent, or be lost."""
+        come, and a frame was lost that may have carried it."""
+        self._lost = False
+        """Whether frames were lost since a reading was asked for."""
         self._driven = self._lifted = False
 
     @property
@@ -110,8 +112,10 @@ class Odometry:
         if driven != self._driven:
             self._plan.hurry()
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
-        if self._plan.step(dt, steady=steady, beliefs=self.beliefs):
+        lost = self._lost or increment.lost
+        if self._plan.step(dt, steady=steady, beliefs=self.beliefs) and lost:
             self._missed = best.distance, best.angle
+        self._lost = lost and not self._plan.due
 
     def _read(self, distance: int, angle: int, driven: bool) -> None:
         self._plan.came()
