@@ -41,8 +41,12 @@ class Line(Protocol):
     def read(self) -> bytes:
         """Return what has arrived; b'' where that is nothing, never waits."""
 
-    def write(self, data: bytes) -> None:
-        """Say bytes; whatever cannot be taken now is lost, as on a wire."""
+    def write(self, data: bytes) -> int:
+        """
+        Say bytes; whatever cannot be taken now is lost, as on a wire.
+
+        Returns how many were taken; where no host is there, all of them.
+        """
 
     def baud(self) -> int | None:
         """Return the rate the host has set, bits per second; None: the right one."""
@@ -148,11 +152,14 @@ class PtyLine:
             finally:
                 os.close(slave)
 
-    def write(self, data: bytes) -> None:
+    def write(self, data: bytes) -> int:
         """Write what fits; lose the rest."""
-        if data and self._present:
-            with suppress(BlockingIOError):
-                os.write(self._master, data)
+        if not data or not self._present:
+            return len(data)
+        try:
+            return os.write(self._master, data)
+        except BlockingIOError:
+            return 0
 
     def baud(self) -> int | None:
         """Return what the host has set the terminal to."""
@@ -229,12 +236,17 @@ class TcpLine:
             client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._client = client
 
-    def write(self, data: bytes) -> None:
+    def write(self, data: bytes) -> int:
         """Write what fits; lose the rest."""
-        if data and self._client is not None:
+        if not data or self._client is None:
+            return len(data)
+        try:
+            return self._client.send(data)
+        except BlockingIOError:
+            return 0
+        except OSError:
             # A host that has gone is noticed when it is read from.
-            with suppress(OSError):
-                self._client.send(data)
+            return len(data)
 
     def baud(self) -> int | None:
         """TCP has no rate, so it is always the right one."""

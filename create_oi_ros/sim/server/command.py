@@ -12,6 +12,7 @@ import signal
 import sys
 
 from create_oi_ros.oi import Checksum
+from create_oi_ros.oi.capture import CaptureError
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.encoders import Rounding
 from create_oi_ros.sim.faults import Fault, Faults
@@ -19,12 +20,15 @@ from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.guesses import Guesses
 from create_oi_ros.sim.lines import Line, PtyLine, TcpLine
 from create_oi_ros.sim.server.control_port import ControlPort
+from create_oi_ros.sim.server.play import play, Player
 from create_oi_ros.sim.server.serve import Server
 from create_oi_ros.sim.show import CLEAR, Show
 from create_oi_ros.sim.world import parse, shipped, shipped_names, World
 
 SHOW_EVERY = 7
 """Slots: about ten pictures a second."""
+REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
+"""Options that a replay knows."""
 
 
 def _address(text: str) -> tuple[str, int]:
@@ -92,11 +96,19 @@ def _arguments() -> argparse.ArgumentParser:
     add('--control', type=Path, metavar='PATH', help='Unix socket to set the world by')
     add('--show', action='store_true', help='draw room and robot in this terminal (80 by 24)')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
+    add('--replay', type=Path, metavar='FILE',
+        help="say what a robot said whose driver's parameter `capture` was FILE, at its times, "
+        'beginning when a host speaks; nothing is simulated')
     return parser
 
 
 def _line(options: argparse.Namespace) -> Line:
     return TcpLine(*options.tcp) if options.tcp else PtyLine(options.link)
+
+
+def _end_on_signals(serving: Server | Player) -> None:
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: serving.stop())
 
 
 def _recorder(create: Create, server: Server, path: Path, stack: ExitStack) -> Callable[[], None]:
@@ -150,8 +162,7 @@ def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
         stack.callback(line.close)
         server = Server(create, line, Faults(options.fault, options.seed), speed=options.speed,
                         wire_time=options.wire_time)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, lambda *_: server.stop())
+        _end_on_signals(server)
         if options.control:
             server.control_port = ControlPort(options.control, server.control)
             stack.callback(server.control_port.close)
@@ -163,6 +174,13 @@ def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
         server.serve()
 
 
+def _simulating(options: argparse.Namespace, parser: argparse.ArgumentParser) -> str | None:
+    """Name an option that says how to simulate, if one was given."""
+    return next((name for name, value in vars(options).items()
+                 if name not in REPLAY_HAS and value != parser.get_default(name)
+                 and not (name == 'world' and value.name == parser.get_default(name))), None)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `create_sim`; return its exit code."""
     parser = _arguments()
@@ -171,9 +189,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         guesses = Guesses.parse(options.guess)
     except ValueError as error:
         parser.error(str(error))
+    unfit = _simulating(options, parser) if options.replay else None
+    if unfit is not None:
+        parser.error(f'--{unfit.replace("_", "-")}: with --replay nothing is simulated')
     try:
-        _serve(options, guesses)
-    except OSError as error:
+        if options.replay:
+            play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
+        else:
+            _serve(options, guesses)
+    except (OSError, CaptureError) as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1
     return 0

@@ -1,0 +1,99 @@
+"""`create_sim --replay`: a captured robot on a line, in real time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from itertools import chain
+from pathlib import Path
+import select
+import time
+
+from create_oi_ros.oi import SLOT
+from create_oi_ros.oi.capture import CaptureError, CaptureReader, Record, records_of
+from create_oi_ros.sim.lines import Line
+from create_oi_ros.sim.replay import Replay
+
+LINGER = 1.0
+"""Seconds that the port stays when all was said: closing it would take back what is unread."""
+AT_ONCE = 4096
+"""Bytes of the file."""
+
+
+class Player:
+    """One replay on one line, in real time or `speed` times as fast."""
+
+    def __init__(self, replay: Replay, line: Line, speed: float) -> None:
+        self._replay, self._line, self._speed = replay, line, speed
+        self._unsent = b''
+        self._stopping = False
+
+    def stop(self) -> None:
+        """End `serve` soon; may be called from a signal's function."""
+        self._stopping = True
+
+    def serve(self) -> None:
+        """Serve until the capture is over, or until `stop`; CaptureError where it is cut short."""
+        try:
+            while not self._stopping and not self._replay.over:
+                self._turn(self._replay.step)
+        finally:
+            until = time.monotonic() + LINGER
+            while not self._stopping and time.monotonic() < until:
+                self._turn(lambda now: None)
+
+    def _turn(self, step: Callable[[float], None]) -> None:
+        replay = self._replay
+        step(self._now())
+        self._say()
+        if replay.plugged:
+            self._line.plug()
+        else:
+            self._line.unplug()
+        wait = SLOT if self._unsent else min(SLOT, replay.due() - self._now())
+        ready, _, _ = select.select(self._line.watched(), [], [], max(0.0, wait / self._speed))
+        if ready:
+            replay.receive(self._line.read(), self._now())
+
+    def _say(self) -> None:
+        """Say what is to be said; what the host has no room for waits."""
+        self._unsent += self._replay.data_to_send()
+        self._unsent = self._unsent[self._line.write(self._unsent):]
+
+    def _now(self) -> float:
+        return time.monotonic() * self._speed
+
+
+def _read(path: Path) -> tuple[dict[str, str], Iterator[Record]]:
+    """Return facts and records of a file, read as they are wanted; CaptureError names the file."""
+    reader = CaptureReader()
+
+    def records() -> Iterator[Record]:
+        with path.open('rb') as file:
+            try:
+                yield from records_of(iter(lambda: file.read(AT_ONCE), b''), reader)
+            except CaptureError as error:
+                raise CaptureError(f'{path}: {error}') from error
+    found = records()
+    first = next(found)
+    return reader.facts or {}, chain([first], found)
+
+
+def play(
+    path: Path, open_line: Callable[[], Line], speed: float,
+    end_on_signals: Callable[[Player], None],
+) -> None:
+    """Play a capture to its end; OSError or CaptureError say what is wrong with it."""
+    facts, records = _read(path)
+    replay = Replay(records)
+    with closing(open_line()) as line:
+        player = Player(replay, line, speed)
+        end_on_signals(player)
+        print(f'The robot of {path} ({facts.get("port")}, {facts.get("started")}) is on '
+              f'{line.name}; it begins when a host speaks. Ctrl-C ends it.')
+        print(f'  create_node --ros-args -p port:={line.name}', flush=True)
+        try:
+            player.serve()
+        finally:
+            print(f'Played {replay.time:.1f} s: {replay.said} bytes to the host, {replay.heard} '
+                  f'bytes from it ({replay.heard_then} when it was captured).', flush=True)
