@@ -168,6 +168,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog='create_run', description=__doc__)
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
     parser.add_argument('--world', default='room', help='world of the simulated robot')
+    parser.add_argument('--capture', metavar='FILE', help=(
+        'write every byte of the line to FILE, for whoever is to see what went wrong'))
     arguments = parser.parse_args()
     children, ended = Children(), Future()
     call_on_signal(lambda: ended.set_result(0))
@@ -177,7 +179,8 @@ def main() -> int:
         try:
             if arguments.port is None:
                 children.start('create_sim', '--link', port, '--world', arguments.world)
-            children.start('create_node', '--ros-args', '-p', f'port:={port}')
+            captured = ['-p', f'capture:={arguments.capture}'] if arguments.capture else []
+            children.start('create_node', '--ros-args', '-p', f'port:={port}', *captured)
             return _watch(children, ended)
         finally:
             children.end()

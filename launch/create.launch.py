@@ -22,6 +22,7 @@ ARGUMENTS = {
     'world': ('room', 'world of the simulated robot'),
     'namespace': ('', 'namespace of all nodes and topics'),
     'frame_prefix': ('', 'put before every frame, such as robot1/'),
+    'capture': ('', 'file to write every byte of the serial line to'),
     'params': (os.path.join(SHARE, 'config', 'create.yaml'), 'parameter file of the driver'),
     'description': ('true', 'true: publish the model and its frames (robot_state_publisher)'),
     'rviz': ('false', 'true: open RViz'),
@@ -42,7 +43,9 @@ def nodes(context):
     made.append(Node(
         package='create_oi_ros', executable='create_node', namespace=namespace, output='screen',
         parameters=[value['params'], {
-            'port': port, 'odom_frame': f'{prefix}odom', 'base_frame': f'{prefix}base_footprint'}],
+            'port': port, 'odom_frame': f'{prefix}odom', 'base_frame': f'{prefix}base_footprint',
+            # An empty one would be taken for no string at all.
+            **({'capture': value['capture']} if value['capture'] else {})}],
         on_exit=EmitEvent(event=Shutdown(reason='create_node has ended'))))
     if asked['description']:
         with open(os.path.join(SHARE, 'urdf', 'create.urdf')) as model:

@@ -8,6 +8,7 @@ from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
 
+from create_oi_ros.oi.capture import CaptureReader, Kind, records_of
 from create_oi_ros.topics import LATCHED
 from ros import scene
 
@@ -43,6 +44,16 @@ def test_it_says_what_runs_drives_it_and_ends_cleanly(stage):
     assert run.ended() == 0
     assert 'Traceback' not in run.output
     assert not any(Path(f'/proc/{child}').exists() for child in children)
+
+
+def test_it_hands_on_what_is_to_be_captured(stage):
+    path = stage.folder / 'walk.capture'
+    run = stage.program('create_run', '--world', 'empty', '--capture', str(path))
+    stage.ros.until(lambda: 'robot answers' in run.output)
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+    *_, last = records_of([path.read_bytes()], CaptureReader())
+    assert last.kind is Kind.END
 
 
 def test_a_port_that_is_missing_is_said_and_run_goes_on(stage):
