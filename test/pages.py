@@ -60,7 +60,7 @@ def check_ros2(words: list[str], foreign: frozenset[str] = frozenset()) -> None:
     match words[1:]:
         case ['topic', 'list']:
             pass
-        case ['topic', 'echo' | 'hz', *rest]:
+        case ['topic', 'echo' | 'hz' | 'info', *rest]:
             assert [word for word in rest if not word.startswith('-')][0] in OURS | foreign
         case ['topic', 'pub', '--rate', _, '/cmd_vel', kind, fields]:
             made = {type_name(each): each for each in (Twist, TwistStamped)}[kind]
