@@ -16,7 +16,8 @@ setup(
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
         *((f'{SHARE}/{folder}', glob(f'{folder}/*.*'))
-          for folder in ('launch', 'config', 'config/with', 'urdf', 'rviz') if glob(f'{folder}/*.*')),
+          for folder in ('launch', 'config', 'config/with', 'urdf', 'rviz')
+          if glob(f'{folder}/*.*')),
     ],
     install_requires=['setuptools'],
     zip_safe=True,
