@@ -22,7 +22,13 @@ from create_oi_ros.oi.capture import (
     RECORD_LIMIT,
     records_of,
 )
-from create_oi_ros.oi.transcript import BYTES_SHOWN, explain_capture, LISTS_KEPT, SUM_AFTER
+from create_oi_ros.oi.transcript import (
+    BYTES_SHOWN,
+    explain_capture,
+    GARBAGE_SHOWN,
+    LISTS_KEPT,
+    SUM_AFTER,
+)
 
 LINE = st.text(st.characters(exclude_characters='\n', exclude_categories=['Cs']))
 FACTS = st.dictionaries(st.from_regex(r'[a-z][a-z0-9_]{0,9}', fullmatch=True), LINE)
@@ -199,10 +205,22 @@ def test_silence_garbage_and_a_lost_port_are_told() -> None:
         "4.000 <- no frame: 7 82 68 75 32 98 121 32 105 82 111 98 111 116 33 19 11 7 0 19 0 "
         "'RDK by iRobot!'",
         '4.000 -> Drive is cut short: 137',
-        '4.000 -- 1 frames in 4.0 s, Distance = 0 mm, Voltage = 15000 mV',
+        '4.000 -- 1 frames in 4.0 s, Distance = 0 mm, Voltage = 15000 mV, '
+        '1 pieces of garbage (21 bytes)',
         '4.000 -- port lost: gone',
         '5.000 -- host speaks at baud rate 19200',
         '6.000 -- driver says info: hello']
+
+
+def test_a_bad_line_can_still_be_read() -> None:
+    damaged = frame()[:-1] + b'\0'
+    bad = [(1 + at * 0.015, Kind.FROM_ROBOT, damaged + frame()) for at in range(100)]
+    records = ((0, Kind.TO_ROBOT, ASK), (0.9, Kind.FROM_ROBOT, frame()), *bad, (3, Kind.END, b''))
+    told = story(*records)
+    assert len(told) == 3 + GARBAGE_SHOWN + 2
+    assert told[3] == '1.000 <- checksum is wrong: 19 11 7 0 19 0 0 22 58 152 28 0 0 0'
+    assert told[-2].endswith('100 pieces of garbage (1400 bytes)')
+    assert len([line for line in story(*records, everything=True) if 'wrong' in line]) == 100
 
 
 def test_lists_that_no_robot_knows_are_told_and_not_waited_for() -> None:
@@ -210,7 +228,7 @@ def test_lists_that_no_robot_knows_are_told_and_not_waited_for() -> None:
     told = story((0, Kind.TO_ROBOT, b''.join([bytes([148, 1, 43]), ASK, *lists])),
                  (1, Kind.FROM_ROBOT, frame()), (2, Kind.END, b''))
     assert told[0].startswith('0.000 -> # Stream packets=43 (out of range')
-    assert told[-2].startswith('2.000 <- no frame: 19 11 7 0 19')
+    assert told[-3].startswith('2.000 <- no frame: 19 11 7 0 19')
 
 
 # At the door.

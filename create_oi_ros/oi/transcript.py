@@ -21,6 +21,8 @@ SUM_AFTER = 10 * MICROSECONDS
 SILENCE = MICROSECONDS // 4
 """How long a robot says nothing where that is told."""
 BYTES_SHOWN = 24
+GARBAGE_SHOWN = 5
+"""Pieces of garbage that are shown until the next sum."""
 LISTS_KEPT = 32
 """Lists of packets whose frames may still come."""
 HELD = (Drive, DriveDirect, Stream)
@@ -45,6 +47,7 @@ class Sum:
         self.frames = 0
         self.totals: Counter[str] = Counter()
         self.voltage: int | None = None
+        self.garbage = self.garbage_bytes = 0
         self.repeated: Counter[str] = Counter()
 
     def add(self, frame: Frame) -> None:
@@ -65,6 +68,8 @@ class Sum:
                       for name, total in self.totals.items()]
         if self.voltage is not None:
             parts.append(explain_reading(PACKETS[NUMBERS['voltage']], self.voltage))
+        if self.garbage:
+            parts.append(f'{self.garbage} pieces of garbage ({self.garbage_bytes} bytes)')
         parts += [f'{title} sent again {count} times' for title, count in self.repeated.items()]
         return ', '.join(parts)
 
@@ -77,6 +82,7 @@ class Transcript:
         self._robot, self._host = StreamReader(), CommandReader()
         self._lists: dict[PacketList, None] = {}
         self._checksum: Checksum | None = None
+        self._failures = 0
         self._sum = Sum(0)
         self._now = 0
         self._begin()
@@ -135,8 +141,7 @@ class Transcript:
 
     def _event(self, event: Frame | Garbage) -> Iterator[str]:
         if isinstance(event, Garbage):
-            text = f' {event.text!r}' if event.text else ''
-            yield self._line(FROM_ROBOT, f'no frame: {self._shown(event.data)}{text}')
+            yield from self._garbage(event)
             return
         if event.checksum is not self._checksum:
             self._checksum = event.checksum
@@ -151,6 +156,15 @@ class Transcript:
             self._told.update(news)
             yield self._line(FROM_ROBOT, ', '.join(
                 explain_reading(TELLING[name], value) for name, value in news.items()))
+
+    def _garbage(self, garbage: Garbage) -> Iterator[str]:
+        self._sum.garbage += 1
+        self._sum.garbage_bytes += len(garbage.data)
+        failures, self._failures = self._failures, self._robot.checksum_failures
+        what = 'checksum is wrong' if self._failures > failures else 'no frame'
+        if self._sum.garbage <= GARBAGE_SHOWN or garbage.text or self._everything:
+            text = f' {garbage.text!r}' if garbage.text else ''
+            yield self._line(FROM_ROBOT, f'{what}: {self._shown(garbage.data)}{text}')
 
     def _commands(self) -> Iterator[str]:
         unknown = bytearray()
