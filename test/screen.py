@@ -90,6 +90,7 @@ class Typist:
         **environment: str,
     ) -> None:
         self.master, self.slave = pty.openpty()
+        self._open = [self.master, self.slave]
         self.screen = Screen(*size)
         self.said = ''
         """All that it has written."""
@@ -154,10 +155,15 @@ class Typist:
         """Tell whether the terminal is as it was."""
         return termios.tcgetattr(self.slave) == self.settings and not self.screen.other
 
+    def hang_up(self) -> None:
+        """Close the window."""
+        for descriptor in self._open:
+            os.close(descriptor)
+        self._open = []
+
     def close(self) -> None:
         """End it, whatever it is doing."""
         if self.process.poll() is None:
             self.process.kill()
         self.process.wait()
-        for descriptor in (self.master, self.slave):
-            os.close(descriptor)
+        self.hang_up()

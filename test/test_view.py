@@ -41,7 +41,7 @@ def status(name: str, level: bytes, message: str, **values: object) -> Diagnosti
 
 def heard(*messages: object, at: float = 0.0) -> State:
     """Return a state in which these were heard."""
-    state = State(title='create_view  /create')
+    state = State(title='create_view  /create', listened=True)
     for message in messages:
         state.take(message, at)
     return state
@@ -233,6 +233,10 @@ def test_what_the_panel_says(message, about, text, loud):
 
 def test_an_old_command_is_not_shown_as_one():
     assert panel(heard(Twist(linear=Vector3(x=0.3))), 'cmd_vel', 3.0) == ('none for 3 s', False)
+
+
+def test_that_nobody_listens_is_seen():
+    assert panel(State(), 'cmd_vel') == ('nobody listens', True)
 
 
 def test_the_volts_stand_below_the_charge():

@@ -28,8 +28,8 @@ from .teleop import STANDSTILL, Velocity
 
 CMD_VEL = 'cmd_vel'
 COMMANDS = {f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
-LOOK_AROUND = 1.0
-"""Seconds between two looks at who listens to velocity commands."""
+LOOK_AROUND, LOOK_AGAIN = 1.0, 0.2
+"""Seconds between two looks at who listens to velocity commands: when somebody does, and not."""
 MOST_WORK = 0.05
 """Seconds for which messages are taken in before the screen has its turn."""
 HEARD = tuple(topic for topic in topics.PUBLISHED if topic is not topics.TF)
@@ -71,7 +71,6 @@ class Graph(Node):
             | {STOP.service}}
         self._velocity: Publisher | None = None
         self._commands: Subscription | None = None
-        self._listened = False
         self._next_look = -inf
 
     def _expect(self, sensors: float) -> None:
@@ -107,12 +106,12 @@ class Graph(Node):
         """Find out, now and then, as what type velocity commands are wanted."""
         if now < self._next_look:
             return
-        self._next_look = now + LOOK_AROUND
         wanted = [
             COMMANDS[each.topic_type] for each in self.get_subscriptions_info_by_topic(CMD_VEL)
             # Another view listens as well, and proves nothing.
             if each.node_name != self.get_name() and each.topic_type in COMMANDS]
-        self._listened = bool(wanted)
+        self.state.listened = bool(wanted)
+        self._next_look = now + (LOOK_AROUND if wanted else LOOK_AGAIN)
         self.state.drivers = self.count_publishers(topics.ODOM.name)
         if wanted and (self._velocity is None or self._velocity.msg_type is not wanted[0]):
             if self._velocity is not None and self._commands is not None:
@@ -123,11 +122,7 @@ class Graph(Node):
                 wanted[0], CMD_VEL, self._on_message, NEWEST)
 
     def drive(self, velocity: Velocity) -> None:
-        """Command a velocity."""
-        if self._velocity is None or not self._listened:
-            self.state.note = Note(
-                f'nobody listens to {self.resolve_topic_name(CMD_VEL)}: no driver is running',
-                loud=True)
+        """Command a velocity, if somebody listens."""
         if self._velocity is None:
             return
         twist = Twist(linear=Vector3(x=velocity.linear), angular=Vector3(z=velocity.angular))

@@ -97,6 +97,8 @@ def _speed(odom: Any) -> Line:
 
 
 def _command(state: State, now: float) -> Line:
+    if not state.listened:
+        return [Piece(0, 'nobody listens', loud=True)]
     type_ = min((Twist, TwistStamped), key=lambda each: state.age(each, now))
     command, age = state.get(type_), state.age(type_, now)
     if command is None:

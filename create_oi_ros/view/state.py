@@ -104,6 +104,8 @@ class State:
     diagnostics: dict[str, Any] = field(default_factory=dict)
     """Each status by its name, without the node's."""
     note: Note = field(default_factory=Note)
+    listened: bool = False
+    """Whether somebody wants velocity commands."""
     drivers: int = 0
     """How many publish the odometry."""
     helping: bool = False
