@@ -73,14 +73,14 @@ class FollowWall(Node):
         self.signal = wall.signal
 
     def on_mode(self, mode: Mode) -> None:
+        # Not yet Safe is no reason to end: the first command brings it back.
         if self.mode == Mode.SAFE and mode.mode != Mode.SAFE:
             self.ended.set_result(mode.reason)
         self.mode = mode.mode
 
     def drive(self) -> None:
-        if self.mode == Mode.SAFE:
-            speed, turn = self.steering.next_move(self.touched, self.signal)
-            self.velocity.publish(Twist(linear=Vector3(x=speed), angular=Vector3(z=turn)))
+        speed, turn = self.steering.next_move(self.touched, self.signal)
+        self.velocity.publish(Twist(linear=Vector3(x=speed), angular=Vector3(z=turn)))
 
 
 def main() -> None:

@@ -1,15 +1,17 @@
-"""The example that follows a wall, round the room of the simulator, without a clock of ROS."""
+"""The example that follows a wall: round a room without a clock, and as a node at a cliff."""
 
 from math import atan2, cos, hypot, pi, remainder, sin, tau
 
+from nav_msgs.msg import Odometry
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.guesses import Guesses
-from create_oi_ros.sim.world import parse, shipped, World
+from create_oi_ros.sim.world import parse, Pose, shipped, World
 from examples.follow_wall import PERIOD, Steering
+from ros import scene
 
 HALF = 0.129
 """Metres from the middle to a wheel."""
@@ -74,3 +76,22 @@ def test_it_goes_straight_until_there_is_a_wall_and_turns_right_where_it_ends():
     assert steering.next_move(False, 0)[1] == 0
     steering.next_move(False, 500)
     assert steering.next_move(False, 0)[1] < 0
+
+
+def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(tmp_path):
+    with scene(tmp_path) as stage:
+        robot = stage.robot(world=shipped('table'))
+        stage.node(robot.link)
+        odom = stage.ros.listen(Odometry, 'odom')
+        example = stage.example('follow_wall.py')
+        stage.ros.until(lambda: not example.running(), 'the cliff')
+        assert example.ended() == 0
+        assert 'the robot has left Safe mode: ' in example.output
+        assert 'cliff' in example.output
+        robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
+        # The driver wants to be sure that the cliff is gone: more than a second's frames.
+        seen = len(odom)
+        stage.ros.until(lambda: len(odom) > seen + 100)
+        again = stage.example('follow_wall.py')
+        stage.ros.until(lambda: odom[-1].twist.twist.linear.x > 0.1)
+        assert again.running()
