@@ -6,11 +6,15 @@ tiny process holds the line too. It waits on a pipe from the driver. When the dr
 says goodbye there; when the pipe closes without a word, the driver is dead, however it died, and
 this process writes the bytes that stop the robot.
 
+It does so as well when the driver is stopped and not dead (Ctrl-Z, SIGSTOP, a debugger): then
+nobody is in command either. Once for each time, and it goes on watching.
+
 `DeadMan` is the driver's end. Run as a program, this file is the process: the standard library's
 smallest corner, started in a few milliseconds, so that it is there before anything moves.
 """
 
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -19,6 +23,10 @@ GOODBYE = b'\0'
 POLITE = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 PATIENCE = 2
 """Seconds after which the process gives up on a line that takes no bytes."""
+LOOK_EVERY = 0.04
+"""Seconds between two looks at whether the driver is stopped; two in a row must see it."""
+STOPPED = (b'T', b't')
+"""By a signal, and by a debugger (proc(5))."""
 
 
 class DeadMan:
@@ -32,7 +40,8 @@ class DeadMan:
         try:
             # Isolated and without site-packages; in a session of its own, out of Ctrl-C's reach.
             self._process = subprocess.Popen(
-                [sys.executable, '-I', '-S', __file__, str(watched), str(line), last_words.hex()],
+                [sys.executable, '-I', '-S', __file__, str(watched), str(line), last_words.hex(),
+                 str(os.getpid())],
                 pass_fds=(watched, line), start_new_session=True,
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         finally:
@@ -61,15 +70,41 @@ class DeadMan:
             self._process.wait()
 
 
-def watch(pipe: int, line: int, last_words: bytes) -> None:
+def is_stopped(process: int) -> bool:
+    """Tell whether a process is stopped; one that is gone or hidden is not."""
+    try:
+        with open(f'/proc/{process}/stat', 'rb') as stat:
+            # The name, in brackets, may hold anything.
+            return stat.read().rpartition(b')')[2].split()[0] in STOPPED
+    except OSError:
+        return False
+
+
+def watch(pipe: int, line: int, last_words: bytes, driver: int) -> None:
     """Wait for the driver's goodbye or its death; write the last words after its death."""
-    if os.read(pipe, 1) == GOODBYE:
-        return
+    looks = 0
+    while not select.select([pipe], [], [], LOOK_EVERY)[0]:
+        looks = looks + 1 if is_stopped(driver) else 0
+        if looks == 2:
+            say(line, last_words)
+    if os.read(pipe, 1) != GOODBYE:
+        say(line, last_words)
+
+
+def say(line: int, last_words: bytes) -> None:
+    """Write to a line; be killed where it takes no bytes, do nothing where it is gone."""
     signal.alarm(PATIENCE)
-    os.set_blocking(line, True)
     while last_words:
-        last_words = last_words[os.write(line, last_words):]
+        # A stopped driver shares the line, so whether it blocks is not ours to change.
+        select.select([], [line], [])
+        try:
+            last_words = last_words[os.write(line, last_words):]
+        except BlockingIOError:
+            continue
+        except OSError:
+            break
+    signal.alarm(0)
 
 
 if __name__ == '__main__':
-    watch(int(sys.argv[1]), int(sys.argv[2]), bytes.fromhex(sys.argv[3]))
+    watch(int(sys.argv[1]), int(sys.argv[2]), bytes.fromhex(sys.argv[3]), int(sys.argv[4]))

@@ -18,6 +18,8 @@ import serial
 CANDIDATES = ('/dev/create', '/dev/ttyUSB*', '/dev/ttyACM*', '/dev/serial0')
 """Where a Create usually is."""
 READ_AT_MOST = 4096
+SETTLED_AFTER = 1.5
+"""Seconds after which a device that was plugged in belongs to whom it will."""
 FAST = 115200
 """At this rate the robot needs a pause between bytes (manual: Baud)."""
 FAST_PAUSE = 0.0002
@@ -25,6 +27,11 @@ FAST_PAUSE = 0.0002
 
 class PortError(OSError):
     """The port is not there, not ours, or gone."""
+
+    def __init__(self, advice: str, *, passing: bool = False) -> None:
+        """Say what a person can do; `passing`: it may mend itself within a second."""
+        super().__init__(advice)
+        self.passing = passing
 
 
 class Port:
@@ -40,7 +47,7 @@ class Port:
                 self._serial.exclusive = True
             self._serial.open()
         except (OSError, ValueError) as error:
-            raise PortError(_advice(url, error)) from error
+            raise PortError(_advice(url, error), passing=_settling(url, error)) from error
 
     @property
     def baud(self) -> int:
@@ -146,6 +153,17 @@ def _advice(url: str, error: Exception) -> str:
         by = holder(url) or 'another program'
         return f'{url} is in use by {by}; end it, or give another port'
     return f'{url} could not be opened: {error}'
+
+
+def _settling(url: str, error: Exception, now: float | None = None) -> bool:
+    """Tell whether a device has just been plugged in, so that its group may not be set yet."""
+    if _error_number(error) not in (errno.EACCES, errno.EPERM):
+        return False
+    try:
+        changed = os.stat(url).st_ctime
+    except OSError:
+        return True
+    return 0 <= (time.time() if now is None else now) - changed < SETTLED_AFTER
 
 
 def _error_number(error: BaseException | None) -> int | None:

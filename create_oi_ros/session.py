@@ -213,7 +213,7 @@ class Session:
             self._port = None
 
     def _complain(self, error: PortError) -> None:
-        """Say what is wrong with the port, once until it changes."""
-        if str(error) != self._complaint:
+        """Say what is wrong with the port, once until it changes; not what may pass at once."""
+        if not error.passing and str(error) != self._complaint:
             self._complaint = str(error)
             self._on_event(Notice(Severity.ERROR, str(error)))

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from create_oi_ros import dead_man
 from create_oi_ros.dead_man import DeadMan, GOODBYE, POLITE, watch
 
 WORDS = b'stop now'
@@ -23,19 +24,19 @@ def gone(pid: int) -> bool:
 
 def test_released_it_writes_nothing_and_ends():
     reading, writing = os.pipe()
-    dead_man = DeadMan(writing, WORDS)
+    guard = DeadMan(writing, WORDS)
     os.close(writing)
-    dead_man.release()
+    guard.release()
     assert os.read(reading, 100) == b'', 'the line is closed, by it as well'
     os.close(reading)
-    assert gone(dead_man.pid)
+    assert gone(guard.pid)
 
 
 def test_releasing_one_that_was_killed_is_allowed():
     reading, writing = os.pipe()
-    dead_man = DeadMan(writing, WORDS)
-    os.kill(dead_man.pid, signal.SIGKILL)
-    dead_man.release()
+    guard = DeadMan(writing, WORDS)
+    os.kill(guard.pid, signal.SIGKILL)
+    guard.release()
     os.close(reading)
     os.close(writing)
 
@@ -67,16 +68,65 @@ def test_when_its_parent_dies_it_says_the_last_words_and_ends(number):
     parent.communicate()
 
 
+def test_while_its_parent_is_stopped_it_says_the_last_words_and_watches_on():
+    reading, writing = os.pipe()
+    parent = subprocess.Popen(
+        [sys.executable, '-c', PARENT, str(writing), WORDS.decode()], pass_fds=(writing,),
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    os.close(writing)
+    assert parent.stdout is not None
+    assert parent.stdout.readline()
+    parent.send_signal(signal.SIGSTOP)
+    assert os.read(reading, 100) == WORDS
+    parent.kill()
+    heard = b''
+    while more := os.read(reading, 100):
+        heard += more
+    assert heard == WORDS
+    os.close(reading)
+    parent.communicate()
+
+
+def test_each_time_that_it_is_stopped_for_two_looks_is_one_for_last_words(monkeypatch):
+    pipe, speaking = os.pipe()
+    reading, writing = os.pipe()
+    looks = iter([False, True, False, True, True, True, False, True, True])
+
+    def look(_: int) -> bool:
+        seen = next(looks, None)
+        if seen is None:
+            os.write(speaking, GOODBYE)
+        return bool(seen)
+    monkeypatch.setattr(dead_man, 'is_stopped', look)
+    monkeypatch.setattr(dead_man, 'LOOK_EVERY', 0.0)
+    watch(pipe, writing, WORDS, os.getpid())
+    assert os.read(reading, 100) == WORDS * 2
+    for end in (pipe, speaking, reading, writing):
+        os.close(end)
+
+
+def test_only_a_stopped_process_is_seen_as_stopped():
+    assert not dead_man.is_stopped(os.getpid())
+    assert not dead_man.is_stopped(2 ** 22 + 1), 'no process has such a number'
+
+
+def test_a_line_that_is_gone_ends_the_last_words():
+    reading, writing = os.pipe()
+    os.close(reading)
+    dead_man.say(writing, WORDS)
+    os.close(writing)
+
+
 def test_what_ends_its_parent_politely_does_not_reach_it():
     reading, writing = os.pipe()
-    dead_man = DeadMan(writing, WORDS)
+    guard = DeadMan(writing, WORDS)
     os.close(writing)
     for number in POLITE:
-        os.kill(dead_man.pid, number)
-    os.close(dead_man._pipe)
+        os.kill(guard.pid, number)
+    os.close(guard._pipe)
     assert os.read(reading, 100) == WORDS
     os.close(reading)
-    assert dead_man._process.wait() == 0
+    assert guard._process.wait() == 0
 
 
 @pytest.mark.parametrize(('word', 'heard'), [(GOODBYE, b''), (b'', WORDS)])
@@ -86,7 +136,7 @@ def test_watching_ends_with_a_goodbye_or_with_last_words(word, heard):
     os.write(speaking, word)
     os.close(speaking)
     try:
-        watch(pipe, writing, WORDS)
+        watch(pipe, writing, WORDS, os.getpid())
     finally:
         signal.alarm(0)
     os.close(writing)

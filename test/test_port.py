@@ -56,6 +56,34 @@ def test_without_permission_the_command_that_gives_it_is_named(monkeypatch):
     assert 'sudo usermod -aG dialout ada' in said
 
 
+@pytest.mark.parametrize(('number', 'age', 'passing'), [
+    (errno.EACCES, 0.1, True), (errno.EACCES, 2.0, False), (errno.EACCES, -5.0, False),
+    (errno.EBUSY, 0.1, False)])
+def test_only_a_device_that_has_just_come_may_get_its_permissions_yet(
+        tmp_path, number, age, passing):
+    device = tmp_path / 'ttyUSB0'
+    device.touch()
+    now = device.stat().st_ctime + age
+    assert port._settling(str(device), OSError(number, ''), now) is passing
+
+
+def test_what_may_pass_at_once_is_not_complained_of(tmp_path):
+    (tmp_path / 'tty').touch()
+    errors = iter([PortError('no permission', passing=True), PortError('in use')])
+    heard = Heard()
+
+    def refuse(*_, **__):
+        raise next(errors, PortError('in use'))
+    ours = Session(Driver(), str(tmp_path / 'tty'), on_event=heard, on_failure=lambda: None,
+                   open_port=refuse)
+    ours.start()
+    try:
+        heard.wait_for('in use')
+    finally:
+        ours.close()
+    assert heard.texts == ['in use']
+
+
 def test_a_port_is_ours_alone_and_the_other_is_told_by_whom(terminal):
     ours = Port(terminal, 57600, timeout=0.01)
     assert 'is in use by' in refused(terminal)
