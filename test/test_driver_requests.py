@@ -1,6 +1,6 @@
 """What services ask of the driver, played against the simulated robot without a clock."""
 
-from math import nan, sqrt
+from math import nan
 
 import pytest
 
@@ -329,9 +329,7 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
     assert loop.body.truth().speed == 0
     loop.drive(0.2, 0.0, 0.5)
     assert loop.body.truth().speed > 0.1
-    # A robot that hears nothing cannot be asked more cleverly than in every frame.
-    doubt = 3 * sqrt(loop.estimate.pose_covariance[0])
-    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=doubt)
+    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.003)
 
 
 def test_while_a_script_plays_nothing_is_promised(loop):

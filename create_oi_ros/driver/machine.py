@@ -16,8 +16,10 @@ from .calling import CALL_AGAIN, Calling, DRAIN
 from .checks import Jumps, TurnCheck
 from .demos import Demos, END_DEMO
 from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
+from .frame_budget import FrameBudget, too_slow
 from .frame_clock import FrameClock
-from .motion import MM, Motion, MotionLimits
+from .hearing import DEAF, Hearing, Turn
+from .motion import Motion, MotionLimits
 from .outbox import Outbox
 from .power import BatteryLevel, BatteryWatch, LowBatteryAction
 from .requests import mode_refusal, ModeRequest, Reply, Requests
@@ -26,13 +28,14 @@ from .settings import Settings
 from .stream_plan import StreamPlan
 from .supervision import Cause, causes_in, MODE_COMMANDS, ModeStatus, Supervision
 
-DRAIN_AFTER, TELL_AFTER = 4, 14
-"""Speeds in a row that the robot missed, after which it is taken to be in the middle of a
-command, and after which the user is told: 0.6 s and 2 s."""
 LIFTED = oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
 """A wheel that hangs does not move the robot, whatever it counts."""
 SILENCE = 0.5
 """Seconds without a frame after which the robot is taken to be away, and called again."""
+STANDSTILL = 1.0
+"""Seconds between two calls after which this process is taken to have been stopped."""
+STALE = 0.05
+"""Seconds after that in which the system still hands out what came long ago."""
 
 
 class Driver:
@@ -45,6 +48,8 @@ class Driver:
         self.counts = LinkCounts()
         self.battery = BatteryWatch(settings.battery)
         self.turning = TurnCheck(settings.limits.wheel_separation)
+        self.hearing = Hearing()
+        self.frame_budget = FrameBudget()
         self._jumps = Jumps()
         self._calling = Calling(settings.baud)
         self.plan = StreamPlan(self._calling.baud)
@@ -66,16 +71,17 @@ class Driver:
         self.heard_at = 0.0
         """When the last frame came, in the clock of `now`."""
         self._refusal_said = False
+        self._slow_told = ''
+        self._called_at: float | None = None
+        self._stale_until = 0.0
 
     # What the line says.
 
     def connected(self, now: float) -> None:
         """Begin to talk: the port has been opened."""
         self._calling.begin()
-        if not self.plan.short.budget(self.baud).fits:
-            self._say(Severity.ERROR, f'{self.baud} baud is too slow: a frame of '
-                      f'{self.plan.short.frame_size} bytes does not fit into {oi.SLOT * 1000:.0f} '
-                      'ms; use 19200 or more')
+        self._called_at = now
+        self._judge_rate()
         self._wake(now)
 
     def disconnected(self, why: str) -> None:
@@ -87,8 +93,10 @@ class Driver:
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
-        if self.scripts.take(data):
+        self._mind_standstill(now)
+        if now < self._stale_until or self.scripts.take(data):
             return
+        self.frame_budget.heard(len(data))
         self._reader.feed(data)
         while (event := self._reader.next_event()) is not None:
             match event:
@@ -105,6 +113,7 @@ class Driver:
         self._outbox.confirm()
         if self.link is Link.CLOSED:
             return
+        self._mind_standstill(now)
         if self.scripts.reading:
             self.heard_at = now
         if now - self.heard_at > (SILENCE if self.link is Link.UP else CALL_AGAIN):
@@ -177,7 +186,7 @@ class Driver:
             self._outbox.send_at_once(END_DEMO, now)
         if self.status.wanted is oi.Mode.PASSIVE and self._outbox.busy:
             self._outbox.send(END_DEMO)  # one may be about to begin
-        refusal = self._refusal(oi.Demo)
+        refusal = DEAF if self.hearing.deaf else self._refusal(oi.Demo)
         return not refusal, refusal or 'wheels stopped'
 
     def set_limits(self, limits: MotionLimits) -> None:
@@ -246,14 +255,17 @@ class Driver:
         self.plan.restart()
         self._clock.restart()
         self._jumps.restart()
+        self.hearing.restart()
+        self.frame_budget.restart()
         self.odometry.interrupted()
 
     def _miss(self, now: float) -> None:
         if self.link is Link.UP:
             self.counts.silences += 1
             self._calling.begin()
-            self._say(Severity.ERROR, f'no frame for {SILENCE} s: the robot is off, asleep or '
-                      'unplugged; calling it until it answers')
+            why = self.frame_budget.why_silent(self.plan.budget, self.baud)
+            self._say(Severity.ERROR, f'no frame for {SILENCE} s: {why}; calling it until it '
+                      'answers')
         rest = self._reader.flush()
         if rest is not None:
             self._calling.overheard(rest.data)
@@ -262,11 +274,30 @@ class Driver:
             self._events.append(complaint)
         self._wake(now)
 
+    def _judge_rate(self) -> None:
+        slow = too_slow(self.plan.budget, self.baud)
+        if slow and slow != self._slow_told:
+            self._say(Severity.ERROR, slow)
+        self._slow_told = slow
+
+    def _mind_standstill(self, now: float) -> None:
+        """Begin anew after this process has been stopped: the dead-man may have acted."""
+        still = 0.0 if self._called_at is None else now - self._called_at
+        self._called_at = now
+        if self.link is Link.UP and still > STANDSTILL:
+            self._say(Severity.WARNING, f'the driver stood still for {still:.1f} s (Ctrl-Z, a '
+                      'debugger, a computer that slept or was too busy); calling the robot anew')
+            self._reader.flush()
+            self._stale_until = now + STALE
+            self._wake(now)
+
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         readings = frame.readings
         wire_time = frame.packets.budget(self.baud).seconds
         stamp, dt = self._clock.stamp(now, wire_time)
         self._unseen += dt
+        self.frame_budget.frame(frame.packets.frame_size)
+        self.hearing.seen(frame.packets.ids)
         if readings.implausible():
             self.counts.implausible_frames += 1
             return
@@ -311,11 +342,11 @@ class Driver:
         self._say(Severity.ERROR, f'battery {level.value}: low_battery_action {action.value}')
 
     def _estimate(self, readings: oi.Readings, dt: float, asked: bool) -> Estimate:
+        speeds = self.scripts.speeds(readings)
+        right, left = speeds or (0.0, 0.0)
         return self.odometry.update(Increment(
-            dt=dt,
-            right=readings.requested_right_velocity / MM,
-            left=readings.requested_left_velocity / MM,
-            driven=readings.oi_mode in oi.DriveDirect.modes and not self.scripts.playing,
+            dt=dt, right=right, left=left,
+            driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
             lifted=bool(readings.bumps_and_wheel_drops & LIFTED),
             lost=self._clock.gap or readings.has('distance') and not asked,
             distance=readings.distance if asked else None,
@@ -324,6 +355,7 @@ class Driver:
     def _found(self, now: float) -> None:
         self.link = Link.UP
         wanted = self.status.wanted
+        self._judge_rate()
         self._say(Severity.INFO, f'robot answers; entering {wanted.name}')
         self.actuators.restore_songs()
         self._enter(wanted, now)
@@ -337,6 +369,8 @@ class Driver:
 
     def _script_ended(self) -> None:
         self._motion.forget()
+        if self.scripts.recounts:
+            self.odometry.recounted()
         self._say(Severity.INFO, 'the script has ended; wheels stopped')
         if self.readings.oi_mode in oi.ACTUATE:
             self.actuators.restore()
@@ -356,21 +390,42 @@ class Driver:
             self._motion.forget()
             self._say(Severity.WARNING, f'robot left {status.wanted.name} for '
                       f'{self.readings.oi_mode.name}: {status.reason}')
+            if status.causes == (Cause.UNKNOWN,):
+                self._outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
         self._mode_request.observe(status.actual)
         readings = self.readings
         if status.actual in oi.DriveDirect.modes and not self.scripts.refusal:
-            self._mind_deafness(self._motion.reported(
-                readings.requested_right_velocity, readings.requested_left_velocity, now))
+            self._motion.reported(
+                readings.requested_right_velocity, readings.requested_left_velocity, now)
+        self._mind_line(now)
         if self._supervision.must_enter_again(now) and not self.scripts.refusal:
             self._enter(status.wanted, now)
 
-    def _mind_deafness(self, missed: int) -> None:
-        """Do something about a robot that does not hear its speeds."""
-        if missed == DRAIN_AFTER:
-            self._outbox.send_raw(DRAIN)
-        elif missed == TELL_AFTER:
-            self._say(Severity.ERROR, 'the robot does not do what it is told, not even stop: '
-                      'damaged bytes may have told it to wait; lift it, switch it off and on')
+    def _mind_line(self, now: float) -> None:
+        """Do something about a robot that does not hear, tell of one that is not heard well."""
+        if self.scripts.refusal:
+            self.hearing.restart()
+            self.frame_budget.restart()
+            return
+        drives = self.status.actual in oi.DriveDirect.modes
+        match self.hearing.turn(self._motion.missed if drives else 0, now):
+            case Turn.DOUBTED:
+                self._outbox.send_raw(DRAIN)
+            case Turn.DEAF:
+                self._say(Severity.ERROR, DEAF)
+            case Turn.HEARS_AGAIN:
+                self._hears_again()
+        if self.frame_budget.judge(self.baud, now, fits=self.plan.budget.fits):
+            complaint = self.frame_budget.complaint
+            self._say(Severity.WARNING if complaint else Severity.INFO,
+                      complaint or 'frames arrive in time again')
+
+    def _hears_again(self) -> None:
+        """Say all again that the robot may have missed."""
+        self._motion.forget()
+        self.actuators.restore_songs()
+        if self.status.actual in oi.ACTUATE:
+            self.actuators.restore()
 
     def _drive_when_not_allowed(self, now: float) -> None:
         """Bring the wanted mode back for a fresh command, or say why it is not obeyed."""
@@ -402,6 +457,7 @@ class Driver:
         stream = self.plan.next_stream(now, motion_due=self.odometry.reading_due)
         if stream is not None:
             self._outbox.send(stream)
+            self.hearing.asked(tuple(stream.packets), now)
 
     def _refuse_mode_request(self, mode: oi.Mode) -> None:
         actual = self.status.actual

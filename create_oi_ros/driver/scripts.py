@@ -16,6 +16,7 @@ from enum import Enum
 from .. import oi
 from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
 from ..oi.text import format_command
+from .echoes import asked_directly, CLEARED, Echoes, Speeds
 from .motion import Motion
 from .outbox import Outbox
 from .requests import Reply, Requests
@@ -55,6 +56,7 @@ class Scripts:
         self._motion = motion
         self._plan = plan
         self._stored: oi.Script | None = None
+        self._echoes = Echoes(None, 0.0, cleared=False)
         self._doing = Doing.NOTHING
         self._due = 0.0
         self._told = bytearray()
@@ -64,6 +66,17 @@ class Scripts:
     def playing(self) -> bool:
         """Whether a script may be playing, so that commands may not be heard."""
         return self._doing is Doing.PLAYING
+
+    @property
+    def recounts(self) -> bool:
+        """Whether the script that played last may have set distance and angle to zero."""
+        return self._echoes.recounts
+
+    def speeds(self, readings: oi.Readings) -> Speeds | None:
+        """Return what the wheels were asked for, by the driver or a script, if it can be told."""
+        if not self.playing:
+            return asked_directly(readings)
+        return self._echoes.speeds(readings) if self._echoes.tell else None
 
     @property
     def reading(self) -> bool:
@@ -89,7 +102,7 @@ class Scripts:
 
     def play(self, now: float, reply: Reply, *, force: bool) -> None:
         """Play the stored script; one that cannot end, or is not known, only by force."""
-        refusal = '' if force else self._doubt()
+        refusal = self._requests.refusal(oi.PlayScript) or ('' if force else self._doubt())
         if self._stored == oi.Script(script=b''):
             refusal = 'no script is stored: call define_script'
         if not self._motion.at_rest:
@@ -97,8 +110,12 @@ class Scripts:
         if refusal:
             reply(False, refusal)
             return
-        self._outbox.send(oi.Stream(packets=self._plan().full.ids))
+        self._outbox.send(CLEARED)
+        self._outbox.send(oi.Stream(packets=self._plan().script.ids))
         if self._requests.send(oi.PlayScript(), reply, 'script plays'):
+            self._echoes = Echoes(
+                self._stored, self._motion.limits.wheel_separation,
+                cleared=not self._requests.refusal(oi.Drive))
             self._doing, self._due = Doing.PLAYING, now + CALL_EVERY
 
     def show(self, now: float, reply: ShowReply) -> None:

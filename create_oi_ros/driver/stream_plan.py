@@ -27,6 +27,8 @@ SLOW = (
     'charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
     'battery_capacity', 'song_number',
 )
+ECHOES = ('requested_velocity', 'requested_radius')
+"""Of Drive, which only scripts use."""
 ALL = ESSENTIAL + FREQUENT + MOTION + SLOW
 """Every reading that the driver keeps; unused bytes and echoes of Drive are not among them."""
 
@@ -54,6 +56,11 @@ class StreamPlan:
         self.short, self._parts, self.full = _lists(baud)
         self.marker = oi.PacketList.named(*ESSENTIAL)
         """Asked for only to see whether the robot hears."""
+        self.script = oi.PacketList.named(*ESSENTIAL, *ECHOES)
+        """While a script plays. A waiting robot cannot be asked for another list, and to read
+        distance and angle in every frame would lose most of them."""
+        if (longer := oi.PacketList.named(*ESSENTIAL, *FREQUENT, *ECHOES)).budget(baud).fits:
+            self.script = longer
         self.baud = baud
         self.budget = self.full.budget(baud)
         self._rotation: Iterator[oi.PacketList] = cycle(self._parts or [self.short])
@@ -63,7 +70,7 @@ class StreamPlan:
     @property
     def lists(self) -> tuple[oi.PacketList, ...]:
         """All lists whose frames may arrive."""
-        return (self.short, self.full, *self._parts, self.marker)
+        return (self.short, self.full, *self._parts, self.marker, self.script)
 
     def restart(self) -> None:
         """Forget what was asked for: the robot may have been switched off."""

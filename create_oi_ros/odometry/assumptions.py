@@ -21,8 +21,15 @@ GAIN_DRIFT = 1e-4
 ASTRAY = 0.09
 """Metres by which a wheel that is not driven as requested strays from its encoder, per root metre:
 nobody knows when it reverses, and its encoder counts on with the old sign."""
+TOP_SPEED = 0.5
+"""m/s, of either wheel (manual)."""
 RAMP_NOISE = 0.002
 """Part of a ramp's travel by which it departs from a constant acceleration."""
+UNWATCHED = 3.0
+"""Seconds after which a robot that moved on its own may have gone anywhere between two readings,
+whatever their sum, ..."""
+ROAMING = TOP_SPEED / 8
+"""... and the metres per second by which its place is doubted then."""
 WANDER = 0.5
 """Acceleration of a robot that moves on its own, m/s per root second."""
 SURPRISE, SURPRISE_FLOOR = 5.0, 0.1
@@ -31,8 +38,6 @@ CERTAIN = 1e-14
 """Variance, m² or rad², of what is known exactly: more would be numerical trouble."""
 UNLIKELY = 1e-2
 """Likelihood that is left to a reading that ought not to be."""
-TOP_SPEED = 0.5
-"""m/s, of either wheel (manual)."""
 LONGEST_SEGMENT = 0.25
 """Seconds between updates of the covariance."""
 EXPLICABLE = 3.0, 0.15

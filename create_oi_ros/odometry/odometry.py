@@ -70,6 +70,10 @@ class Odometry:
         for track in self.beliefs.tracks:
             track.reset()
 
+    def recounted(self) -> None:
+        """Learn nothing from the next reading: the robot has set its accumulators to zero."""
+        self._discard = True
+
     def interrupted(self) -> None:
         """Go on from here after frames were missed: the next reading spans an unknown time."""
         self._gap = self._doubt = True

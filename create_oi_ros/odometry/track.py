@@ -80,6 +80,8 @@ class Track(Prediction):
             mass = self._cut(index, unit, whole)
             if not surprise:
                 likelihood *= mass + given.UNLIKELY
+        if (was_free or surprise) and any(readings):
+            self._roam()
         if (was_free and self.window.seconds > given.TELLING_TIME
                 and self._obeys(readings, (self.window.expected, self.window.expected_angle))):
             self._run_bound()
@@ -182,6 +184,13 @@ class Track(Prediction):
         shape = (grip * distance * min(angle, 1.0) / 4) ** 2
         self.errors.add(shape, ((X, 1.0),))
         self.errors.add(shape, ((Y, 1.0),))
+
+    def _roam(self) -> None:
+        """Doubt the place of a robot whose way was too long to be told by its two ends."""
+        seconds = self.window.seconds
+        if seconds > given.UNWATCHED and any(self.scales):
+            for index in (X, Y):
+                self.errors.add((given.ROAMING * seconds) ** 2, ((index, 1.0),))
 
     def _obeys(self, readings: tuple[int, int], expected: tuple[float, float]) -> bool:
         """Tell whether the wheels may have done what was requested in this window."""
