@@ -142,10 +142,12 @@ def introduction(port: str, simulated: bool) -> str:
     if environment is not None:
         example = Path(environment).parent / 'examples' / 'drive.py'
         lines += ['In another shell, drive it and watch its odometry:',
-                  f'    source {environment} && python {example}']
+                  f'    source {environment} && python {example}',
+                  'or look at it, and drive it by keys:',
+                  f'    source {environment} && create_view']
     if shutil.which('ros2') is not None:
         lines += ['Watch a topic, or drive by keyboard:', '    ros2 topic echo /bumper',
-                  '    ros2 run teleop_twist_keyboard teleop_twist_keyboard']
+                  '    ros2 run create_oi_ros create_view']
     return '\n'.join([*lines, 'Ctrl-C stops the robot and everything here.'])
 
 

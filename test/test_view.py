@@ -278,6 +278,13 @@ def test_alarms_come_the_worst_first_and_the_mode_once():
         'battery: low: charge it soon']
 
 
+def test_who_drives_in_passive_is_told_what_to_do():
+    state = heard(Mode(mode=1, wanted=1))
+    assert panels.alarms(state, 0.0) == []
+    state.driving = True
+    assert '2 enters SAFE' in shown(state)
+
+
 def test_two_drivers_in_one_place_are_an_alarm():
     state = heard(odom())
     state.drivers = 2

@@ -1,6 +1,7 @@
 """What keys mean to `create_view`, and how long they drive."""
 
 from math import inf
+from pathlib import Path
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,6 +11,7 @@ from create_oi_ros.services import SERVICES
 from create_oi_ros.view.keys import action_of, Ask, BINDINGS, Drive, Keyboard, Own, SONG, STOP
 from create_oi_ros.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
 
+ROOT = Path(__file__).parent.parent
 TYPES = {service.name: service.type for service in SERVICES}
 TYPED = (b'w', b'\x1b[A', b'\x1bOA', b'\x1b[1;5C', b'\x1b[D', b'\x1b[3~', b'\x1bOP', b' ', b'Q',
          b'\xc3\xa9', b'\x1b[24;80R')
@@ -72,6 +74,13 @@ def test_what_is_asked_for_is_a_service(ask):
 def test_the_tune_leaves_the_songs_that_others_use_most():
     tune = next(each.action for each in BINDINGS if each.keys == ('p',))
     assert tune.fields['number'] == SONG == 15
+
+
+def test_the_page_tells_every_key_and_how_long_it_drives():
+    page = (ROOT / 'docs' / 'view.md').read_text()
+    letters = [next(key for key in each.keys if len(key) == 1) for each in BINDINGS]
+    assert all(f'`{key}`' in page for key in letters if key > ' ')
+    assert f'{HOLD} s' in page
 
 
 def said(teleop: Teleop, begin: float, end: float) -> list[Velocity]:

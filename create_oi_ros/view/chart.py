@@ -97,8 +97,8 @@ def draw(canvas: Canvas, box: Box, track: Track, pose: Pose | None) -> None:
         if chart.inside(row, column):
             canvas.put(box.row + row, box.column + column, sign, loud=loud)
     _bar(canvas, box, chart)
-    put(0.0, 0.0, '+')
     _dots(canvas, box, chart, track)
+    put(0.0, 0.0, '+')
     for mark in track.marks:
         put(mark.x, mark.y, mark.sign)
     if here is not None:

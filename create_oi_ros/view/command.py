@@ -98,7 +98,7 @@ class View:
     def _look(self, executor: SingleThreadedExecutor) -> None:
         self._graph.look_around(time.monotonic())
         take_in(executor)
-        self._state.speeds = self._teleop.speeds
+        self._state.speeds, self._state.driving = self._teleop.speeds, self._teleop.driving
         columns, rows = self._terminal.size
         drawn = picture(self._state, time.monotonic(), columns, rows, plain=self._plain)
         self._terminal.show(drawn.runs())

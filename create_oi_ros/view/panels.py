@@ -194,7 +194,7 @@ def _infrared(infrared: Any) -> Line:
 def _cargo(cargo: Any) -> Line:
     bits = ''.join(str(int(each)) for each in (
         cargo.input_3, cargo.input_2, cargo.input_1, cargo.input_0))
-    return plain(f'inputs {bits} (3210)  analog {cargo.analog:.2f} V')
+    return plain(f'inputs {bits} analog {cargo.analog:.2f} V')
 
 
 def _link(state: State, _: float) -> Line:
@@ -249,10 +249,11 @@ def silences(state: State, now: float) -> list[str]:
 
 def alarms(state: State, now: float) -> list[str]:
     """Return what is amiss: the silence, the mode, what the driver complains of."""
-    found = silences(state, now)
+    found, mode = silences(state, now), state.get(Mode)
+    if state.driving and mode is not None and mode.mode == mode.wanted == Mode.PASSIVE:
+        found.append('in PASSIVE it does not drive: 2 enters SAFE')
     if state.drivers > 1:
         found.append(f'{state.drivers} drivers publish here: give each a namespace or domain')
-    mode = state.get(Mode)
     if mode is not None and mode.reason:
         found.append(f'{mode_name(mode.wanted)} is wanted: {mode.reason}')
     ranked = sorted(state.diagnostics.items(), key=lambda each: each[1].level, reverse=True)

@@ -109,6 +109,8 @@ class State:
     drivers: int = 0
     """How many publish the odometry."""
     helping: bool = False
+    driving: bool = False
+    """Whether a key drives."""
     speeds: tuple[float, float] = (0.0, 0.0)
     """m/s and rad/s of the keys that drive."""
     _heard: dict[type, Heard] = field(default_factory=dict)
