@@ -48,6 +48,8 @@ def serial_link(
     level, message = OK, 'frames arrive'
     if driver.link is not Link.UP:
         level, message = ERROR, driver.link.value
+    elif driver.frame_budget.complaint:
+        level, message = WARN, driver.frame_budget.complaint
     elif faults or garbage:
         level, message = WARN, 'bytes arrive damaged'
     return status(f'{name}: serial link', level, message, {
@@ -136,7 +138,9 @@ def _battery(readings: oi.Readings, state: BatteryState, watched: BatteryLevel) 
 def driver(name: str, driver: Driver, stale_commands: int) -> DiagnosticStatus:
     """Say what the driver itself is at."""
     level, message = OK, 'driving' if driver.moving else 'waiting for commands'
-    if driver.scripts.refusal:
+    if driver.hearing.deaf:
+        level, message = ERROR, 'the robot does not hear: switch it off and on'
+    elif driver.scripts.refusal:
         level, message = WARN, driver.scripts.refusal
     elif driver.turning.stuck:
         level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'

@@ -1,5 +1,8 @@
 """What the driver does when something is wrong with line or robot, in memory."""
 
+from collections.abc import Callable
+from itertools import cycle
+
 import pytest
 
 from create_oi_ros import oi
@@ -15,6 +18,7 @@ from create_oi_ros.driver.calling import Calling, LAST_WORDS, SPEECH, USUAL
 from create_oi_ros.driver.checks import FASTEST, FASTEST_TURN, Jumps, SLACK
 from create_oi_ros.driver.power import SETTLE
 from create_oi_ros.driver.supervision import CLEAR_FOR
+from create_oi_ros.sim.actuators import DARK, Lights
 from create_oi_ros.sim.encoders import Rounding
 from loop import Loop
 
@@ -76,6 +80,64 @@ def test_a_rate_that_is_too_slow_is_told_of():
     loop = Loop(Settings(baud=9600), robot_baud=9600)
     loop.run(1)
     assert said(loop, Severity.ERROR, '9600 baud is too slow') == 1
+
+
+@pytest.mark.parametrize('baud', [9600, 14400])
+def test_frames_that_are_cut_for_lack_of_room_are_told_of_in_words(baud):
+    loop = Loop(Settings(baud=baud), robot_baud=baud)
+    loop.run(10)
+    assert said(loop, Severity.ERROR, f'{baud} baud is too slow') == 1
+    assert 1 <= said(loop, Severity.ERROR, 'frame budget exceeded') <= 2
+
+
+def every_second_frame(loop: Loop, becomes: Callable[[bytes], bytes]) -> None:
+    """Let something become of every second frame."""
+    take, second = loop.robot.data_to_send, cycle((False, True))
+
+    def changed() -> bytes:
+        frame = take()
+        return becomes(frame) if frame and next(second) else frame
+    loop.robot.data_to_send = changed
+
+
+def test_a_line_that_carries_less_than_its_rate_is_told_of_once_and_when_it_is_well_again():
+    loop = Loop()
+    loop.run(5)
+    whole = loop.robot.data_to_send
+    every_second_frame(loop, lambda frame: b'')
+    loop.run(20)
+    assert said(loop, Severity.WARNING, 'frame budget exceeded: only 33 of 67 frames') == 1
+    assert loop.driver.frame_budget.complaint
+    loop.robot.data_to_send = whole
+    loop.run(10)
+    assert said(loop, Severity.INFO, 'frames arrive in time again') == 1
+    assert said(loop, Severity.WARNING, 'frame budget exceeded') == 1
+    assert not loop.driver.frame_budget.complaint
+
+
+def test_frames_that_are_damaged_are_not_taken_for_a_slow_line():
+    loop = Loop()
+    loop.run(5)
+    every_second_frame(loop, lambda frame: frame[:-1] + bytes([frame[-1] ^ 1]))
+    loop.run(10)
+    assert said(loop, Severity.WARNING, 'the others are damaged') == 1
+    assert not said(loop, Severity.WARNING, 'frame budget')
+
+
+@pytest.mark.parametrize('baud', [19200, 57600])
+def test_of_a_line_that_is_well_nothing_is_said(baud):
+    loop = Loop(Settings(baud=baud), robot_baud=baud, delay=0.05)
+    loop.run(1)
+    loop.drive(0.2, 0.3, 30)
+    assert [notice.text for notice in loop.notices] == ['robot answers; entering SAFE']
+
+
+def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off():
+    loop = Loop()
+    loop.run(1)
+    loop.robot.data_to_send = lambda: bytes(60)
+    loop.run(1)
+    assert said(loop, Severity.ERROR, 'but no frame among them') == 1
 
 
 def test_a_robot_that_boots_is_met_when_it_is_done():
@@ -267,6 +329,71 @@ def test_a_robot_that_waits_for_ever_is_told_of_once():
     loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
     loop.run(5.0)
     assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
+
+
+def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
+    loop = Loop()
+    loop.run(1)
+    done: list[bool] = []
+    loop.driver.actuators.set_leds(
+        oi.LedBits(0), 7, 8, lambda ok, _: done.append(ok))
+    loop.run(0.5)
+    assert done == [True]
+    loop.robot.receive(oi.WaitTime(time=40).encode(), loop.now)
+    loop.run(3.5)
+    assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
+    assert not loop.driver.stop(loop.now)[0]
+    loop.robot.actuators.lights = DARK
+    loop.run(2.5)
+    assert not loop.driver.hearing.deaf
+    assert loop.robot.actuators.lights == Lights(oi.LedBits(0), 7, 8)
+    assert loop.driver.stop(loop.now) == (True, 'wheels stopped')
+
+
+def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on():
+    loop = Loop()
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
+    loop.run(3.0)
+    assert said(loop, Severity.ERROR, 'switch it off and on') == 1
+    loop.robot.power(False, loop.now)
+    loop.run(1.0)
+    loop.robot.power(True, loop.now)
+    loop.run(5.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert not loop.driver.hearing.deaf
+    assert loop.body.truth().speed == 0
+
+
+def test_a_demo_that_nobody_asked_for_is_ended():
+    loop = Loop()
+    loop.run(0.5)
+    loop.robot.receive(oi.Demo(demo=oi.DemoNumber.DRIVE_FIGURE_EIGHT).encode(), loop.now)
+    loop.run(1.0)
+    assert loop.robot.demo is None
+    assert loop.body.truth().speed == 0
+
+
+# A driver that was stopped.
+
+
+def test_after_a_standstill_what_came_long_ago_is_dropped_and_the_robot_called_anew():
+    loop = Loop()
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    frames = len(loop.moved)
+    stale = loop.driver.plan.short.pack_frame([0] * len(loop.driver.plan.short.packets))
+    loop.robot.receive(LAST_WORDS, loop.now)
+    loop.now += 5.0
+    loop.driver.receive(stale * 60, loop.now)
+    loop.driver.poll(loop.now)
+    assert len(loop.moved) == frames
+    loop.run(1.0)
+    assert said(loop, Severity.WARNING, 'stood still for 5.0 s') == 1
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.driver.link is Link.UP
+    assert loop.body.truth().speed == 0
 
 
 def test_a_robot_that_cannot_enter_its_mode_at_first_is_not_pestered_and_may_later():

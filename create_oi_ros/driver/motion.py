@@ -87,7 +87,8 @@ class Motion:
         self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
         self._sent_at = -inf
-        self._missed = 0
+        self.missed = 0
+        """How many speeds in a row the robot did not take."""
 
     def command(self, linear: float, angular: float, now: float) -> bool:
         """Take a command in; False when it is not finite, which stops the robot."""
@@ -121,20 +122,13 @@ class Motion:
         """Assume nothing about what the robot's wheels were told last."""
         self._sent = None
 
-    def reported(self, right: int, left: int, now: float) -> int:
-        """
-        Note what the robot says it was told, mm/s; what it missed is sent again.
-
-        Returns how often in a row it has missed the newest, when that has just become more.
-        """
-        if self._sent in (None, (right, left)):
-            self._missed = 0 if self._sent else self._missed
-            return 0
-        if now - self._sent_at <= UNHEARD:
-            return 0
-        self.forget()
-        self._missed += 1
-        return self._missed
+    def reported(self, right: int, left: int, now: float) -> None:
+        """Note what the robot says it was told, mm/s; what it missed is sent again."""
+        if self._sent == (right, left):
+            self.missed = 0
+        elif self._sent is not None and now - self._sent_at > UNHEARD:
+            self.forget()
+            self.missed += 1
 
     def next_drive(self, now: float) -> oi.DriveDirect | None:
         """

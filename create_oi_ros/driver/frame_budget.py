@@ -1,0 +1,96 @@
+"""
+Whether a whole frame arrives every 15 ms.
+
+A frame that does not fit into its slot waits in the robot until its buffer is full, and is cut
+then (manual: Stream). An adapter or a network may carry less than its baud rate says, too. So
+frames and bytes are counted over a few seconds.
+"""
+
+from .. import oi
+from . import calling
+
+WINDOW = 3.0
+"""Seconds over which frames are counted."""
+TOO_FEW, ENOUGH = 0.8, 0.9
+"""Parts of all frames: with fewer something is wrong, with more it is right again."""
+CARRIED = 0.95
+"""Part of the bytes wanted that arrives though frames do not: then they are damaged, not cut."""
+
+
+def too_slow(longest: oi.Budget, baud: int) -> str:
+    """Say that a rate is too slow for the stream; '' if it is not."""
+    if longest.fits:
+        return ''
+    return (f'{baud} baud is too slow: a frame of {longest.size} bytes does not fit into '
+            f'{oi.SLOT * 1000:.0f} ms; use 19200 or more')
+
+
+class FrameBudget:
+    """Counts what arrives; `complaint` says what is wrong, '' while nothing is."""
+
+    def __init__(self) -> None:
+        self.complaint = ''
+        self._begun: float | None = None
+        self._frames = self._whole = self._bytes = 0
+        self.since_frame = 0
+        """Bytes that have come since the last whole frame."""
+
+    def restart(self) -> None:
+        """Count anew: the robot was away, or does not stream."""
+        self._begun = None
+        self.since_frame = 0
+
+    def heard(self, size: int) -> None:
+        """Count bytes that have arrived."""
+        self._bytes += size
+        self.since_frame += size
+
+    def frame(self, size: int) -> None:
+        """Count a frame that has arrived whole, of so many bytes."""
+        self._frames += 1
+        self._whole += size
+        self.since_frame = 0
+
+    def why_silent(self, longest: oi.Budget, baud: int) -> str:
+        """Say why no whole frame has come for a while."""
+        if not longest.fits:
+            return (f'frame budget exceeded: {baud} baud carries {longest.capacity} bytes in '
+                    f'{oi.SLOT * 1000:.0f} ms, and longer frames are cut')
+        if self.since_frame > longest.size:
+            return (f'{self.since_frame} bytes came, but no frame among them: is the line '
+                    'disturbed, or the robot at another baud rate')
+        return 'the robot is off, asleep or unplugged'
+
+    def judge(self, baud: int, now: float, *, fits: bool) -> bool:
+        """
+        Look at what has arrived up to now; True when the complaint has begun or ended.
+
+        `fits` is whether the frames that were asked for fit into their slots at this rate.
+        """
+        if self._begun is not None and now - self._begun < WINDOW:
+            return False
+        before = self.complaint
+        if self._begun is not None:
+            self._weigh(baud, now - self._begun, fits=fits)
+        self._begun = now
+        self._frames = self._whole = self._bytes = 0
+        return bool(before) != bool(self.complaint)
+
+    def _weigh(self, baud: int, seconds: float, *, fits: bool) -> None:
+        part = self._frames * oi.SLOT / seconds
+        if part >= ENOUGH:
+            self.complaint = ''
+        if part >= TOO_FEW or not self._frames:
+            return
+        size = round(self._whole / self._frames)
+        wanted, came = size / oi.SLOT, self._bytes / seconds
+        arrive = f'only {self._frames / seconds:.0f} of {1 / oi.SLOT:.0f} frames a second arrive'
+        if fits and came > CARRIED * wanted:
+            self.complaint = (f'{arrive} whole, the others are damaged: is the plug loose, does '
+                              'a motor disturb the line?')
+        else:
+            faster = '' if baud >= calling.USUAL[0] else f'use {calling.USUAL[0]} baud, and '
+            self.complaint = (
+                f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
+                f'{oi.SLOT * 1000:.0f} ms is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
+                f'baud: {faster}look at adapter, network and cable')
