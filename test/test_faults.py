@@ -13,7 +13,8 @@ from create_oi_ros import oi
 
 BY_NAME = {fault.name: fault for fault in FAULTS}
 LASTING = ('cable out and in', 'robot off and on', 'robot deaf for a while',
-           'bad line: 5 % flipped, short, garbage', 'all bytes garbled', 'commands end', 'stop')
+           'bad line: 5 % flipped, short, garbage', 'all bytes garbled', 'commands end', 'stop',
+           'robot told to wait for ever', 'SIGSTOP, SIGCONT')
 ENDING = ('command cut short before connecting', 'SIGKILL', 'SIGTERM',
           'exception on the serial thread')
 PATIENCE = 5.0

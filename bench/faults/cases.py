@@ -94,6 +94,104 @@ def disturbing(fault: str) -> Try:
     return attempt
 
 
+NOT_HEARD = ('switch it off and on', 'another baud rate', 'no answer at')
+"""Words of the driver that tell a person what to do with a robot that does not follow."""
+WORDS_AFTER = 6.0
+"""Seconds within which a robot follows again that can."""
+TOLD_WITHIN = 3.0
+"""Seconds within which a person is told of one that waits."""
+
+
+def misled(*faults: str) -> Try:
+    """
+    Return a try in which bytes to the robot are damaged: any command may come of them.
+
+    Recovered is: the wheels stand and a fresh command brings Safe back, by itself or, where the
+    robot was told to wait or to talk at a rate that is not found, after the driver has said so
+    and somebody has switched it off and on. Then LEDs, outputs and song must be back as well;
+    else they are set again, for the robot does not report them.
+    """
+    def attempt(stage: Stage, chance: Random) -> Outcome:
+        _set_going(stage, chance)
+        stage.teacher.tell(f'fault {" ".join(faults)}')
+        printed = len(stage.node.printed)
+        moving = time.monotonic() + chance.uniform(0.5, 2.0)
+        while time.monotonic() < moving:
+            stage.say(Twist(linear=Vector3(x=chance.uniform(-0.4, 0.4))))
+            stage.rest(0.05)
+        stage.teacher.tell('fault off')
+        begun = time.monotonic()
+        if not follows(stage, WORDS_AFTER):
+            return switched(stage, printed)
+        took = time.monotonic() - begun
+        stage.furnish()
+        outcome = _recovered(stage, Outcome())
+        outcome.recovery = took
+        return outcome
+    return attempt
+
+
+def switched(stage: Stage, printed: int) -> Outcome:
+    """Look that a person is told, from a line of the log on; do what he is told to do."""
+    said = ''.join(stage.node.printed[printed:])
+    if not any(words in said for words in NOT_HEARD):
+        return Outcome(trouble='the robot does not follow, and nobody is told')
+    stage.teacher.tell('power off', 'after 1', 'power on')
+    return _recovered(stage, Outcome())
+
+
+def told_to_wait(stage: Stage, chance: Random) -> Outcome:
+    """Let the robot hear a Wait that nothing ends, as damaged bytes may be one."""
+    _set_going(stage, chance)
+    printed = len(stage.node.printed)
+    _inject(stage, oi.WaitEvent(event=oi.Event.PLAY_BUTTON))
+    if follows(stage, TOLD_WITHIN):
+        return Outcome(trouble='it has not waited')
+    return switched(stage, printed)
+
+
+def told_other_rate(stage: Stage, chance: Random) -> Outcome:
+    """Let the robot hear a Baud, as damaged bytes may be one."""
+    _set_going(stage, chance)
+    _inject(stage, oi.Baud(code=oi.BaudCode.B19200))
+    stage.until(lambda: stage.watch.mode == Mode.UNKNOWN, 'mode UNKNOWN')
+    outcome = _recovered(stage, Outcome())
+    stage.teacher.tell('power fail')
+    stage.until(lambda: stage.watch.mode == Mode.UNKNOWN, 'mode UNKNOWN')
+    _recovered(stage, Outcome())
+    return outcome
+
+
+def _inject(stage: Stage, command: oi.Command) -> None:
+    line = os.open(stage.port, os.O_RDWR | os.O_NOCTTY)
+    os.write(line, command.encode())
+    os.close(line)
+
+
+def follows(stage: Stage, seconds: float) -> bool:
+    """Give commands and pauses until the robot follows; tell whether it does."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        stage.say(Twist())
+        stage.say(Twist(linear=Vector3(x=0.05)))
+        stage.rest(0.1)
+        if stage.watch.mode == Mode.SAFE and stage.teacher.truth()['right'] == 50:
+            return True
+    return False
+
+
+def stopped(stage: Stage, chance: Random) -> Outcome:
+    """Stop the driver's process as the wheels turn, and let it go on."""
+    _set_going(stage, chance)
+    begun = time.monotonic()
+    stage.node.send(signal.SIGSTOP)
+    stage.teacher.truth('wait right=0 left=0 timeout=5')
+    outcome = Outcome(zero=time.monotonic() - begun)
+    stage.rest(chance.uniform(1.2, 3.0))
+    stage.node.send(signal.SIGCONT)
+    return _recovered(stage, outcome)
+
+
 def restarted(stage: Stage, chance: Random) -> Outcome:
     """Kill the simulator and start another one."""
     _set_going(stage, chance)
@@ -304,8 +402,14 @@ FAULTS = (
     Fault('robot deaf for a while', disturbing('deaf@0+999999')),
     Fault('bad line: 5 % flipped, short, garbage', disturbing('flip:0.05 drop:0.05 garbage:0.05')),
     Fault('all bytes garbled', disturbing('flip:1 drop:1 garbage:1')),
+    Fault('bytes to the robot damaged, 10 %', misled(
+        'flip.in:0.1', 'drop.in:0.1', 'garbage.in:0.1'), recovery=WORDS_AFTER,
+        zero=WORDS_AFTER, node={'baud': 0}),
+    Fault('robot told to wait for ever', told_to_wait, node={'baud': 0}),
+    Fault('robot told another baud rate', told_other_rate, node={'baud': 0}),
     Fault('command cut short before connecting', half_said, again=False, zero=None),
     Fault('robot at 19200, baud: 0', at_other_rate, again=False, zero=None),
+    Fault('SIGSTOP, SIGCONT', stopped, zero=0.2),
     *map(_killed, (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)),
     *map(_ended, (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)),
     _ends('exception in a subscription', _said(Twist(linear=Vector3(z=1.0))), 0.2, 1, FALLING),
