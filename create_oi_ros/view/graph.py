@@ -34,7 +34,7 @@ MOST_WORK = 0.05
 """Seconds for which messages are taken in before the screen has its turn."""
 HEARD = tuple(topic for topic in topics.PUBLISHED if topic is not topics.TF)
 FAST = (Odometry, JointState, CargoBay)
-LAST_WORD = Duration(seconds=0.3)
+LAST_WORD = Duration(seconds=1.0)
 NEWEST = QoSProfile(depth=1)
 """For what comes faster than anybody can read: older ones need not be taken."""
 LINK, PARAMETERS = 'serial link', 'parameters'
