@@ -19,7 +19,7 @@ from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
 from .frame_budget import FrameBudget, too_slow
 from .frame_clock import FrameClock
 from .hearing import DEAF, Hearing, Turn
-from .motion import MM, Motion, MotionLimits
+from .motion import Motion, MotionLimits
 from .outbox import Outbox
 from .power import BatteryLevel, BatteryWatch, LowBatteryAction
 from .requests import mode_refusal, ModeRequest, Reply, Requests
@@ -342,11 +342,11 @@ class Driver:
         self._say(Severity.ERROR, f'battery {level.value}: low_battery_action {action.value}')
 
     def _estimate(self, readings: oi.Readings, dt: float, asked: bool) -> Estimate:
+        speeds = self.scripts.speeds(readings)
+        right, left = speeds or (0.0, 0.0)
         return self.odometry.update(Increment(
-            dt=dt,
-            right=readings.requested_right_velocity / MM,
-            left=readings.requested_left_velocity / MM,
-            driven=readings.oi_mode in oi.DriveDirect.modes and not self.scripts.playing,
+            dt=dt, right=right, left=left,
+            driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
             lifted=bool(readings.bumps_and_wheel_drops & LIFTED),
             lost=self._clock.gap or readings.has('distance') and not asked,
             distance=readings.distance if asked else None,
@@ -369,6 +369,8 @@ class Driver:
 
     def _script_ended(self) -> None:
         self._motion.forget()
+        if self.scripts.recounts:
+            self.odometry.recounted()
         self._say(Severity.INFO, 'the script has ended; wheels stopped')
         if self.readings.oi_mode in oi.ACTUATE:
             self.actuators.restore()
