@@ -7,7 +7,6 @@ header, length, ids, values and checksum, with nothing checked, named or typed.
 """
 
 from collections.abc import Callable
-import json
 import os
 from pathlib import Path
 from random import Random
@@ -16,7 +15,8 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 from timeit import repeat
-from typing import NamedTuple
+
+from results import Figure, run
 
 from create_oi_ros import oi
 
@@ -24,15 +24,6 @@ ROOT = Path(__file__).parent.parent
 SINGLES = oi.PacketList(oi.PACKETS)
 FULL_AT_57600 = oi.PacketList(number for number in oi.PACKETS if number not in (15, 16, 38))
 CHUNK = 16  # bytes that a serial port hands over at once
-
-
-class Figure(NamedTuple):
-    """One measured number, and the most it may be."""
-
-    what: str
-    value: float
-    unit: str
-    target: float | None = None
 
 
 def microseconds(work: Callable[[], object], number: int = 5000) -> float:
@@ -110,18 +101,5 @@ def measure() -> list[Figure]:
     ]
 
 
-def main() -> None:
-    """Print the table; with a path, write the figures there as JSON too."""
-    figures = measure()
-    width = max(len(figure.what) for figure in figures)
-    for what, value, unit, target in figures:
-        verdict = '' if target is None else (
-            f'  target {target:g}: ' + ('met' if value <= target else 'missed'))
-        print(f'{what:{width}}  {value:6.2f} {unit}{verdict}')
-    if sys.argv[1:]:
-        Path(sys.argv[1]).write_text(
-            json.dumps([figure._asdict() for figure in figures], indent=1), encoding='utf-8')
-
-
 if __name__ == '__main__':
-    main()
+    run('bench_oi', measure)

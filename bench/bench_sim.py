@@ -1,5 +1,5 @@
 """
-How fast the simulated Create is: `python bench/bench_sim.py [FILE.json]`, 40 seconds, a table.
+How fast the simulated Create is: `python bench/bench_sim.py`, 40 seconds, a table.
 
 In memory: a robot that drives about while all single packets are streamed.  Served: `create_sim`
 processes on pseudo terminals, read by this process; a frame's lateness is measured from the
@@ -9,7 +9,6 @@ the scheduler add counts as late, too.  Other work on the machine shows: its loa
 
 from collections.abc import Iterator
 from contextlib import contextmanager, ExitStack
-import json
 import os
 from pathlib import Path
 from random import Random
@@ -18,7 +17,9 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 from time import monotonic, perf_counter
-from typing import NamedTuple
+
+from processes import processor_seconds
+from results import Figure, run
 
 from create_oi_ros import oi
 from create_oi_ros.sim.body import Body
@@ -33,17 +34,6 @@ FIT = tuple(number for number in oi.PACKETS if number not in (15, 16, 38))
 SETTLE, WATCH = 2.0, 10.0
 """Seconds before and while a served robot is watched."""
 ON_TIME = 0.002
-TICKS = os.sysconf('SC_CLK_TCK')
-
-
-class Figure(NamedTuple):
-    """One measured number, and the least or the most it may be."""
-
-    what: str
-    value: float
-    unit: str
-    target: float | None = None
-    at_least: bool = False
 
 
 def begun(packets: tuple[int, ...]) -> bytes:
@@ -97,12 +87,6 @@ def served(port: Path) -> Iterator[tuple[int, int]]:
     finally:
         process.terminate()
         process.communicate()
-
-
-def processor_seconds(number: int) -> float:
-    """Return the processor time a process has used."""
-    fields = Path(f'/proc/{number}/stat').read_text('ascii').rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS
 
 
 def arrivals(lines: list[int], seconds: float) -> dict[int, list[float]]:
@@ -168,19 +152,5 @@ def measure() -> list[Figure]:
     ]
 
 
-def main() -> None:
-    """Print the table; with a path, write the figures there as JSON too."""
-    print(f'{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} before')
-    figures = measure()
-    width = max(len(figure.what) for figure in figures)
-    for what, value, unit, target, at_least in figures:
-        met = target is None or (value >= target if at_least else value <= target)
-        verdict = '' if target is None else f'  target {target:g}: {"met" if met else "missed"}'
-        print(f'{what:{width}}  {value:7.2f} {unit}{verdict}')
-    if sys.argv[1:]:
-        Path(sys.argv[1]).write_text(
-            json.dumps([figure._asdict() for figure in figures], indent=1), encoding='utf-8')
-
-
 if __name__ == '__main__':
-    main()
+    run('bench_sim', measure)

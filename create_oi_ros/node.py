@@ -4,6 +4,7 @@ from copy import copy
 from functools import partial
 import sys
 import time
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Twist, TwistStamped
@@ -34,13 +35,14 @@ STALE_EVERY = 5.0
 class CreateNode(Node):
     """Publishes what the robot senses, and lets others drive it."""
 
-    def __init__(self, ended: Future) -> None:
+    def __init__(self, ended: Future, **options: Any) -> None:
         """
         Declare everything; ValueError says which parameter is wrong. Opens only the capture.
 
-        `ended` gets the exit code when the node cannot go on.
+        `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node,
+        such as `namespace` and `cli_args` where several robots share a process.
         """
-        super().__init__('create')
+        super().__init__('create', **options)
         self.parameters = parameters.declare(self)
         self.add_on_set_parameters_callback(parameters.check)
         self.add_post_set_parameters_callback(self._parameters_changed)

@@ -1,0 +1,66 @@
+"""
+How true the stamps are: `python bench/bench_clock.py`, five seconds, a table.
+
+A driver and a robot in memory. The line delays each frame by up to 5 ms at random, in order, and
+the robot's clock is fast by as much as a quartz may be. A stamp is compared with the end of the
+slot in which the frame was made.
+"""
+
+from math import sqrt
+from random import Random
+
+from results import Figure, run
+
+from create_oi_ros.driver import Driver, Moved, Settings
+from create_oi_ros.oi import BITS_PER_BYTE, SLOT
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.world import shipped
+
+DELAY = 0.005
+LEARN, WATCH = 60.0, 60.0
+"""Seconds of the clock's life before, and while its stamps are looked at."""
+DRIFTS = (0.0, 1e-4, -1e-4)
+"""By how much the robot's clock is fast."""
+
+
+def errors(drift: float, seed: int) -> tuple[list[float], float]:
+    """Return what the stamps were wrong by, s, and the least step between two."""
+    driver = Driver(Settings())
+    robot = Create(Body(shipped('empty')), guesses=Guesses(boot_seconds=0.0))
+    random, now = Random(seed), 0.0
+    driver.connected(now)
+    wrong, stamps = [], []
+    for slot in range(1, round((LEARN + WATCH) / SLOT)):
+        robot.receive(driver.data_to_send(), (slot - 1) * SLOT, driver.baud)
+        robot.step(slot * SLOT)
+        left = slot * SLOT / (1 + drift)
+        data = robot.data_to_send()
+        wire = BITS_PER_BYTE * len(data) / driver.baud
+        now = max(now, left + wire + random.uniform(0, DELAY))
+        driver.receive(data, now)
+        driver.poll(now)
+        while (event := driver.next_event()) is not None:
+            if isinstance(event, Moved) and left > LEARN:
+                wrong.append(event.stamp - left)
+                stamps.append(event.stamp)
+    return wrong, min(b - a for a, b in zip(stamps, stamps[1:]))
+
+
+def measure() -> list[Figure]:
+    """Measure everything."""
+    figures = []
+    for drift in DRIFTS:
+        runs = [errors(drift, seed) for seed in range(3)]
+        name = f"5 ms of random delay, robot's clock {1e6 * drift:+.0f} ppm"
+        spreads = [1e3 * sqrt(sum(e * e for e in wrong) / len(wrong)) for wrong, _ in runs]
+        figures.append(Figure(f'{name}: stamps off the truth, root mean square',
+                              sorted(spreads)[1], 'ms', 1.0, worst=max(spreads)))
+        figures.append(Figure(f'{name}: least step between two stamps',
+                              1e3 * min(step for _, step in runs), 'ms', 0.0, True))
+    return figures
+
+
+if __name__ == '__main__':
+    run('bench_clock', measure)

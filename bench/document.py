@@ -1,0 +1,50 @@
+"""
+The measured numbers in the documents: `python bench/document.py PAGE.md ... [--check]`.
+
+Between `<!-- bench NAME -->` and `<!-- end -->` stands the table of that program in
+`results.json`, and where and when it was measured.
+"""
+
+from pathlib import Path
+import re
+import sys
+from typing import Any
+
+from results import figures_of, load, rows
+
+MARKED = re.compile(r'(<!-- bench (\w+) -->\n).*?(<!-- end -->)', re.DOTALL)
+
+
+def table(program: str, results: dict[str, Any]) -> str:
+    """Return a program's figures in Markdown."""
+    where = results[program]['where']
+    heading, *body = rows(figures_of(results, program))
+    lines = [heading, ['---'] * len(heading), *body]
+    told = '\n'.join(f'| {" | ".join(line)} |' for line in lines)
+    return (f'{told}\n\n`bench/{program}.py` on {where["date"][:10]}: {where["processor"]}, '
+            f'{where["cores"]} cores, load {where["load before"]} before, '
+            f'Python {where["python"]}.\n')
+
+
+def documented(page: str, results: dict[str, Any]) -> str:
+    """Return a page with its tables as they are in the results."""
+    return MARKED.sub(lambda found: found[1] + table(found[2], results) + found[3], page)
+
+
+def main() -> int:
+    """Write the pages, or tell which differ."""
+    pages = [Path(name) for name in sys.argv[1:] if name != '--check']
+    results, different = load(), 0
+    for path in pages:
+        before = path.read_text('utf-8')
+        after = documented(before, results)
+        if before != after:
+            different += 1
+            print(f'{path} is not what bench/results.json says')
+            if '--check' not in sys.argv:
+                path.write_text(after, 'utf-8')
+    return different if '--check' in sys.argv else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

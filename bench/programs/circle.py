@@ -1,0 +1,18 @@
+"""Drives in a circle, with a command ten times a second, until SIGTERM."""
+
+import signal
+from time import sleep
+
+from geometry_msgs.msg import Twist
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+signal.signal(signal.SIGTERM, lambda *_: rclpy.try_shutdown())
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+node = rclpy.create_node('circle')
+publisher = node.create_publisher(Twist, 'cmd_vel', 1)
+twist = Twist()
+twist.linear.x, twist.angular.z = 0.2, 0.5
+while rclpy.ok():
+    publisher.publish(twist)
+    sleep(0.1)

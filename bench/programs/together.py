@@ -1,0 +1,25 @@
+"""Several drivers in one process, one executor for all: `together.py PORT ...`."""
+
+import sys
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from create_oi_ros.ending import call_on_signal, spin_until
+from create_oi_ros.node import CreateNode
+
+ended = Future()
+call_on_signal(lambda: ended.set_result(0))
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+nodes = [
+    CreateNode(ended, namespace=f'robot{number}', cli_args=['--ros-args', '-p', f'port:={port}'])
+    for number, port in enumerate(sys.argv[1:], 1)]
+executor = SingleThreadedExecutor()
+for each in nodes:
+    executor.add_node(each)
+    each.session.start()
+spin_until(executor, ended)
+for each in nodes:
+    each.session.close()
