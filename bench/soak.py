@@ -7,7 +7,8 @@ One node and one robot, as processes. The line fails at random (unplugged, cut, 
 the robot's battery fails), while `cmd_vel` comes at 1 kHz, services are called a hundred at a
 time, a subscriber never reads, and now and then all cores are busy. Threads, descriptors and
 bytes resident of the node are noted after the first minute and compared at the end; exit code 1
-when they differ, when the node has ended, or when the newest command did not win.
+when they differ, when the node has ended, when a wrong value was published or a call not
+answered, or when the newest command did not win. How it is, is said every minute.
 """
 
 import argparse
@@ -105,7 +106,11 @@ class Soak:
     def _go_on(self, minutes: float) -> dict[str, object]:
         stage, begun, first = self._stage, time.monotonic(), None
         settle = min(SETTLE, 20 * minutes)
+        told = 0
         while (passed := time.monotonic() - begun) < 60 * minutes:
+            if passed >= 60 * (told + 1):
+                told = int(passed / 60)
+                print(f'{told} min: {self._progress()}', flush=True)
             if first is None and passed >= settle:
                 first = self._size()
                 print(f'after {passed:.0f} s: {first}', flush=True)
@@ -120,6 +125,13 @@ class Soak:
             'commands': self._commands, 'calls': self._called, 'answered': self._answered,
             'odometry messages': stage.watch.odoms, 'wrong values': stage.watch.wrong,
             'troubles': self.troubles}
+
+    def _progress(self) -> str:
+        """Say how it is, without waiting for anything."""
+        threads, descriptors, resident = size_of(self._stage.node.pid)
+        return (f'{threads} threads, {descriptors} descriptors, {resident / 1e6:.2f} MB, '
+                f'{self._commands} commands, {self._answered} of {self._called} calls answered, '
+                f'{len(self._stage.watch.wrong)} wrong values, {len(self.troubles)} troubles')
 
     def _round(self) -> None:
         """Do one thing after the other, in an order that chance decides."""

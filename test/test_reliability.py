@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from itertools import cycle
+from struct import calcsize
 
 import pytest
 
@@ -17,6 +18,7 @@ from create_oi_ros.driver import (
 from create_oi_ros.driver.calling import Calling, LAST_WORDS, SPEECH, USUAL
 from create_oi_ros.driver.checks import FASTEST, FASTEST_TURN, Jumps, SLACK
 from create_oi_ros.driver.power import SETTLE
+from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.actuators import DARK, Lights
 from create_oi_ros.sim.encoders import Rounding
@@ -209,6 +211,31 @@ def test_a_reading_out_of_the_manuals_range_is_not_published():
     assert loop.driver.counts.implausible_frames == 1
 
 
+def ruled_out() -> list[tuple[str, int]]:
+    """Return each reading with the values next to what the manual allows, as far as they fit."""
+    found = []
+    for name in ALL:
+        wire = oi.PACKETS[oi.NUMBERS[name]].wire
+        bits = 8 * calcsize(wire.format)
+        least = -2 ** (bits - 1) if wire.format.islower() else 0
+        found += [(name, value) for value in (wire.low - 1, wire.high + 1)
+                  if least <= value < least + 2 ** bits]
+    return found
+
+
+@pytest.mark.parametrize(('name', 'value'), ruled_out())
+def test_no_reading_next_to_the_manuals_range_is_published(name, value):
+    loop = Loop()
+    loop.run(1)
+    forged, before = loop.driver.plan.full, len(loop.moved)
+    values = [0] * len(forged.packets)
+    values[forged.names.index(name)] = value
+    loop.driver.receive(forged.pack_frame(values), loop.now)
+    assert loop.driver.next_event() is None
+    assert loop.driver.counts.implausible_frames == 1
+    assert len(loop.moved) == before
+
+
 def test_an_angle_that_never_changes_is_told_of():
     # Asked in every frame, a robot that truncates never reports a slow turn.
     loop = Loop(Settings(odometry_window=0.0), rounding=Rounding.TRUNCATE)
@@ -364,6 +391,16 @@ def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on(
     assert loop.robot.mode is oi.Mode.SAFE
     assert not loop.driver.hearing.deaf
     assert loop.body.truth().speed == 0
+
+
+def test_a_robot_that_spoke_before_it_was_called_is_not_said_to_have_left_its_mode():
+    loop = Loop()
+    loop.run(1)
+    loop.driver.disconnected('cable out')
+    loop.driver.connected(loop.now)
+    loop.run(1)
+    assert not said(loop, Severity.WARNING, 'robot left')
+    assert loop.robot.mode is oi.Mode.SAFE
 
 
 def test_a_demo_that_nobody_asked_for_is_ended():

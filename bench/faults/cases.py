@@ -208,12 +208,12 @@ def _set_going(stage: Stage, chance: Random) -> None:
 
 def _without_robot(stage: Stage, outcome: Outcome) -> None:
     """Look that nothing is made up while there is no robot."""
-    odoms, begun = stage.watch.odoms, time.monotonic()
+    parted, begun = time.time(), time.monotonic()
     reply = stage.ros.call(SetMode, 'set_mode', mode=Mode.SAFE)
     if reply.success or not reply.message or time.monotonic() - begun > AT_ONCE:
         outcome.trouble = f'set_mode without a robot: {reply}'
     stage.rest(0.1)
-    if stage.watch.odoms > odoms + 1:
+    if stage.watch.newest > parted:
         outcome.trouble = 'odom is published without a robot'
 
 

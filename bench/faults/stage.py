@@ -50,6 +50,8 @@ class Watch:
     def __init__(self, ros: Listener) -> None:
         self.wrong: list[str] = []
         self.odoms = 0
+        self.newest = 0.0
+        """The newest stamp of an `odom`, in seconds of the system's clock."""
         self._last: Odometry | None = None
         self._first: dict[str, str] = {}
         for topic in SENSOR_TOPICS:
@@ -78,6 +80,7 @@ class Watch:
 
     def _on_odom(self, odom: Odometry) -> None:
         self.odoms += 1
+        self.newest = _seconds(odom)
         if self._last is not None and (jump := _jump(self._last, odom)):
             self.wrong.append(jump)
         self._last = odom

@@ -108,7 +108,9 @@ class Supervision:
         if present:
             self._cause_seen_at = now
         before, actual = self.status, readings.oi_mode
-        dropped = before.actual == before.wanted != actual
+        left = before.actual == before.wanted != actual
+        # A frame from before the mode was entered may come late, or speak of the time before.
+        dropped = left and (bool(present) or now - self._entered_at > ENTER_AGAIN)
         causes = before.causes
         if dropped:
             causes = present or self._before or (
@@ -116,6 +118,8 @@ class Supervision:
             self._released = False
         elif actual == before.wanted:
             causes, self._entries = (), 0
+        elif left:
+            self._entries = 1
         elif self._refused(present, now):
             causes = present or (Cause.UNKNOWN,)
         self._before = present
