@@ -394,7 +394,7 @@ def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on(
 
 
 def test_a_robot_that_spoke_before_it_was_called_is_not_said_to_have_left_its_mode():
-    loop = Loop()
+    loop = Loop(delay=0.03)
     loop.run(1)
     loop.driver.disconnected('cable out')
     loop.driver.connected(loop.now)
