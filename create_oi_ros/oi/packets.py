@@ -7,7 +7,7 @@ derived. `PacketList` is what a host asks for in Stream and Query List, and how 
 out (manual: Sensor Packets; Input Commands).
 """
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 import struct
 from typing import Annotated, Any, get_args, NamedTuple
@@ -111,7 +111,11 @@ class Readings:
 
     def has(self, *names: str) -> bool:
         """Tell whether all of these have arrived."""
-        return all(name in self.__dict__ for name in names)
+        values = self.__dict__
+        for name in names:
+            if name not in values:
+                return False
+        return True
 
     def update(self, newer: 'Readings') -> None:
         """Take over all that another set of readings holds."""
@@ -120,8 +124,9 @@ class Readings:
     def implausible(self) -> list[str]:
         """Name the readings that are out of the manual's range."""
         values = self.__dict__
-        return [name for name, plausible in _plausible().items()
-                if name in values and values[name] not in plausible]
+        return [name for name, low, high, mask in _bounded()
+                if name in values
+                and (int(values[name]) & mask if mask else not low <= values[name] <= high)]
 
 
 NAMES: dict[int, str] = {}
@@ -141,15 +146,18 @@ def _members(wire: Wire) -> tuple[Any, ...]:
 
 
 @cache
-def _plausible() -> dict[str, Container[int]]:
-    """Return, by field name, what the manual allows of the packets that could bring more."""
-    allowed: dict[str, Container[int]] = {}
+def _bounded() -> tuple[tuple[str, int, int, int], ...]:
+    """
+    Return what the manual allows of the packets that could bring more.
+
+    By field name: least, most, and the bits that must not be set where bits have names.
+    """
+    bounded = []
     for name, number in NUMBERS.items():
         wire = PACKETS[number].wire
-        span = range(wire.low, wire.high + 1)
-        if len(span) < 256 ** struct.calcsize(wire.format):
-            allowed[name] = frozenset(filter(wire.allows, span)) if wire.mask else span
-    return allowed
+        if wire.high - wire.low + 1 < 256 ** struct.calcsize(wire.format):
+            bounded.append((name, wire.low, wire.high, 0xff & ~wire.mask if wire.mask else 0))
+    return tuple(bounded)
 
 
 GROUPS: dict[int, range] = {
