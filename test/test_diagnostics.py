@@ -1,6 +1,7 @@
 """Levels that an operator would agree with: the driver against the simulated robot in memory."""
 
 from copy import copy
+from itertools import cycle
 
 from diagnostic_msgs.msg import DiagnosticStatus
 import pytest
@@ -105,3 +106,24 @@ def test_a_script_that_plays_is_a_warning(loop):
     loop.driver.scripts.play(loop.now, lambda *_: None, force=False)
     loop.run(0.1)
     assert levels(loop)['driver'] == WARN
+
+
+def test_too_few_frames_are_a_warning_of_the_link(loop):
+    take, second = loop.robot.data_to_send, cycle((False, True))
+
+    def fewer() -> bytes:
+        frame = take()
+        return b'' if frame and next(second) else frame
+    loop.robot.data_to_send = fewer
+    loop.run(8)
+    link = all_of(loop, copy(loop.driver.counts))['serial link']
+    assert link.level == WARN
+    assert 'frame budget exceeded' in link.message
+
+
+def test_a_robot_that_does_not_hear_is_an_error_of_the_driver(loop):
+    loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
+    loop.run(4)
+    status = all_of(loop)['driver']
+    assert status.level == ERROR
+    assert 'off and on' in status.message
