@@ -9,6 +9,7 @@ simulator; for a real wall put the robot beside it and read topic `wall`. The pr
 the robot leaves Safe mode: at a cliff, lifted, or on a charger.
 """
 from math import sqrt
+import signal
 
 from create_oi_msgs.msg import Bumper, Mode, Wall
 from geometry_msgs.msg import Twist, Vector3
@@ -55,7 +56,7 @@ class FollowWall(Node):
         super().__init__('follow_wall')
         self.steering = Steering(self.declare_parameter('signal', SIGNAL).value)
         self.touched, self.signal, self.mode = False, 0, Mode.UNKNOWN
-        self.ended = rclpy.task.Future()
+        self.ended, self.asked_to_end = rclpy.task.Future(), False
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_subscription(Bumper, 'bumper', self.on_bumper, 10)
         self.create_subscription(Wall, 'wall', self.on_wall, 10)
@@ -75,10 +76,16 @@ class FollowWall(Node):
     def on_mode(self, mode: Mode) -> None:
         # Not yet Safe is no reason to end: the first command brings it back.
         if self.mode == Mode.SAFE and mode.mode != Mode.SAFE:
-            self.ended.set_result(mode.reason)
+            self.ended.set_result(f'the robot has left Safe mode, {mode.reason}')
         self.mode = mode.mode
 
+    def on_ctrl_c(self, *_: object) -> None:
+        self.asked_to_end = True  # heeded in the next period: a signal may come amid anything
+
     def drive(self) -> None:
+        if self.asked_to_end:
+            self.ended.set_result('Ctrl-C')
+            return
         speed, turn = self.steering.next_move(self.touched, self.signal)
         self.velocity.publish(Twist(linear=Vector3(x=speed), angular=Vector3(z=turn)))
 
@@ -87,11 +94,9 @@ def main() -> None:
     # With rclpy's own handlers Ctrl-C would end ROS under the feet of whoever publishes.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = FollowWall()
-    try:
-        rclpy.spin_until_future_complete(node, node.ended)
-        print(f'the robot has left Safe mode: {node.ended.result()}')
-    except KeyboardInterrupt:
-        print('no more commands: the driver stops the wheels')
+    signal.signal(signal.SIGINT, node.on_ctrl_c)
+    rclpy.spin_until_future_complete(node, node.ended)
+    print(f'no more commands, the driver stops the wheels: {node.ended.result()}')
 
 
 if __name__ == '__main__':

@@ -86,7 +86,7 @@ def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(tm
         example = stage.example('follow_wall.py')
         stage.ros.until(lambda: not example.running(), 'the cliff')
         assert example.ended() == 0
-        assert 'the robot has left Safe mode: ' in example.output
+        assert 'the robot has left Safe mode, ' in example.output
         assert 'cliff' in example.output
         robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
         # The driver wants to be sure that the cliff is gone: more than a second's frames.

@@ -87,9 +87,9 @@ def run(block: Block, folder: Path, environment: dict[str, str]) -> Terminal:
     if until:
         terminal.shows(until[1])
         terminal.interrupt()
-    code = terminal.ended()
-    assert until or code == 0, ''.join(terminal.printed)
-    assert 'Traceback' not in ''.join(terminal.printed)
+    code, printed = terminal.ended(), ''.join(terminal.printed)
+    assert code == 0, printed
+    assert 'Traceback' not in printed, printed
     return terminal
 
 
