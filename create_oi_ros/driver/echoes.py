@@ -37,8 +37,9 @@ class Echoes:
         mixed = self._drive and oi.DriveDirect in used
         self.tell = cleared and script is not None and not mixed and oi.Script not in used
         """Whether they tell how the wheels run."""
-        self.recounts = script is None or not used.isdisjoint((oi.WaitDistance, oi.WaitAngle))
-        """Whether the script sets distance and angle to zero as it waits for them (manual)."""
+        self.recounts = self.tell and not used.isdisjoint((oi.WaitDistance, oi.WaitAngle))
+        """Whether the script sets distance and angle to zero as it waits for them (manual), so
+        that they tell less than the echoes. Where these tell nothing, a part is better."""
 
     def speeds(self, readings: oi.Readings) -> Speeds:
         """Return what the wheels are to do by a frame's echoes."""

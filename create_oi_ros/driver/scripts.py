@@ -69,7 +69,7 @@ class Scripts:
 
     @property
     def recounts(self) -> bool:
-        """Whether the script that played last may have set distance and angle to zero."""
+        """Whether the script that played last has set distance and angle to zero."""
         return self._echoes.recounts
 
     def speeds(self, readings: oi.Readings) -> Speeds | None:
