@@ -1,5 +1,6 @@
 """A program on a pseudo terminal: what it shows is read as a person would see it."""
 
+import codecs
 from collections.abc import Callable
 import fcntl
 import os
@@ -28,6 +29,8 @@ class Screen:
         self.columns, self.rows = columns, rows
         self.other = False
         """Whether the other screen is shown."""
+        self.beside = 0
+        """Characters that were written where there is no screen."""
         self._rest = ''
         self._row = self._column = 0
         self._clear()
@@ -67,8 +70,10 @@ class Screen:
     def _put(self, character: str) -> None:
         if not self.other or character in '\r\n':
             return
-        assert self._row < self.rows and self._column < self.columns, 'written beside the screen'
-        self._cells[self._row][self._column] = character
+        if self._row < self.rows and self._column < self.columns:
+            self._cells[self._row][self._column] = character
+        else:
+            self.beside += 1
         self._column += 1
 
     @property
@@ -92,6 +97,7 @@ class Typist:
         self.master, self.slave = pty.openpty()
         self._open = [self.master, self.slave]
         self.screen = Screen(*size)
+        self._decoder = codecs.getincrementaldecoder('utf-8')()  # reads may cut characters
         self.said = ''
         """All that it has written."""
         self.resize(*size)
@@ -121,7 +127,7 @@ class Typist:
         """Take in what was written."""
         while select.select([self.master], [], [], seconds)[0]:
             seconds = 0.0
-            text = os.read(self.master, 65536).decode(errors='replace')
+            text = self._decoder.decode(os.read(self.master, 65536))
             self.said += text
             self.screen.feed(text)
 
