@@ -64,7 +64,7 @@ class Capture:
         started = datetime.now(UTC).isoformat(timespec='microseconds')
         self._last = time.monotonic_ns() // MICROSECOND
         self._pending = bytearray(encode_head({'started': started, **facts}))
-        self._failed = False
+        self._over = False
         self._lock = threading.Lock()
         self._closing = threading.Event()
         self._write()
@@ -75,11 +75,12 @@ class Capture:
     def add(self, kind: Kind, data: bytes = b'') -> None:
         """Note that something has happened just now; from any thread."""
         with self._lock:
-            if self._failed:
+            if self._over:
                 return
             now = time.monotonic_ns() // MICROSECOND
             self._pending += encode_record(now - self._last, kind, data)
             self._last = now
+            self._over = kind is Kind.END
 
     def tell(self, kind: Kind, text: str) -> None:
         """Note something in words."""
@@ -98,7 +99,7 @@ class Capture:
             self._write()
         except OSError as error:
             with self._lock:
-                self._failed = True
+                self._over = True
             self._on_failure(f'{error.strerror}; nothing more is captured, the driver goes on')
         finally:
             os.close(self._file)

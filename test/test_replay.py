@@ -11,7 +11,7 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.capture import Capture, create
+from create_oi_ros.capture import Capture, CapturedPort, create
 from create_oi_ros.oi.capture import (
     CaptureError,
     CaptureReader,
@@ -21,6 +21,7 @@ from create_oi_ros.oi.capture import (
     Record,
     records_of,
 )
+from create_oi_ros.port import PortError
 from create_oi_ros.sim.replay import Replay
 from ros import PATIENCE, Scene, scene
 from simulator import opened, receive, simulator
@@ -233,7 +234,39 @@ def test_a_capture_that_cannot_be_written_is_refused_at_start(
     assert 'Traceback' not in node.output
 
 
-# The file alone.
+# The port and the file alone.
+
+def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
+    robot, host = os.openpty()
+    file, path = create(str(tmp_path / 'c'))
+    capture = Capture(file, {}, print)
+    name = os.ttyname(host)
+    port = CapturedPort(capture, name, 57600, timeout=PATIENCE)
+    os.close(host)
+    port.baud = 19200
+    port.write(b'\x80')
+    assert os.read(robot, 1) == b'\x80'
+    os.write(robot, b'hello')
+    heard = b''
+    while heard != b'hello':
+        heard += port.read()
+    os.close(robot)
+    for _ in range(2):
+        with pytest.raises(PortError):
+            port.read()
+    with pytest.raises(PortError):
+        port.write(b'\x83')
+    capture.close()
+    capture.tell(Kind.NOTE, 'too late')
+    records, wrong = read(path)
+    assert not wrong
+    told = [(record.kind, record.text) for record in records if record.kind in (
+        Kind.OPENED, Kind.BAUD)]
+    assert told == [(Kind.OPENED, f'{name} at 57600 baud'), (Kind.BAUD, '19200')]
+    assert said(records) == b'hello' and said(records, Kind.TO_ROBOT) == b'\x80\x83'
+    assert [record.kind for record in records].count(Kind.LOST) == 1
+    assert records[-1].kind is Kind.END
+
 
 def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
     full, told = threading.Event(), []
