@@ -50,6 +50,8 @@ class Watch:
     def __init__(self, ros: Listener) -> None:
         self.wrong: list[str] = []
         self.odoms = 0
+        self._since = 0.0
+        """When the present node was started: what one before it has said may come late."""
         self.newest = 0.0
         """The newest stamp of an `odom`, in seconds of the system's clock."""
         self._last: Odometry | None = None
@@ -70,6 +72,7 @@ class Watch:
     def restart(self) -> None:
         """Begin anew with another node: its odometry begins at the origin."""
         self._last = None
+        self._since = time.time()
         self._modes.clear()
 
     def _on_sensor(self, name: str, message: Any) -> None:
@@ -79,6 +82,8 @@ class Watch:
             self.wrong.append(f'{name}: {said}')
 
     def _on_odom(self, odom: Odometry) -> None:
+        if _seconds(odom) < self._since:
+            return
         self.odoms += 1
         self.newest = _seconds(odom)
         if self._last is not None and (jump := _jump(self._last, odom)):

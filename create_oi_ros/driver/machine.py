@@ -288,8 +288,12 @@ class Driver:
             self._say(Severity.WARNING, f'the driver stood still for {still:.1f} s (Ctrl-Z, a '
                       'debugger, a computer that slept or was too busy); calling the robot anew')
             self._reader.flush()
-            self._stale_until = now + STALE
-            self._wake(now)
+            self._calling.begin()
+            self._lose()
+            self._outbox.send_at_once(oi.DriveDirect(right=0, left=0), now)
+            # Called only when the rest is over, or the answer, with distance and angle, is lost.
+            self.link, self._stale_until = Link.WAKING, now + STALE
+            self.heard_at = self._stale_until - CALL_AGAIN
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         readings = frame.readings
