@@ -10,6 +10,7 @@ import errno
 from glob import glob
 import os
 from pathlib import Path
+import select
 import time
 from typing import Any
 
@@ -48,6 +49,10 @@ class Port:
             self._serial.open()
         except (OSError, ValueError) as error:
             raise PortError(_advice(url, error), passing=_settling(url, error)) from error
+        self._timeout = timeout
+        self._line = self.descriptor
+        if self._line is not None:
+            self._serial.timeout = 0  # we wait ourselves: one look for all bytes, not two
 
     @property
     def baud(self) -> int:
@@ -73,13 +78,16 @@ class Port:
     def read(self) -> bytes:
         """Return the bytes that have come, waiting for the first; b'' when none came in time."""
         try:
+            if self._line is not None:
+                ready, _, _ = select.select([self._line], [], [], self._timeout)
+                return bytes(self._serial.read(READ_AT_MOST)) if ready else b''
             first: bytes = self._serial.read(1)
             if not first:
                 return b''
             waiting = min(self._serial.in_waiting, READ_AT_MOST)
             return first + bytes(self._serial.read(waiting)) if waiting else first
-        except (OSError, TypeError) as error:
-            # pyserial raises TypeError where another thread has closed the port.
+        except (OSError, TypeError, ValueError) as error:
+            # The last two are raised where another thread has closed the port.
             raise PortError(f'{self.url}: reading failed ({error}); is the cable in?') from error
 
     def write(self, encoded: bytes) -> None:

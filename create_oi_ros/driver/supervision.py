@@ -17,6 +17,9 @@ CLEAR_FOR = 1.0
 ENTER_AGAIN, ENTRIES = 0.2, 3
 """Seconds after which a mode should have been entered, and how often it is tried."""
 MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
+LEFT_DROP, RIGHT_DROP, CASTER_DROP = map(int, (
+    oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT, oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
+    oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER))
 
 
 class Cause(Enum):
@@ -36,18 +39,19 @@ class Cause(Enum):
 
 def causes_in(readings: oi.Readings) -> Iterator[Cause]:
     """Name what in these readings would take the robot out of Safe mode."""
-    drops = readings.bumps_and_wheel_drops
-    seen = {
-        Cause.CLIFF_LEFT: readings.cliff_left,
-        Cause.CLIFF_FRONT_LEFT: readings.cliff_front_left,
-        Cause.CLIFF_FRONT_RIGHT: readings.cliff_front_right,
-        Cause.CLIFF_RIGHT: readings.cliff_right,
-        Cause.WHEEL_DROP_LEFT: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT,
-        Cause.WHEEL_DROP_RIGHT: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
-        Cause.WHEEL_DROP_CASTER: drops & oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER,
-        Cause.CHARGER: readings.has('charging_sources') and readings.charging_sources,
-    }
-    return (cause for cause, present in seen.items() if present)
+    # As numbers, and the causes as pairs: enums are slow to combine and to hash.
+    drops = int(readings.bumps_and_wheel_drops)
+    seen = (
+        (Cause.CLIFF_LEFT, readings.cliff_left),
+        (Cause.CLIFF_FRONT_LEFT, readings.cliff_front_left),
+        (Cause.CLIFF_FRONT_RIGHT, readings.cliff_front_right),
+        (Cause.CLIFF_RIGHT, readings.cliff_right),
+        (Cause.WHEEL_DROP_LEFT, drops & LEFT_DROP),
+        (Cause.WHEEL_DROP_RIGHT, drops & RIGHT_DROP),
+        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP),
+        (Cause.CHARGER, readings.has('charging_sources') and readings.charging_sources),
+    )
+    return (cause for cause, present in seen if present)
 
 
 @dataclass(frozen=True)

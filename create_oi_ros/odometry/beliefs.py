@@ -30,6 +30,8 @@ class Beliefs:
     def __init__(self, geometry: Geometry) -> None:
         self.tracks = [Track(rounding, acceleration, geometry)
                        for rounding in Rounding for acceleration in ACCELERATIONS]
+        self.roundings = frozenset(Rounding)
+        """What the robot's rounding may be."""
         self.rivals: list[Track] = []
         """The best track of each other rounding."""
         self._surprised: list[int] = []
@@ -39,11 +41,6 @@ class Beliefs:
     def best(self) -> Track:
         """The most plausible track."""
         return self.tracks[0]
-
-    @property
-    def roundings(self) -> set[Rounding]:
-        """What the robot's rounding may be."""
-        return {track.rounding for track in self.tracks}
 
     def read(self, distance: int, angle: int, *, driven: bool) -> None:
         """Take a reading in."""
@@ -70,11 +67,13 @@ class Beliefs:
             elif track.weight > IMPLAUSIBLE or not kept:
                 kept.append(track)
         self.tracks = kept
+        self.roundings = frozenset(track.rounding for track in kept)
         self.rivals = [next(track for track in kept if track.rounding is rounding)
                        for rounding in self.roundings - {kept[0].rounding}]
 
     def _learn_again(self) -> None:
         best = self.best
+        self.roundings = frozenset(Rounding)
         self.tracks = [best.fork(rounding, acceleration)
                        for rounding in Rounding
                        for acceleration in (best.acceleration, *ACCELERATIONS)]

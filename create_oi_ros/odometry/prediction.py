@@ -56,6 +56,12 @@ class Prediction:
         return self.right.speed == self.right.goal and self.left.speed == self.left.goal
 
     @property
+    def _stands(self) -> bool:
+        """Whether nothing moves, so that only time passes."""
+        right, left = self.right, self.left
+        return self.free is None and not (right.speed or left.speed or right.goal or left.goal)
+
+    @property
     def speeds(self) -> tuple[float, float]:
         """Believed speed of the right and left wheel."""
         if self.free is not None:
@@ -76,7 +82,10 @@ class Prediction:
         """Go on by dt seconds, somewhere within which the requests became right and left."""
         self.went = self.turned = 0.0
         if right == self.right.request and left == self.left.request:
-            self._glide(dt)
+            if self._stands:
+                self._seconds += dt
+            else:
+                self._glide(dt)
             if self._seconds > given.LONGEST_SEGMENT:
                 self.close_segment()
             return
