@@ -1,7 +1,7 @@
 # One line each; whatever is missing is set up and built first. ARGS= is handed on.
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: run demo test build bench bench-odometry faults soak fuzz docs lint clean
+.PHONY: run demo test build bench bench-compare bench-odometry faults soak fuzz docs lint clean
 
 # An installed ROS is used where it is sourced; anywhere else the wheels are.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -14,11 +14,12 @@ demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov)
 build: $(BUILT)
 bench: build ; @$(ENTER) for each in bench/bench_*.py; do python $$each $(ARGS) || exit; done
+bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)
 bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 faults: build ; @$(ENTER) PYTHONPATH=bench:test:$$PYTHONPATH python -m faults $(ARGS)
 soak: build ; @$(ENTER) PYTHONPATH=bench:test:$$PYTHONPATH python bench/soak.py $(ARGS)
 fuzz: build ; @$(ENTER) python bench/fuzz_stream.py $(ARGS)
-docs: build ; @$(ENTER) python -m create_oi_ros.interface README.md config/create.yaml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/draw_odometry.py
+docs: build ; @$(ENTER) python -m create_oi_ros.interface README.md config/create.yaml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
 

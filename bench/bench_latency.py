@@ -70,17 +70,15 @@ def bump_latencies(presses: list[float], heard: list[Any]) -> list[float]:
                   for press in presses)
 
 
-def press(stage: Scene) -> list[float]:
-    """Press the bumper at moments that cannot be foretold; return when."""
-    teacher, chance, presses = Teacher(stage.control), Random(1), []
+def press(stage: Scene) -> None:
+    """Press the bumper at moments that cannot be foretold."""
+    teacher, chance = Teacher(stage.control), Random(1)
     for _ in range(PRESSES):
         sleep(chance.uniform(0.025, 0.04))
-        presses.append(monotonic())
         teacher.tell('force bump_left=1')
         sleep(chance.uniform(0.025, 0.04))
         teacher.tell('force bump_left=0')
     teacher.close()
-    return presses
 
 
 def watched(*, floor: bool) -> Seen:
@@ -96,7 +94,8 @@ def watched(*, floor: bool) -> Seen:
         begun = monotonic()
         sleep(LISTEN)
         ended = monotonic()
-        presses = [] if floor else press(stage)
+        if not floor:
+            press(stage)
         heard = listener.told()
         diary = robot.told()
     odoms = [when for when, _ in heard['odom']]
@@ -104,7 +103,7 @@ def watched(*, floor: bool) -> Seen:
         frame_latencies([t for t in diary['said'] if begun < t < ended],
                         [t for t in odoms if begun < t < ended]),
         command_latencies(spoken, diary['heard']),
-        bump_latencies(presses, heard['bumper']))
+        bump_latencies(diary['pressed'], heard['bumper']))
 
 
 def at(latencies: list[float], share: float) -> float:

@@ -1,5 +1,5 @@
 """
-How good the odometry is: `python bench/bench_odometry.py [figures.json]`, two minutes, a table.
+How good the odometry is: `python bench/bench_odometry.py`, two minutes, a table.
 
 Mixed drives of five minutes (arcs, turns in place, lines, stops, reversals; 10 to 500 mm/s, 2 to
 200 degrees a second), the estimator told neither rounding nor acceleration, which is 0.5 to
@@ -14,14 +14,12 @@ The last condition is the whole driver against the whole simulated robot, byte b
 """
 
 from collections.abc import Iterable
-import json
 from multiprocessing import Pool
-from pathlib import Path
-import sys
 from typing import NamedTuple
 
 from odometry_loop import travel
 from odometry_rig import Condition, CONDITIONS, follow, Score, simulate
+from results import Figure, keep, machine
 
 from create_oi_ros.sim.encoders import Rounding
 
@@ -117,8 +115,19 @@ def show(row: Row) -> str:
             f'{mean.nees:9.2f} {worst.step:5.2f} {worst.step_angle:6.3f}  {verdict}')
 
 
+def figures(row: Row) -> list[Figure]:
+    """Return a row with targets as figures; less is better."""
+    means = MEANS | ({'turn': CARRY_TURN} if row.rounding == 'carry' else {})
+    units = {'turn': 'deg a turn', 'distance': '% of the path'}
+    return [Figure(f'{row.condition}, {row.rounding}: {unit}', getattr(row.mean, name), unit,
+                   means[name], worst=getattr(row.worst, name),
+                   beside=f'worst allowed {WORSTS[name]:g}')
+            for name, unit in units.items()]
+
+
 def main() -> None:
-    """Print the table; with a path, write the figures there as JSON too."""
+    """Print the table; keep the rows that have targets."""
+    where = machine()
     with Pool() as pool:
         results = [result for some in pool.imap_unordered(run, jobs()) for result in some]
     table = rows(results)
@@ -134,11 +143,11 @@ def main() -> None:
     average = sum(calibration) / len(calibration)
     print(f'NEES over {len(calibration)} mixed drives: {average:.2f}; target 1.5 to 6: '
           + ('met' if 1.5 <= average <= 6 else 'missed'))
-    for path in sys.argv[1:]:
-        Path(path).write_text(json.dumps({
-            'rows': [row._asdict() | {'mean': row.mean._asdict(), 'worst': row.worst._asdict()}
-                     for row in table],
-            'nees': average, 'nees_drives': len(calibration)}, indent=1))
+    keep('bench_odometry', [
+        *(figure for row in table if row.has_targets for figure in figures(row)),
+        Figure(f'NEES over {len(calibration)} mixed drives, at most', average, '', 6),
+        Figure(f'NEES over {len(calibration)} mixed drives, at least', average, '', 1.5, True),
+    ], where)
 
 
 if __name__ == '__main__':

@@ -79,6 +79,14 @@ def figures_of(results: dict[str, Any], program: str) -> list[Figure]:
     return [Figure(**each) for each in results[program]['figures']]
 
 
+def keep(program: str, figures: Sequence[Figure], where: dict[str, Any],
+         path: Path = RESULTS) -> None:
+    """Put a program's figures in the place of those before them."""
+    results = load(path)
+    results[program] = {'where': where, 'figures': [figure._asdict() for figure in figures]}
+    path.write_text(json.dumps(results, indent=1) + '\n', 'utf-8')
+
+
 def run(program: str, measure: Callable[[], list[Figure]]) -> None:
     """Be a bench program: measure, print, keep."""
     parser = ArgumentParser(prog=f'bench/{program}.py')
@@ -93,6 +101,4 @@ def run(program: str, measure: Callable[[], list[Figure]]) -> None:
     for row in table:
         print('  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip())
     print()
-    results = load(path)
-    results[program] = {'where': where, 'figures': [figure._asdict() for figure in figures]}
-    path.write_text(json.dumps(results, indent=1) + '\n', 'utf-8')
+    keep(program, figures, where, path)

@@ -21,10 +21,12 @@ from create_oi_msgs.msg import (
     Wall,
     WheelDrop,
 )
-from geometry_msgs.msg import Quaternion, TransformStamped
+from geometry_msgs.msg import Quaternion
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 from std_msgs.msg import Header
+
+from tf2_msgs.msg import TFMessage
 
 from . import oi
 from .driver import ModeStatus
@@ -108,16 +110,12 @@ def odometry(message: Odometry, estimate: Estimate) -> None:
         twist.covariance[place] = known
 
 
-def transform(message: TransformStamped, estimate: Estimate) -> None:
-    """Fill in the base frame's place in the frame of the header."""
-    message.transform.translation.x = estimate.x
-    message.transform.translation.y = estimate.y
-    turn(message.transform.rotation, estimate.yaw)
-
-
-def joint_states_message(header: Header) -> JointState:
-    """Return what `joint_states` fills again and again."""
-    return JointState(header=header, name=WHEEL_JOINTS)
+def transforms(message: TFMessage, estimate: Estimate) -> None:
+    """Fill in the base frame's place in the frame of the header, the only transform there is."""
+    transform = message.transforms[0].transform
+    transform.translation.x = estimate.x
+    transform.translation.y = estimate.y
+    turn(transform.rotation, estimate.yaw)
 
 
 def joint_states(message: JointState, estimate: Estimate) -> None:

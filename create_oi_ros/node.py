@@ -3,10 +3,8 @@
 from copy import copy
 from functools import partial
 import sys
-import time
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
@@ -18,16 +16,14 @@ from rclpy.task import Future
 from . import convert, diagnostics, parameters, topics
 from .answers import Answers
 from .capture import begin, CapturedPort
-from .driver import Driver, DriverEvent, ModeStatus, Moved, Notice, Severity
+from .driver import Driver, DriverEvent, ModeChanged, ModeStatus, Moved, Notice, Severity
 from .ending import call_on_signal, spin_until
 from .oi.capture import Kind
 from .port import Port
-from .publishing import MotionPublisher, publisher, SensorPublisher
+from .publishing import FramePublisher, publisher
 from .session import Session
 
 DIAGNOSTICS_PERIOD = 1.0
-AT_ONCE, MOST_LOOKS = 1e-4, 10
-"""Seconds within which two clocks are read together, and how often that is tried."""
 STALE_EVERY = 5.0
 """Seconds between two complaints about stale commands."""
 
@@ -52,21 +48,17 @@ class CreateNode(Node):
             on_event=self._on_event, on_failure=lambda: ended.set_result(1),
             dead_man=self.parameters.dead_man,
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
-        self._mode_published: ModeStatus | None = None
         self._stale = 0
-        self._stamp = Time()
         self._declare_topics()
         self.answers = Answers(self, self.session)
         self._counts = copy(self.session.driver.counts)
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
-        self._publish_mode()
+        self._publish_mode(self.session.driver.status)
 
     def _declare_topics(self) -> None:
         self._charge_known = self.parameters.battery_technology == 'nimh'
-        self._motion = MotionPublisher(self, self.parameters, self._stamp)
-        self._sensors = [
-            SensorPublisher(self, topic, self.parameters.base_frame, self._stamp)
-            for topic in topics.sensor_topics(charge_known=self._charge_known)]
+        self._frames = FramePublisher(
+            self, self.parameters, charge_known=self._charge_known)
         self._mode = publisher(self, topics.MODE)
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         if self.parameters.enable_stamped_cmd_vel:
@@ -100,31 +92,16 @@ class CreateNode(Node):
     def _on_event(self, event: DriverEvent) -> None:
         match event:
             case Moved():
-                self._set_stamp(event.stamp)
-                self._motion.publish(event.estimate)
-                period = 1 / self.parameters.sensor_rate
-                for sensor in self._sensors:
-                    sensor.publish(event.readings, event.stamp, period)
+                self._frames.publish(event, 1 / self.parameters.sensor_rate)
+            case ModeChanged():
+                self._publish_mode(event.status)
             case Notice():
                 self._log(event)
-        self._publish_mode()
 
-    def _set_stamp(self, monotonic: float) -> None:
-        """Stamp what is published next with a moment of the driver's clock, in the node's."""
-        for _ in range(MOST_LOOKS):
-            before, now = time.monotonic(), self.get_clock().now().nanoseconds
-            # On a busy computer much time may pass between two looks at two clocks.
-            if time.monotonic() - before < AT_ONCE:
-                break
-        convert.set_time(self._stamp, now - round((before - monotonic) * convert.NANOSECONDS))
-
-    def _publish_mode(self) -> None:
-        status = self.session.driver.status
-        if status != self._mode_published:
-            self._mode_published = status
-            now = self.get_clock().now().to_msg()
-            header = convert.header(self.parameters.base_frame, now)
-            self._mode.publish(convert.mode(status, header))
+    def _publish_mode(self, status: ModeStatus) -> None:
+        now = self.get_clock().now().to_msg()
+        header = convert.header(self.parameters.base_frame, now)
+        self._mode.publish(convert.mode(status, header))
 
     def _publish_diagnostics(self) -> None:
         name = self.get_fully_qualified_name().lstrip('/')

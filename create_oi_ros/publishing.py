@@ -1,25 +1,32 @@
 """
 What is published with every frame: one message a topic, made once and filled again.
 
-A topic that nobody listens to costs a look at the number of its subscribers. Latched topics are
-published all the same, for those who come later.
+A topic that nobody listens to costs nothing but a look now and then whether that is still so.
+Latched topics are published all the same, for those who come later.
 """
 
+from collections.abc import Callable
+from functools import partial
+from math import inf
+import time
 from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
 from sensor_msgs.msg import JointState
 
 from . import convert, topics
-from .odometry import Estimate
-from .oi import Readings
+from .driver import Moved
 from .parameters import Parameters
 from .topics import Edge, SensorTopic, Topic
+
+LOOK_EVERY = 0.1
+"""Seconds between two looks at who listens, and at the node's clock."""
+AT_ONCE, MOST_LOOKS = 1e-4, 10
+"""Seconds within which two clocks are read together, and how often that is tried."""
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
@@ -27,47 +34,84 @@ def publisher(node: Node, topic: Topic) -> Publisher:
     return node.create_publisher(topic.type, topic.name, topic.qos)
 
 
-class MotionPublisher:
-    """Tells where the robot is and how it moves: `odom`, `/tf` and `joint_states`."""
+class Outlet:
+    """One topic, its message, and what fills it."""
 
-    def __init__(self, node: Node, parameters: Parameters, stamp: Time) -> None:
-        """Declare the topics; all messages share the stamp."""
-        header = convert.header(parameters.odom_frame, stamp)
-        self._odometry: Odometry = convert.odometry_message(header, parameters.base_frame)
-        self._transform = TransformStamped(header=header, child_frame_id=parameters.base_frame)
-        self._transforms = topics.TF.type(transforms=[self._transform])
-        self._joints: JointState = convert.joint_states_message(convert.header('', stamp))
-        self._odom = publisher(node, topics.ODOM)
-        self._tf = publisher(node, topics.TF) if parameters.publish_tf else None
-        self._joint_states = publisher(node, topics.JOINT_STATES)
-
-    def publish(self, estimate: Estimate) -> None:
-        """Publish an estimate."""
-        if self._odom.get_subscription_count():
-            convert.odometry(self._odometry, estimate)
-            self._odom.publish(self._odometry)
-        if self._tf is not None and self._tf.get_subscription_count():
-            convert.transform(self._transform, estimate)
-            self._tf.publish(self._transforms)
-        if self._joint_states.get_subscription_count():
-            convert.joint_states(self._joints, estimate)
-            self._joint_states.publish(self._joints)
-
-
-class SensorPublisher:
-    """Tells of one sensor: at once when it changes, and now and then when it does not."""
-
-    def __init__(self, node: Node, topic: SensorTopic, frame: str, stamp: Time) -> None:
+    def __init__(self, node: Node, topic: Topic, message: Any,
+                 fill: Callable[[Any, Any], None]) -> None:
         """Declare the topic."""
-        self._topic, self._edge = topic, Edge(topic)
-        self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._publisher = publisher(node, topic)
-        self._message: Any = topic.type(header=convert.header(frame, stamp))
+        self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+        self._message, self._fill = message, fill
+        self.heard = False
 
-    def publish(self, readings: Readings, when: float, sensor_period: float) -> None:
-        """Publish the readings of a frame at `when` seconds, if they are due."""
-        if not self._edge.due(readings, when, sensor_period):
-            return
-        if self._latched or self._publisher.get_subscription_count():
-            self._topic.fill(self._message, readings)
-            self._publisher.publish(self._message)
+    def look(self) -> None:
+        """See whether somebody listens."""
+        self.heard = self._latched or self._publisher.get_subscription_count() > 0
+
+    def publish(self, content: Any) -> None:
+        """Fill the message, and send a copy of it."""
+        self._fill(self._message, content)
+        self._publisher.publish(self._message)
+
+
+class FramePublisher:
+    """Publishes where the robot is, how it moves and what it senses, frame by frame."""
+
+    def __init__(self, node: Node, parameters: Parameters, *, charge_known: bool) -> None:
+        """Declare the topics; all messages share one stamp."""
+        self._clock = node.get_clock()
+        self._stamp = Time()
+        self._offset = 0
+        self._look_at = -inf
+        self._odom, *self._motion = self._motion_outlets(node, parameters)
+        self._sensors = [
+            (Edge(topic), self._sensor_outlet(node, topic, parameters.base_frame))
+            for topic in topics.sensor_topics(charge_known=charge_known)]
+        self._look()
+
+    def _motion_outlets(self, node: Node, parameters: Parameters) -> list[Outlet]:
+        header, base = convert.header(parameters.odom_frame, self._stamp), parameters.base_frame
+        outlet = partial(Outlet, node)
+        outlets = [outlet(topics.ODOM, convert.odometry_message(header, base), convert.odometry)]
+        if parameters.publish_tf:
+            transform = TransformStamped(header=header, child_frame_id=base)
+            outlets.append(outlet(
+                topics.TF, topics.TF.type(transforms=[transform]), convert.transforms))
+        joints = JointState(header=convert.header('', self._stamp), name=convert.WHEEL_JOINTS)
+        return [*outlets, outlet(topics.JOINT_STATES, joints, convert.joint_states)]
+
+    def _sensor_outlet(self, node: Node, topic: SensorTopic, frame: str) -> Outlet:
+        message = topic.type(header=convert.header(frame, self._stamp))
+        return Outlet(node, topic, message, topic.fill)
+
+    def publish(self, moved: Moved, sensor_period: float) -> None:
+        """Publish what a frame told; sensors that do not change, once in a period, s."""
+        convert.set_time(
+            self._stamp, self._offset + round(moved.stamp * convert.NANOSECONDS))
+        if self._odom.heard:
+            self._odom.publish(moved.estimate)
+        for edge, outlet in self._sensors:
+            if outlet.heard and edge.due(moved.readings, moved.stamp, sensor_period):
+                outlet.publish(moved.readings)
+        for outlet in self._motion:
+            if outlet.heard:
+                outlet.publish(moved.estimate)
+        # Not before, since it takes a while.
+        if moved.stamp >= self._look_at:
+            self._look_at = moved.stamp + LOOK_EVERY
+            self._look()
+
+    def _look(self) -> None:
+        """See who listens, and how far the node's clock is from the driver's."""
+        for outlet in (self._odom, *self._motion):
+            outlet.look()
+        for _, outlet in self._sensors:
+            outlet.look()
+        for _ in range(MOST_LOOKS):
+            before, now = time.monotonic_ns(), self._clock.now().nanoseconds
+            after = time.monotonic_ns()
+            # On a busy computer much time may pass between two looks at two clocks.
+            if after - before < AT_ONCE * convert.NANOSECONDS:
+                break
+        self._offset = now - (before + after) // 2

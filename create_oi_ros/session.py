@@ -22,6 +22,8 @@ RETRY_FIRST, RETRY_MOST = 0.1, 0.8
 """Seconds between attempts to open the port: doubling from the first to the second."""
 NAMED_AFTER = 1.0
 """Seconds after which a device that was plugged in has all its names."""
+LOOK_EVERY = 0.1
+"""Seconds between two looks whether the dead-man still watches."""
 LEAST_WATCH = 1.0
 """Seconds that a dead-man must have lasted for another one to be posted in its place."""
 
@@ -52,6 +54,7 @@ class Session:
         self._port: Port | None = None
         self._dead_man: DeadMan | None = None
         self._posted_at = 0.0
+        self._look_at = 0.0
         self._lasting_name: str | None = None
         self._named_at = inf
         """When to ask for the lasting name of the port that was opened last."""
@@ -69,6 +72,7 @@ class Session:
         with self._lock:
             now = time.monotonic()
             yield self.driver, now
+            self._send()  # first: a command should not wait for what else there is to do
             self._exchange(now)
 
     def close(self) -> None:
@@ -175,26 +179,36 @@ class Session:
             if self._closing.is_set():
                 return
             now = time.monotonic()
-            self._mind_dead_man(port, now)
+            if received:
+                self.driver.receive(received, now)
+                self._pass_on()  # first: news are awaited, and nothing to send is that urgent
+            self._exchange(now)
+            if now > self._look_at:
+                self._look_at = now + LOOK_EVERY
+                self._mind_dead_man(port, now)
             if now > self._named_at:
                 self._lasting_name = lasting_name(port.url) or self._lasting_name
                 self._named_at = inf
-            if received:
-                self.driver.receive(received, now)
-            self._exchange(now)
 
     def _exchange(self, now: float) -> None:
-        """Let the driver send, and pass on what has happened."""
+        """Let the driver act and send, and pass on what has happened."""
         self.driver.poll(now)
+        self._send()
+        self._pass_on()
+
+    def _send(self) -> None:
         outgoing = self.driver.data_to_send()
-        if self._port is not None:
-            try:
-                if self._port.baud != self.driver.baud:
-                    self._port.baud = self.driver.baud
-                if outgoing:
-                    self._port.write(outgoing)
-            except PortError as error:
-                self._lose(error)
+        if self._port is None:
+            return
+        try:
+            if self._port.baud != self.driver.baud:
+                self._port.baud = self.driver.baud
+            if outgoing:
+                self._port.write(outgoing)
+        except PortError as error:
+            self._lose(error)
+
+    def _pass_on(self) -> None:
         while (event := self.driver.next_event()) is not None:
             self._on_event(event)
 

@@ -64,7 +64,11 @@ class Loop:
             self.heard += data
             self.robot.receive(data, self.now, self.driver.baud if self._has_rate else None)
         while (event := self.driver.next_event()) is not None:
-            (self.moved if isinstance(event, Moved) else self.notices).append(event)
+            match event:
+                case Moved():
+                    self.moved.append(event)
+                case Notice():
+                    self.notices.append(event)
 
     def drive(self, linear: float, angular: float, seconds: float) -> None:
         """Command a velocity ten times a second for a while."""

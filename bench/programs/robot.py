@@ -1,7 +1,8 @@
 """
-A simulated Create that notes when it spoke and what it heard: `robot.py LINK CONTROL`.
+A simulated Create that keeps a diary: `robot.py LINK CONTROL`.
 
-On SIGTERM it prints both, times in seconds of the monotonic clock, which all processes share.
+It notes when it spoke, what it heard, and when its bumper was pressed. On SIGTERM it prints all
+that, times in seconds of the monotonic clock, which all processes share.
 """
 
 import json
@@ -42,17 +43,29 @@ class NotingLine(PtyLine):
         return data
 
 
+class NotingBody(Body):
+    """A body that notes when its bumper is pressed from outside."""
+
+    pressed: list[float] = []
+
+    def force(self, **sensors: float) -> None:
+        """Hold sensors at values."""
+        super().force(**sensors)
+        if sensors.get('bump_left'):
+            self.pressed.append(monotonic())
+
+
 def main(link: Path, control: Path) -> None:
     """Serve until SIGTERM."""
     line = NotingLine(link)
-    create = Create(Body(shipped('empty')), guesses=Guesses(boot_seconds=0.0))
+    create = Create(NotingBody(shipped('empty')), guesses=Guesses(boot_seconds=0.0))
     server = Server(create, line)
     server.control_port = ControlPort(control, server.control)
     signal.signal(signal.SIGTERM, lambda *_: server.stop())
     print('serves', flush=True)
     server.serve()
     line.close()
-    print(json.dumps({'said': line.said, 'heard': line.heard}))
+    print(json.dumps({'said': line.said, 'heard': line.heard, 'pressed': NotingBody.pressed}))
 
 
 main(Path(sys.argv[1]), Path(sys.argv[2]))

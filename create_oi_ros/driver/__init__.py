@@ -1,7 +1,7 @@
 """The host's machine: wanted mode, watchdog, limits, stream plan. Pure: no clock, no I/O."""
 
 from .calling import LAST_WORDS
-from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
+from .events import DriverEvent, Link, LinkCounts, ModeChanged, Moved, Notice, Severity
 from .machine import Driver
 from .motion import MotionLimits, wheel_speeds
 from .power import BatteryLevel, BatteryLimits, LowBatteryAction
@@ -11,6 +11,6 @@ from .supervision import Cause, ModeStatus
 
 __all__ = [
     'BatteryLevel', 'BatteryLimits', 'Cause', 'Driver', 'DriverEvent', 'LAST_WORDS', 'Link',
-    'LinkCounts', 'LowBatteryAction', 'ModeStatus', 'MotionLimits', 'Moved',
+    'LinkCounts', 'LowBatteryAction', 'ModeChanged', 'ModeStatus', 'MotionLimits', 'Moved',
     'Notice', 'Reply', 'Settings', 'Severity', 'wheel_speeds',
 ]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from .. import oi
 from ..odometry import Estimate
+from .supervision import ModeStatus
 
 
 class Severity(Enum):
@@ -33,7 +34,13 @@ class Moved(NamedTuple):
     estimate: Estimate
 
 
-DriverEvent = Notice | Moved
+class ModeChanged(NamedTuple):
+    """The robot's mode, the wanted one, or why they differ is another than before."""
+
+    status: ModeStatus
+
+
+DriverEvent = Notice | Moved | ModeChanged
 
 
 class Link(Enum):

@@ -10,14 +10,12 @@ Requests (drive, set_mode, ...) only change what is wanted; `poll` sends.
 from collections import deque
 
 from .. import oi
-from ..odometry import Estimate, Increment, Odometry
 from .actuators import Actuators
 from .calling import CALL_AGAIN, Calling, DRAIN
-from .checks import Jumps, TurnCheck
+from .checks import TurnCheck
 from .demos import Demos, END_DEMO
-from .events import DriverEvent, Link, LinkCounts, Moved, Notice, Severity
+from .events import DriverEvent, Link, LinkCounts, ModeChanged, Moved, Notice, Severity
 from .frame_budget import FrameBudget, too_slow
-from .frame_clock import FrameClock
 from .hearing import DEAF, Hearing, Turn
 from .motion import Motion, MotionLimits
 from .outbox import Outbox
@@ -27,9 +25,8 @@ from .scripts import Scripts
 from .settings import Settings
 from .stream_plan import StreamPlan
 from .supervision import Cause, causes_in, MODE_COMMANDS, ModeStatus, Supervision
+from .tracking import Taken, Tracking
 
-LIFTED = oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
-"""A wheel that hangs does not move the robot, whatever it counts."""
 SILENCE = 0.5
 """Seconds without a frame after which the robot is taken to be away, and called again."""
 STANDSTILL = 1.0
@@ -43,25 +40,24 @@ class Driver:
 
     def __init__(self, settings: Settings | None = None) -> None:
         self.settings = settings = settings or Settings()
-        self.odometry = Odometry(settings.geometry, window=settings.odometry_window)
         self.link = Link.CLOSED
         self.counts = LinkCounts()
+        self._tracking = Tracking(settings, self.counts)
+        self.odometry = self._tracking.odometry
+        self.readings = self._tracking.readings
         self.battery = BatteryWatch(settings.battery)
         self.turning = TurnCheck(settings.limits.wheel_separation)
         self.hearing = Hearing()
         self.frame_budget = FrameBudget()
-        self._jumps = Jumps()
         self._calling = Calling(settings.baud)
         self.plan = StreamPlan(self._calling.baud)
         self._motion = Motion(settings.limits)
         self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
         self._outbox = Outbox()
         self._reader = oi.StreamReader(self.plan.lists)
-        self._clock = FrameClock()
-        self._unseen = 0.0
-        self.readings = oi.Readings()
-        """The newest of every packet that has arrived so far."""
         self._events: deque[DriverEvent] = deque()
+        self._unjudged: deque[tuple[Taken, Moved]] = deque()
+        self._status_told = self.status
         self._mode_request = ModeRequest()
         self._requests = Requests(self._outbox, self._refusal)
         self.actuators = Actuators(self._outbox, self._requests, self.readings)
@@ -105,7 +101,7 @@ class Driver:
                 case oi.Garbage():
                     self.counts.garbage_bytes += len(event.data)
                     self._calling.overheard(event.data)
-                    self._clock.suspect()
+                    self._tracking.clock.suspect()
         self.counts.checksum_failures = self._reader.checksum_failures
 
     def poll(self, now: float) -> None:
@@ -114,6 +110,8 @@ class Driver:
         if self.link is Link.CLOSED:
             return
         self._mind_standstill(now)
+        while self._unjudged:
+            self._judge(*self._unjudged.popleft(), now)
         if self.scripts.reading:
             self.heard_at = now
         if now - self.heard_at > (SILENCE if self.link is Link.UP else CALL_AGAIN):
@@ -133,7 +131,12 @@ class Driver:
 
     def next_event(self) -> DriverEvent | None:
         """Take out what has happened, oldest first."""
-        return self._events.popleft() if self._events else None
+        if self._events:
+            return self._events.popleft()
+        if self.status != self._status_told:
+            self._status_told = self.status
+            return ModeChanged(self.status)
+        return None
 
     # What the user wants.
 
@@ -174,6 +177,7 @@ class Driver:
             self._supervision.commands_paused()
         elif self.status.actual not in oi.DriveDirect.modes:
             self._drive_when_not_allowed(now)
+        self._tell_speeds(now)
 
     def stop(self, now: float) -> tuple[bool, str]:
         """Stop the wheels, and a demo, before anything else; says whether the robot hears it."""
@@ -253,11 +257,10 @@ class Driver:
         self._motion.forget()
         self._supervision.lost()
         self.plan.restart()
-        self._clock.restart()
-        self._jumps.restart()
+        self._tracking.restart()
+        self._unjudged.clear()
         self.hearing.restart()
         self.frame_budget.restart()
-        self.odometry.interrupted()
 
     def _miss(self, now: float) -> None:
         if self.link is Link.UP:
@@ -296,39 +299,29 @@ class Driver:
             self.heard_at = self._stale_until - CALL_AGAIN
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
-        readings = frame.readings
-        wire_time = frame.packets.budget(self.baud).seconds
-        stamp, dt = self._clock.stamp(now, wire_time)
-        self._unseen += dt
+        """Tell what a frame says; what follows from it is left to `poll`, for news are urgent."""
+        taken = self._tracking.take(frame, self.baud, now)
         self.frame_budget.frame(frame.packets.frame_size)
         self.hearing.seen(frame.packets.ids)
-        if readings.implausible():
-            self.counts.implausible_frames += 1
+        if taken is None:
             return
-        dt, self._unseen = self._unseen, 0.0
-        self.counts.frames += 1
         self.heard_at = now
-        self.readings.update(readings)
         if self.link is Link.WAKING:
             self._found(now)
         if self.scripts.heard(frame.packets):
             self._script_ended()
-        self._supervise(now)
-        self._check(readings, dt, now)
-        asked = readings.has('distance', 'angle')
-        if asked and not self._jumps.possible(readings, stamp):
-            self.counts.impossible_jumps += 1
-            asked = False
-        self._events.append(Moved(
-            stamp, oi.Readings(self.readings.__dict__), self._estimate(readings, dt, asked)))
+        moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
+        self._events.append(moved)
+        self._unjudged.append((taken, moved))
 
-    def _check(self, readings: oi.Readings, dt: float, now: float) -> None:
-        """Look for what a person should be told of."""
-        if self.turning.observe(readings, dt):
+    def _judge(self, taken: Taken, moved: Moved, now: float) -> None:
+        """Draw the conclusions from a frame."""
+        self._supervise(moved.readings, now)
+        if self.turning.observe(taken.readings, taken.dt):
             self._say(Severity.WARNING, 'the angle does not change though the robot was told to '
                       'turn: are the wheels blocked, or does odometry_window: 0 hide slow turns? '
                       'Some firmware before 3.4.1 is reported to send a constant 0')
-        if self.battery.observe(self.readings, now):
+        if self.battery.observe(moved.readings, now):
             self._mind_battery(now)
 
     def _mind_battery(self, now: float) -> None:
@@ -344,17 +337,6 @@ class Driver:
             self._supervision.want(oi.Mode.PASSIVE)
             self._enter(oi.Mode.PASSIVE, now)
         self._say(Severity.ERROR, f'battery {level.value}: low_battery_action {action.value}')
-
-    def _estimate(self, readings: oi.Readings, dt: float, asked: bool) -> Estimate:
-        speeds = self.scripts.speeds(readings)
-        right, left = speeds or (0.0, 0.0)
-        return self.odometry.update(Increment(
-            dt=dt, right=right, left=left,
-            driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
-            lifted=bool(readings.bumps_and_wheel_drops & LIFTED),
-            lost=self._clock.gap or readings.has('distance') and not asked,
-            distance=readings.distance if asked else None,
-            angle=readings.angle if asked else None))
 
     def _found(self, now: float) -> None:
         self.link = Link.UP
@@ -385,19 +367,18 @@ class Driver:
             return f'{self.link.value}: check cable and power, the driver keeps trying'
         return self.scripts.refusal or mode_refusal(command, self.status.actual)
 
-    def _supervise(self, now: float) -> None:
-        dropped = self._supervision.observe(self.readings, now)
+    def _supervise(self, readings: oi.Readings, now: float) -> None:
+        dropped = self._supervision.observe(readings, now)
         status = self.status
         if dropped:
             self._refusal_said = False
             self._motion.stop()
             self._motion.forget()
             self._say(Severity.WARNING, f'robot left {status.wanted.name} for '
-                      f'{self.readings.oi_mode.name}: {status.reason}')
+                      f'{readings.oi_mode.name}: {status.reason}')
             if status.causes == (Cause.UNKNOWN,):
                 self._outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
         self._mode_request.observe(status.actual)
-        readings = self.readings
         if status.actual in oi.DriveDirect.modes and not self.scripts.refusal:
             self._motion.reported(
                 readings.requested_right_velocity, readings.requested_left_velocity, now)
@@ -451,13 +432,17 @@ class Driver:
             self._refusal_said = True
             self._say(Severity.WARNING, f'not driving: {why}')
 
-    def _stream_and_drive(self, now: float) -> None:
-        if self.link is not Link.UP or self.scripts.refusal:
-            return
-        if self.status.actual in oi.DriveDirect.modes:
+    def _tell_speeds(self, now: float) -> None:
+        if (self.link is Link.UP and self.status.actual in oi.DriveDirect.modes
+                and not self.scripts.refusal):
             drive = self._motion.next_drive(now)
             if drive is not None:
                 self._outbox.send_at_once(drive, now)
+
+    def _stream_and_drive(self, now: float) -> None:
+        if self.link is not Link.UP or self.scripts.refusal:
+            return
+        self._tell_speeds(now)
         stream = self.plan.next_stream(now, motion_due=self.odometry.reading_due)
         if stream is not None:
             self._outbox.send(stream)

@@ -19,13 +19,13 @@ ESSENTIAL = (
 )
 FREQUENT = (
     'wall', 'virtual_wall', 'overcurrents', 'infrared', 'buttons', 'charging_sources',
-    'song_playing', 'wall_signal', 'cliff_left_signal', 'cliff_front_left_signal',
+    'song_playing', 'song_number', 'wall_signal', 'cliff_left_signal', 'cliff_front_left_signal',
     'cliff_front_right_signal', 'cliff_right_signal', 'digital_inputs', 'analog_signal',
 )
 MOTION = ('distance', 'angle')
 SLOW = (
     'charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
-    'battery_capacity', 'song_number',
+    'battery_capacity',
 )
 ECHOES = ('requested_velocity', 'requested_radius')
 """Of Drive, which only scripts use."""

@@ -23,6 +23,8 @@ FAR, ASKEW = 0.03, 5 * DEGREE
 have moved, ..."""
 TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / 0.258
 """... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
+LATE = 1.5 * SLOT
+"""Seconds between two frames from which on one was lost."""
 AS_BUILT = Geometry()
 FLOOR = 1e-9
 """Variance of a pose that is known exactly, m² and rad²."""
@@ -52,6 +54,9 @@ class Odometry:
         self._lost = False
         """Whether frames were lost since a reading was asked for."""
         self._driven = self._lifted = False
+        self._at_rest = False
+        self._rested = 0.0
+        """Seconds of rest that the tracks have not been told of."""
 
     @property
     def reading_due(self) -> bool:
@@ -105,14 +110,12 @@ class Odometry:
         right, left = (increment.right, increment.left) if driven else (0.0, 0.0)
         best = self.beliefs.best
         steady = right == best.right.request and left == best.left.request
-        for track in self.beliefs.tracks:
-            if self._gap:
-                track.resume(right, left)
-            if increment.lifted != self._lifted:
-                track.lift(increment.lifted)
-            track.advance(dt, right, left)
-            if dt > 1.5 * SLOT:
-                track.doubt_time(SLOT)
+        usual = steady and not self._gap and increment.lifted == self._lifted
+        if self._at_rest and usual and dt <= LATE:
+            self._rested += dt
+            best.went = best.turned = 0.0
+        else:
+            self._advance(dt, right, left, increment.lifted)
         if driven != self._driven:
             self._plan.hurry()
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
@@ -121,7 +124,27 @@ class Odometry:
             self._missed = best.distance, best.angle
         self._lost = lost and not self._plan.due
 
+    def _advance(self, dt: float, right: float, left: float, lifted: bool) -> None:
+        """Let the tracks predict."""
+        self._tell_rest()
+        for track in self.beliefs.tracks:
+            if self._gap:
+                track.resume(right, left)
+            if lifted != self._lifted:
+                track.lift(lifted)
+            track.advance(dt, right, left)
+            if dt > LATE:
+                track.doubt_time(SLOT)
+        self._at_rest = all(track.stands for track in self.beliefs.tracks)
+
+    def _tell_rest(self) -> None:
+        """Tell the tracks how long nothing has moved: there may be many, and frames are many."""
+        for track in self.beliefs.tracks:
+            track.rest(self._rested)
+        self._rested = 0.0
+
     def _read(self, distance: int, angle: int, driven: bool) -> None:
+        self._tell_rest()
         self._plan.came()
         missed, self._missed = self._missed, None
         if self._discard or missed is not None and self.beliefs.best.since(
@@ -136,6 +159,7 @@ class Odometry:
                     track.doubt(distance, angle)
             self.beliefs.read(distance, angle, driven=driven)
         self._discard = self._doubt = False
+        self._at_rest = False  # it may have been pushed
 
     def _followed(self, dt: float, went: float, turned: float) -> Estimate:
         """Move the estimate as the best track moved, and some way towards it."""

@@ -56,8 +56,8 @@ class Prediction:
         return self.right.speed == self.right.goal and self.left.speed == self.left.goal
 
     @property
-    def _stands(self) -> bool:
-        """Whether nothing moves, so that only time passes."""
+    def stands(self) -> bool:
+        """Whether nothing moves, and nothing will under the same requests."""
         right, left = self.right, self.left
         return self.free is None and not (right.speed or left.speed or right.goal or left.goal)
 
@@ -82,10 +82,7 @@ class Prediction:
         """Go on by dt seconds, somewhere within which the requests became right and left."""
         self.went = self.turned = 0.0
         if right == self.right.request and left == self.left.request:
-            if self._stands:
-                self._seconds += dt
-            else:
-                self._glide(dt)
+            self._glide(dt)
             if self._seconds > given.LONGEST_SEGMENT:
                 self.close_segment()
             return
@@ -94,6 +91,10 @@ class Prediction:
         self.close_segment()
         self._request(right, left, dt)
         self._glide(dt - until)
+
+    def rest(self, seconds: float) -> None:
+        """Let time pass in which it `stands`: nothing else comes of it."""
+        self._seconds += seconds
 
     def doubt_time(self, seconds: float) -> None:
         """Doubt for how long the wheels have turned: frames were lost, or taken to be."""

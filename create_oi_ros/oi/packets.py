@@ -290,8 +290,11 @@ class PacketList:
 
     def budget(self, baud: int) -> Budget:
         """Tell what a frame costs at a baud rate (manual: Stream)."""
-        return Budget(
-            self.frame_size, frame_capacity(baud), self.frame_size * BITS_PER_BYTE / baud)
+        return Budget(self.frame_size, frame_capacity(baud), self.wire_time(baud))
+
+    def wire_time(self, baud: int) -> float:
+        """Return the seconds that a frame takes on the wire at a baud rate."""
+        return self.frame_size * BITS_PER_BYTE / baud
 
     def unpack_reply(self, reply: bytes) -> Readings:
         """Decode the reply to Query List (or Sensors); ValueError where its length is wrong."""

@@ -1,0 +1,83 @@
+"""
+What a frame says, if it can be true: readings, when they were taken, where the robot is.
+
+The driver judges later what follows from it; this is all that must happen before it is published.
+"""
+
+from typing import NamedTuple
+
+from .. import oi
+from ..odometry import Estimate, Increment, Odometry
+from .checks import Jumps
+from .echoes import Speeds
+from .events import LinkCounts, Moved
+from .frame_clock import FrameClock
+from .settings import Settings
+
+LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
+"""A wheel that hangs does not move the robot, whatever it counts."""
+STANDING: Speeds = (0.0, 0.0)
+
+
+class Taken(NamedTuple):
+    """A frame whose values are plausible."""
+
+    readings: oi.Readings
+    """What this frame brought."""
+    stamp: float
+    """When it left the robot."""
+    dt: float
+    """The robot's seconds since the last one that was taken."""
+
+
+class Tracking:
+    """Follows the robot from frame to frame."""
+
+    def __init__(self, settings: Settings, counts: LinkCounts) -> None:
+        self.odometry = Odometry(settings.geometry, window=settings.odometry_window)
+        self.readings = oi.Readings()
+        """The newest of every packet that has arrived so far."""
+        self.clock = FrameClock()
+        self._counts = counts
+        self._jumps = Jumps()
+        self._unseen = 0.0
+
+    def restart(self) -> None:
+        """Go on from here: frames were missed."""
+        self.clock.restart()
+        self._jumps.restart()
+        self.odometry.interrupted()
+
+    def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
+        """Take a verified frame in; None where the manual rules its values out."""
+        readings = frame.readings
+        stamp, dt = self.clock.stamp(now, frame.packets.wire_time(baud))
+        self._unseen += dt
+        if readings.implausible():
+            self._counts.implausible_frames += 1
+            return None
+        dt, self._unseen = self._unseen, 0.0
+        self._counts.frames += 1
+        self.readings.update(readings)
+        return Taken(readings, stamp, dt)
+
+    def moved(self, taken: Taken, speeds: Speeds | None) -> Moved:
+        """Tell how the robot moved; `speeds` were asked of its wheels, None: by a demo."""
+        readings = taken.readings
+        asked = readings.has('distance', 'angle')
+        if asked and not self._jumps.possible(readings, taken.stamp):
+            self._counts.impossible_jumps += 1
+            asked = False
+        estimate = self._estimate(taken, speeds, asked=asked)
+        return Moved(taken.stamp, oi.Readings(self.readings.__dict__), estimate)
+
+    def _estimate(self, taken: Taken, speeds: Speeds | None, *, asked: bool) -> Estimate:
+        readings = taken.readings
+        right, left = speeds or STANDING
+        return self.odometry.update(Increment(
+            dt=taken.dt, right=right, left=left,
+            driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
+            lifted=bool(int(readings.bumps_and_wheel_drops) & LIFTED),
+            lost=self.clock.gap or readings.has('distance') and not asked,
+            distance=readings.distance if asked else None,
+            angle=readings.angle if asked else None))

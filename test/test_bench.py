@@ -1,0 +1,58 @@
+"""The measured numbers: kept whole, compared, and in the documents as they were measured."""
+
+from pathlib import Path
+import sys
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / 'bench'))
+import compare  # noqa: E402
+import document  # noqa: E402
+from results import Figure, figures_of, keep, load, rows  # noqa: E402
+
+PAGE = ROOT / 'docs' / 'performance.md'
+PROGRAMS = sorted(path.stem for path in (ROOT / 'bench').glob('bench_*.py'))
+
+
+@pytest.mark.parametrize('program', PROGRAMS)
+def test_every_bench_program_has_results_and_a_place_in_the_documents(program):
+    figures = figures_of(load(), program)
+    assert figures
+    shown = ''.join(page.read_text('utf-8') for page in (ROOT / 'docs').glob('*.md'))
+    assert program in shown
+
+
+def test_the_documents_say_what_was_measured():
+    page = PAGE.read_text('utf-8')
+    assert document.documented(page, load()) == page
+
+
+def test_a_figure_knows_whether_its_target_was_met():
+    assert Figure('a', 1.0, 's', 2.0).verdict == 'met'
+    assert Figure('a', 3.0, 's', 2.0).verdict == 'missed'
+    assert Figure('a', 3.0, 's', 2.0, at_least=True).verdict == 'met'
+    assert Figure('a', 3.0, 's').verdict == ''
+
+
+def test_results_are_kept_beside_those_of_other_programs(tmp_path):
+    path = tmp_path / 'results.json'
+    first, second = [Figure('a', 1.0, 's', 2.0)], [Figure('b', 3.0, 'ms', worst=4.0)]
+    keep('one', first, {'date': 'then'}, path)
+    keep('two', second, {'date': 'now'}, path)
+    assert figures_of(load(path), 'one') == first
+    assert figures_of(load(path), 'two') == second
+
+
+def test_two_results_stand_side_by_side(tmp_path):
+    old, new = tmp_path / 'old.json', tmp_path / 'new.json'
+    keep('one', [Figure('a', 2.0, 's')], {'date': 'then'}, old)
+    keep('one', [Figure('a', 1.0, 's'), Figure('b', 1.0, 's')], {'date': 'now'}, new)
+    assert compare.compared('one', load(old), load(new))[1:] == [
+        ['a', '2 s', '1 s', '-50 %', ''], ['b', '-', '1 s', '', '']]
+
+
+def test_a_table_has_a_cell_for_each_heading():
+    table = rows([Figure('a', 2.0, 's', 1.0, worst=3.0, beside='x'), Figure('b', 1.0, 's')])
+    assert {len(row) for row in table} == {6}
+    assert table[1] == ['a', '2 s', '3', '<= 1', 'missed', 'x']
