@@ -11,7 +11,7 @@ ENTER := source ./env.sh &&
 
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
-test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov)
+test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov -n 2 --dist loadfile)
 build: $(BUILT)
 bench: build ; @$(ENTER) for each in bench/bench_*.py; do python $$each $(ARGS) || exit; done
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)

@@ -166,7 +166,7 @@ class Scene:
         self.folder = folder
         self.domain = domain
         self.ros = Listener(domain)
-        self._closing: list[Callable[[], None]] = [self.ros.close]
+        self._closing: list[Callable[[], None]] = []
 
     def robot(
         self, name: str = 'create', *, world: World | None = None,
@@ -201,7 +201,13 @@ class Scene:
         return self.program('create_node', *arguments)
 
     def close(self) -> None:
-        """End everything, the newest first."""
+        """
+        End everything: the listener, then the newest first.
+
+        The middleware may crash where its own things are destroyed while it learns that others
+        are gone.
+        """
+        self.ros.close()
         for close in reversed(self._closing):
             close()
 

@@ -202,7 +202,8 @@ def test_stop_and_reset_odometry(stage):
     assert stage.ros.call(Trigger, 'stop').success
     stage.ros.until(lambda: robot.body.truth().speed == 0)
     assert stage.ros.call(Trigger, 'reset_odometry').success
-    stage.ros.until(lambda: odom[-1].pose.pose.position.x == 0)
+    # Not zero: what is left of the braking, in the odometry's belief, comes after the reset.
+    stage.ros.until(lambda: abs(odom[-1].pose.pose.position.x) < 0.01)
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -224,10 +224,10 @@ class Stage:
         self._velocity.publish(twist)
 
     def close(self) -> None:
-        """End everything."""
+        """End everything, in the order that `Scene.close` explains."""
+        self.ros.close()
         self.end_node()
         self.end_robot()
-        self.ros.close()
 
 
 QUICK = ('--guess', 'boot_seconds=0')

@@ -13,6 +13,7 @@ from time import monotonic
 from typing import Any
 
 import rclpy
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.executors import ExternalShutdownException
 
 from create_oi_ros.topics import PUBLISHED
@@ -33,6 +34,7 @@ for name in heard:
     topic = TOPICS.get(name) or TOPICS[name.rpartition('/')[2]]
     node.create_subscription(topic.type, name, partial(hear, name), topic.qos)
 print('listens', flush=True)
-with suppress(ExternalShutdownException):
+# The context ends on SIGTERM, wherever the executor is just then.
+with suppress(ExternalShutdownException, RCLError):
     rclpy.spin(node)
 print(json.dumps(heard))
