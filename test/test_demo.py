@@ -121,7 +121,7 @@ def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
     assert abs(recording.odom['yaw'][-1]) == pytest.approx(pi, abs=0.1)
     assert recording.settings['version'] and recording.settings['cmd_vel_timeout'] == '0.5'
     metadata = (tmp_path / 'demo' / 'create_demo' / 'metadata.yaml').read_text()
-    for name in (*(topic.name for topic in PUBLISHED), 'cmd_vel'):
+    for name in (*(topic.name for topic in PUBLISHED), 'cmd_vel', 'robot_description'):
         assert f'name: /{name.lstrip("/")}\n' in metadata
 
 

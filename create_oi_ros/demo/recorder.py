@@ -7,16 +7,22 @@ from pathlib import Path
 import time
 from typing import TYPE_CHECKING
 
+from ament_index_python.packages import get_package_share_directory
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import serialize_message
+from std_msgs.msg import String
 
 from ..interface import type_name
 from ..report.bag import definitions
 from ..topics import PUBLISHED
 
 if TYPE_CHECKING:
-    from rosbags.interfaces import Qos
+    from rosbags.interfaces import Connection, Qos
+
+DESCRIPTION = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""Of robot_state_publisher."""
 
 
 class Recorder:
@@ -32,16 +38,28 @@ class Recorder:
         for topic in PUBLISHED:
             self._record(topic.name, topic.type, topic.qos)
         self._record('cmd_vel', Twist, QoSProfile(depth=10))
+        self._describe()
+
+    def _describe(self) -> None:
+        """Write the robot's model, as robot_state_publisher latches it where it runs."""
+        model = Path(get_package_share_directory('create_oi_ros')) / 'urdf' / 'create.urdf'
+        text = String(data=model.read_text('utf-8'))
+        self._writer.write(
+            self._connection('robot_description', String, DESCRIPTION), time.time_ns(),
+            serialize_message(text))
 
     def _record(self, name: str, type_: type, qos: QoSProfile) -> None:
-        package, kind = type_name(type_).split('/')
-        connection = self._writer.add_connection(
-            self._node.resolve_topic_name(name), f'{package}/msg/{kind}', typestore=self._store,
-            offered_qos_profiles=[written(qos)])
+        connection = self._connection(name, type_, qos)
         write: Callable[[bytes], None] = lambda raw: self._writer.write(  # noqa: E731
             connection, time.time_ns(), raw)
         deep = QoSProfile(depth=1000, durability=qos.durability)
         self._node.create_subscription(type_, name, write, deep, raw=True)
+
+    def _connection(self, name: str, type_: type, qos: QoSProfile) -> Connection:
+        package, kind = type_name(type_).split('/')
+        return self._writer.add_connection(
+            self._node.resolve_topic_name(name), f'{package}/msg/{kind}', typestore=self._store,
+            offered_qos_profiles=[written(qos)])
 
     def close(self) -> None:
         """Finish the bag, so that it can be read."""
