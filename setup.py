@@ -31,6 +31,7 @@ setup(
             'create_demo = create_oi_ros.start:create_demo',
             'create_calibrate = create_oi_ros.start:create_calibrate',
             'create_node = create_oi_ros.start:create_node',
+            'create_record = create_oi_ros.start:create_record',
             'create_report = create_oi_ros.start:create_report',
             'create_run = create_oi_ros.start:create_run',
             'create_sim = create_oi_ros.start:create_sim',

@@ -45,6 +45,13 @@ def create_node() -> int:
     return main()
 
 
+def create_record() -> int:
+    """Record what a robot does to a bag."""
+    with _loading():
+        from .record.command import main
+    return main()
+
+
 def create_report() -> int:
     """Show on one page what a robot did, from a bag."""
     with _loading():
@@ -76,6 +83,6 @@ def create_view() -> int:
 PROGRAMS = {
     program.__name__: f'from {__name__} import {program.__name__} as run; raise SystemExit(run())'
     for program in (
-        create_calibrate, create_demo, create_node, create_report, create_run, create_sim,
-        create_view)}
+        create_calibrate, create_demo, create_node, create_record, create_report, create_run,
+        create_sim, create_view)}
 """Python that runs an executable wherever this package can be imported, installed or not."""

@@ -183,7 +183,11 @@ class Scene:
 
     def example(self, name: str) -> Program:
         """Start one of the examples."""
-        return self._start(str(Path(__file__).parent.parent / 'examples' / name))
+        return self.script(Path(__file__).parent.parent / 'examples' / name)
+
+    def script(self, path: Path, *arguments: str) -> Program:
+        """Start a Python file."""
+        return self._start(str(path), *arguments)
 
     def _start(self, *arguments: str) -> Program:
         made = Program(*arguments, domain=self.domain)

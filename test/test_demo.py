@@ -17,7 +17,7 @@ pytest.importorskip('matplotlib')
 
 from create_oi_ros.demo import tour
 from create_oi_ros.demo.pilot import Pilot, Stopped, TourError
-from create_oi_ros.demo.recorder import written
+from create_oi_ros.record.recorder import written
 from create_oi_ros.report.reading import read
 from create_oi_ros.sim.world import shipped
 from create_oi_ros.start import PROGRAMS

@@ -17,11 +17,11 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from ..ending import call_on_signal
+from ..record.recorder import Recorder
 from ..report.bag import BagError, missing
 from ..report.command import report
 from ..run import Children
 from .pilot import Pilot, Stopped, TourError
-from .recorder import Recorder
 from .tour import SHORT, Step, TOUR, WORLD
 
 BAG = 'create_demo'
@@ -63,6 +63,7 @@ def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     recorder = Recorder(node, bag)
+    recorder.describe()
     try:
         yield Pilot(node, executor, check)
     finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 import time
@@ -14,52 +15,63 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
+from tf2_msgs.msg import TFMessage
+
 from ..interface import type_name
 from ..report.bag import definitions
-from ..topics import PUBLISHED
+from ..topics import LATCHED, PUBLISHED
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos
 
-DESCRIPTION = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Of robot_state_publisher."""
+DESCRIPTION = 'robot_description'
 
 
 class Recorder:
-    """Records from its making until `close`."""
+    """Records from its making until `close`; OSError: the disk is full, or not ours to write."""
 
-    def __init__(self, node: Node, folder: Path) -> None:
-        """Create a bag in a folder that is not there yet."""
+    def __init__(self, node: Node, folder: Path, velocity: type = Twist) -> None:
+        """Create a bag in a folder that is not there yet; `velocity` is the type of cmd_vel."""
         from rosbags.rosbag2 import StoragePlugin, Writer
         self._node = node
         self._store = definitions()
         self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
         self._writer.open()
+        self.counts: Counter[str] = Counter()
+        """Messages by topic."""
+        self.size = 0
+        """Bytes of all messages."""
         for topic in PUBLISHED:
             self._record(topic.name, topic.type, topic.qos)
-        self._record('cmd_vel', Twist, QoSProfile(depth=10))
-        self._describe()
+        self._record('cmd_vel', velocity, QoSProfile(depth=10))
+        # Of robot_state_publisher, where it runs.
+        self._description = self._record(DESCRIPTION, String, LATCHED)
+        self._record('/tf_static', TFMessage, LATCHED)
 
-    def _describe(self) -> None:
+    @property
+    def topics(self) -> list[str]:
+        """The names of what is recorded."""
+        return [connection.topic for connection in self._writer.connections]
+
+    def describe(self) -> None:
         """Write the robot's model, as robot_state_publisher latches it where it runs."""
         model = Path(get_package_share_directory('create_oi_ros')) / 'urdf' / 'create.urdf'
-        text = String(data=model.read_text('utf-8'))
-        self._writer.write(
-            self._connection('robot_description', String, DESCRIPTION), time.time_ns(),
-            serialize_message(text))
+        self._write(self._description, serialize_message(String(data=model.read_text('utf-8'))))
 
-    def _record(self, name: str, type_: type, qos: QoSProfile) -> None:
-        connection = self._connection(name, type_, qos)
-        write: Callable[[bytes], None] = lambda raw: self._writer.write(  # noqa: E731
-            connection, time.time_ns(), raw)
-        deep = QoSProfile(depth=1000, durability=qos.durability)
-        self._node.create_subscription(type_, name, write, deep, raw=True)
-
-    def _connection(self, name: str, type_: type, qos: QoSProfile) -> Connection:
+    def _record(self, name: str, type_: type, qos: QoSProfile) -> Connection:
         package, kind = type_name(type_).split('/')
-        return self._writer.add_connection(
+        connection = self._writer.add_connection(
             self._node.resolve_topic_name(name), f'{package}/msg/{kind}', typestore=self._store,
             offered_qos_profiles=[written(qos)])
+        deep = QoSProfile(depth=1000, durability=qos.durability)
+        write: Callable[[bytes], None] = lambda raw: self._write(connection, raw)  # noqa: E731
+        self._node.create_subscription(type_, name, write, deep, raw=True)
+        return connection
+
+    def _write(self, connection: Connection, raw: bytes) -> None:
+        self._writer.write(connection, time.time_ns(), raw)
+        self.counts[connection.topic] += 1
+        self.size += len(raw)
 
     def close(self) -> None:
         """Finish the bag, so that it can be read."""

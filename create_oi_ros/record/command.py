@@ -1,0 +1,88 @@
+"""The command `create_record`: what a robot of this driver does, in a bag, until Ctrl-C."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+import sys
+
+from geometry_msgs.msg import Twist, TwistStamped
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from rclpy.utilities import remove_ros_args
+
+from ..ending import call_on_signal, spin_until
+from ..report.bag import missing
+from .recorder import Recorder
+
+
+def say(text: str, before: str = '', after: str = '\n') -> None:
+    """Print a line at once, for who watches."""
+    print(f'{before}create_record: {text}', end=after, flush=True)
+
+
+def amount(recorder: Recorder) -> str:
+    """Say how much is recorded."""
+    return (f'{recorder.counts.total()} messages of {len(recorder.counts)} topics, '
+            f'{recorder.size / 1e6:.1f} MB')
+
+
+def record(folder: Path, arguments: list[str], velocity: type, ended: Future) -> Recorder:
+    """Record until the end is asked for; OSError says why it came earlier."""
+    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node('create_record')
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        recorder = Recorder(node, folder, velocity)
+        say(f'records {", ".join(recorder.topics)} to {folder} until Ctrl-C')
+        if sys.stdout.isatty():
+            node.create_timer(1.0, lambda: say(amount(recorder), '\r', ' '))
+        spin_until(executor, ended)
+        recorder.close()
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.shutdown()
+    return recorder
+
+
+def _arguments() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='create_record', description='Record everything that the driver publishes, and its '
+        'commands, to a bag (rosbag 2, MCAP) until Ctrl-C.',
+        epilog='A robot in a namespace: --ros-args -r __ns:=/robot1')
+    parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
+                        default=Path(f'record-{datetime.now():%Y%m%d-%H%M%S}'),
+                        help='a new folder for the bag (default: record-DATE-TIME)')
+    parser.add_argument('--stamped', action='store_true',
+                        help='cmd_vel is a TwistStamped, as with enable_stamped_cmd_vel')
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `create_record`; 1: it ended too early or heard nothing, 2: there is no bag."""
+    given = sys.argv if arguments is None else ['create_record', *arguments]
+    parser, ended = _arguments(), Future()
+    options = parser.parse_args(remove_ros_args(given)[1:])
+    if options.folder.exists():
+        parser.error(f'{options.folder} is there already')
+    call_on_signal(lambda: ended.set_result(0))
+    try:
+        recorder = record(
+            options.folder, given, TwistStamped if options.stamped else Twist, ended)
+    except ModuleNotFoundError as error:
+        say(missing((error.name or '').partition('.')[0]))
+        return 2
+    except OSError as error:
+        say(f'recording has ended: {error}')
+        return 1
+    # Over the line that told how much it was until now.
+    say(f'{amount(recorder)} are in {options.folder}', '\r' if sys.stdout.isatty() else '')
+    if not recorder.counts:
+        say('nothing was heard: does a driver run in this ROS domain and namespace?')
+    return 0 if recorder.counts else 1
