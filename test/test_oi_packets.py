@@ -1,6 +1,8 @@
 """Sensor packets against the manual: bytes, sizes, ranges, groups, the stream budget."""
 
 from collections.abc import Iterable, Mapping
+import copy
+import pickle
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -162,9 +164,42 @@ def test_readings_hold_only_what_arrived() -> None:
     assert readings.has('distance') and not readings.has('distance', 'angle')
     with pytest.raises(AttributeError):
         _ = readings.angle
-    readings.update(oi.PacketList.named('angle', 'oi_mode').unpack_reply(b'\0\1\2'))
+    readings = readings.updated(
+        oi.PacketList.named('angle', 'oi_mode').unpack_reply(b'\0\1\2'))
     assert repr(readings) == 'Readings(distance=-200, angle=1, oi_mode=<Mode.SAFE: 2>)'
     assert readings != oi.Readings() and readings != 'readings'
+
+
+def test_newer_readings_take_the_place_of_older_ones() -> None:
+    older = oi.Readings({'distance': 5, 'wall': 1, 'oi_mode': 1})
+    for newer, both in (
+        ({}, {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.PASSIVE}),
+        ({'oi_mode': 2}, {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.SAFE}),
+        ({'angle': 7, 'distance': -1},
+         {'distance': -1, 'wall': True, 'oi_mode': oi.Mode.PASSIVE, 'angle': 7}),
+        ({'wall': 0, 'oi_mode': 3, 'distance': 0, 'angle': 1},
+         {'wall': False, 'oi_mode': oi.Mode.FULL, 'distance': 0, 'angle': 1}),
+    ):
+        updated = older.updated(oi.Readings(newer))
+        assert dict(updated.items()) == both
+        assert updated == oi.Readings(both)
+    assert dict(older.items()) == {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.PASSIVE}
+
+
+def test_a_packet_asked_for_twice_counts_as_it_came_last() -> None:
+    twice = oi.PacketList([8, 9, 8]).unpack_reply(b'\0\1\1')
+    assert twice.wall and twice == oi.Readings({'wall': 1, 'cliff_left': 1})
+    assert dict(twice.updated(oi.Readings({'distance': 3})).items()) == {
+        'wall': True, 'cliff_left': True, 'distance': 3}
+    late = oi.Readings({'cliff_left': 0}).updated(twice)
+    assert late == twice
+
+
+def test_readings_are_values() -> None:
+    one, other = oi.Readings({'distance': 1, 'wall': 1}), oi.Readings({'wall': 1, 'distance': 1})
+    assert one == other and hash(one) == hash(other) and not one != other
+    assert one != oi.Readings({'angle': 1, 'wall': 1})  # the same numbers of something else
+    assert copy.deepcopy(one) == pickle.loads(pickle.dumps(one)) == one
 
 
 def test_readings_out_of_the_manuals_range_are_kept_and_named() -> None:

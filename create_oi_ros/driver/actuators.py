@@ -6,7 +6,7 @@ digital outputs at what they were. What was set by request and is safe to repeat
 the low side drivers, which may turn motors, stay off.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from .. import oi
 from .outbox import Outbox
@@ -21,8 +21,9 @@ FULL_DUTY = 128
 class Actuators:
     """Everything of the robot that a request can set, but for mode, wheels, demos and scripts."""
 
-    def __init__(self, outbox: Outbox, requests: Requests, readings: oi.Readings) -> None:
-        """Take where commands go, what checks them, and the readings that are kept up to date."""
+    def __init__(self, outbox: Outbox, requests: Requests, readings: Callable[[], oi.Readings],
+    ) -> None:
+        """Take where commands go, what checks them, and what gives the newest readings."""
         self._outbox = outbox
         self._requests = requests
         self._readings = readings
@@ -111,7 +112,8 @@ class Actuators:
             self._outbox.send(command)
 
     def _cannot_play(self) -> str:
-        if self._readings.has('song_playing') and self._readings.song_playing:
+        readings = self._readings()
+        if readings.has('song_playing') and readings.song_playing:
             return 'a song plays: wait until the topic `song` says that it has ended'
         return self._requests.refusal(oi.PlaySong)
 

@@ -44,7 +44,6 @@ class Driver:
         self.counts = LinkCounts()
         self._tracking = Tracking(settings, self.counts)
         self.odometry = self._tracking.odometry
-        self.readings = self._tracking.readings
         self.battery = BatteryWatch(settings.battery)
         self.turning = TurnCheck(settings.limits.wheel_separation)
         self.hearing = Hearing()
@@ -60,7 +59,7 @@ class Driver:
         self._status_told = self.status
         self._mode_request = ModeRequest()
         self._requests = Requests(self._outbox, self._refusal)
-        self.actuators = Actuators(self._outbox, self._requests, self.readings)
+        self.actuators = Actuators(self._outbox, self._requests, lambda: self.readings)
         self.demos = Demos(self._outbox, self._requests, self._supervision, self._motion)
         self.scripts = Scripts(
             self._outbox, self._requests, self._motion, lambda: self.plan)
@@ -144,6 +143,11 @@ class Driver:
     def status(self) -> ModeStatus:
         """The wanted mode, the actual one, and why they differ."""
         return self._supervision.status
+
+    @property
+    def readings(self) -> oi.Readings:
+        """The newest of every packet that has arrived so far."""
+        return self._tracking.readings
 
     @property
     def baud(self) -> int:

@@ -58,7 +58,7 @@ class Tracking:
             return None
         dt, self._unseen = self._unseen, 0.0
         self._counts.frames += 1
-        self.readings.update(readings)
+        self.readings = self.readings.updated(readings)
         return Taken(readings, stamp, dt)
 
     def moved(self, taken: Taken, speeds: Speeds | None) -> Moved:
@@ -69,7 +69,7 @@ class Tracking:
             self._counts.impossible_jumps += 1
             asked = False
         estimate = self._estimate(taken, speeds, asked=asked)
-        return Moved(taken.stamp, oi.Readings(self.readings.__dict__), estimate)
+        return Moved(taken.stamp, self.readings, estimate)
 
     def _estimate(self, taken: Taken, speeds: Speeds | None, *, asked: bool) -> Estimate:
         readings = taken.readings

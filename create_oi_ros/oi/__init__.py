@@ -2,7 +2,7 @@
 The iRobot Create Open Interface (2006), as data and pure functions.
 
 No ROS, no serial port, no clock: bytes and values in, values and bytes out. Every command is a
-class of `commands`, every packet a field of `packets.Readings`; `stream` reads bytes in flight.
+class of `commands`, every packet a field of `readings.Readings`; `stream` reads bytes in flight.
 Quantities are in the manual's units (mm, mm/s, degrees, mV, mA, mAh).
 """
 
@@ -71,17 +71,13 @@ from .packets import (
     FRAME_LIMIT,
     GROUPS,
     HEADER,
-    NAMES,
-    NUMBERS,
-    Packet,
     PACKET_IDS,
     PacketList,
-    PACKETS,
-    Readings,
     singles,
     size_of,
     SLOT,
 )
+from .readings import NAMES, NUMBERS, Packet, PACKETS, Readings
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 
 __all__ = [

@@ -17,7 +17,8 @@ from typing import TextIO
 from .capture import CaptureError, CaptureReader, records_of
 from .commands import QueryList
 from .explain import decimal, explain_commands, explain_stream, octets, understood
-from .packets import PacketList, PACKETS
+from .packets import PacketList
+from .readings import PACKETS
 from .tables import budget_lines, columns, commands_table, document, packets_table
 from .text import parse_command, parse_commands
 from .transcript import explain_capture

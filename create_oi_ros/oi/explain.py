@@ -11,7 +11,8 @@ from typing import Any
 
 from .command import Command
 from .grammar import label
-from .packets import Packet, PacketList
+from .packets import PacketList
+from .readings import Packet
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 from .text import format_command
 
@@ -97,7 +98,7 @@ def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | G
 
 def explain_frame(frame: Frame) -> str:
     """Explain all that a frame brings."""
-    values = vars(frame.readings)
+    values = dict(frame.readings.items())
     return ', '.join(
         explain_reading(packet, values[name])
         for packet, name in zip(frame.packets.packets, frame.packets.names))

@@ -14,7 +14,8 @@ from .codes import BaudCode
 from .command import Command, Tail
 from .commands import COMMANDS, Note, REST, Script
 from .notes import note_number
-from .packets import NUMBERS, PACKET_ID, PACKETS
+from .packets import PACKET_ID
+from .readings import NUMBERS, PACKETS
 from .script import build_script, SCRIPT_LIMIT
 from .wire import Wire
 

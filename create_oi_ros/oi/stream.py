@@ -18,7 +18,8 @@ from typing import NamedTuple
 from zlib import adler32
 
 from .command import Command
-from .packets import FRAME_LIMIT, HEADER, PacketList, Readings
+from .packets import FRAME_LIMIT, HEADER, PacketList
+from .readings import Readings
 
 
 class Checksum(Enum):
@@ -58,6 +59,8 @@ class Garbage(NamedTuple):
         return readable(self.data)
 
 
+BEGINNINGS = (b'', bytes((HEADER,)))
+"""What is too short to tell whether a frame begins."""
 READABLE = re.compile(rb'[ -~\t\r\n]{6,}')
 """Fewer readable characters than this in a row are chance, not text."""
 GARBAGE_AT_ONCE = 256
@@ -86,15 +89,20 @@ class StreamReader:
 
     def __init__(self, expected: Iterable[PacketList] = ()) -> None:
         """Expect frames of these lists; they can be changed at any time."""
-        self._buffer = bytearray()
-        self._start = 0  # so many bytes at the beginning are known to be garbage
-        self._by_length: dict[int, tuple[PacketList, ...]] = {}
+        self._buffer = b''
+        self._begin = 0  # what is before has been handed out
+        self._start = 0  # what is between is known to be garbage
+        self._by_head: dict[bytes, list[PacketList]] = {}
         self._other_in_a_row = 0
-        self.checksum: Checksum | None = None
-        """The convention that the robot was found to follow; None before the first frame."""
+        self._total: int | None = None
         self.checksum_failures = 0
         """Frames that were whole but for their checksum."""
         self.expect(expected)
+
+    @property
+    def checksum(self) -> Checksum | None:
+        """The convention that the robot was found to follow; None before the first frame."""
+        return None if self._total is None else BY_TOTAL[self._total]
 
     def expect(self, lists: Iterable[PacketList]) -> None:
         """
@@ -103,52 +111,49 @@ class StreamReader:
         Bytes already found to be garbage stay garbage. Lists that no frame can hold, empty ones
         and those beyond what the length byte can say, are passed over.
         """
-        by_length: dict[int, tuple[PacketList, ...]] = {}
+        self._by_head.clear()
         for packets in lists:
             if packets.ids and packets.frame_size <= FRAME_LIMIT:
-                same = by_length.get(packets.length, ())
-                by_length[packets.length] = (*same, packets)
-        self._by_length = by_length
+                self._by_head.setdefault(bytes((HEADER, packets.length)), []).append(packets)
 
     def feed(self, data: bytes) -> None:
         """Append bytes that came in."""
-        self._buffer += data
+        # Most often nothing is left and one frame comes; then no byte is copied, here or later.
+        self._buffer = self._buffer[self._begin:] + data
+        self._begin, self._start = 0, self._start - self._begin
 
     def next_event(self) -> Frame | Garbage | None:
         """Take out the next frame or garbage; None when more bytes are needed."""
         buffer = self._buffer
-        while (start := self._start) < GARBAGE_AT_ONCE:
-            left = len(buffer) - start
-            if left == 0 or left == 1 and buffer[start] == HEADER:
-                return None
-            candidate = self._candidate(start)
-            if candidate is not None:
-                packets, data = candidate
+        while (start := self._start) - self._begin < GARBAGE_AT_ONCE:
+            head = buffer[start:start + 2]
+            # A whole frame is of one list at most: where two lists of one length first differ,
+            # the number stands in the same place in both.
+            for packets in self._by_head.get(head, ()):
+                data = buffer[start:start + packets.frame_size]
+                if not packets.matches(data):
+                    continue
                 if len(data) < packets.frame_size:
-                    return None
-                checksum = self._verify(data)
-                if checksum is not None:
-                    if start:
+                    return self._nothing()
+                # The low half of Adler-32, begun at 0, is the sum of the bytes, computed in C.
+                total = adler32(data, 0) & 0xff
+                if total == self._total or self._is_believed(total):
+                    if start > self._begin:
                         return self._take_garbage(start)
-                    del buffer[:packets.frame_size]
-                    return Frame(packets, data, checksum)
+                    self._begin = self._start = start + len(data)
+                    self._other_in_a_row = 0
+                    # A named tuple's own constructor takes twice as long.
+                    return tuple.__new__(Frame, (packets, data, BY_TOTAL[total]))
+                self.checksum_failures += 1
+            if head in BEGINNINGS:
+                return self._nothing()
             next_header = buffer.find(HEADER, start + 1)
             self._start = len(buffer) if next_header < 0 else next_header
-        return self._take_garbage(GARBAGE_AT_ONCE)
+        return self._take_garbage(self._begin + GARBAGE_AT_ONCE)
 
-    def _candidate(self, start: int) -> tuple[PacketList, bytes] | None:
-        """
-        Return the list whose frame may begin here, and the bytes of it that have come.
-
-        A whole frame is of one list at most: where two lists of one length first differ, the
-        number stands in the same place in both.
-        """
-        buffer = self._buffer
-        if buffer[start] == HEADER:
-            for packets in self._by_length.get(buffer[start + 1], ()):
-                data = bytes(buffer[start:start + packets.frame_size])
-                if packets.matches(data):
-                    return packets, data
+    def _nothing(self) -> Frame | Garbage | None:
+        """Return no event, and keep no more than what belongs to none."""
+        self.feed(b'')
         return None
 
     def finish(self) -> list[Frame | Garbage]:
@@ -171,32 +176,27 @@ class StreamReader:
     def flush(self) -> Garbage | None:
         """Throw away what was received and is no event yet; return it as garbage."""
         self._start = len(self._buffer)
-        return self._take_garbage(self._start) if self._start else None
+        return self._take_garbage(self._start) if self._start > self._begin else None
 
-    def _take_garbage(self, size: int) -> Garbage:
-        garbage = Garbage(bytes(self._buffer[:size]))
-        del self._buffer[:size]
-        self._start -= size
+    def _take_garbage(self, end: int) -> Garbage:
+        garbage = Garbage(self._buffer[self._begin:end])
+        self._begin = end
         return garbage
 
-    def _verify(self, data: bytes) -> Checksum | None:
+    def _is_believed(self, total: int) -> bool:
         """
-        Return the convention under which the checksum is right, if it may be believed.
+        Tell whether a frame adds up right by a convention that was not the robot's so far.
 
         The first frame decides. From then on frames by the other convention are refused, for
         one byte in 256 is right by chance, until so many come in a row that it is no chance.
         """
-        # The low half of Adler-32 is one more than the sum of the bytes, computed in C.
-        found = BY_TOTAL.get(adler32(data) - 1 & 0xff)
-        if found is not None and found is not self.checksum:
-            self._other_in_a_row += 1
-            if self.checksum is None or self._other_in_a_row >= SWITCH_AFTER:
-                self.checksum = found
-        if found is None or found is not self.checksum:
-            self.checksum_failures += 1
-            return None
-        self._other_in_a_row = 0
-        return found
+        if total not in BY_TOTAL:
+            return False
+        self._other_in_a_row += 1
+        if self._total is not None and self._other_in_a_row < SWITCH_AFTER:
+            return False
+        self._total = total
+        return True
 
 
 class UnknownOpcode(NamedTuple):

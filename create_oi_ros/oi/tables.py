@@ -11,7 +11,8 @@ import re
 from .codes import BaudCode
 from .command import Command
 from .commands import COMMANDS
-from .packets import GROUPS, NAMES, PacketList, PACKETS, size_of
+from .packets import GROUPS, PacketList, size_of
+from .readings import NAMES, PACKETS
 from .wire import Wire
 
 Row = Sequence[str]

@@ -13,7 +13,8 @@ from .capture import Kind, MICROSECONDS, Record
 from .command import Command
 from .commands import Drive, DriveDirect, Stream
 from .explain import CONVENTIONS, decimal, explain_command, explain_frame, explain_reading
-from .packets import NUMBERS, PACKET_IDS, PacketList, PACKETS
+from .packets import PACKET_IDS, PacketList
+from .readings import NUMBERS, PACKETS
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 
 SUM_AFTER = 10 * MICROSECONDS
@@ -52,7 +53,7 @@ class Sum:
 
     def add(self, frame: Frame) -> None:
         """Add a frame."""
-        values = vars(frame.readings)
+        values = dict(frame.readings.items())
         self.frames += 1
         for name in ('distance', 'angle'):
             if name in values:
@@ -150,7 +151,7 @@ class Transcript:
             yield self._line(FROM_ROBOT, explain_frame(event))
             return
         self._sum.add(event)
-        news = {name: value for name, value in vars(event.readings).items()
+        news = {name: value for name, value in event.readings.items()
                 if name in TELLING and self._told.get(name) != value}
         if news:
             self._told.update(news)
