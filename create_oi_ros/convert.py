@@ -127,16 +127,16 @@ def joint_states(message: JointState, estimate: Estimate) -> None:
 def bumper(message: Bumper, readings: Readings) -> None:
     """Fill in the bumper's two halves (packet 7)."""
     bits = readings.bumps_and_wheel_drops
-    message.left = bool(bits & BumpsAndWheelDrops.BUMP_LEFT)
-    message.right = bool(bits & BumpsAndWheelDrops.BUMP_RIGHT)
+    message.left = BumpsAndWheelDrops.BUMP_LEFT in bits
+    message.right = BumpsAndWheelDrops.BUMP_RIGHT in bits
 
 
 def wheel_drop(message: WheelDrop, readings: Readings) -> None:
     """Fill in which wheels hang (packet 7)."""
     bits = readings.bumps_and_wheel_drops
-    message.left = bool(bits & BumpsAndWheelDrops.WHEEL_DROP_LEFT)
-    message.right = bool(bits & BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
-    message.caster = bool(bits & BumpsAndWheelDrops.WHEEL_DROP_CASTER)
+    message.left = BumpsAndWheelDrops.WHEEL_DROP_LEFT in bits
+    message.right = BumpsAndWheelDrops.WHEEL_DROP_RIGHT in bits
+    message.caster = BumpsAndWheelDrops.WHEEL_DROP_CASTER in bits
 
 
 def cliff(message: Cliff, readings: Readings) -> None:
@@ -207,8 +207,8 @@ def wall(message: Wall, readings: Readings) -> None:
 
 def buttons(message: Buttons, readings: Readings) -> None:
     """Fill in which buttons are pressed (packet 18)."""
-    message.play = bool(readings.buttons & oi.Buttons.PLAY)
-    message.advance = bool(readings.buttons & oi.Buttons.ADVANCE)
+    message.play = oi.Buttons.PLAY in readings.buttons
+    message.advance = oi.Buttons.ADVANCE in readings.buttons
 
 
 def ir_omni(message: IrOmni, readings: Readings) -> None:
@@ -222,18 +222,18 @@ def charging(message: Charging, readings: Readings) -> None:
     """Fill in the charging state and the sources (packets 21 and 34)."""
     sources = readings.charging_sources
     message.state = readings.charging_state
-    message.internal_charger = bool(sources & ChargingSources.INTERNAL_CHARGER)
-    message.home_base = bool(sources & ChargingSources.HOME_BASE)
+    message.internal_charger = ChargingSources.INTERNAL_CHARGER in sources
+    message.home_base = ChargingSources.HOME_BASE in sources
 
 
 def overcurrent(message: Overcurrent, readings: Readings) -> None:
     """Fill in what draws too much current (packet 14)."""
     bits = readings.overcurrents
-    message.left_wheel = bool(bits & Overcurrents.LEFT_WHEEL)
-    message.right_wheel = bool(bits & Overcurrents.RIGHT_WHEEL)
-    message.driver_0 = bool(bits & Overcurrents.DRIVER_0)
-    message.driver_1 = bool(bits & Overcurrents.DRIVER_1)
-    message.driver_2 = bool(bits & Overcurrents.DRIVER_2)
+    message.left_wheel = Overcurrents.LEFT_WHEEL in bits
+    message.right_wheel = Overcurrents.RIGHT_WHEEL in bits
+    message.driver_0 = Overcurrents.DRIVER_0 in bits
+    message.driver_1 = Overcurrents.DRIVER_1 in bits
+    message.driver_2 = Overcurrents.DRIVER_2 in bits
 
 
 def song(message: Song, readings: Readings) -> None:
@@ -245,11 +245,11 @@ def song(message: Song, readings: Readings) -> None:
 def cargo_bay(message: CargoBay, readings: Readings) -> None:
     """Fill in the inputs of the cargo bay connector (packets 32 and 33)."""
     bits = readings.digital_inputs
-    message.input_0 = bool(bits & DigitalInputs.INPUT_0)
-    message.input_1 = bool(bits & DigitalInputs.INPUT_1)
-    message.input_2 = bool(bits & DigitalInputs.INPUT_2)
-    message.input_3 = bool(bits & DigitalInputs.INPUT_3)
-    message.baud_rate_pin = bool(bits & DigitalInputs.BAUD_RATE_CHANGE)
+    message.input_0 = DigitalInputs.INPUT_0 in bits
+    message.input_1 = DigitalInputs.INPUT_1 in bits
+    message.input_2 = DigitalInputs.INPUT_2 in bits
+    message.input_3 = DigitalInputs.INPUT_3 in bits
+    message.baud_rate_pin = DigitalInputs.BAUD_RATE_CHANGE in bits
     message.analog = readings.analog_signal * VOLTS_PER_STEP
 
 

@@ -27,6 +27,7 @@ LOOK_EVERY = 0.04
 """Seconds between two looks at whether the driver is stopped; two in a row must see it."""
 STOPPED = (b'T', b't')
 """By a signal, and by a debugger (proc(5))."""
+STATUS_AT_MOST = 4096
 
 
 class DeadMan:
@@ -70,21 +71,29 @@ class DeadMan:
             self._process.wait()
 
 
-def is_stopped(process: int) -> bool:
+def status_of(process: int) -> int | None:
+    """Open what the kernel says of a process; None for one that is gone or hidden."""
+    try:
+        return os.open(f'/proc/{process}/stat', os.O_RDONLY)
+    except OSError:
+        return None
+
+
+def is_stopped(status: int | None) -> bool:
     """Tell whether a process is stopped; one that is gone or hidden is not."""
     try:
-        with open(f'/proc/{process}/stat', 'rb') as stat:
-            # The name, in brackets, may hold anything.
-            return stat.read().rpartition(b')')[2].split()[0] in STOPPED
+        # The name, in brackets, may hold anything.
+        told = b'' if status is None else os.pread(status, STATUS_AT_MOST, 0)
+        return told.rpartition(b') ')[2][:1] in STOPPED
     except OSError:
         return False
 
 
 def watch(pipe: int, line: int, last_words: bytes, driver: int) -> None:
     """Wait for the driver's goodbye or its death; write the last words after its death."""
-    looks = 0
+    status, looks = status_of(driver), 0
     while not select.select([pipe], [], [], LOOK_EVERY)[0]:
-        looks = looks + 1 if is_stopped(driver) else 0
+        looks = looks + 1 if is_stopped(status) else 0
         if looks == 2:
             say(line, last_words)
     if os.read(pipe, 1) != GOODBYE:

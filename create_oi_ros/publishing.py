@@ -8,6 +8,7 @@ Latched topics are published all the same, for those who come later.
 from collections.abc import Callable
 from functools import partial
 from math import inf
+from operator import attrgetter
 import time
 from typing import Any
 
@@ -20,8 +21,9 @@ from sensor_msgs.msg import JointState
 
 from . import convert, topics
 from .driver import Moved
+from .oi import Readings
 from .parameters import Parameters
-from .topics import Edge, SensorTopic, Topic
+from .topics import EARLY, Edge, SensorTopic, Topic
 
 LOOK_EVERY = 0.1
 """Seconds between two looks at who listens, and at the node's clock."""
@@ -68,6 +70,10 @@ class FramePublisher:
         self._sensors = [
             (Edge(topic), self._sensor_outlet(node, topic, parameters.base_frame))
             for topic in topics.sensor_topics(charge_known=charge_known)]
+        self._watched = attrgetter(*topics.WATCHED)
+        self._complete = False
+        self._seen: object = None
+        self._due_at = -inf
         self._look()
 
     def _motion_outlets(self, node: Node, parameters: Parameters) -> list[Outlet]:
@@ -89,11 +95,14 @@ class FramePublisher:
         """Publish what a frame told; sensors that do not change, once in a period, s."""
         convert.set_time(
             self._stamp, self._offset + round(moved.stamp * convert.NANOSECONDS))
+        # A bump must not wait for anything; what is only due again can.
+        changed = self._changed(moved.readings)
+        if changed:
+            self._publish_sensors(moved, sensor_period)
         if self._odom.heard:
             self._odom.publish(moved.estimate)
-        for edge, outlet in self._sensors:
-            if outlet.heard and edge.due(moved.readings, moved.stamp, sensor_period):
-                outlet.publish(moved.readings)
+        if not changed and moved.stamp >= self._due_at - EARLY:
+            self._publish_sensors(moved, sensor_period)
         for outlet in self._motion:
             if outlet.heard:
                 outlet.publish(moved.estimate)
@@ -102,8 +111,24 @@ class FramePublisher:
             self._look_at = moved.stamp + LOOK_EVERY
             self._look()
 
+    def _changed(self, readings: Readings) -> bool:
+        """Look at all that is watched at once, since most often nothing has changed."""
+        self._complete = self._complete or readings.has(*topics.WATCHED)
+        if not self._complete:
+            return True
+        before, self._seen = self._seen, self._watched(readings)
+        return self._seen != before
+
+    def _publish_sensors(self, moved: Moved, sensor_period: float) -> None:
+        for edge, outlet in self._sensors:
+            if outlet.heard and edge.due(moved.readings, moved.stamp, sensor_period):
+                outlet.publish(moved.readings)
+        self._due_at = min((edge.due_at for edge, outlet in self._sensors if outlet.heard),
+                           default=inf)
+
     def _look(self) -> None:
         """See who listens, and how far the node's clock is from the driver's."""
+        self._due_at = -inf  # somebody may listen now who did not before
         for outlet in (self._odom, *self._motion):
             outlet.look()
         for _, outlet in self._sensors:

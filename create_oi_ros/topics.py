@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
 from operator import attrgetter
+from typing import Any
 
 from create_oi_msgs.msg import (
     Bumper,
@@ -57,8 +58,10 @@ class SensorTopic(Topic):
     when: str = 'on change at once, else at `sensor_rate`'
     needs: tuple[str, ...]
     """Readings that must have arrived."""
-    watch: Callable[[Readings], object]
-    """What is published at once when it changes."""
+    watch: tuple[str, ...]
+    """Readings of which a change is published at once."""
+    bits: int | None = None
+    """The bits of the only one that count; None: all."""
     fill: Callable[..., None]
     """Fills a message, its header apart, with readings."""
     period: float | None = None
@@ -95,58 +98,61 @@ CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
         name='bumper', type=Bumper, fill=convert.bumper, needs=('bumps_and_wheel_drops',),
-        watch=lambda readings: int(readings.bumps_and_wheel_drops) & BUMPS,
+        watch=('bumps_and_wheel_drops',), bits=BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
         name='wheel_drop', type=WheelDrop, fill=convert.wheel_drop,
         needs=('bumps_and_wheel_drops',),
-        watch=lambda readings: int(readings.bumps_and_wheel_drops) & ~BUMPS,
+        watch=('bumps_and_wheel_drops',), bits=~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
         name='cliff', type=Cliff, fill=convert.cliff,
         needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
-        watch=attrgetter(*CLIFFS),
+        watch=CLIFFS,
         about='the four cliff sensors, with signal strengths'),
     SensorTopic(
         name='wall', type=Wall, fill=convert.wall,
         needs=('wall', 'virtual_wall', 'wall_signal'),
-        watch=attrgetter('wall', 'virtual_wall'),
+        watch=('wall', 'virtual_wall'),
         about='the wall sensor on the right, with its signal strength, and virtual walls'),
     SensorTopic(
         name='cargo_bay', type=CargoBay, fill=convert.cargo_bay, qos=LATCHED,
         needs=('digital_inputs', 'analog_signal'),
-        watch=attrgetter('digital_inputs'),
+        watch=('digital_inputs',),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts, baud rate pin'),
     StateTopic(
         name='buttons', type=Buttons, fill=convert.buttons, needs=('buttons',),
-        watch=attrgetter('buttons'), about='Play and Advance'),
+        watch=('buttons',), about='Play and Advance'),
     StateTopic(
         name='ir_omni', type=IrOmni, fill=convert.ir_omni, needs=('infrared',),
-        watch=attrgetter('infrared'),
+        watch=('infrared',),
         about='infrared character that is received, with its name'),
     StateTopic(
         name='charging', type=Charging, fill=convert.charging,
         needs=('charging_state', 'charging_sources'),
-        watch=attrgetter('charging_state', 'charging_sources'),
+        watch=('charging_state', 'charging_sources'),
         about='charging state, charger and Home Base'),
     StateTopic(
         name='overcurrent', type=Overcurrent, fill=convert.overcurrent, needs=('overcurrents',),
-        watch=attrgetter('overcurrents'),
+        watch=('overcurrents',),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
         name='song', type=Song, fill=convert.song, needs=('song_number', 'song_playing'),
-        watch=attrgetter('song_number', 'song_playing'),
+        watch=('song_number', 'song_playing'),
         about='the song that plays, or played last'),
     SensorTopic(
         name='battery_state', type=BatteryState, fill=convert.battery_state, period=1.0,
         needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
                'battery_capacity', 'charging_sources'),
-        watch=attrgetter('charging_state', 'charging_sources'),
+        watch=('charging_state', 'charging_sources'),
         when='1 Hz, and when the charging state changes',
         about='voltage, current, charge, temperature, charging status'),
 )
 PUBLISHED: tuple[Topic, ...] = (ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, MODE, DIAGNOSTICS)
+
+WATCHED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.watch})
+"""Readings of which a change is published at once, on one topic or another."""
 
 
 def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
@@ -156,27 +162,34 @@ def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
         if topic.type is BatteryState else topic for topic in SENSOR_TOPICS]
 
 
+EARLY = SLOT / 2
+"""Seconds by which a frame may come before a topic is due: the nearest slot is the one meant."""
+
+
 class Edge:
     """Tells when a topic is due: at once on change, else after its period."""
 
     def __init__(self, topic: SensorTopic) -> None:
         self._topic = topic
+        self._watched = attrgetter(*topic.watch)
         self._complete = False
-        self._last: object = None
-        self._due_at = -inf
+        self._last: Any = None
+        self.due_at = -inf
+        """When it is due though nothing has changed, in the time of stamps."""
 
     def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
         """Take the newest of all readings in, of a frame at `stamp` seconds."""
         self._complete = self._complete or readings.has(*self._topic.needs)
         if not self._complete:
             return False
-        value = self._topic.watch(readings)
+        value: Any = self._watched(readings)
+        if self._topic.bits is not None:
+            value = int(value) & self._topic.bits
         period = self._topic.period or sensor_period
-        # Frames come in slots: the slot nearest to the moment is the one that is meant.
-        if value == self._last and stamp < self._due_at - SLOT / 2:
+        if value == self._last and stamp < self.due_at - EARLY:
             return False
         # The next moment is a period after this one was due, so that the rate is right.
-        next_at = self._due_at + period
+        next_at = self.due_at + period
         in_step = value == self._last and next_at > stamp
-        self._last, self._due_at = value, next_at if in_step else stamp + period
+        self._last, self.due_at = value, next_at if in_step else stamp + period
         return True

@@ -106,8 +106,19 @@ def test_each_time_that_it_is_stopped_for_two_looks_is_one_for_last_words(monkey
 
 
 def test_only_a_stopped_process_is_seen_as_stopped():
-    assert not dead_man.is_stopped(os.getpid())
-    assert not dead_man.is_stopped(2 ** 22 + 1), 'no process has such a number'
+    assert not dead_man.is_stopped(dead_man.status_of(os.getpid()))
+    assert dead_man.status_of(2 ** 22 + 1) is None, 'no process has such a number'
+    assert not dead_man.is_stopped(None)
+    ended = subprocess.Popen(['cat'], stdin=subprocess.PIPE)
+    status = dead_man.status_of(ended.pid)
+    ended.send_signal(signal.SIGSTOP)
+    os.waitpid(ended.pid, os.WUNTRACED)
+    assert dead_man.is_stopped(status)
+    ended.kill()
+    ended.communicate()
+    assert not dead_man.is_stopped(status)
+    assert status is not None
+    os.close(status)
 
 
 def test_a_line_that_is_gone_ends_the_last_words():

@@ -86,9 +86,11 @@ class Scripts:
     @property
     def refusal(self) -> str:
         """Why nothing can be asked for now; '' if it can."""
+        if self._doing is Doing.NOTHING:
+            return ''
         if self.playing:
             return 'a script plays, and the robot hears nothing while it waits: try again later'
-        return 'the stored script is being read: try again' if self.reading else ''
+        return 'the stored script is being read: try again'
 
     def define(self, script: oi.Script, reply: Reply) -> None:
         """Store a script; an empty one clears it."""
