@@ -117,8 +117,8 @@ def told(recording: Recording) -> dict[str, object]:
     dated, *sentences = (SECONDS.sub('#', line) for line in summary(recording))
     return {
         'name': recording.name, 'robot': recording.robot, 'storage': recording.storage,
-        'messages': recording.messages, 'settings': recording.settings, 'words': dict(words),
-        'damage': recording.damage,
+        'messages': recording.messages, 'settings': recording.settings,
+        'words': dict(sorted(words.items())), 'damage': recording.damage,
         'sentences': [line for line in sentences if 'gap' not in line],
         **{(name, column): list(getattr(recording, name)[column])
            for name, columns in curves.items() for column in columns}}
