@@ -25,6 +25,8 @@ TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / 0.258
 """... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
 LATE = 1.5 * SLOT
 """Seconds between two frames from which on one was lost."""
+NEAR = 1e-7
+"""m and rad by which an estimate that stands need not come nearer to its track."""
 AS_BUILT = Geometry()
 FLOOR = 1e-9
 """Variance of a pose that is known exactly, m² and rad²."""
@@ -57,6 +59,8 @@ class Odometry:
         self._at_rest = False
         self._rested = 0.0
         """Seconds of rest that the tracks have not been told of."""
+        self._caught_up = False
+        """Whether the estimate stands where the best track does."""
 
     @property
     def reading_due(self) -> bool:
@@ -72,6 +76,7 @@ class Odometry:
         """Begin again at the origin; what was learned of the robot stays."""
         e = self.estimate
         self.estimate = Estimate(right_wheel=e.right_wheel, left_wheel=e.left_wheel)
+        self._caught_up = False
         for track in self.beliefs.tracks:
             track.reset()
 
@@ -90,11 +95,13 @@ class Odometry:
         if not self.window:
             self.estimate = self._as_reported(increment)
             return self.estimate
-        self._move(increment)
+        rested = self._move(increment)
         best = self.beliefs.best
         went, turned = best.went, best.turned
         if increment.distance is not None and increment.angle is not None:
             self._read(increment.distance, increment.angle, increment.driven)
+        elif rested and self._caught_up:
+            return self.estimate  # nothing has moved, nothing was learned
         self.estimate = self._followed(increment.dt, went, turned)
         return self.estimate
 
@@ -104,14 +111,15 @@ class Odometry:
             return self.estimate
         return self._plain.after(self.estimate, increment)
 
-    def _move(self, increment: Increment) -> None:
-        """Let the tracks predict, and plan the next reading."""
+    def _move(self, increment: Increment) -> bool:
+        """Let the tracks predict, and plan the next reading; True where nothing has moved."""
         dt, driven = increment.dt, increment.driven
         right, left = (increment.right, increment.left) if driven else (0.0, 0.0)
         best = self.beliefs.best
         steady = right == best.right.request and left == best.left.request
         usual = steady and not self._gap and increment.lifted == self._lifted
-        if self._at_rest and usual and dt <= LATE:
+        rested = self._at_rest and usual and dt <= LATE
+        if rested:
             self._rested += dt
             best.went = best.turned = 0.0
         else:
@@ -123,6 +131,7 @@ class Odometry:
         if self._plan.step(dt, steady=steady, beliefs=self.beliefs) and lost:
             self._missed = best.distance, best.angle
         self._lost = lost and not self._plan.due
+        return rested
 
     def _advance(self, dt: float, right: float, left: float, lifted: bool) -> None:
         """Let the tracks predict."""
@@ -172,6 +181,7 @@ class Odometry:
         x, y, yaw = best.x - before.x - dx, best.y - before.y - dy, best.yaw - before.yaw - turned
         part = 1 - exp(-dt / BLEND)
         share = _share(part, hypot(x, y), STEP, FAR, TOP * dt - abs(went))
+        self._caught_up = not went and not turned and hypot(x, y) < NEAR and abs(yaw) < NEAR
         twist = yaw * _share(part, abs(yaw), TWIST, ASKEW, TOP_TURN * dt - abs(turned))
         dx, dy, dyaw = dx + share * x, dy + share * y, turned + twist
         forward = dx * cos(middle) + dy * sin(middle)
