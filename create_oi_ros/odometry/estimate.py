@@ -1,6 +1,7 @@
 """What goes into odometry, and what comes out of it; SI units."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,8 +22,7 @@ class Geometry:
     a carpet may need 0.002."""
 
 
-@dataclass(frozen=True, slots=True)
-class Increment:
+class Increment(NamedTuple):
     """What one frame says about motion since the frame before."""
 
     dt: float
@@ -43,8 +43,7 @@ class Increment:
     """Whether a frame before this one, or a reading in this one, may have been lost."""
 
 
-@dataclass(frozen=True, slots=True)
-class Estimate:
+class Estimate(NamedTuple):
     """Pose in the odometry frame, twist in the base frame, wheels, and how sure that is."""
 
     x: float = 0.0
