@@ -102,12 +102,14 @@ def odometry(message: Odometry, estimate: Estimate) -> None:
     pose.pose.position.x = estimate.x
     pose.pose.position.y = estimate.y
     turn(pose.pose.orientation, estimate.yaw)
+    covariance = pose.covariance
     for place, known in zip(POSE_PLACES, estimate.pose_covariance):
-        pose.covariance[place] = known
+        covariance[place] = known
     twist.twist.linear.x = estimate.linear
     twist.twist.angular.z = estimate.angular
+    covariance = twist.covariance
     for place, known in zip(TWIST_PLACES, estimate.twist_covariance):
-        twist.covariance[place] = known
+        covariance[place] = known
 
 
 def transforms(message: TFMessage, estimate: Estimate) -> None:

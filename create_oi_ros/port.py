@@ -80,7 +80,7 @@ class Port:
         try:
             if self._line is not None:
                 ready, _, _ = select.select([self._line], [], [], self._timeout)
-                return bytes(self._serial.read(READ_AT_MOST)) if ready else b''
+                return self._take(self._line) if ready else b''
             first: bytes = self._serial.read(1)
             if not first:
                 return b''
@@ -89,6 +89,17 @@ class Port:
         except (OSError, TypeError, ValueError) as error:
             # The last two are raised where another thread has closed the port.
             raise PortError(f'{self.url}: reading failed ({error}); is the cable in?') from error
+
+    def _take(self, line: int) -> bytes:
+        """Return the bytes that wait; pyserial would look once more whether there are any."""
+        if '://' in self.url:
+            return bytes(self._serial.read(READ_AT_MOST))
+        if not self._serial.is_open:
+            raise OSError('it was closed')
+        waiting = os.read(line, READ_AT_MOST)
+        if not waiting:
+            raise OSError('ready, but with nothing to read: it was unplugged')
+        return waiting
 
     def write(self, encoded: bytes) -> None:
         """Write all bytes."""

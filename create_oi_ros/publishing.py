@@ -14,6 +14,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
@@ -32,8 +33,15 @@ AT_ONCE, MOST_LOOKS = 1e-4, 10
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
-    """Declare a topic to ROS."""
-    return node.create_publisher(topic.type, topic.name, topic.qos)
+    """
+    Declare a topic to ROS.
+
+    A subscriber that asks for what is not offered says so itself. For the publisher to say so too,
+    the executor would have two more things to look at for every topic, at every command.
+    """
+    return node.create_publisher(
+        topic.type, topic.name, topic.qos,
+        event_callbacks=PublisherEventCallbacks(use_default_callbacks=False))
 
 
 class Outlet:

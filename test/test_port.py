@@ -91,6 +91,49 @@ def test_a_port_is_ours_alone_and_the_other_is_told_by_whom(terminal):
     Port(terminal, 57600, timeout=0.01).close()
 
 
+@pytest.fixture
+def line():
+    """Return an open port and the number of the terminal's other end."""
+    other, ours = os.openpty()
+    opened = Port(os.ttyname(ours), 57600, timeout=0.01)
+    os.close(ours)
+    yield opened, other
+    opened.close()
+
+
+def test_a_read_returns_what_has_come_or_nothing(line):
+    opened, other = line
+    assert opened.read() == b''
+    os.write(other, bytes(range(256)))
+    assert opened.read() == bytes(range(256))
+    assert opened.read() == b''
+    os.close(other)
+
+
+def test_a_line_that_was_lost_says_so(line):
+    opened, other = line
+    os.close(other)
+    with pytest.raises(PortError, match='reading failed .*; is the cable in'):
+        opened.read()
+
+
+def test_a_line_that_was_closed_is_read_no_more(line, monkeypatch):
+    opened, other = line
+    monkeypatch.setattr(port.select, 'select', lambda reading, *_: (reading, [], []))
+    opened.close()
+    with pytest.raises(PortError, match='it was closed'):
+        opened.read()
+    os.close(other)
+
+
+def test_a_device_that_is_ready_but_has_nothing_was_unplugged(line, monkeypatch):
+    opened, other = line
+    monkeypatch.setattr(port.select, 'select', lambda reading, *_: (reading, [], []))
+    with pytest.raises(PortError, match='it was unplugged'):
+        opened.read()
+    os.close(other)
+
+
 def test_who_holds_a_port_is_named(terminal):
     child = subprocess.Popen(
         [sys.executable, '-S', '-c', HOLDER, terminal], stdin=subprocess.PIPE,

@@ -325,7 +325,7 @@ class Driver:
             self._say(Severity.WARNING, 'the angle does not change though the robot was told to '
                       'turn: are the wheels blocked, or does odometry_window: 0 hide slow turns? '
                       'Some firmware before 3.4.1 is reported to send a constant 0')
-        if taken.readings.has('voltage') and self.battery.observe(moved.readings, now):
+        if self.battery.observe(moved.readings, now):
             self._mind_battery(now)
 
     def _mind_battery(self, now: float) -> None:

@@ -49,6 +49,9 @@ class BatteryWatch:
         """Take readings in; True when the level has just become worse."""
         if not readings.has('voltage', 'charging_sources'):
             return False
+        highest = max(self.limits.low, self.limits.empty)
+        if not self._below_since and readings.voltage * MILLI > highest:
+            return False  # as in most frames
         before = self.level
         self.level = BatteryLevel.FINE
         for level, limit in ((BatteryLevel.LOW, self.limits.low),
