@@ -60,6 +60,8 @@ class Command:
     tail: ClassVar[Tail | None]
     by_opcode: ClassVar[dict[int, type['Command']]] = {}
     _names: ClassVar[dict[str, None]]
+    _checks: ClassVar[tuple[tuple[str, int, int, Wire], ...]]
+    """Name, between which a plain number is right, and what tells of all others."""
     _head: ClassVar[struct.Struct]
 
     def __init_subclass__(
@@ -73,6 +75,7 @@ class Command:
         cls.modes, cls.enters = modes, enters
         cls.fields, cls.tail = _declared(cls)
         cls._names = dict.fromkeys(cls.__annotations__)
+        cls._checks = tuple((name, *wire.plain, wire) for name, wire in cls.fields)
         count = 'B' if cls.tail else ''
         formats = ''.join(field.wire.format for field in cls.fields)
         cls._head = struct.Struct(f'{BIG_ENDIAN}B{formats}{count}')
@@ -99,10 +102,11 @@ class Command:
 
     def encode(self) -> bytes:
         """Return the bytes to send; ValueError names field, value and range."""
-        values = []
-        for name, wire in self.fields:
-            value = getattr(self, name)
-            if not wire.allows(value):
+        held, values = self.__dict__, []
+        for name, low, high, wire in self._checks:
+            value = held[name]
+            # Most often it is a plain number in its range, and needs no closer look.
+            if not (type(value) is int and low <= value <= high) and not wire.allows(value):
                 raise ValueError(refusal(self.title, name, value, wire))
             values.append(value)
         if self.tail is None:

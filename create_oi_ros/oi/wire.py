@@ -33,10 +33,13 @@ class Wire(NamedTuple):
     inverse: bool = False
     """The negative of a named number stands for its inverse (Wait Event)."""
 
+    @property
+    def plain(self) -> tuple[int, int]:
+        """Between which a number is allowed without a closer look; where names matter, nothing."""
+        return (0, -1) if self.names is not None or self.but else (self.low, self.high)
+
     def allows(self, value: object) -> bool:
         """Tell whether a value may be sent; anything but a whole number may not."""
-        if type(value) is int and self.names is None:
-            return self.low <= value <= self.high
         try:
             number = index(value)  # type: ignore[arg-type]
         except TypeError:
