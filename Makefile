@@ -13,7 +13,7 @@ run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov -n 2 --dist loadfile)
 build: $(BUILT)
-bench: build ; @$(ENTER) for each in $(filter-out %_odometry.py,$(wildcard bench/bench_*.py)); do python $$each $(ARGS) || exit; done
+bench: build ; @$(ENTER) python bench/everything.py $(ARGS)
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)
 bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 faults: build ; @$(ENTER) PYTHONPATH=bench:test:$$PYTHONPATH python -m faults $(ARGS)

@@ -1,5 +1,5 @@
 """
-How true the stamps are: `python bench/bench_clock.py`, five seconds, a table.
+How true the stamps are: `python bench/bench_clock.py`, ten seconds, a table.
 
 A driver and a robot in memory. The line delays each frame by up to 5 ms at random, in order, and
 the robot's clock is fast by as much as a quartz may be. A stamp is compared with the end of the
@@ -19,7 +19,7 @@ from create_oi_ros.sim.guesses import Guesses
 from create_oi_ros.sim.world import shipped
 
 DELAY = 0.005
-LEARN, WATCH = 60.0, 60.0
+LEARN, WATCH = 20.0, 40.0
 """Seconds of the clock's life before, and while its stamps are looked at."""
 DRIFTS = (0.0, 1e-4, -1e-4)
 """By how much the robot's clock is fast."""

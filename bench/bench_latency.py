@@ -25,8 +25,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
 from simulator import Teacher
 
 REPETITIONS = 3
-SETTLE, LISTEN = 3.0, 7.0
-"""Seconds until all have found each other, and while odometry is listened to."""
+SETTLE, LISTEN = 1.0, 6.0
+"""Seconds after the last command, and while odometry is listened to."""
 COMMANDS, PRESSES = 100, 100
 
 

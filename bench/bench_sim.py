@@ -31,7 +31,7 @@ from create_oi_ros.start import PROGRAMS
 ALL = tuple(oi.PACKETS)
 FIT = tuple(number for number in oi.PACKETS if number not in (15, 16, 38))
 """All that a slot at 57600 baud holds."""
-SETTLE, WATCH = 2.0, 10.0
+SETTLE, WATCH = 2.0, 8.0
 """Seconds before and while a served robot is watched."""
 ON_TIME = 0.002
 

@@ -15,8 +15,6 @@ from results import Figure, repeated, run
 from scene import DOMAIN, scene
 
 REPETITIONS = 5
-FIRST = 6.0
-"""Seconds after which a first message has come."""
 BARE_NODE = 'import rclpy; rclpy.init(); rclpy.create_node("bare"); rclpy.shutdown()'
 OURS = 'import create_oi_ros.node'
 THEIRS = (
@@ -42,7 +40,7 @@ def first_odom(*, floor: bool) -> float:
         sleep(1)
         begun = monotonic()
         stage.driver(floor=floor)
-        sleep(FIRST)
+        listener.line()
         return float(listener.told()['odom'][0][0]) - begun
 
 

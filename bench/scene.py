@@ -60,17 +60,22 @@ class Actor:
     def line(self) -> str:
         """Wait for a line; RuntimeError says what the program complained of instead."""
         assert self.process.stdout is not None
+        impatience = threading.Timer(PATIENCE, self.process.kill)
+        impatience.start()
         line = self.process.stdout.readline()
+        impatience.cancel()
         if not line:
-            complaints = ''.join(self.complaints)
             complaints = ''.join(self.complaints)
             raise RuntimeError(f'{self.process.args} said nothing more: {complaints}')
         return line
 
     def told(self) -> Any:
-        """End it, and return what it has to tell."""
+        """End it, and return what it has to tell, which is its last line."""
         self.process.send_signal(signal.SIGTERM)
-        return json.loads(self.line())
+        line = self.line()
+        while not line.startswith('{'):
+            line = self.line()
+        return json.loads(line)
 
     def close(self) -> None:
         """End it, whatever it does."""
@@ -123,6 +128,10 @@ class Scene:
             return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
                                 str(oi.DriveDirect.opcode), *imports)
         return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
+
+    def variant(self, which: str) -> Actor:
+        """Start the floor with one thing done otherwise."""
+        return self.program('variant', which, str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT)
 
     def listener(self, *topics: str) -> Actor:
         """Start one that subscribes to topics."""

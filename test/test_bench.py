@@ -7,8 +7,10 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / 'bench'))
+import bench_parts  # noqa: E402
 import compare  # noqa: E402
 import document  # noqa: E402
+import everything  # noqa: E402
 from results import Figure, figures_of, keep, load, rows  # noqa: E402
 
 PAGE = ROOT / 'docs' / 'performance.md'
@@ -56,3 +58,33 @@ def test_a_table_has_a_cell_for_each_heading():
     table = rows([Figure('a', 2.0, 's', 1.0, worst=3.0, beside='x'), Figure('b', 1.0, 's')])
     assert {len(row) for row in table} == {6}
     assert table[1] == ['a', '2 s', '3', '<= 1', 'missed', 'x']
+
+
+def test_make_bench_runs_every_program_but_the_odometry():
+    assert {path.stem for path in everything.programs()} == {*PROGRAMS} - {'bench_odometry'}
+
+
+def test_a_program_that_fails_does_not_keep_the_others_from_running(tmp_path, capfd):
+    bad, good = tmp_path / 'bad.py', tmp_path / 'good.py'
+    bad.write_text('raise SystemExit(1)')
+    good.write_text('import sys; print(sys.argv[1])')
+    assert everything.run_all([bad, good], ['option']) == ['bad']
+    said = capfd.readouterr().out
+    assert 'option' in said and said.endswith('their older results stand: bad.\n')
+
+
+def test_the_parts_of_a_frame_add_up_to_what_the_kernel_counted():
+    calls = dict.fromkeys(bench_parts.PARTS, 2) | {'Publisher.publish': 9}
+    told = {'thread': 2_000_000, 'calls': calls, 'spent': dict.fromkeys(calls, 200_000)}
+    seen = bench_parts.seen(told, whole=10.0, others=1.0)
+    assert seen.messages == 4.5
+    assert sum(seen.microseconds.values()) == pytest.approx(1500)
+    assert seen.microseconds[bench_parts.DEAD_MAN] == pytest.approx(150)
+    assert seen.microseconds[bench_parts.REST] == pytest.approx(200)
+
+
+def test_a_step_that_the_node_has_lost_is_not_passed_over():
+    calls = dict.fromkeys(bench_parts.PARTS, 1)
+    del calls['Driver.poll']
+    with pytest.raises(KeyError, match='Driver.poll'):
+        bench_parts.seen({'thread': 1, 'calls': calls, 'spent': calls}, whole=10.0, others=1.0)
