@@ -10,7 +10,7 @@ import os
 from time import monotonic, sleep
 from typing import NamedTuple
 
-from processes import processor_shares
+from processes import machine_seconds, processor_shares
 from results import Figure, run
 from scene import Actor, Scene, scene
 
@@ -36,13 +36,6 @@ class Seen(NamedTuple):
     """Of the frames that there should have been, %."""
     busy: float
     """Of all cores, %, whoever keeps them busy."""
-
-
-def machine_seconds() -> float:
-    """Return the seconds that all cores together have been busy."""
-    with open('/proc/stat', encoding='ascii') as file:
-        user, nice, system, _, _, irq, soft, steal, *_ = map(int, file.readline().split()[1:])
-    return (user + nice + system + irq + soft + steal) / os.sysconf('SC_CLK_TCK')
 
 
 def robots(stage: Scene, size: int) -> list[Actor]:

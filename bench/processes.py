@@ -8,6 +8,13 @@ PAGE = os.sysconf('SC_PAGE_SIZE')
 MEGA = 1 << 20
 
 
+def machine_seconds() -> float:
+    """Return the seconds that all cores together have been busy."""
+    with open('/proc/stat', encoding='ascii') as file:
+        user, nice, system, _, _, irq, soft, steal, *_ = map(int, file.readline().split()[1:])
+    return (user + nice + system + irq + soft + steal) / os.sysconf('SC_CLK_TCK')
+
+
 def family(number: int) -> list[int]:
     """Return a process and all that it has started."""
     children = [int(child) for task in Path(f'/proc/{number}/task').iterdir()

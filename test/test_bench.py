@@ -1,6 +1,7 @@
 """The measured numbers: kept whole, compared, and in the documents as they were measured."""
 
 from pathlib import Path
+import re
 import sys
 
 import pytest
@@ -28,6 +29,12 @@ def test_every_bench_program_has_results_and_a_place_in_the_documents(program):
 def test_the_documents_say_what_was_measured():
     page = PAGE.read_text('utf-8')
     assert document.documented(page, load()) == page
+
+
+def test_what_was_measured_stands_in_tables_only():
+    prose = document.MARKED.sub('', PAGE.read_text('utf-8'))
+    amounts = re.findall(r'\d+(?:\.\d+)?\s*(?:%|[mµu]s\b|s\b|MB\b|x\b|times)', prose)
+    assert set(amounts) == {'15 ms'}  # the slot, which the manual says
 
 
 def test_a_figure_knows_whether_its_target_was_met():
