@@ -1,5 +1,5 @@
 """
-How many robots a machine carries: `python bench/bench_fleet.py`, three minutes, a table.
+How many robots a machine carries: `python bench/bench_fleet.py`, two minutes, a table.
 
 One to 32 simulated robots with their nodes, a process each, and one listener to all odometry.
 A frame is lost where no `odom` came for it. The machine is full when all its cores are busy;

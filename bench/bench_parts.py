@@ -119,8 +119,8 @@ def measure() -> list[Figure]:
     for part in runs[0].microseconds:
         values = [each.microseconds[part] for each in runs]
         share = 100 * sum(values) / sum(totals)
-        some = f', {messages:.1f} messages' if part == PARTS['Publisher.publish'] else ''
-        figures.append(repeated(f'{part}{some}', values, 'us', beside=f'{share:.0f} %'))
+        many = f', {messages:.1f} messages' if part == PARTS['Publisher.publish'] else ''
+        figures.append(repeated(part, values, 'us', beside=f'{share:.0f} %{many}'))
     return [*figures, repeated('all of it', totals, 'us', beside='100 %'),
             *woken('a loop of a hundred additions', sum_of_a_hundred),
             *woken('a frame, from its bytes to its readings', decoding())]
