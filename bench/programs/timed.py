@@ -25,8 +25,8 @@ from create_oi_ros.oi import StreamReader
 from create_oi_ros.port import Port
 from create_oi_ros.publishing import FramePublisher
 
-SETTLE = 100
-"""Readings of the port, one a frame, until all have found each other."""
+SETTLE = 270
+"""Readings of the port, one a frame, until all have found each other: 3 s where one was missed."""
 
 
 class Ledger:
