@@ -5,6 +5,7 @@ What is published often is filled into a message that was made once: making an O
 more than sending it. Publishing copies, so nobody sees a message change.
 """
 
+from collections.abc import Callable
 from math import cos, nan, sin
 
 from builtin_interfaces.msg import Time
@@ -89,41 +90,50 @@ def unmeasured() -> list[float]:
     return [NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
 
 
-def odometry_message(header: Header, base_frame: str) -> Odometry:
-    """Return what `odometry` fills again and again; the frame of the header is the pose's."""
-    message = Odometry(header=header, child_frame_id=base_frame)
+def odometry(message: Odometry) -> Callable[[Estimate], None]:
+    """
+    Return what fills in an estimate.
+
+    The pose is in the frame of the header, the twist in the base frame (REP 105, 103). Parts of
+    the message are looked up here and never again: each is a call of Python.
+    """
     message.pose.covariance = message.twist.covariance = unmeasured()
-    return message
+    position, orientation = message.pose.pose.position, message.pose.pose.orientation
+    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    of_pose, of_twist = message.pose.covariance, message.twist.covariance
+
+    def fill(estimate: Estimate) -> None:
+        position.x, position.y = estimate.x, estimate.y
+        turn(orientation, estimate.yaw)
+        for place, known in zip(POSE_PLACES, estimate.pose_covariance):
+            of_pose[place] = known
+        linear.x, angular.z = estimate.linear, estimate.angular
+        for place, known in zip(TWIST_PLACES, estimate.twist_covariance):
+            of_twist[place] = known
+    return fill
 
 
-def odometry(message: Odometry, estimate: Estimate) -> None:
-    """Fill in the pose in the frame of the header, the twist in the base frame (REP 105, 103)."""
-    pose, twist = message.pose, message.twist
-    pose.pose.position.x = estimate.x
-    pose.pose.position.y = estimate.y
-    turn(pose.pose.orientation, estimate.yaw)
-    covariance = pose.covariance
-    for place, known in zip(POSE_PLACES, estimate.pose_covariance):
-        covariance[place] = known
-    twist.twist.linear.x = estimate.linear
-    twist.twist.angular.z = estimate.angular
-    covariance = twist.covariance
-    for place, known in zip(TWIST_PLACES, estimate.twist_covariance):
-        covariance[place] = known
-
-
-def transforms(message: TFMessage, estimate: Estimate) -> None:
-    """Fill in the base frame's place in the frame of the header, the only transform there is."""
+def transforms(message: TFMessage) -> Callable[[Estimate], None]:
+    """Return what fills in the base frame's place in that of the header, the only transform."""
     transform = message.transforms[0].transform
-    transform.translation.x = estimate.x
-    transform.translation.y = estimate.y
-    turn(transform.rotation, estimate.yaw)
+    translation, rotation = transform.translation, transform.rotation
+
+    def fill(estimate: Estimate) -> None:
+        translation.x, translation.y = estimate.x, estimate.y
+        turn(rotation, estimate.yaw)
+    return fill
 
 
-def joint_states(message: JointState, estimate: Estimate) -> None:
-    """Fill in the wheels' measured angles, rad, and speeds, rad/s."""
-    message.position = [estimate.left_wheel, estimate.right_wheel]
-    message.velocity = [estimate.left_wheel_speed, estimate.right_wheel_speed]
+def joint_states(message: JointState) -> Callable[[Estimate], None]:
+    """Return what fills in the wheels' measured angles, rad, and speeds, rad/s."""
+    message.name = WHEEL_JOINTS
+    message.position = message.velocity = [0.0] * len(WHEEL_JOINTS)
+    angles, speeds = message.position, message.velocity
+
+    def fill(estimate: Estimate) -> None:
+        angles[0], angles[1] = estimate.left_wheel, estimate.right_wheel
+        speeds[0], speeds[1] = estimate.left_wheel_speed, estimate.right_wheel_speed
+    return fill
 
 
 def bumper(message: Bumper, readings: Readings) -> None:

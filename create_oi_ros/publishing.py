@@ -14,11 +14,14 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
 from sensor_msgs.msg import JointState
+
+from tf2_msgs.msg import TFMessage
 
 from . import convert, topics
 from .driver import Moved
@@ -48,11 +51,12 @@ class Outlet:
     """One topic, its message, and what fills it."""
 
     def __init__(self, node: Node, topic: Topic, message: Any,
-                 fill: Callable[[Any, Any], None]) -> None:
-        """Declare the topic."""
+                 fill: Callable[[Any], None]) -> None:
+        """Declare the topic; `fill` fills the message."""
         self._publisher = publisher(node, topic)
         self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._message, self._fill = message, fill
+        self._content: object = None
         self.heard = False
 
     def look(self) -> None:
@@ -61,7 +65,9 @@ class Outlet:
 
     def publish(self, content: Any) -> None:
         """Fill the message, and send a copy of it."""
-        self._fill(self._message, content)
+        if content is not self._content:  # the estimate of a robot that stands
+            self._fill(content)
+            self._content = content
         self._publisher.publish(self._message)
 
 
@@ -86,18 +92,17 @@ class FramePublisher:
 
     def _motion_outlets(self, node: Node, parameters: Parameters) -> list[Outlet]:
         header, base = convert.header(parameters.odom_frame, self._stamp), parameters.base_frame
-        outlet = partial(Outlet, node)
-        outlets = [outlet(topics.ODOM, convert.odometry_message(header, base), convert.odometry)]
-        if parameters.publish_tf:
-            transform = TransformStamped(header=header, child_frame_id=base)
-            outlets.append(outlet(
-                topics.TF, topics.TF.type(transforms=[transform]), convert.transforms))
-        joints = JointState(header=convert.header('', self._stamp), name=convert.WHEEL_JOINTS)
-        return [*outlets, outlet(topics.JOINT_STATES, joints, convert.joint_states)]
+        odom = Odometry(header=header, child_frame_id=base)
+        tf = TFMessage(transforms=[TransformStamped(header=header, child_frame_id=base)])
+        joints = JointState(header=convert.header('', self._stamp))
+        return [Outlet(node, topic, message, fill(message)) for topic, message, fill in (
+            (topics.ODOM, odom, convert.odometry),
+            *([(topics.TF, tf, convert.transforms)] if parameters.publish_tf else []),
+            (topics.JOINT_STATES, joints, convert.joint_states))]
 
     def _sensor_outlet(self, node: Node, topic: SensorTopic, frame: str) -> Outlet:
         message = topic.type(header=convert.header(frame, self._stamp))
-        return Outlet(node, topic, message, topic.fill)
+        return Outlet(node, topic, message, partial(topic.fill, message))
 
     def publish(self, moved: Moved, sensor_period: float) -> None:
         """Publish what a frame told; sensors that do not change, once in a period, s."""
