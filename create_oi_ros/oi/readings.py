@@ -118,7 +118,7 @@ class Readings(tuple[int, ...]):
         int, Packet(42, 'Requested Left Velocity', Wire('h', -500, 500, 'mm/s'))]
 
     def __new__(cls, values: Mapping[str, int] | None = None) -> 'Readings':
-        """Hold values by field name."""
+        """Hold values by field name; KeyError where no packet has such a name."""
         values = values or {}
         return tuple.__new__(row_of(tuple(values)), values.values())
 

@@ -94,7 +94,7 @@ class StreamReader:
         self._start = 0  # what is between is known to be garbage
         self._by_head: dict[bytes, list[PacketList]] = {}
         self._other_in_a_row = 0
-        self._total: int | None = None
+        self._total: int | None = None  # what the bytes of the robot's frames add up to
         self.checksum_failures = 0
         """Frames that were whole but for their checksum."""
         self.expect(expected)
