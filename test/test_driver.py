@@ -387,6 +387,21 @@ def test_odometry_goes_on_after_silence_without_a_jump(loop):
     assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.005)
 
 
+@pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.4, 0.45])
+def test_odometry_says_what_was_driven_while_frames_were_lost(loop, gap):
+    loop.drive(0.2, 0.0, 3.0)
+    off = loop.estimate.x - loop.body.truth().pose.x
+    seen = len(loop.moved)
+    loop.cut = True
+    loop.drive(0.2, 0.0, gap)
+    loop.cut = False
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.estimate.x - loop.body.truth().pose.x == pytest.approx(off, abs=0.002)
+    for before, after in pairwise(loop.moved[seen - 1:]):
+        seconds = after.stamp - before.stamp
+        assert after.estimate.x - before.estimate.x == pytest.approx(0.2 * seconds, abs=0.003)
+
+
 def test_shutting_down_stops_the_wheels_and_leaves_passive(loop):
     loop.drive(0.2, 0.0, 0.5)
     loop.commands()
