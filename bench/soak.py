@@ -129,9 +129,10 @@ class Soak:
     def _progress(self) -> str:
         """Say how it is, without waiting for anything."""
         threads, descriptors, resident = size_of(self._stage.node.pid)
+        wrong = self._stage.watch.wrong or 'no wrong value'
         return (f'{threads} threads, {descriptors} descriptors, {resident / 1e6:.2f} MB, '
                 f'{self._commands} commands, {self._answered} of {self._called} calls answered, '
-                f'{len(self._stage.watch.wrong)} wrong values, {len(self.troubles)} troubles')
+                f'{wrong}, {len(self.troubles)} troubles')
 
     def _round(self) -> None:
         """Do one thing after the other, in an order that chance decides."""

@@ -102,7 +102,9 @@ def _jump(before: Odometry, after: Odometry) -> str:
     turn = abs((_yaw(after) - _yaw(before) + pi) % (2 * pi) - pi)
     moving = seconds if seconds < AWAY else 0.0
     if step > STEP + FASTEST * moving or turn > TURN + FASTEST_TURN * moving:
-        return f'odom: {step:.3f} m and {turn:.3f} rad within {seconds:.3f} s'
+        speeds = f'{before.twist.twist.linear.x:.3f} and {after.twist.twist.linear.x:.3f} m/s'
+        return (f'odom: {step:.3f} m and {turn:.3f} rad within {seconds:.3f} s, at {speeds}, '
+                f'stamped {_seconds(after):.3f}')
     return '' if seconds > 0 else f'odom: stamps do not rise ({seconds:.3f} s)'
 
 
