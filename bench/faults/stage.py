@@ -16,8 +16,6 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 
-from create_oi_ros.driver.machine import SILENCE
-from create_oi_ros.oi import SLOT
 from create_oi_ros.start import PROGRAMS
 from create_oi_ros.topics import LATCHED, SENSOR_TOPICS
 from ros import Listener, Program
@@ -41,10 +39,9 @@ RESTORED = {'mode': 'SAFE', 'leds': 10, 'power_color': 77, 'power_intensity': 88
 STEP, TURN = 0.05, 0.15
 """Metres and radians that odometry may differ after a gap."""
 FASTEST, FASTEST_TURN = 0.6, 5.0
-"""m/s and rad/s that it may show without one, or where frames were lost and the robot was not: it
-drove on as it was told, and the odometry has to say so."""
-AWAY = SILENCE + 2 * SLOT
-"""Seconds between two messages from which on the driver took the robot to be away."""
+"""m/s and rad/s that it may show without one."""
+GAP = 0.2
+"""Seconds between two messages from which on frames were missed."""
 
 
 class Watch:
@@ -100,7 +97,7 @@ def _jump(before: Odometry, after: Odometry) -> str:
     seconds = _seconds(after) - _seconds(before)
     step = hypot(now.position.x - was.position.x, now.position.y - was.position.y)
     turn = abs((_yaw(after) - _yaw(before) + pi) % (2 * pi) - pi)
-    moving = seconds if seconds < AWAY else 0.0
+    moving = seconds if seconds < GAP else 0.0
     if step > STEP + FASTEST * moving or turn > TURN + FASTEST_TURN * moving:
         speeds = f'{before.twist.twist.linear.x:.3f} and {after.twist.twist.linear.x:.3f} m/s'
         return (f'odom: {step:.3f} m and {turn:.3f} rad within {seconds:.3f} s, at {speeds}, '
