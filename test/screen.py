@@ -1,7 +1,8 @@
 """A program on a pseudo terminal: what it shows is read as a person would see it."""
 
 import codecs
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 import fcntl
 import os
 import pty
@@ -173,3 +174,18 @@ class Typist:
             self.process.kill()
         self.process.wait()
         self.hang_up()
+
+
+@contextmanager
+def seats(program: str, domain: int) -> Iterator[Callable[..., Typist]]:
+    """Give what sits somebody down before a program; all of them are ended."""
+    taken: list[Typist] = []
+
+    def sit(*arguments: str, **more: Any) -> Typist:
+        taken.append(Typist(program, *arguments, domain=domain, **more))
+        return taken[-1]
+    try:
+        yield sit
+    finally:
+        for each in taken:
+            each.close()

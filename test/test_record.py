@@ -15,7 +15,7 @@ from create_oi_ros.report.reading import read
 from create_oi_ros.start import PROGRAMS
 from create_oi_ros.topics import PUBLISHED
 from ros import Program, scene
-from screen import Typist
+from screen import seats
 
 CTRL_C = '\x03'
 
@@ -30,14 +30,8 @@ def stage(tmp_path):
 @pytest.fixture
 def seat(stage):
     """Return what sits somebody down before a recorder in the scene."""
-    seats = []
-
-    def sit(*arguments):
-        seats.append(Typist('create_record', *arguments, domain=stage.domain))
-        return seats[-1]
-    yield sit
-    for each in seats:
-        each.close()
+    with seats('create_record', stage.domain) as sit:
+        yield sit
 
 
 def amount(recorder) -> tuple[int, int]:

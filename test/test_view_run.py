@@ -14,7 +14,7 @@ import pytest
 from create_oi_ros.start import PROGRAMS
 from create_oi_ros.topics import LATCHED
 from ros import scene
-from screen import Typist
+from screen import seats
 
 KEYS = 'q quit'
 
@@ -29,14 +29,8 @@ def stage(tmp_path):
 @pytest.fixture
 def seat(stage):
     """Return what sits somebody down before a view in the scene."""
-    seats = []
-
-    def sit(*arguments, **more):
-        seats.append(Typist('create_view', *arguments, domain=stage.domain, **more))
-        return seats[-1]
-    yield sit
-    for each in seats:
-        each.close()
+    with seats('create_view', stage.domain) as sit:
+        yield sit
 
 
 def ready(stage, *remaps, **parameters):
