@@ -65,7 +65,9 @@ class View:
         for key in self._keyboard.keys(self._terminal.read()):
             match action_of(key):
                 case Drive() as drive:
-                    self._teleop.press(drive, now)
+                    # Who comes later must not drive by a key of before.
+                    if self._state.listened:
+                        self._teleop.press(drive, now)
                 case Ask() as ask:
                     self._graph.ask(ask, now)
                 case Own() as own:
