@@ -93,6 +93,7 @@ class Soak:
         """Let it all happen; return what was seen."""
         stage = self._stage
         stage.start_robot(*ROBOT)
+        stage.watch.follow(stage.teacher.truth)
         stage.start_node(baud=0)
         stage.furnish()
         with frozen_subscriber(stage.domain):

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import atan2, hypot, pi
 import os
 from pathlib import Path
 import signal
@@ -13,11 +12,9 @@ from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import DefineSong, SetDigitalOutputs, SetLeds
 import domain_coordinator
 from geometry_msgs.msg import Twist, Vector3
-from nav_msgs.msg import Odometry
-from std_msgs.msg import Header
 
 from create_oi_ros.start import PROGRAMS
-from create_oi_ros.topics import LATCHED, SENSOR_TOPICS
+from faults.watch import Watch
 from ros import Listener, Program
 from simulator import Teacher
 
@@ -36,82 +33,6 @@ HELD = (
 SONG = 3
 RESTORED = {'mode': 'SAFE', 'leds': 10, 'power_color': 77, 'power_intensity': 88, 'outputs': 5}
 """What the truth must say after a fault as it did before."""
-STEP, TURN = 0.05, 0.15
-"""Metres and radians that odometry may differ after a gap."""
-FASTEST, FASTEST_TURN = 0.6, 5.0
-"""m/s and rad/s that it may show without one."""
-GAP = 0.2
-"""Seconds between two messages from which on frames were missed."""
-
-
-class Watch:
-    """Compares all that is published with what it must be."""
-
-    def __init__(self, ros: Listener) -> None:
-        self.wrong: list[str] = []
-        self.odoms = 0
-        self._since = 0.0
-        """When the present node was started: what one before it has said may come late."""
-        self.newest = 0.0
-        """The newest stamp of an `odom`, in seconds of the system's clock."""
-        self._last: Odometry | None = None
-        self._first: dict[str, str] = {}
-        for topic in SENSOR_TOPICS:
-            if topic.name != 'song':
-                ros.node.create_subscription(
-                    topic.type, topic.name,
-                    lambda message, name=topic.name: self._on_sensor(name, message), topic.qos)
-        ros.node.create_subscription(Odometry, 'odom', self._on_odom, 200)
-        self._modes = ros.listen(Mode, 'mode', LATCHED)
-
-    @property
-    def mode(self) -> int | None:
-        """The mode that was published last."""
-        return self._modes[-1].mode if self._modes else None
-
-    def restart(self) -> None:
-        """Begin anew with another node: its odometry begins at the origin."""
-        self._last = None
-        self._since = time.time()
-        self._modes.clear()
-
-    def _on_sensor(self, name: str, message: Any) -> None:
-        message.header = Header()
-        said = str(message)
-        if said != self._first.setdefault(name, said):
-            self.wrong.append(f'{name}: {said}')
-
-    def _on_odom(self, odom: Odometry) -> None:
-        if _seconds(odom) < self._since:
-            return
-        self.odoms += 1
-        self.newest = _seconds(odom)
-        if self._last is not None and (jump := _jump(self._last, odom)):
-            self.wrong.append(jump)
-        self._last = odom
-
-
-def _jump(before: Odometry, after: Odometry) -> str:
-    """Say by how much the odometry has jumped, or ''."""
-    was, now = before.pose.pose, after.pose.pose
-    seconds = _seconds(after) - _seconds(before)
-    step = hypot(now.position.x - was.position.x, now.position.y - was.position.y)
-    turn = abs((_yaw(after) - _yaw(before) + pi) % (2 * pi) - pi)
-    moving = seconds if seconds < GAP else 0.0
-    if step > STEP + FASTEST * moving or turn > TURN + FASTEST_TURN * moving:
-        speeds = f'{before.twist.twist.linear.x:.3f} and {after.twist.twist.linear.x:.3f} m/s'
-        return (f'odom: {step:.3f} m and {turn:.3f} rad within {seconds:.3f} s, at {speeds}, '
-                f'stamped {_seconds(after):.3f}')
-    return '' if seconds > 0 else f'odom: stamps do not rise ({seconds:.3f} s)'
-
-
-def _seconds(odom: Odometry) -> float:
-    return odom.header.stamp.sec + odom.header.stamp.nanosec / 1e9
-
-
-def _yaw(odom: Odometry) -> float:
-    turned = odom.pose.pose.orientation
-    return 2 * atan2(turned.z, turned.w)
 
 
 class Stage:
