@@ -1,5 +1,6 @@
 """A report tells what is in a bag, and says in a sentence when there is nothing to tell."""
 
+from math import inf, isnan, nan
 from pathlib import Path
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 import bags
 from create_oi_ros.report import command
 from create_oi_ros.report.bag import BagError, missing
-from create_oi_ros.report.reading import POINTS, read
+from create_oi_ros.report.reading import POINTS, read, Taker
 from create_oi_ros.report.recording import Curve, Spans
 from create_oi_ros.report.story import clock, complaints, happenings, summary, travelled
 from create_oi_ros.start import PROGRAMS
@@ -159,6 +160,25 @@ def test_a_bag_with_rubbish_in_it_is_no_traceback(bag, tmp_path, capsys, start):
     copy.write_bytes(spoilt)
     assert command.main([str(copy), '-o', str(tmp_path / 'report.png')]) in (0, 2)
     assert 'Traceback' not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('value', [nan, inf, -inf, 1e300, -1e300])
+def test_values_that_cannot_be_are_left_out(tmp_path, monkeypatch, value):
+    honest = bags.twist
+    monkeypatch.setattr(bags, 'twist', lambda _, turn: honest(value, turn))
+    bag = bags.write(tmp_path / 'bag', 1.0)
+    command.report(bag, tmp_path / 'report.html')
+    recording = read(bag, quiet)
+    assert all(map(isnan, recording.odom['speed']))
+    assert not any(map(isnan, recording.odom['turn']))
+
+
+def test_a_fault_of_ours_is_not_told_as_damage(bag, monkeypatch):
+    def fail(*_):
+        raise ZeroDivisionError
+    monkeypatch.setattr(Taker, '_take_odom', fail)
+    with pytest.raises(ZeroDivisionError):
+        read(bag, quiet)
 
 
 def test_a_long_bag_is_thinned_out():

@@ -6,17 +6,41 @@ Bags by the library `rosbags`: which reads and writes them without an installed 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
+Item = TypeVar('Item')
+
 
 class BagError(Exception):
     """A bag cannot be read, or tells nothing of our robot; the message is one sentence."""
+
+
+class DamageError(Exception):
+    """What is in a bag cannot be read; the message is what the library said of it."""
+
+
+@contextmanager
+def reading() -> Iterator[None]:
+    """Let DamageError come, whatever a broken file makes rosbags raise: it may be anything."""
+    try:
+        yield
+    except Exception as error:
+        raise DamageError(
+            ' '.join(str(error).split())[:200] or type(error).__name__) from error
+
+
+def guarded(items: Iterable[Item]) -> Iterator[Item]:
+    """Go through what rosbags reads, as `reading` does; who takes the items raises as ever."""
+    with reading():
+        yield from items
 
 
 def missing(module: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
 from math import cos, hypot, isfinite, nan, sin
 from textwrap import shorten, wrap
 from typing import Any, TYPE_CHECKING
@@ -75,20 +76,24 @@ def _track(axes: Axes, recording: Recording, told: list[Happening]) -> None:
 
 def _headings(axes: Axes, odom: Curve) -> None:
     """Draw arrows that are equally far from each other along the track."""
-    xs, ys, yaws = odom['x'], odom['y'], odom['yaw']
+    known = [each for each in zip(odom['x'], odom['y'], odom['yaw'], strict=True)
+             if all(map(isfinite, each))]
+    if not known:
+        return
+    xs, ys, _ = zip(*known, strict=True)
     size = max(max(xs) - min(xs), max(ys) - min(ys), 0.5)
     whole = sum(hypot(b - a, d - c) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:]))
     # Room for marks at the rim: margins are lost when the axes are made equal.
     axes.plot([min(xs) - size / 8, max(xs) + size / 8], [min(ys) - size / 8, max(ys) + size / 8],
               alpha=0)
-    apart, gone, chosen = max(whole / HEADINGS, size / 40), 0.0, [0]
-    for place in range(1, len(odom)):
-        gone += hypot(xs[place] - xs[place - 1], ys[place] - ys[place - 1])
+    apart, gone, chosen = max(whole / HEADINGS, size / 40), 0.0, known[:1]
+    for before, place in pairwise(known):
+        gone += hypot(place[0] - before[0], place[1] - before[1])
         if gone >= apart:
             chosen.append(place)
             gone = 0.0
-    axes.quiver([xs[each] for each in chosen], [ys[each] for each in chosen],
-                [cos(yaws[each]) for each in chosen], [sin(yaws[each]) for each in chosen],
+    axes.quiver([x for x, _, _ in chosen], [y for _, y, _ in chosen],
+                [cos(yaw) for _, _, yaw in chosen], [sin(yaw) for _, _, yaw in chosen],
                 angles='xy', scale=28, width=0.006, color='#333333', zorder=3)
 
 

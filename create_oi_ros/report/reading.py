@@ -12,7 +12,7 @@ from math import atan2, inf
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
-from .bag import BagError, definitions
+from .bag import BagError, DamageError, definitions, guarded, reading
 from .recording import Curve, Recording, Span, Spans
 
 if TYPE_CHECKING:
@@ -158,20 +158,16 @@ def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
         raise BagError(f'{path} is no bag: there is no metadata.yaml in it '
                        '(`ros2 bag reindex` makes one anew)')
     try:
-        reader = AnyReader([path], default_typestore=definitions())
-        reader.open()
-    # A broken file makes rosbags raise whatever comes: struct.error, AssertionError, apsw's own.
-    except Exception as error:
+        with reading():
+            reader = AnyReader([path], default_typestore=definitions())
+            reader.open()
+    except DamageError as error:
         raise BagError(f'{path} cannot be read as a bag, it is damaged, was not closed or is '
-                       f'something else: {_sentence(error)}') from error
+                       f'something else: {error}') from error
     try:
         return _read(reader, path, progress, robot)
     finally:
         reader.close()
-
-
-def _sentence(error: Exception) -> str:
-    return ' '.join(str(error).split())[:200] or type(error).__name__
 
 
 def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) -> Recording:
@@ -184,10 +180,10 @@ def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) 
     last = 0.0
     try:
         last = _take_all(reader, chosen, taker, progress)
-    except Exception as error:
-        if not taker.recording.odom and not taker.recording.spans['mode']:
-            raise BagError(f'{path} is damaged: {_sentence(error)}') from error
-        recording.damage = _sentence(error)
+    except DamageError as error:
+        if not recording.odom and not recording.spans['mode']:
+            raise BagError(f'{path} is damaged: {error}') from error
+        recording.damage = str(error)
     if not chosen or (last == 0.0 and not recording.odom and not recording.spans['mode']):
         raise BagError(f'{path} holds no message of this driver')
     taker.finish()
@@ -201,7 +197,7 @@ def _take_all(
     before: dict[str, bytes] = {}
     began, seconds = reader.start_time, taker.recording.seconds
     time, shown = 0.0, 0.0
-    for connection, stamp, raw in reader.messages(chosen):
+    for connection, stamp, raw in guarded(reader.messages(chosen)):
         time, kind = (stamp - began) / 1e9, connection.msgtype
         taker.heard(time)
         if time > shown:
@@ -214,7 +210,9 @@ def _take_all(
             if before.get(connection.topic) == body:
                 continue
             before[connection.topic] = body
-        taker.takes[kind](time, reader.deserialize(raw, kind))
+        with reading():
+            message = reader.deserialize(raw, kind)
+        taker.takes[kind](time, message)
     progress(1.0)
     return time
 

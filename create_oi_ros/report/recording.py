@@ -6,7 +6,10 @@ from array import array
 from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, nan
+
+MOST = 1e6
+"""Metres, m/s, volts or bytes a second that nothing here reaches: beyond it a bag is broken."""
 
 
 class Curve:
@@ -29,11 +32,11 @@ class Curve:
         return time >= self._next
 
     def add(self, time: float, *values: float) -> None:
-        """Keep values, in the order of their names."""
+        """Keep values, in the order of their names; nan stands for what cannot be."""
         self._next = time + self._spacing
         self.times.append(time)
         for column, value in zip(self._columns.values(), values, strict=True):
-            column.append(value)
+            column.append(value if abs(value) <= MOST else nan)
 
     def at(self, time: float) -> int | None:
         """Return the place of the last value up to a time; None: there is none."""
