@@ -63,7 +63,7 @@ def test_a_pilot_backs_off(pilot):
 def test_a_spiral_ends_after_its_turns(pilot):
     before = pilot.turned
     pilot.spiral(0.5, 0.05, 0.1)
-    assert before - pilot.turned == pytest.approx(pi, abs=0.4)
+    assert before - pilot.turned == pytest.approx(pi, abs=0.2)
 
 
 def test_what_does_not_happen_is_named_and_the_robot_stands(pilot, stage):

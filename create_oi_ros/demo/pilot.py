@@ -20,8 +20,9 @@ PERIOD = 0.05
 """Seconds between two commands."""
 CRUISE, TURN = 0.3, 1.2
 """m/s and rad/s."""
-BRAKING = 2.5
-"""Turning speed for each radian that is left to turn."""
+SPIRAL_TURN = 1.6
+BRAKING, SLOWEST = 2.5, 0.2
+"""Turning speed for each radian that is left to turn, and at least."""
 CLOSE, STRAIGHT = 0.02, 0.03
 """Metres and radians that are near enough."""
 STANDING = 0.01
@@ -146,7 +147,7 @@ class Pilot:
             return remainder(yaw - self.yaw, tau)
 
         def steer() -> None:
-            self.command(0.0, copysign(min(TURN, max(0.2, BRAKING * abs(left()))), left()))
+            self.command(0.0, copysign(min(TURN, braked(left())), left()))
         self.until(lambda: abs(left()) < STRAIGHT, f'a turn to {yaw:.1f} rad', 15.0, steer)
         self.stop()
 
@@ -188,12 +189,18 @@ class Pilot:
         """Drive clockwise round and round, farther out each time."""
         began = self.turned
 
-        def done() -> float:
-            return (began - self.turned) / (turns * tau)
+        def left() -> float:
+            return turns * tau - (began - self.turned)
 
         def steer() -> None:
-            radius = inner + (outer - inner) * min(1.0, max(0.0, done()))
-            speed = min(CRUISE, 1.6 * radius)
-            self.command(speed, -speed / radius)
-        self.until(lambda: done() >= 1, f'{turns} turns of a spiral', 20.0 * turns, steer)
+            done = 1 - left() / (turns * tau)
+            radius = inner + (outer - inner) * min(1.0, max(0.0, done))
+            rate = min(SPIRAL_TURN, CRUISE / radius, braked(left()))
+            self.command(rate * radius, -rate)
+        self.until(lambda: left() <= 0, f'{turns} turns of a spiral', 20.0 * turns, steer)
         self.stop()
+
+
+def braked(left: float) -> float:
+    """Return the most, rad/s, at which to turn so many radians further, to end there."""
+    return max(SLOWEST, BRAKING * abs(left))
