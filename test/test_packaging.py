@@ -20,8 +20,8 @@ OURS = {PACKAGE, *FOLDERS,
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
     'hypothesis', 'matplotlib', 'numpy', 'pexpect', 'psutil', 'pytest', 'serial', 'yaml')}
 """Where a module is not called like its rosdep key."""
-NO_KEY = {'rosbags'}
-"""Modules without a rosdep key: what needs them says how to get them."""
+NO_KEY = {'mcap', 'rosbags'}
+"""Modules of which no rosdep key is known: what needs them says how to get them."""
 BARE = 'oi', 'odometry', 'driver', 'sim'
 
 

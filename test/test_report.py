@@ -151,6 +151,22 @@ def test_a_bag_that_was_cut_off_is_no_traceback(bag, tmp_path, capsys, part):
     assert bool(said) == (code == 2)
 
 
+def test_of_a_bag_that_was_never_closed_what_is_whole_is_shown(tmp_path, capsys):
+    bag = bags.write(tmp_path / 'walk', 40.0)
+    whole = read(bag, quiet)
+    file, = bag.glob('*.mcap')
+    file.write_bytes(file.read_bytes()[:-file.stat().st_size // 10])
+    (bag / 'metadata.yaml').unlink()
+    for path in (bag, file):
+        rest = read(path, quiet)
+        assert 10.0 < rest.seconds < 40.0
+        assert rest.odom['x'] == whole.odom['x'][:len(rest.odom)]
+        assert rest.settings == whole.settings
+        assert 'its recorder did not close it' in ' '.join(summary(rest))
+    file.write_bytes(file.read_bytes()[:1000])
+    assert 'when the recorder was killed' in refusal(bag, capsys)
+
+
 @pytest.mark.parametrize('start', range(100, 20000, 3301))
 def test_a_bag_with_rubbish_in_it_is_no_traceback(bag, tmp_path, capsys, start):
     file, = (path for path in bag.iterdir() if path.suffix != '.yaml')

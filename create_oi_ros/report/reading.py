@@ -10,10 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import atan2, inf
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TYPE_CHECKING
 
 from .bag import BagError, DamageError, definitions, guarded, reading
 from .recording import Curve, Recording, Span, Spans
+from .rescue import files_of, rescue, UNFINISHED, unfinished
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
@@ -151,28 +153,43 @@ def _number(text: str | None) -> float:
 
 def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
     """Read a bag; BagError says in a sentence why that cannot be, or whose bag it is."""
+    with TemporaryDirectory(prefix='create_report-') as folder:
+        files, damage = _readable(path, Path(folder))
+        reader = _opened(files, path)
+        try:
+            recording = _read(reader, path, progress, robot)
+        finally:
+            reader.close()
+    recording.damage = recording.damage or damage
+    return recording
+
+
+def _readable(path: Path, folder: Path) -> tuple[list[Path], str]:
+    """Return files that can be opened, copied to a folder where that is needed, and why."""
+    files, damage = files_of(path), ''
+    for place, file in enumerate(files):
+        if file.is_file() and unfinished(file):
+            damage, files[place] = UNFINISHED, folder / f'{place}.mcap'
+            rescue(file, files[place])
+    return files, damage
+
+
+def _opened(files: list[Path], path: Path) -> AnyReader:
     from rosbags.highlevel import AnyReader
-    if not path.exists():
-        raise BagError(f'there is no {path}')
-    if path.is_dir() and not (path / 'metadata.yaml').exists():
-        raise BagError(f'{path} is no bag: there is no metadata.yaml in it '
-                       '(`ros2 bag reindex` makes one anew)')
     try:
         with reading():
-            reader = AnyReader([path], default_typestore=definitions())
+            reader = AnyReader(files, default_typestore=definitions())
             reader.open()
     except DamageError as error:
-        raise BagError(f'{path} cannot be read as a bag, it is damaged, was not closed or is '
-                       f'something else: {error}') from error
-    try:
-        return _read(reader, path, progress, robot)
-    finally:
-        reader.close()
+        raise BagError(f'{path} cannot be read as a bag, it is damaged or is something else: '
+                       f'{error}') from error
+    return reader
 
 
 def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) -> Recording:
     if not reader.message_count:
-        raise BagError(f'{path} is empty: nothing was recorded')
+        raise BagError(f'{path} is empty: nothing was recorded, or nothing was written down yet '
+                       'when the recorder was killed')
     names, robot = _wanted(reader.connections, path, robot)
     recording = _blank(reader, path, robot)
     taker = Taker(recording)
