@@ -1,7 +1,7 @@
 """The driver played against the simulated robot, byte for byte, without a clock."""
 
 from itertools import pairwise
-from math import inf, nan, pi
+from math import hypot, inf, nan, pi
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -400,6 +400,28 @@ def test_odometry_says_what_was_driven_while_frames_were_lost(loop, gap):
     for before, after in pairwise(loop.moved[seen - 1:]):
         seconds = after.stamp - before.stamp
         assert after.estimate.x - before.estimate.x == pytest.approx(0.2 * seconds, abs=0.003)
+
+
+@pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.45])
+@pytest.mark.parametrize('still', [0.0, 0.05, 0.2])
+@pytest.mark.parametrize('speeds', [(0.3, 0.0), (0.0, 2.0), (0.2, 1.0)])
+def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
+        loop, gap, speeds, still):
+    def off():
+        return (hypot(loop.estimate.x - loop.body.truth().pose.x,
+                      loop.estimate.y - loop.body.truth().pose.y),
+                turn_difference(loop.estimate.yaw, loop.body.truth().pose.yaw))
+    loop.drive(*speeds, 3.0)
+    loop.cut = True
+    loop.drive(*speeds, gap)
+    loop.cut = False
+    loop.drive(*speeds, still)
+    most = [each + 0.05 for each in off()]
+    for _ in range(6):
+        loop.drive(-speeds[0], -speeds[1], 0.1)
+        assert all(now < limit for now, limit in zip(off(), most, strict=True))
+    loop.drive(0.0, 0.0, 1.0)
+    assert off() == pytest.approx((0.0, 0.0), abs=0.05)
 
 
 def test_shutting_down_stops_the_wheels_and_leaves_passive(loop):

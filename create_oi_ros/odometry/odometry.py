@@ -118,6 +118,9 @@ class Odometry:
         best = self.beliefs.best
         steady = right == best.right.request and left == best.left.request
         usual = steady and not self._gap and increment.lifted == self._lifted
+        if increment.lost:
+            for track in self.beliefs.tracks:
+                track.note_gap(right, left)
         rested = self._at_rest and usual and dt <= LATE
         if rested:
             self._rested += dt
@@ -136,14 +139,16 @@ class Odometry:
     def _advance(self, dt: float, right: float, left: float, lifted: bool) -> None:
         """Let the tracks predict."""
         self._tell_rest()
+        late = dt > LATE
+        missed = dt - SLOT if late and self.beliefs.best.unseen else 0.0
         for track in self.beliefs.tracks:
             if self._gap:
                 track.resume(right, left)
             if lifted != self._lifted:
                 track.lift(lifted)
-            track.advance(dt, right, left)
-            if dt > LATE:
-                track.doubt_time(SLOT)
+            track.advance(dt - missed, right, left)
+            if late:
+                track.make_up(missed, SLOT)
         self._at_rest = all(track.stands for track in self.beliefs.tracks)
 
     def _tell_rest(self) -> None:

@@ -6,6 +6,7 @@ told. docs/odometry.md derives all of it.
 """
 
 from math import cos, sin
+from typing import NamedTuple
 
 from . import assumptions as given
 from .errors import (
@@ -25,6 +26,22 @@ from .errors import (
 from .estimate import Geometry
 from .wheel import Wheel
 from .window import Window
+
+
+class Unseen(NamedTuple):
+    """How a wheel ran while nothing was heard of it."""
+
+    speed: float
+    """m/s, half way from what it was before to what it is after."""
+    spread: float
+    """m/s by which either of these differs from it."""
+    counts: float
+    """What its encoder counted over what it travelled."""
+
+    @classmethod
+    def between(cls, before: float, after: float, counts: float) -> 'Unseen':
+        """Take it to have run at the mean of two speeds."""
+        return cls((before + after) / 2, abs(before - after) / 2, counts)
 
 
 class Prediction:
@@ -47,6 +64,8 @@ class Prediction:
         self.errors = Errors()
         self.went = self.turned = 0.0
         """Travel and turn of the newest step, before any correction."""
+        self.unseen: tuple[Unseen, Unseen] | None = None
+        """How the wheels ran where frames may have been lost."""
         self.window = Window(0.0, 0.0, 0.0)
         self.open_segment()
 
@@ -96,17 +115,42 @@ class Prediction:
         """Let time pass in which it `stands`: nothing else comes of it."""
         self._seconds += seconds
 
-    def doubt_time(self, seconds: float) -> None:
-        """Doubt for how long the wheels have turned: frames were lost, or taken to be."""
+    def note_gap(self, right: float, left: float) -> None:
+        """Keep how wheels ran where frames may have been lost; the requests are those after."""
+        before = self.speeds
+        after = self.free or (right * self.right.gain, left * self.left.gain)
+        counts = (self.right.counts, self.left.counts) if self.free is None else (1.0, 1.0)
+        self.unseen = (Unseen.between(before[0], after[0], counts[0]),
+                       Unseen.between(before[1], after[1], counts[1]))
+
+    def make_up(self, seconds: float, doubt: float) -> None:
+        """
+        Travel for frames that are known only now to have been lost, in doubt by `doubt` seconds.
+
+        The wheels may run otherwise by now, so they are taken as they ran then.
+        """
         self.close_segment()
-        right, left = self.speeds
+        if self.unseen is None:
+            self.note_gap(self.right.request, self.left.request)
+        assert self.unseen is not None
+        (right, left), self.unseen = self.unseen, None
+        self._doubt(doubt * doubt, right, left)
+        self._doubt(seconds * seconds, right._replace(speed=right.spread), left._replace(speed=0))
+        self._doubt(seconds * seconds, right._replace(speed=0), left._replace(speed=left.spread))
+        self._travel(right.speed * seconds, left.speed * seconds, right.counts, left.counts)
+        self._seconds += seconds
+        self.close_segment()
+
+    def _doubt(self, variance: float, right: Unseen, left: Unseen) -> None:
+        """Doubt for how long wheels have run so."""
         linear, angular = self.scales
-        forward, turn = (right + left) / 2, (right - left) / self.separation
-        i, j = (self.right.counts, self.left.counts) if self.free is None else (1.0, 1.0)
-        self.errors.add(seconds * seconds, (
+        forward = (right.speed + left.speed) / 2
+        turn = (right.speed - left.speed) / self.separation
+        i, j = right.counts, left.counts
+        self.errors.add(variance, (
             (X, forward * linear * cos(self.yaw)), (Y, forward * linear * sin(self.yaw)),
-            (YAW, turn * angular), (DISTANCE, (i * right + j * left) / 2),
-            (ANGLE, (i * right - j * left) / self.separation)))
+            (YAW, turn * angular), (DISTANCE, (i * right.speed + j * left.speed) / 2),
+            (ANGLE, (i * right.speed - j * left.speed) / self.separation)))
 
     def _request(self, right: float, left: float, span: float) -> None:
         """Take a request that came at an unknown moment within `span` seconds."""
@@ -147,12 +191,20 @@ class Prediction:
         window = self.window
         right = self.right.roll(seconds, self.acceleration)
         left = self.left.roll(seconds, self.acceleration)
-        counted_right, counted_left = right * self.right.counts, left * self.left.counts
+        counts = self.right.counts, self.left.counts
         if self.free is not None:
-            window.expected += (counted_right + counted_left) / 2
-            window.expected_angle += (counted_right - counted_left) / self.separation
-            right = counted_right = self.free[0] * seconds
-            left = counted_left = self.free[1] * seconds
+            window.expected += (right * counts[0] + left * counts[1]) / 2
+            window.expected_angle += (right * counts[0] - left * counts[1]) / self.separation
+            right, left, counts = self.free[0] * seconds, self.free[1] * seconds, (1.0, 1.0)
+        self._travel(right, left, *counts)
+        self._seconds += seconds
+
+    def _travel(
+        self, right: float, left: float, right_counts: float, left_counts: float,
+    ) -> None:
+        """Let the wheels go so far, and their encoders count it."""
+        window = self.window
+        counted_right, counted_left = right * right_counts, left * left_counts
         self.distance += (counted_right + counted_left) / 2
         counted_turn = (counted_right - counted_left) / self.separation
         self.angle += counted_turn
@@ -170,7 +222,6 @@ class Prediction:
         self.turned += turn
         self._path += abs(right) + abs(left)
         window.path += abs(right) + abs(left)
-        self._seconds += seconds
 
     # Covariance.
 
