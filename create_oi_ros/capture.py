@@ -18,7 +18,7 @@ import time
 from typing import Any
 
 from . import __version__
-from .oi.capture import encode_head, encode_record, Kind, RECORD_LIMIT
+from .oi.tools.capture_format import encode_head, encode_record, Kind, RECORD_LIMIT
 from .parameters import Parameters
 from .port import Port, PortError
 

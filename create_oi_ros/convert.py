@@ -45,7 +45,7 @@ from .oi import (
     Script,
 )
 from .oi.script import commands_of
-from .oi.text import format_commands, parse_script
+from .oi.tools.text import format_commands, parse_script
 
 MILLI = 0.001
 VOLTS_PER_STEP = 5 / 1023

@@ -18,7 +18,7 @@ from .answers import Answers
 from .capture import begin, CapturedPort
 from .driver import Driver, DriverEvent, ModeChanged, ModeStatus, Moved, Notice, Severity
 from .ending import call_on_signal, spin_until
-from .oi.capture import Kind
+from .oi.tools.capture_format import Kind
 from .port import Port
 from .publishing import FramePublisher, publisher
 from .session import Session

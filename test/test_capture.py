@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.__main__ import main
-from create_oi_ros.oi.capture import (
+from create_oi_ros.oi.tools.capture_format import (
     CaptureError,
     CaptureReader,
     encode_head,
@@ -22,7 +21,8 @@ from create_oi_ros.oi.capture import (
     RECORD_LIMIT,
     records_of,
 )
-from create_oi_ros.oi.transcript import (
+from create_oi_ros.oi.tools.command_line import main
+from create_oi_ros.oi.tools.transcript import (
     BYTES_SHOWN,
     explain_capture,
     GARBAGE_SHOWN,

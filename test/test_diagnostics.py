@@ -8,7 +8,7 @@ import pytest
 
 from create_oi_ros import diagnostics, oi
 from create_oi_ros.driver import LinkCounts, Settings
-from create_oi_ros.oi.text import parse_script
+from create_oi_ros.oi.tools.text import parse_script
 from loop import Loop
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN

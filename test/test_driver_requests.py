@@ -7,7 +7,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Link, Settings
 from create_oi_ros.oi.script import build_script
-from create_oi_ros.oi.text import parse_script
+from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.guesses import Guesses
 from loop import Loop
 

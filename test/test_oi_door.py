@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.__main__ import main, run
-from create_oi_ros.oi.tables import columns, document, groups_table
-from create_oi_ros.oi.text import format_commands
+from create_oi_ros.oi.tools.command_line import main, run
+from create_oi_ros.oi.tools.tables import columns, document, groups_table
+from create_oi_ros.oi.tools.text import format_commands
 from oi_strategies import commands
 
 ROOT = Path(__file__).parent.parent
@@ -194,7 +194,7 @@ def test_the_map_of_the_manual_names_what_exists() -> None:
 def test_it_runs_as_a_module(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
                              ) -> None:
     monkeypatch.setattr(sys, 'argv', ['oi', 'decode', '128'])
-    monkeypatch.delitem(sys.modules, 'create_oi_ros.oi.__main__')
+    monkeypatch.delitem(sys.modules, 'create_oi_ros.oi.__main__', raising=False)
     with pytest.raises(SystemExit) as ended:
         runpy.run_module('create_oi_ros.oi', run_name='__main__')
     assert ended.value.code == 0 and capsys.readouterr().out == 'Start\n'

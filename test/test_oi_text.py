@@ -5,7 +5,6 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.notes import note_frequency, note_name, note_number
 from create_oi_ros.oi.script import (
     build_script,
     can_end,
@@ -14,7 +13,8 @@ from create_oi_ros.oi.script import (
     SCRIPT_LIMIT,
     script_of_reply,
 )
-from create_oi_ros.oi.text import (
+from create_oi_ros.oi.tools.notes import note_frequency, note_name, note_number
+from create_oi_ros.oi.tools.text import (
     format_command,
     format_commands,
     parse_command,

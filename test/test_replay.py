@@ -12,7 +12,7 @@ from nav_msgs.msg import Odometry
 import pytest
 
 from create_oi_ros.capture import Capture, CapturedPort, create
-from create_oi_ros.oi.capture import (
+from create_oi_ros.oi.tools.capture_format import (
     CaptureError,
     CaptureReader,
     encode_head,

@@ -8,7 +8,7 @@ from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.oi.capture import CaptureReader, Kind, records_of
+from create_oi_ros.oi.tools.capture_format import CaptureReader, Kind, records_of
 from create_oi_ros.topics import LATCHED
 from ros import scene
 

@@ -15,7 +15,7 @@ from enum import Enum
 
 from .. import oi
 from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
-from ..oi.text import format_command
+from ..oi.tools.text import format_command
 from .echoes import asked_directly, CLEARED, Echoes, Speeds
 from .motion import Motion
 from .outbox import Outbox

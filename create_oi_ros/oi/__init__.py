@@ -24,7 +24,6 @@ from .codes import (
     Radius,
     StreamState,
 )
-from .command import Command
 from .commands import (
     ACTUATE,
     ANY,
@@ -64,6 +63,7 @@ from .commands import (
     WaitEvent,
     WaitTime,
 )
+from .declaration import Command
 from .packets import (
     BITS_PER_BYTE,
     Budget,

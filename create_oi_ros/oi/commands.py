@@ -19,7 +19,7 @@ from .codes import (
     Radius,
     StreamState,
 )
-from .command import Command
+from .declaration import Command
 from .packets import PACKET_ID, PACKET_IDS
 from .wire import bits, choice, Counted, signed_choice, Wire
 

@@ -7,8 +7,8 @@ counts bytes: the manual calls it a number of commands, but its own examples cou
 
 from collections.abc import Iterable, Iterator
 
-from .command import Command
 from .commands import PlayScript, Script, WaitAngle, WaitDistance, WaitEvent
+from .declaration import Command
 from .stream import CommandReader, UnknownOpcode
 
 assert Script.tail is not None

@@ -17,7 +17,7 @@ import re
 from typing import NamedTuple
 from zlib import adler32
 
-from .command import Command
+from .declaration import Command
 from .packets import FRAME_LIMIT, HEADER, PacketList
 from .readings import Readings
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from create_oi_ros import oi
-from create_oi_ros.oi import DriverBits, LedBits, OutputBits, Radius
-from create_oi_ros.oi.commands import DUTY
-from create_oi_ros.sim.body import Body
+from .. import oi
+from ..oi import DriverBits, LedBits, OutputBits, Radius
+from ..oi.commands import DUTY
+from .body import Body
 
 MM = 1000.0
 _STRAIGHT = (0, Radius.STRAIGHT, Radius.STRAIGHT_7FFF)

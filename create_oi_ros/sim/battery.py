@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 import math
 
-from create_oi_ros.sim.readings import Charging
+from .readings import Charging
 
 _LONGEST_PIECE = 1.0
 """Seconds."""

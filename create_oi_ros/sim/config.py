@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 from enum import Enum
 import math
 
-from create_oi_ros.sim.battery import BatteryConfig
+from .battery import BatteryConfig
 
 
 class EncoderSign(Enum):

@@ -13,11 +13,11 @@ import operator
 import re
 from typing import Any, NamedTuple
 
-from create_oi_ros.sim.faults import Fault, Faults
-from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.lines import Line
-from create_oi_ros.sim.readings import RANGES
-from create_oi_ros.sim.world import Pose
+from .faults import Fault, Faults
+from .firmware import Create
+from .lines import Line
+from .readings import RANGES
+from .world import Pose
 
 PRESS = 0.2
 """Seconds a button is pressed where nothing else is said."""

@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator, Sequence
 import math
 from random import Random
 
-from create_oi_ros.oi import DemoNumber, Infrared, Note, SLOT
-from create_oi_ros.sim.actuators import Actuators, MM, Wheels
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.readings import Readings
-from create_oi_ros.sim.scripts import cliff
+from ..oi import DemoNumber, Infrared, Note, SLOT
+from .actuators import Actuators, MM, Wheels
+from .body import Body
+from .readings import Readings
+from .scripts import cliff
 
 Demo = Iterator[None]
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from create_oi_ros.sim.config import BodyConfig, EncoderSign
+from .config import BodyConfig, EncoderSign
 
 _STEADY = 1e-9
 """Metres per second below which a wheel has reached its goal."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from create_oi_ros.sim.battery import Battery, BatteryConfig
+from .battery import Battery, BatteryConfig
 
 LOW_SIDE_LIMITS = (0.5, 0.5, 1.5)
 """Amperes that low side drivers 0, 1 and 2 give at most (manual)."""

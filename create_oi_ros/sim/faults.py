@@ -27,7 +27,7 @@ import math
 from random import Random
 import re
 
-from create_oi_ros.oi import SLOT
+from ..oi import SLOT
 
 MOST_GARBAGE = 20
 """Bytes at once."""

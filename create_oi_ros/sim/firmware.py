@@ -17,19 +17,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
-from create_oi_ros import oi
-from create_oi_ros.oi import Mode
-from create_oi_ros.oi.commands import ACTUATORS, INPUTS, WAITS
-from create_oi_ros.sim import scripts, sensing
-from create_oi_ros.sim.actuators import Actuators, DARK, Lights, Wheels
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.demos import Controls, Demo, DEMOS
-from create_oi_ros.sim.guesses import Guesses, LIKELY
-from create_oi_ros.sim.limits import obeyable
-from create_oi_ros.sim.power import BANNER, Power
-from create_oi_ros.sim.readings import Readings
-from create_oi_ros.sim.songs import BEEP, DESCENDING, Speaker
-from create_oi_ros.sim.uart import DEFAULT_BAUD, SLOW_BAUD, Uart
+from .. import oi
+from ..oi import Mode
+from ..oi.commands import ACTUATORS, INPUTS, WAITS
+from . import scripts, sensing
+from .actuators import Actuators, DARK, Lights, Wheels
+from .body import Body
+from .demos import Controls, Demo, DEMOS
+from .guesses import Guesses, LIKELY
+from .limits import obeyable
+from .power import BANNER, Power
+from .readings import Readings
+from .songs import BEEP, DESCENDING, Speaker
+from .uart import DEFAULT_BAUD, SLOW_BAUD, Uart
 
 _RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from create_oi_ros.oi import Command
-from create_oi_ros.oi.command import Tail
-from create_oi_ros.oi.commands import SPEED
+from ..oi import Command
+from ..oi.commands import SPEED
+from ..oi.declaration import Tail
 
 
 def obeyable(command: Command) -> Command | None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from create_oi_ros.sim.config import BodyConfig, Contact
-from create_oi_ros.sim.drivetrain import Drivetrain, Motion, Wheel
-from create_oi_ros.sim.encoders import Accumulator, Rounding
-from create_oi_ros.sim.surroundings import docked, Surroundings
-from create_oi_ros.sim.world import Pose, World
+from .config import BodyConfig, Contact
+from .drivetrain import Drivetrain, Motion, Wheel
+from .encoders import Accumulator, Rounding
+from .surroundings import docked, Surroundings
+from .world import Pose, World
 
 _LONGEST_PIECE = 0.015
 """Seconds: at 0.5 m/s 7.5 mm, so no wall is jumped."""

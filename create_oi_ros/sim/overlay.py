@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from create_oi_ros.sim.readings import checked, Readings
+from .readings import checked, Readings
 
 
 class Overlay:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from create_oi_ros.sim.uart import BaudPin, DEFAULT_BAUD, SLOW_BAUD
+from .uart import BaudPin, DEFAULT_BAUD, SLOW_BAUD
 
 BANNER = (
     b'bl-start\r\n1.2.3\r\nbl-end\r\n'

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 import math
 
-from create_oi_ros import oi
-from create_oi_ros.oi import Event, SLOT
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.readings import Readings
+from .. import oi
+from ..oi import Event, SLOT
+from .body import Body
+from .readings import Readings
 
 Over = Callable[[], bool]
 """Whether a wait is over."""

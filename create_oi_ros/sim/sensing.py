@@ -7,8 +7,8 @@ from enum import IntFlag
 from functools import lru_cache
 from operator import attrgetter, mul
 
-from create_oi_ros import oi
-from create_oi_ros.oi import (
+from .. import oi
+from ..oi import (
     BumpsAndWheelDrops,
     Buttons,
     ChargingSources,
@@ -16,8 +16,8 @@ from create_oi_ros.oi import (
     Overcurrents,
     PacketList,
 )
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.readings import Readings
+from .body import Body
+from .readings import Readings
 
 
 def _flags(places: dict[str, IntFlag]) -> Callable[[Readings], int]:

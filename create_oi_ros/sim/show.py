@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 import math
 
-from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.geometry import Disc, Point, Segment
-from create_oi_ros.sim.world import World
+from .firmware import Create
+from .geometry import Disc, Point, Segment
+from .world import World
 
 COLUMNS, ROWS = 80, 24
 STATUS_ROWS = 3

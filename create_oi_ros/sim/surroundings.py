@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import math
 
-from create_oi_ros.sim.geometry import Obstacle, Point, reach, sees
-from create_oi_ros.sim.readings import NO_INFRARED
-from create_oi_ros.sim.world import HomeBase, Pose, World
+from .geometry import Obstacle, Point, reach, sees
+from .readings import NO_INFRARED
+from .world import HomeBase, Pose, World
 
 TOUCH = 0.0005
 """A bumper is pressed when an obstacle is as near as this to the hull, metres."""

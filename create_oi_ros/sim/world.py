@@ -26,7 +26,7 @@ from importlib import resources
 import math
 from typing import NamedTuple
 
-from create_oi_ros.sim.geometry import chain, Disc, Obstacle, Point, Polygon, Segment
+from .geometry import chain, Disc, Obstacle, Point, Polygon, Segment
 
 _PLATE = 0.1
 """Half the width of a Home Base's front, metres (guess)."""

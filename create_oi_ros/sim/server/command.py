@@ -11,19 +11,19 @@ from pathlib import Path
 import signal
 import sys
 
-from create_oi_ros.oi import Checksum
-from create_oi_ros.oi.capture import CaptureError
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.encoders import Rounding
-from create_oi_ros.sim.faults import Fault, Faults
-from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.guesses import Guesses
-from create_oi_ros.sim.lines import Line, PtyLine, TcpLine
-from create_oi_ros.sim.server.control_port import ControlPort
-from create_oi_ros.sim.server.play import play, Player
-from create_oi_ros.sim.server.serve import Server
-from create_oi_ros.sim.show import CLEAR, Show
-from create_oi_ros.sim.world import parse, shipped, shipped_names, World
+from ...oi import Checksum
+from ...oi.tools.capture_format import CaptureError
+from ..body import Body
+from ..encoders import Rounding
+from ..faults import Fault, Faults
+from ..firmware import Create
+from ..guesses import Guesses
+from ..lines import Line, PtyLine, TcpLine
+from ..show import CLEAR, Show
+from ..world import parse, shipped, shipped_names, World
+from .control_port import ControlPort
+from .play import play, Player
+from .serve import Server
 
 SHOW_EVERY = 7
 """Slots: about ten pictures a second."""

@@ -9,10 +9,10 @@ from pathlib import Path
 import select
 import time
 
-from create_oi_ros.oi import SLOT
-from create_oi_ros.oi.capture import CaptureError, CaptureReader, Record, records_of
-from create_oi_ros.sim.lines import Line
-from create_oi_ros.sim.replay import Replay
+from ...oi import SLOT
+from ...oi.tools.capture_format import CaptureError, CaptureReader, Record, records_of
+from ..lines import Line
+from ..replay import Replay
 
 LINGER = 1.0
 """Seconds that the port stays when all was said: closing it would take back what is unread."""

@@ -13,13 +13,13 @@ import math
 import select
 import time
 
-from create_oi_ros.oi import SLOT
-from create_oi_ros.sim.control import Control
-from create_oi_ros.sim.faults import Faults, Kind
-from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.lines import Line
-from create_oi_ros.sim.pacing import Pacer
-from create_oi_ros.sim.server.control_port import ControlPort
+from ...oi import SLOT
+from ..control import Control
+from ..faults import Faults, Kind
+from ..firmware import Create
+from ..lines import Line
+from ..pacing import Pacer
+from .control_port import ControlPort
 
 LONGEST_STALL = 0.25
 """Seconds on the computer's clock."""

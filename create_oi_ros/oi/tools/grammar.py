@@ -10,14 +10,14 @@ from enum import IntEnum, IntFlag
 import re
 from typing import Any, NamedTuple, NoReturn
 
-from .codes import BaudCode
-from .command import Command, Tail
-from .commands import COMMANDS, Note, REST, Script
+from ..codes import BaudCode
+from ..commands import COMMANDS, Note, REST, Script
+from ..declaration import Command, Tail
+from ..packets import PACKET_ID
+from ..readings import NUMBERS, PACKETS
+from ..script import build_script, SCRIPT_LIMIT
+from ..wire import Wire
 from .notes import note_number
-from .packets import PACKET_ID
-from .readings import NUMBERS, PACKETS
-from .script import build_script, SCRIPT_LIMIT
-from .wire import Wire
 
 
 class TextError(ValueError):

@@ -25,12 +25,12 @@ command may be sent.
 from collections.abc import Iterable
 from typing import Any
 
-from .command import Command
-from .commands import Note, REST, Script, SOUNDING
+from ..commands import Note, REST, Script, SOUNDING
+from ..declaration import Command
+from ..script import build_script, commands_of
+from ..wire import Wire
 from .grammar import label, Text, TextError
 from .notes import note_name
-from .script import build_script, commands_of
-from .wire import Wire
 
 
 def format_command(command: Command) -> str:

@@ -8,12 +8,12 @@ from collections.abc import Iterable, Sequence
 from enum import IntEnum, IntFlag
 import re
 
-from .codes import BaudCode
-from .command import Command
-from .commands import COMMANDS
-from .packets import GROUPS, PacketList, size_of
-from .readings import NAMES, PACKETS
-from .wire import Wire
+from ..codes import BaudCode
+from ..commands import COMMANDS
+from ..declaration import Command
+from ..packets import GROUPS, PacketList, size_of
+from ..readings import NAMES, PACKETS
+from ..wire import Wire
 
 Row = Sequence[str]
 KINDS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}

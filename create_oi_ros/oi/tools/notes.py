@@ -7,7 +7,7 @@ middle C, number 60 at 261.6 Hz, is C4 and the lowest note that sounds, number 3
 
 import re
 
-from .commands import SOUNDING
+from ..commands import SOUNDING
 
 PITCHES = ('C', 'C#', 'D', 'D#', 'E', 'F', 'F#', 'G', 'G#', 'A', 'A#', 'B')
 """The manual's names of the notes of an octave, upwards from C."""

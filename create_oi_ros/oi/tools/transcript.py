@@ -9,13 +9,13 @@ speeds that are sent again, and lists of packets that were asked for before.
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from .capture import Kind, MICROSECONDS, Record
-from .command import Command
-from .commands import Drive, DriveDirect, Stream
+from ..commands import Drive, DriveDirect, Stream
+from ..declaration import Command
+from ..packets import PACKET_IDS, PacketList
+from ..readings import NUMBERS, PACKETS
+from ..stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
+from .capture_format import Kind, MICROSECONDS, Record
 from .explain import CONVENTIONS, decimal, explain_command, explain_frame, explain_reading
-from .packets import PACKET_IDS, PacketList
-from .readings import NUMBERS, PACKETS
-from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 
 SUM_AFTER = 10 * MICROSECONDS
 """How long frames are added up."""

@@ -9,11 +9,11 @@ from enum import IntEnum, IntFlag
 import re
 from typing import Any
 
-from .command import Command
+from ..declaration import Command
+from ..packets import PacketList
+from ..readings import Packet
+from ..stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 from .grammar import label
-from .packets import PacketList
-from .readings import Packet
-from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 from .text import format_command
 
 SEPARATORS = re.compile(r'[\s,;:|\[\](){}]+')

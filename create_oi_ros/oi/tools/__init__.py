@@ -1,0 +1,1 @@
+"""What explains the Open Interface to people: text form, transcripts, tables, captures."""
