@@ -24,7 +24,7 @@ from anything import anything
 from create_oi_ros import oi
 from create_oi_ros.answers import Answers
 from create_oi_ros.driver import Driver, Link, Settings
-from create_oi_ros.driver.calling import DRAIN
+from create_oi_ros.driver.baud_search import DRAIN
 from create_oi_ros.node import CreateNode
 from create_oi_ros.parameters import declare, Parameters
 from create_oi_ros.services import SERVICES

@@ -17,7 +17,7 @@ from create_oi_ros.driver import (
     Severity,
     wheel_speeds,
 )
-from create_oi_ros.driver.calling import DRAIN
+from create_oi_ros.driver.baud_search import DRAIN
 from create_oi_ros.driver.machine import SILENCE
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.world import shipped

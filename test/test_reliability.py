@@ -15,9 +15,9 @@ from create_oi_ros.driver import (
     Settings,
     Severity,
 )
-from create_oi_ros.driver.calling import Calling, LAST_WORDS, SPEECH, USUAL
-from create_oi_ros.driver.checks import FASTEST, FASTEST_TURN, Jumps, SLACK
-from create_oi_ros.driver.power import SETTLE
+from create_oi_ros.driver.battery_watch import SETTLE
+from create_oi_ros.driver.baud_search import Calling, LAST_WORDS, SPEECH, USUAL
+from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, Jumps, SLACK
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.actuators import DARK, Lights

@@ -1,10 +1,10 @@
 """The host's machine: wanted mode, watchdog, limits, stream plan. Pure: no clock, no I/O."""
 
-from .calling import LAST_WORDS
+from .battery_watch import BatteryLevel, BatteryLimits, LowBatteryAction
+from .baud_search import LAST_WORDS
 from .events import DriverEvent, Link, LinkCounts, ModeChanged, Moved, Notice, Severity
 from .machine import Driver
 from .motion import MotionLimits, wheel_speeds
-from .power import BatteryLevel, BatteryLimits, LowBatteryAction
 from .requests import Reply
 from .settings import Settings
 from .supervision import Cause, ModeStatus

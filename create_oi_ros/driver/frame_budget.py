@@ -7,7 +7,7 @@ frames and bytes are counted over a few seconds.
 """
 
 from .. import oi
-from . import calling
+from . import baud_search as calling
 
 WINDOW = 3.0
 """Seconds over which frames are counted."""

@@ -10,16 +10,16 @@ Requests (drive, set_mode, ...) only change what is wanted; `poll` sends.
 from collections import deque
 
 from .. import oi
-from .actuators import Actuators
-from .calling import CALL_AGAIN, Calling, DRAIN
-from .checks import TurnCheck
+from .battery_watch import BatteryLevel, BatteryWatch, LowBatteryAction
+from .baud_search import CALL_AGAIN, Calling, DRAIN
+from .command_watch import DEAF, Hearing, Turn
 from .demos import Demos, END_DEMO
 from .events import DriverEvent, Link, LinkCounts, ModeChanged, Moved, Notice, Severity
 from .frame_budget import FrameBudget, too_slow
-from .hearing import DEAF, Hearing, Turn
 from .motion import Motion, MotionLimits
 from .outbox import Outbox
-from .power import BatteryLevel, BatteryWatch, LowBatteryAction
+from .outputs import Actuators
+from .plausibility import TurnCheck
 from .requests import mode_refusal, ModeRequest, Reply, Requests
 from .scripts import Scripts
 from .settings import Settings

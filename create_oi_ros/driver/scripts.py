@@ -16,10 +16,10 @@ from enum import Enum
 from .. import oi
 from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
 from ..oi.tools.text import format_command
-from .echoes import asked_directly, CLEARED, Echoes, Speeds
 from .motion import Motion
 from .outbox import Outbox
 from .requests import Reply, Requests
+from .script_speeds import asked_directly, CLEARED, Echoes, Speeds
 from .stream_plan import StreamPlan
 
 CALL_EVERY = 0.2

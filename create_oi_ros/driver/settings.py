@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 from .. import oi
 from ..odometry import Geometry
+from .battery_watch import BatteryLimits
 from .motion import MotionLimits
-from .power import BatteryLimits
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from .. import oi
 from ..odometry import Estimate, Increment, Odometry
-from .checks import Jumps
-from .echoes import Speeds
 from .events import LinkCounts, Moved
 from .frame_clock import FrameClock
+from .plausibility import Jumps
+from .script_speeds import Speeds
 from .settings import Settings
 
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
