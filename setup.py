@@ -28,14 +28,14 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'create_demo = create_oi_ros.start:create_demo',
-            'create_calibrate = create_oi_ros.start:create_calibrate',
-            'create_node = create_oi_ros.start:create_node',
-            'create_record = create_oi_ros.start:create_record',
-            'create_report = create_oi_ros.start:create_report',
-            'create_run = create_oi_ros.start:create_run',
-            'create_sim = create_oi_ros.start:create_sim',
-            'create_view = create_oi_ros.start:create_view',
+            'create_demo = create_oi_ros.ros.programs:create_demo',
+            'create_calibrate = create_oi_ros.ros.programs:create_calibrate',
+            'create_node = create_oi_ros.ros.programs:create_node',
+            'create_record = create_oi_ros.ros.programs:create_record',
+            'create_report = create_oi_ros.ros.programs:create_report',
+            'create_run = create_oi_ros.ros.programs:create_run',
+            'create_sim = create_oi_ros.ros.programs:create_sim',
+            'create_view = create_oi_ros.ros.programs:create_view',
         ],
     },
 )

@@ -16,7 +16,7 @@ from processes import processor_shares, resident
 from results import Figure, repeated, run
 from scene import scene
 
-from create_oi_ros.topics import PUBLISHED
+from create_oi_ros.ros.topics import PUBLISHED
 
 REPETITIONS = 3
 SETTLE, WATCH = 1.5, 4.0

@@ -15,7 +15,7 @@ from results import Figure, run
 from scene import Actor, Scene, scene
 
 from create_oi_ros.oi import SLOT
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 
 SIZES = (1, 2, 4, 8, 16, 32)
 TOGETHER = 4

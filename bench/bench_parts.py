@@ -21,7 +21,7 @@ from results import Figure, repeated, run
 from scene import scene
 
 from create_oi_ros import oi
-from create_oi_ros.topics import PUBLISHED
+from create_oi_ros.ros.topics import PUBLISHED
 
 REPETITIONS = 3
 SETTLE, WATCH = 2.0, 5.0

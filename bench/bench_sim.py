@@ -22,11 +22,11 @@ from processes import processor_seconds
 from results import Figure, run
 
 from create_oi_ros import oi
+from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.guesses import Guesses
 from create_oi_ros.sim.world import shipped
-from create_oi_ros.start import PROGRAMS
 
 ALL = tuple(oi.PACKETS)
 FIT = tuple(number for number in oi.PACKETS if number not in (15, 16, 38))

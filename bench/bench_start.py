@@ -16,7 +16,7 @@ from scene import DOMAIN, scene
 
 REPETITIONS = 5
 BARE_NODE = 'import rclpy; rclpy.init(); rclpy.create_node("bare"); rclpy.shutdown()'
-OURS = 'import create_oi_ros.node'
+OURS = 'import create_oi_ros.ros.node'
 THEIRS = (
     'import rclpy.executors, rclpy.node, serial; from nav_msgs.msg import Odometry; '
     'from geometry_msgs.msg import Twist; from sensor_msgs.msg import JointState; '

@@ -18,7 +18,7 @@ from typing import Any
 
 from create_oi_ros import oi
 from create_oi_ros.driver.stream_plan import ESSENTIAL
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 
 PROGRAM_FOLDER = Path(__file__).parent / 'programs'
 DOMAIN = os.environ.get('ROS_DOMAIN_ID', '83')

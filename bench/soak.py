@@ -30,7 +30,7 @@ from faults.stage import Stage, staged
 from geometry_msgs.msg import Twist, Vector3
 from std_srvs.srv import Trigger
 
-from create_oi_ros.answers import AT_ONCE
+from create_oi_ros.ros.services import AT_ONCE
 
 SETTLE = 60.0
 """Seconds after which things must have found their size."""

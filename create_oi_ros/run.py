@@ -26,8 +26,8 @@ from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
 from . import oi
-from .ending import call_on_signal, end_with_parent, spin_until
-from .start import PROGRAMS
+from .ros.process import call_on_signal, end_with_parent, spin_until
+from .ros.programs import PROGRAMS
 
 GRACE = 1.5
 """Seconds that a child has to end by itself once it was asked to."""

@@ -10,10 +10,10 @@ from create_oi_msgs import msg as our_messages
 from geometry_msgs.msg import Twist, TwistStamped
 import yaml
 
-from create_oi_ros.parameters import Parameters
-from create_oi_ros.services import SERVICES
-from create_oi_ros.start import PROGRAMS
-from create_oi_ros.topics import PUBLISHED
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.topics import PUBLISHED
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r'(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$', re.M | re.S)

@@ -17,6 +17,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 
+from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.encoders import Rounding
 from create_oi_ros.sim.faults import Faults
@@ -24,7 +25,6 @@ from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.lines import PtyLine
 from create_oi_ros.sim.server import Server
 from create_oi_ros.sim.world import shipped, World
-from create_oi_ros.start import PROGRAMS
 
 PATIENCE = 30.0
 """Seconds after which an event that a test waits for is taken not to come."""

@@ -16,7 +16,7 @@ import termios
 import time
 from typing import Any
 
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 
 PATIENCE = 30.0
 """Seconds after which what a test waits for is taken not to come."""

@@ -13,7 +13,7 @@ import sys
 import time
 from typing import Any
 
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 
 PATIENCE = 20.0
 """Seconds after which what a test waits for is taken not to come."""

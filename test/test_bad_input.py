@@ -22,12 +22,12 @@ from rclpy.task import Future
 
 from anything import anything
 from create_oi_ros import oi
-from create_oi_ros.answers import Answers
 from create_oi_ros.driver import Driver, Link, Settings
 from create_oi_ros.driver.baud_search import DRAIN
-from create_oi_ros.node import CreateNode
-from create_oi_ros.parameters import declare, Parameters
-from create_oi_ros.services import SERVICES
+from create_oi_ros.ros.node import CreateNode
+from create_oi_ros.ros.parameters import declare, Parameters
+from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.services import Answers
 from loop import Loop
 
 PATIENCE = 3.0

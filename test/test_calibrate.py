@@ -12,7 +12,7 @@ from create_oi_ros.calibration import Calibration, line, Return, Run, square, tu
 from create_oi_ros.driver import Settings
 from create_oi_ros.listen import Tally
 from create_oi_ros.odometry import Geometry
-from create_oi_ros.parameters import Parameters
+from create_oi_ros.ros.parameters import Parameters
 from loop import Loop
 
 FACTORS = st.floats(0.9, 1.1)

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from create_oi_ros import dead_man
-from create_oi_ros.dead_man import DeadMan, GOODBYE, POLITE, watch
+from create_oi_ros.link import dead_man
+from create_oi_ros.link.dead_man import DeadMan, GOODBYE, POLITE, watch
 
 WORDS = b'stop now'
 
@@ -43,7 +43,7 @@ def test_releasing_one_that_was_killed_is_allowed():
 
 PARENT = """
 import os, sys
-from create_oi_ros.dead_man import DeadMan
+from create_oi_ros.link.dead_man import DeadMan
 dead_man = DeadMan(int(sys.argv[1]), sys.argv[2].encode())
 print(dead_man.pid, flush=True)
 sys.stdin.read()

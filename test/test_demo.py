@@ -19,9 +19,9 @@ from create_oi_ros.demo import tour
 from create_oi_ros.demo.pilot import Pilot, Stopped, TourError
 from create_oi_ros.record.recorder import written
 from create_oi_ros.report.reading import read
+from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.world import shipped
-from create_oi_ros.start import PROGRAMS
-from create_oi_ros.topics import LATCHED, PUBLISHED
 from ros import scene
 
 

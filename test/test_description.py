@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from create_oi_ros.convert import WHEEL_JOINTS
-from create_oi_ros.interface import config
 from create_oi_ros.odometry import Geometry
-from create_oi_ros.parameters import Parameters
+from create_oi_ros.ros.messages import WHEEL_JOINTS
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.reference import config
 from source import ROOT
 
 URDF = ROOT / 'urdf' / 'create.urdf'

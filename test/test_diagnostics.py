@@ -6,9 +6,10 @@ from itertools import cycle
 from diagnostic_msgs.msg import DiagnosticStatus
 import pytest
 
-from create_oi_ros import diagnostics, oi
+from create_oi_ros import oi
 from create_oi_ros.driver import LinkCounts, Settings
 from create_oi_ros.oi.tools.text import parse_script
+from create_oi_ros.ros import diagnostics
 from loop import Loop
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN

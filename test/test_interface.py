@@ -31,9 +31,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import Trigger
 
-from create_oi_ros import convert, oi
-from create_oi_ros.services import SERVICES
-from create_oi_ros.topics import LATCHED, PUBLISHED
+from create_oi_ros import oi
+from create_oi_ros.ros import messages as convert
+from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from ros import Scene, scene
 from tf2_msgs.msg import TFMessage
 

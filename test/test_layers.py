@@ -83,7 +83,7 @@ def test_calls_nothing_that_reaches_outside(module: str) -> None:
     ('oi.codes', 'time'), ('oi.codes', 'create_oi_ros.odometry'), ('oi', 'serial'),
     ('driver.machine', 'random.random'), ('driver', 'create_oi_ros.sim.body'),
     ('sim.body', 'create_oi_ros.driver'), ('sim.body', 'os.path'),
-    ('sim.server', 'create_oi_ros.port'), ('port', 'create_oi_ros.oi'),
+    ('sim.server', 'create_oi_ros.link.port'), ('port', 'create_oi_ros.oi'),
     ('convert', 'rclpy.node'), ('convert', 'create_oi_ros.driver.Driver'),
     ('node', 'create_oi_ros.sim.server'),
 ])

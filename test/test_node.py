@@ -15,7 +15,7 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
-from create_oi_ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from loop import turn_difference
 from ros import Scene, scene
 from tf2_msgs.msg import TFMessage

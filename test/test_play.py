@@ -26,7 +26,7 @@ from create_oi_ros.record.recorder import Recorder
 from create_oi_ros.report import reading
 from create_oi_ros.report.recording import Recording
 from create_oi_ros.report.story import complaints, happenings, summary
-from create_oi_ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 import player
 from ros import scene
 

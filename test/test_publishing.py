@@ -9,8 +9,8 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Moved
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.odometry import Estimate
-from create_oi_ros.parameters import Parameters
-from create_oi_ros.publishing import FramePublisher
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.publishing import FramePublisher
 from ros import scene
 
 QUIET = dict.fromkeys(ALL, 0)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from create_oi_ros.interface import rewritten, TABLES
+from create_oi_ros.ros.reference import rewritten, TABLES
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / 'README.md').read_text()

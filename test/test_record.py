@@ -12,8 +12,8 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from rosbags.rosbag2 import Reader
 
 from create_oi_ros.report.reading import read
-from create_oi_ros.start import PROGRAMS
-from create_oi_ros.topics import PUBLISHED
+from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.topics import PUBLISHED
 from ros import Program, scene
 from screen import seats
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from rclpy.serialization import deserialize_message
 
-from create_oi_ros.interface import type_name
-from create_oi_ros.topics import PUBLISHED, Topic
+from create_oi_ros.ros.reference import type_name
+from create_oi_ros.ros.topics import PUBLISHED, Topic
 from ros import Scene, scene
 from source import ROOT
 

@@ -11,7 +11,8 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.capture import Capture, CapturedPort, create
+from create_oi_ros.link.capture import Capture, CapturedPort, create
+from create_oi_ros.link.port import PortError
 from create_oi_ros.oi.tools.capture_format import (
     CaptureError,
     CaptureReader,
@@ -21,7 +22,6 @@ from create_oi_ros.oi.tools.capture_format import (
     Record,
     records_of,
 )
-from create_oi_ros.port import PortError
 from create_oi_ros.sim.replay import Replay
 from ros import PATIENCE, Scene, scene
 from simulator import opened, receive, simulator

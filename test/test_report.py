@@ -18,7 +18,7 @@ from create_oi_ros.report.bag import BagError, missing
 from create_oi_ros.report.reading import POINTS, read, Taker
 from create_oi_ros.report.recording import Curve, Spans
 from create_oi_ros.report.story import clock, complaints, happenings, summary, travelled
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 
 PNG = b'\x89PNG\r\n'
 
@@ -237,7 +237,7 @@ def test_without_a_library_the_way_to_get_it_is_said(bag, tmp_path, monkeypatch,
 
 def test_the_node_does_not_load_what_reports_need():
     done = subprocess.run(
-        [sys.executable, '-c', 'import sys, create_oi_ros.node; '
+        [sys.executable, '-c', 'import sys, create_oi_ros.ros.node; '
          'print({"rosbags", "matplotlib"} & set(sys.modules))'], capture_output=True, text=True)
     assert done.stdout == 'set()\n', done.stderr
 

@@ -9,7 +9,7 @@ from nav_msgs.msg import Odometry
 import pytest
 
 from create_oi_ros.oi.tools.capture_format import CaptureReader, Kind, records_of
-from create_oi_ros.topics import LATCHED
+from create_oi_ros.ros.topics import LATCHED
 from ros import scene
 
 

@@ -15,7 +15,7 @@ import subprocess
 import domain_coordinator
 import pytest
 
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 from pages import Block, blocks, check_parameters, check_ros2, commands
 from ros import _next_domain
 

@@ -12,7 +12,8 @@ import pytest
 from sensor_msgs.msg import BatteryState, JointState
 
 from anything import anything
-from create_oi_ros import convert, topics
+from create_oi_ros.ros import messages as convert
+from create_oi_ros.ros import topics
 from create_oi_ros.view import panels
 from create_oi_ros.view.canvas import Canvas
 from create_oi_ros.view.keys import BINDINGS

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.services import SERVICES
+from create_oi_ros.ros.service_table import SERVICES
 from create_oi_ros.view.keys import action_of, Ask, BINDINGS, Drive, Keyboard, Own, SONG, STOP
 from create_oi_ros.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
 

@@ -11,8 +11,8 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.start import PROGRAMS
-from create_oi_ros.topics import LATCHED
+from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.topics import LATCHED
 from ros import scene
 from screen import seats
 

@@ -23,9 +23,9 @@ import pytest
 import rclpy
 from rclpy.context import Context
 
-from create_oi_ros import diagnostics
-from create_oi_ros.parameters import Parameters
-from create_oi_ros.topics import ODOM, PUBLISHED
+from create_oi_ros.ros import diagnostics
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.topics import ODOM, PUBLISHED
 from pages import blocks, check_ros2, commands, OURS, ROOT
 
 FILES = ROOT / 'config' / 'with'

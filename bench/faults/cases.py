@@ -13,7 +13,7 @@ from geometry_msgs.msg import Twist, Vector3
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 from faults.stage import QUICK, SONG, Stage
 
 BOOT = 3.0
@@ -342,7 +342,7 @@ def fall(*_):
 bumper = convert.bumper
 convert.bumper = lambda message, readings: (
     fall() if readings.bumps_and_wheel_drops else bumper(message, readings))
-from create_oi_ros.node import CreateNode
+from create_oi_ros.ros.node import CreateNode
 hear = CreateNode._on_velocity
 CreateNode._on_velocity = lambda node, twist: fall() if twist.linear.z else hear(node, twist)
 raise SystemExit(start.create_node())

@@ -13,7 +13,7 @@ from create_oi_msgs.srv import DefineSong, SetDigitalOutputs, SetLeds
 import domain_coordinator
 from geometry_msgs.msg import Twist, Vector3
 
-from create_oi_ros.start import PROGRAMS
+from create_oi_ros.ros.programs import PROGRAMS
 from faults.watch import Watch
 from ros import Listener, Program
 from simulator import Teacher

@@ -10,7 +10,7 @@ from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 
-from create_oi_ros.topics import LATCHED, SENSOR_TOPICS
+from create_oi_ros.ros.topics import LATCHED, SENSOR_TOPICS
 from ros import Listener
 
 STEP, TURN = 0.05, 0.15

@@ -17,8 +17,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from create_oi_ros.ending import call_on_signal, spin_until
-from create_oi_ros.topics import PUBLISHED
+from create_oi_ros.ros.process import call_on_signal, spin_until
+from create_oi_ros.ros.topics import PUBLISHED
 
 TOPICS = {topic.name: topic for topic in PUBLISHED}
 heard: dict[str, list[tuple[float, Any]]] = {name: [] for name in sys.argv[1:]}

@@ -19,11 +19,11 @@ from rclpy.publisher import Publisher
 
 from create_oi_ros.driver import Driver
 from create_oi_ros.driver.tracking import Tracking
-from create_oi_ros.node import main
+from create_oi_ros.link.port import Port
 from create_oi_ros.odometry import Odometry
 from create_oi_ros.oi import StreamReader
-from create_oi_ros.port import Port
-from create_oi_ros.publishing import FramePublisher
+from create_oi_ros.ros.node import main
+from create_oi_ros.ros.publishing import FramePublisher
 
 SETTLE = 270
 """Readings of the port, one a frame, until all have found each other: 3 s where one was missed."""

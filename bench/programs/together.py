@@ -7,8 +7,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from create_oi_ros.ending import call_on_signal, spin_until
-from create_oi_ros.node import CreateNode
+from create_oi_ros.ros.node import CreateNode
+from create_oi_ros.ros.process import call_on_signal, spin_until
 
 ended = Future()
 call_on_signal(lambda: ended.set_result(0))

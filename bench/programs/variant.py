@@ -27,7 +27,7 @@ from rclpy.serialization import serialize_message
 import serial
 
 from create_oi_ros.oi import SLOT
-from create_oi_ros.topics import DIAGNOSTICS, JOINT_STATES, MODE, PUBLISHED, SENSOR_TOPICS, TF
+from create_oi_ros.ros.topics import DIAGNOSTICS, JOINT_STATES, MODE, PUBLISHED, SENSOR_TOPICS, TF
 
 MOST = 120
 """Seconds of processor time after which the kernel ends this: the events executor never rests."""

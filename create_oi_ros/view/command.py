@@ -16,7 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from ..ending import call_on_signal
+from ..ros.process import call_on_signal
 from .graph import Graph, take_in
 from .keys import action_of, Ask, Drive, Keyboard, Own, STOP
 from .picture import picture

@@ -20,8 +20,8 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
-from .. import topics
-from ..services import SERVICES
+from ..ros import topics
+from ..ros.service_table import SERVICES
 from .keys import Ask, BINDINGS, STOP
 from .state import Note, State
 from .teleop import STANDSTILL, Velocity

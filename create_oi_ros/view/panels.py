@@ -25,7 +25,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 
 from .. import oi
-from ..convert import WHEEL_JOINTS
+from ..ros.messages import WHEEL_JOINTS
 from .state import State
 
 NOTHING = '-'

@@ -11,8 +11,9 @@ from math import isnan
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
 
-from . import __version__, convert, oi
-from .driver import BatteryLevel, Driver, Link, LinkCounts
+from .. import __version__, oi
+from ..driver import BatteryLevel, Driver, Link, LinkCounts
+from . import messages as convert
 from .parameters import Parameters
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN

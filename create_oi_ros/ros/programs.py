@@ -27,14 +27,14 @@ def _loading() -> Iterator[None]:
 def create_calibrate() -> int:
     """Work out the parameters of the odometry."""
     with _loading():
-        from .calibrate import main
+        from ..calibrate import main
     return main()
 
 
 def create_demo() -> int:
     """Let a simulated robot show itself, and report on it."""
     with _loading():
-        from .demo.command import main
+        from ..demo.command import main
     return main()
 
 
@@ -48,35 +48,35 @@ def create_node() -> int:
 def create_record() -> int:
     """Record what a robot does to a bag."""
     with _loading():
-        from .record.command import main
+        from ..record.command import main
     return main()
 
 
 def create_report() -> int:
     """Show on one page what a robot did, from a bag."""
     with _loading():
-        from .report.command import main
+        from ..report.command import main
     return main()
 
 
 def create_run() -> int:
     """Run a robot, its driver and a status line."""
     with _loading():
-        from .run import main
+        from ..run import main
     return main()
 
 
 def create_sim() -> int:
     """Run a simulated robot."""
     with _loading():
-        from .sim.server import main
+        from ..sim.server import main
     return main()
 
 
 def create_view() -> int:
     """See a robot, and drive it, in a terminal."""
     with _loading():
-        from .view.command import main
+        from ..view.command import main
     return main()
 
 

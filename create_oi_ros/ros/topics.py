@@ -31,8 +31,8 @@ from sensor_msgs.msg import BatteryState, JointState
 
 from tf2_msgs.msg import TFMessage
 
-from . import convert
-from .oi import BumpsAndWheelDrops, Readings, SLOT
+from ..oi import BumpsAndWheelDrops, Readings, SLOT
+from . import messages as convert
 
 RELIABLE = QoSProfile(depth=10)
 TRANSFORMS = QoSProfile(depth=100)

@@ -29,10 +29,10 @@ from std_msgs.msg import Header
 
 from tf2_msgs.msg import TFMessage
 
-from . import oi
-from .driver import ModeStatus
-from .odometry import Estimate
-from .oi import (
+from .. import oi
+from ..driver import ModeStatus
+from ..odometry import Estimate
+from ..oi import (
     BumpsAndWheelDrops,
     ChargingSources,
     ChargingState,
@@ -44,8 +44,8 @@ from .oi import (
     Readings,
     Script,
 )
-from .oi.script import commands_of
-from .oi.tools.text import format_commands, parse_script
+from ..oi.script import commands_of
+from ..oi.tools.text import format_commands, parse_script
 
 MILLI = 0.001
 VOLTS_PER_STEP = 5 / 1023

@@ -13,15 +13,16 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from . import convert, diagnostics, parameters, topics
-from .answers import Answers
-from .capture import begin, CapturedPort
-from .driver import Driver, DriverEvent, ModeChanged, ModeStatus, Moved, Notice, Severity
-from .ending import call_on_signal, spin_until
-from .oi.tools.capture_format import Kind
-from .port import Port
+from ..driver import Driver, DriverEvent, ModeChanged, ModeStatus, Moved, Notice, Severity
+from ..link.capture import begin, CapturedPort
+from ..link.port import Port
+from ..link.session import Session
+from ..oi.tools.capture_format import Kind
+from . import diagnostics, parameters, topics
+from . import messages as convert
+from .process import call_on_signal, spin_until
 from .publishing import FramePublisher, publisher
-from .session import Session
+from .services import Answers
 
 DIAGNOSTICS_PERIOD = 1.0
 STALE_EVERY = 5.0

@@ -17,9 +17,9 @@ from rclpy.exceptions import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from .driver import BatteryLimits, LowBatteryAction, MotionLimits, Settings
-from .odometry import Geometry
-from .oi import BaudCode, Mode
+from ..driver import BatteryLimits, LowBatteryAction, MotionLimits, Settings
+from ..odometry import Geometry
+from ..oi import BaudCode, Mode
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
 ACTIONS = {action.value: action for action in LowBatteryAction}

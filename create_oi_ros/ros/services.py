@@ -22,10 +22,11 @@ from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from . import convert, oi
-from .driver import Driver, Reply
-from .services import SERVICES
-from .session import Session
+from .. import oi
+from ..driver import Driver, Reply
+from ..link.session import Session
+from . import messages as convert
+from .service_table import SERVICES
 
 AT_ONCE = QoSProfile(depth=200)
 """So many requests may come at once; of ROS's own ten, those beyond are never answered."""

@@ -1,7 +1,7 @@
 """
 The ROS interface as Markdown tables and as a parameter file, made from the declarations.
 
-`python -m create_oi_ros.interface README.md config/create.yaml` writes them: tables between
+`python -m create_oi_ros.ros.reference README.md config/create.yaml` writes them: tables between
 their markers, a parameter file as a whole.
 """
 
@@ -15,7 +15,7 @@ from textwrap import wrap
 from typing import Any
 
 from .parameters import Parameters
-from .services import SERVICES
+from .service_table import SERVICES
 from .topics import PUBLISHED
 
 CONFIG_WIDTH = 93

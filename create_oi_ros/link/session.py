@@ -12,8 +12,8 @@ from math import inf
 import threading
 import time
 
+from ..driver import Driver, DriverEvent, LAST_WORDS, Notice, Severity
 from .dead_man import DeadMan
-from .driver import Driver, DriverEvent, LAST_WORDS, Notice, Severity
 from .port import exists, lasting_name, Port, PortError
 
 READ_TIMEOUT = 0.02

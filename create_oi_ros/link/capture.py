@@ -17,9 +17,9 @@ import threading
 import time
 from typing import Any
 
-from . import __version__
-from .oi.tools.capture_format import encode_head, encode_record, Kind, RECORD_LIMIT
-from .parameters import Parameters
+from .. import __version__
+from ..oi.tools.capture_format import encode_head, encode_record, Kind, RECORD_LIMIT
+from ..ros.parameters import Parameters
 from .port import Port, PortError
 
 WRITE_EVERY = 0.5

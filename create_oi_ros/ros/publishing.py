@@ -23,9 +23,10 @@ from sensor_msgs.msg import JointState
 
 from tf2_msgs.msg import TFMessage
 
-from . import convert, topics
-from .driver import Moved
-from .oi import Readings
+from ..driver import Moved
+from ..oi import Readings
+from . import messages as convert
+from . import topics
 from .parameters import Parameters
 from .topics import EARLY, Edge, SensorTopic, Topic
 

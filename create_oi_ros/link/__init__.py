@@ -1,0 +1,1 @@
+"""Bytes to and from the world: serial port, session thread, dead-man, capture. No ROS."""

@@ -1,0 +1,1 @@
+"""The ROS side: node, parameters, topics, services, diagnostics; how programs start and end."""
