@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from create_oi_ros.report.bag import definitions
+from create_oi_ros.ros.bags import definitions
 
 STORE = definitions()
 TYPES = STORE.types

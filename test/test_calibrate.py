@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 import pytest
 import yaml
 
-from create_oi_ros.calibrate import main
-from create_oi_ros.calibration import Calibration, line, Return, Run, square, turns
+from create_oi_ros.apps.calibrate.calibration import Calibration, line, Return, Run, square, turns
+from create_oi_ros.apps.calibrate.create_calibrate import main
+from create_oi_ros.apps.calibrate.listen import Tally
 from create_oi_ros.driver import Settings
-from create_oi_ros.listen import Tally
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.ros.parameters import Parameters
 from loop import Loop

@@ -20,12 +20,12 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from rosbags.rosbag2 import Reader
 
-from create_oi_ros.demo import tour
-from create_oi_ros.demo.pilot import Pilot
-from create_oi_ros.record.recorder import Recorder
-from create_oi_ros.report import reading
-from create_oi_ros.report.recording import Recording
-from create_oi_ros.report.story import complaints, happenings, summary
+from create_oi_ros.apps.demo import tour
+from create_oi_ros.apps.demo.pilot import Pilot
+from create_oi_ros.apps.record.recorder import Recorder
+from create_oi_ros.apps.report import bag_reader as reading
+from create_oi_ros.apps.report.recording import Recording
+from create_oi_ros.apps.report.story import complaints, happenings, summary
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 import player
 from ros import scene

@@ -11,7 +11,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from rosbags.rosbag2 import Reader
 
-from create_oi_ros.report.reading import read
+from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import PUBLISHED
 from ros import Program, scene

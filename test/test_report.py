@@ -13,11 +13,11 @@ pytest.importorskip('matplotlib')
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 import bags
-from create_oi_ros.report import command
-from create_oi_ros.report.bag import BagError, missing
-from create_oi_ros.report.reading import POINTS, read, Taker
-from create_oi_ros.report.recording import Curve, Spans
-from create_oi_ros.report.story import clock, complaints, happenings, summary, travelled
+from create_oi_ros.apps.report import create_report as command
+from create_oi_ros.apps.report.bag_reader import POINTS, read, Taker
+from create_oi_ros.apps.report.recording import Curve, Spans
+from create_oi_ros.apps.report.story import clock, complaints, happenings, summary, travelled
+from create_oi_ros.ros.bags import BagError, missing
 from create_oi_ros.ros.programs import PROGRAMS
 
 PNG = b'\x89PNG\r\n'

@@ -19,11 +19,11 @@ import pytest
 import rclpy
 from rclpy.task import Future
 
+from create_oi_ros.apps.view.graph import Graph
+from create_oi_ros.apps.view.robot_state import State
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.service_table import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
-from create_oi_ros.view.graph import Graph
-from create_oi_ros.view.state import State
 from ros import Listener, PATIENCE, scene
 
 ROOT = Path(__file__).parents[1]

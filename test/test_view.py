@@ -12,13 +12,13 @@ import pytest
 from sensor_msgs.msg import BatteryState, JointState
 
 from anything import anything
+from create_oi_ros.apps.view import panels
+from create_oi_ros.apps.view.canvas import Canvas
+from create_oi_ros.apps.view.keys import BINDINGS
+from create_oi_ros.apps.view.picture import KEYS, LEAST_COLUMNS, LEAST_ROWS, picture
+from create_oi_ros.apps.view.robot_state import MOST_POINTS, Note, Pose, State, Track
 from create_oi_ros.ros import messages as convert
 from create_oi_ros.ros import topics
-from create_oi_ros.view import panels
-from create_oi_ros.view.canvas import Canvas
-from create_oi_ros.view.keys import BINDINGS
-from create_oi_ros.view.picture import KEYS, LEAST_COLUMNS, LEAST_ROWS, picture
-from create_oi_ros.view.state import MOST_POINTS, Note, Pose, State, Track
 
 HEARD = [topic.type for topic in topics.PUBLISHED
          if topic.type is not DiagnosticArray and topic is not topics.TF]

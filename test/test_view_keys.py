@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
+from create_oi_ros.apps.view.keys import action_of, Ask, BINDINGS, Drive, Keyboard, Own, SONG, STOP
+from create_oi_ros.apps.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
 from create_oi_ros.ros.service_table import SERVICES
-from create_oi_ros.view.keys import action_of, Ask, BINDINGS, Drive, Keyboard, Own, SONG, STOP
-from create_oi_ros.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
 
 ROOT = Path(__file__).parent.parent
 TYPES = {service.name: service.type for service in SERVICES}

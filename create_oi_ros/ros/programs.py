@@ -27,14 +27,14 @@ def _loading() -> Iterator[None]:
 def create_calibrate() -> int:
     """Work out the parameters of the odometry."""
     with _loading():
-        from ..calibrate import main
+        from ..apps.calibrate.create_calibrate import main
     return main()
 
 
 def create_demo() -> int:
     """Let a simulated robot show itself, and report on it."""
     with _loading():
-        from ..demo.command import main
+        from ..apps.demo.create_demo import main
     return main()
 
 
@@ -48,21 +48,21 @@ def create_node() -> int:
 def create_record() -> int:
     """Record what a robot does to a bag."""
     with _loading():
-        from ..record.command import main
+        from ..apps.record.create_record import main
     return main()
 
 
 def create_report() -> int:
     """Show on one page what a robot did, from a bag."""
     with _loading():
-        from ..report.command import main
+        from ..apps.report.create_report import main
     return main()
 
 
 def create_run() -> int:
     """Run a robot, its driver and a status line."""
     with _loading():
-        from ..run import main
+        from ..apps.run import main
     return main()
 
 
@@ -76,7 +76,7 @@ def create_sim() -> int:
 def create_view() -> int:
     """See a robot, and drive it, in a terminal."""
     with _loading():
-        from ..view.command import main
+        from ..apps.view.create_view import main
     return main()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from ..oi import Mode
+from ...oi import Mode
 
 ESCAPE = '\x1b'
 ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}

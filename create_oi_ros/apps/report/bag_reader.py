@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TYPE_CHECKING
 
-from .bag import BagError, DamageError, definitions, guarded, reading
+from ...ros.bags import BagError, DamageError, definitions, guarded, reading
 from .recording import Curve, Recording, Span, Spans
 from .rescue import files_of, rescue, UNFINISHED, unfinished
 

@@ -16,11 +16,11 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from ..ros.process import call_on_signal
+from ...ros.process import call_on_signal
 from .graph import Graph, take_in
 from .keys import action_of, Ask, Drive, Keyboard, Own, STOP
 from .picture import picture
-from .state import State
+from .robot_state import State
 from .teleop import Teleop
 from .terminal import check, HungUp, opened, simple, Terminal, TerminalError
 

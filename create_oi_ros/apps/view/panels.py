@@ -24,9 +24,9 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 
-from .. import oi
-from ..ros.messages import WHEEL_JOINTS
-from .state import State
+from ... import oi
+from ...ros.messages import WHEEL_JOINTS
+from .robot_state import State
 
 NOTHING = '-'
 """Stands for what was not heard yet."""

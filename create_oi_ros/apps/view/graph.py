@@ -20,10 +20,10 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
-from ..ros import topics
-from ..ros.service_table import SERVICES
+from ...ros import topics
+from ...ros.service_table import SERVICES
 from .keys import Ask, BINDINGS, STOP
-from .state import Note, State
+from .robot_state import Note, State
 from .teleop import STANDSTILL, Velocity
 
 CMD_VEL = 'cmd_vel'

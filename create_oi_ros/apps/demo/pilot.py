@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from ..ros.topics import LATCHED
+from ...ros.topics import LATCHED
 
 PERIOD = 0.05
 """Seconds between two commands."""

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 import sys
 
-from .bag import BagError, missing
-from .reading import read
+from ...ros.bags import BagError, missing
+from .bag_reader import read
 
 WIDTH = 30
 

@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .bag import BagError, DamageError, guarded
+from ...ros.bags import BagError, DamageError, guarded
 
 if TYPE_CHECKING:
     from mcap.stream_reader import StreamReader

@@ -16,10 +16,10 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from ...ros.bags import BagError, missing
+from ...ros.process import call_on_signal
 from ..record.recorder import Recorder
-from ..report.bag import BagError, missing
-from ..report.command import report
-from ..ros.process import call_on_signal
+from ..report.create_report import report
 from ..run import Children
 from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, Step, TOUR, WORLD

@@ -7,7 +7,7 @@ from textwrap import wrap
 from . import chart, panels
 from .canvas import Canvas
 from .keys import BINDINGS
-from .state import State
+from .robot_state import State
 
 LEAST_COLUMNS, LEAST_ROWS = 80, 24
 PANEL, LABEL = 36, 8

@@ -6,7 +6,7 @@ from math import ceil, floor, log10, pi
 from typing import NamedTuple
 
 from .canvas import Canvas
-from .state import Pose, Track
+from .robot_state import Pose, Track
 
 CELL_SHAPE = 2.0
 """How much higher than wide a character is."""

@@ -9,7 +9,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from .ros.process import call_on_signal, spin_until
+from ...ros.process import call_on_signal, spin_until
 
 
 class Tally:

@@ -15,8 +15,8 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from ..report.bag import missing
-from ..ros.process import call_on_signal, spin_until
+from ...ros.bags import missing
+from ...ros.process import call_on_signal, spin_until
 from .recorder import Recorder
 
 

@@ -25,9 +25,9 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
-from . import oi
-from .ros.process import call_on_signal, end_with_parent, spin_until
-from .ros.programs import PROGRAMS
+from .. import oi
+from ..ros.process import call_on_signal, end_with_parent, spin_until
+from ..ros.programs import PROGRAMS
 
 GRACE = 1.5
 """Seconds that a child has to end by itself once it was asked to."""

@@ -1,0 +1,1 @@
+"""The programs, a file or a package each. They know each other by name only."""

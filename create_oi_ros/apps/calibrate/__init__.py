@@ -1,0 +1,1 @@
+"""`create_calibrate`: the odometry's parameters from what a tape measure says."""
