@@ -15,7 +15,7 @@ from create_oi_ros.driver import Driver, Moved, Settings
 from create_oi_ros.oi import BITS_PER_BYTE, SLOT
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
 
 DELAY = 0.005

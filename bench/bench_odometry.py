@@ -21,7 +21,7 @@ from odometry_loop import travel
 from odometry_rig import Condition, CONDITIONS, follow, Score, simulate
 from results import Figure, keep, machine
 
-from create_oi_ros.sim.encoders import Rounding
+from create_oi_ros.sim.body.encoders import Rounding
 
 DRIVES = 10
 MORE_DRIVES = 37

@@ -25,7 +25,7 @@ from create_oi_ros import oi
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
 
 ALL = tuple(oi.PACKETS)

@@ -7,7 +7,7 @@ import matplotlib
 from odometry_rig import Condition, follow, simulate
 
 from create_oi_ros.odometry import Estimate
-from create_oi_ros.sim.encoders import Rounding
+from create_oi_ros.sim.body.encoders import Rounding
 
 matplotlib.use('Agg')
 

@@ -9,8 +9,8 @@ from odometry_rig import HALF_TRACK, Instant, mixed, nees, Score, SLOT, spread, 
 from create_oi_ros.driver import Driver, MotionLimits, Moved, Settings
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.config import BodyConfig
-from create_oi_ros.sim.encoders import Rounding
+from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import World
 

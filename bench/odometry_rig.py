@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.config import BodyConfig
-from create_oi_ros.sim.encoders import Accumulator, Rounding
+from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.encoders import Accumulator, Rounding
 from create_oi_ros.sim.world import World
 
 SLOT = 0.015

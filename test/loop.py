@@ -7,7 +7,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.body import Body, Rounding
-from create_oi_ros.sim.config import BodyConfig
+from create_oi_ros.sim.body.config import BodyConfig
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import shipped, World
 

@@ -19,11 +19,11 @@ from rclpy.qos import QoSProfile
 
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.encoders import Rounding
-from create_oi_ros.sim.faults import Faults
+from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.lines import PtyLine
 from create_oi_ros.sim.server import Server
+from create_oi_ros.sim.server.faults import Faults
+from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped, World
 
 PATIENCE = 30.0

@@ -8,7 +8,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Link, Settings
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from loop import Loop
 
 BLUE = oi.LedBits.PLAY | oi.LedBits.ADVANCE

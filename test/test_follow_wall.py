@@ -8,7 +8,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import parse, Pose, shipped, World
 from examples.follow_wall import PERIOD, Steering
 from ros import scene

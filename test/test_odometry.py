@@ -10,9 +10,9 @@ import pytest
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry, Rounding
 from create_oi_ros.odometry.rounding import cut_normal, interval
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.config import BodyConfig
-from create_oi_ros.sim.encoders import Accumulator
-from create_oi_ros.sim.encoders import Rounding as RobotRounding
+from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.encoders import Accumulator
+from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
 from create_oi_ros.sim.world import World
 
 SLOT = 0.015

@@ -20,8 +20,8 @@ from create_oi_ros.driver.baud_search import Calling, LAST_WORDS, SPEECH, USUAL
 from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, Jumps, SLACK
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
-from create_oi_ros.sim.actuators import DARK, Lights
-from create_oi_ros.sim.encoders import Rounding
+from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.sim.firmware.actuators import DARK, Lights
 from loop import Loop
 
 

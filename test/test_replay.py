@@ -22,7 +22,7 @@ from create_oi_ros.oi.tools.capture_format import (
     Record,
     records_of,
 )
-from create_oi_ros.sim.replay import Replay
+from create_oi_ros.sim.server.replay import Replay
 from ros import PATIENCE, Scene, scene
 from simulator import opened, receive, simulator
 

@@ -4,10 +4,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.battery import Battery, BatteryConfig
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.config import BodyConfig
-from create_oi_ros.sim.readings import Charging
+from create_oi_ros.sim.body.battery import Battery, BatteryConfig
+from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.sensed import Charging
 from create_oi_ros.sim.world import parse, World
 
 HOUR = 3600.0

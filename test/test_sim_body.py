@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.config import BodyConfig, Contact, EncoderSign
-from create_oi_ros.sim.encoders import Rounding
-from create_oi_ros.sim.readings import checked, RANGES, Readings
+from create_oi_ros.sim.body.config import BodyConfig, Contact, EncoderSign
+from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.sim.body.sensed import checked, RANGES, Readings
 from create_oi_ros.sim.world import parse, Pose, shipped, World
 
 B = BodyConfig().wheel_separation

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from create_oi_ros.sim.control import WORDS
-from create_oi_ros.sim.faults import Kind
-from create_oi_ros.sim.guesses import Guesses, LIKELY
+from create_oi_ros.sim.firmware.guesses import Guesses, LIKELY
+from create_oi_ros.sim.server.control import WORDS
+from create_oi_ros.sim.server.faults import Kind
 
 DOCS = (Path(__file__).parent.parent / 'docs' / 'simulator.md').read_text('utf-8')
 

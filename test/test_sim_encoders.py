@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.encoders import Accumulator, Rounding
+from create_oi_ros.sim.body.encoders import Accumulator, Rounding
 
 AMOUNTS = st.lists(st.floats(-300, 300), max_size=60)
 

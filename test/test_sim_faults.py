@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.faults import Fault, Faults, Kind, MOST_GARBAGE
-from create_oi_ros.sim.pacing import Pacer
+from create_oi_ros.sim.server.faults import Fault, Faults, Kind, MOST_GARBAGE
+from create_oi_ros.sim.server.pacing import Pacer
 
 FRAME = bytes(range(100, 150))
 SLOT = 0.015

@@ -10,7 +10,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode, Note
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from robot import Robot
 
 SEPARATION = 258

@@ -10,8 +10,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
-from create_oi_ros.sim.guesses import Guesses
-from create_oi_ros.sim.uart import heard
+from create_oi_ros.sim.firmware.guesses import Guesses
+from create_oi_ros.sim.firmware.uart import heard
 from robot import GENTLE, Robot
 
 RATES = {0: 300, 1: 600, 2: 1200, 3: 2400, 4: 4800, 5: 9600, 6: 14400, 7: 19200, 8: 28800,

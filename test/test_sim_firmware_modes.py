@@ -9,7 +9,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import parse, Pose, shipped
 from robot import GENTLE, Robot
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
 from robot import MODES, Robot
 

@@ -8,7 +8,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
-from create_oi_ros.sim.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses
 from robot import GENTLE, Robot
 
 DRIVE_40_CM = bytes([152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0])

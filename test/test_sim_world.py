@@ -5,9 +5,9 @@ import math
 import pytest
 
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.geometry import Disc, Polygon, Segment
-from create_oi_ros.sim.surroundings import CLIFF_BELOW
+from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
+from create_oi_ros.sim.world.geometry import Disc, Polygon, Segment
 
 FRAME = 0.015
 

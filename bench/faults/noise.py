@@ -5,7 +5,7 @@ from random import Random
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Link
-from create_oi_ros.sim.faults import Fault, Faults
+from create_oi_ros.sim.server.faults import Fault, Faults
 from loop import Loop
 
 KINDS = ('flip', 'drop', 'garbage')

@@ -5,7 +5,7 @@ A simulated Create that other programs open like a serial port.
 `command` is the executable `create_sim`.
 """
 
-from .command import main
+from .create_sim import main
 from .serve import Server
 
 __all__ = ['main', 'Server']

@@ -9,7 +9,7 @@ from pathlib import Path
 import socket
 import stat
 
-from ..control import Control, Waiting
+from .control import Control, Waiting
 
 LONGEST_LINE = 4096
 """Bytes; who sends more without an end of line is hung up on."""

@@ -11,8 +11,8 @@ import time
 
 from ...oi import SLOT
 from ...oi.tools.capture_format import CaptureError, CaptureReader, Record, records_of
-from ..lines import Line
-from ..replay import Replay
+from .lines import Line
+from .replay import Replay
 
 LINGER = 1.0
 """Seconds that the port stays when all was said: closing it would take back what is unread."""

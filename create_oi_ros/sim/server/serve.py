@@ -14,12 +14,12 @@ import select
 import time
 
 from ...oi import SLOT
-from ..control import Control
-from ..faults import Faults, Kind
 from ..firmware import Create
-from ..lines import Line
-from ..pacing import Pacer
+from .control import Control
 from .control_port import ControlPort
+from .faults import Faults, Kind
+from .lines import Line
+from .pacing import Pacer
 
 LONGEST_STALL = 0.25
 """Seconds on the computer's clock."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .readings import checked, Readings
+from .sensed import checked, Readings
 
 
 class Overlay:

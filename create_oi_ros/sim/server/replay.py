@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Iterator
 from math import inf
 
-from ..oi.tools.capture_format import Kind, MICROSECONDS, Record
+from ...oi.tools.capture_format import Kind, MICROSECONDS, Record
 
 _BEFORE_THE_HOST = (Kind.FROM_ROBOT, Kind.OPENED, Kind.BAUD, Kind.NOTE)
 

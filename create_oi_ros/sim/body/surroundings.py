@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import math
 
-from .geometry import Obstacle, Point, reach, sees
-from .readings import NO_INFRARED
-from .world import HomeBase, Pose, World
+from ..world import HomeBase, Pose, World
+from ..world.geometry import Obstacle, Point, reach, sees
+from .sensed import NO_INFRARED
 
 TOUCH = 0.0005
 """A bumper is pressed when an obstacle is as near as this to the hull, metres."""

@@ -26,14 +26,14 @@ from __future__ import annotations
 import math
 from random import Random
 
+from ..world import Pose, World
 from .config import BodyConfig, IDEAL
 from .electrics import Electrics
 from .encoders import Rounding
 from .mechanics import Mechanics, Truth
 from .overlay import Overlay
-from .readings import clamped, Readings
+from .sensed import clamped, Readings
 from .surroundings import beams, CLIFF_BELOW, WALL_SEEN
-from .world import Pose, World
 
 _MOMENT = 1e-9
 """Seconds by which a sum of times may miss a deadline."""

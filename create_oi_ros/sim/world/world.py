@@ -274,7 +274,7 @@ def _pose(numbers: Sequence[float]) -> Pose:
 
 def shipped_names() -> tuple[str, ...]:
     """Return the names of the rooms that come with the package."""
-    folder = resources.files(__package__) / 'worlds'
+    folder = resources.files(__package__) / 'shipped'
     return tuple(sorted(each.name.removesuffix('.world') for each in folder.iterdir()
                         if each.name.endswith('.world')))
 
@@ -283,5 +283,5 @@ def shipped(name: str) -> World:
     """Read a room that comes with the package; ValueError names them all."""
     if name not in shipped_names():
         raise ValueError(f'no world {name!r}: one of {", ".join(shipped_names())}')
-    text = (resources.files(__package__) / 'worlds' / f'{name}.world').read_text('utf-8')
+    text = (resources.files(__package__) / 'shipped' / f'{name}.world').read_text('utf-8')
     return parse(text, name)

@@ -27,7 +27,7 @@ import math
 from random import Random
 import re
 
-from ..oi import SLOT
+from ...oi import SLOT
 
 MOST_GARBAGE = 20
 """Bytes at once."""

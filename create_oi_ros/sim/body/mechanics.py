@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ..world import Pose, World
 from .config import BodyConfig, Contact
 from .drivetrain import Drivetrain, Motion, Wheel
 from .encoders import Accumulator, Rounding
 from .surroundings import docked, Surroundings
-from .world import Pose, World
 
 _LONGEST_PIECE = 0.015
 """Seconds: at 0.5 m/s 7.5 mm, so no wall is jumped."""

@@ -17,17 +17,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
-from .. import oi
-from ..oi import Mode
-from ..oi.commands import ACTUATORS, INPUTS, WAITS
-from . import scripts, sensing
+from ... import oi
+from ...oi import Mode
+from ...oi.commands import ACTUATORS, INPUTS, WAITS
+from ..body import Body
+from ..body.sensed import Readings
+from . import script_waits as scripts
+from . import sensing
 from .actuators import Actuators, DARK, Lights, Wheels
-from .body import Body
-from .demos import Controls, Demo, DEMOS
+from .demo_behaviors import Controls, Demo, DEMOS
 from .guesses import Guesses, LIKELY
 from .limits import obeyable
 from .power import BANNER, Power
-from .readings import Readings
 from .songs import BEEP, DESCENDING, Speaker
 from .uart import DEFAULT_BAUD, SLOW_BAUD, Uart
 

@@ -13,11 +13,11 @@ import operator
 import re
 from typing import Any, NamedTuple
 
+from ..body.sensed import RANGES
+from ..firmware import Create
+from ..world import Pose
 from .faults import Fault, Faults
-from .firmware import Create
 from .lines import Line
-from .readings import RANGES
-from .world import Pose
 
 PRESS = 0.2
 """Seconds a button is pressed where nothing else is said."""

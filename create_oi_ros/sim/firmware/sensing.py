@@ -7,8 +7,8 @@ from enum import IntFlag
 from functools import lru_cache
 from operator import attrgetter, mul
 
-from .. import oi
-from ..oi import (
+from ... import oi
+from ...oi import (
     BumpsAndWheelDrops,
     Buttons,
     ChargingSources,
@@ -16,8 +16,8 @@ from ..oi import (
     Overcurrents,
     PacketList,
 )
-from .body import Body
-from .readings import Readings
+from ..body import Body
+from ..body.sensed import Readings
 
 
 def _flags(places: dict[str, IntFlag]) -> Callable[[Readings], int]:

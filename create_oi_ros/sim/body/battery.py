@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 import math
 
-from .readings import Charging
+from .sensed import Charging
 
 _LONGEST_PIECE = 1.0
 """Seconds."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..oi import Command, Note, NOTES_PER_SECOND, PlaySong, REST, Song, SOUNDING
+from ...oi import Command, Note, NOTES_PER_SECOND, PlaySong, REST, Song, SOUNDING
 
 BEEP = (Note(84, 10),)
 """What Start sounds like when the interface was off (manual: Start, 'beeps once'; pitch guess)."""

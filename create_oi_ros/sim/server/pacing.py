@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..oi import BITS_PER_BYTE
+from ...oi import BITS_PER_BYTE
 
 PIECE = 0.001
 """Seconds: bytes are handed on in pieces as long as this, as a USB adapter does."""

@@ -8,7 +8,7 @@ the time that the wire would need, so that a stream that asks for too much is co
 
 from __future__ import annotations
 
-from ..oi import BaudCode, BITS_PER_BYTE, SLOT
+from ...oi import BaudCode, BITS_PER_BYTE, SLOT
 
 DEFAULT_BAUD = BaudCode.B57600.rate
 SLOW_BAUD = BaudCode.B19200.rate

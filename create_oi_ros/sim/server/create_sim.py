@@ -14,16 +14,16 @@ import sys
 from ...oi import Checksum
 from ...oi.tools.capture_format import CaptureError
 from ..body import Body
-from ..encoders import Rounding
-from ..faults import Fault, Faults
+from ..body.encoders import Rounding
 from ..firmware import Create
-from ..guesses import Guesses
-from ..lines import Line, PtyLine, TcpLine
-from ..show import CLEAR, Show
+from ..firmware.guesses import Guesses
 from ..world import parse, shipped, shipped_names, World
 from .control_port import ControlPort
+from .faults import Fault, Faults
+from .lines import Line, PtyLine, TcpLine
 from .play import play, Player
 from .serve import Server
+from .show import CLEAR, Show
 
 SHOW_EVERY = 7
 """Slots: about ten pictures a second."""

@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator, Sequence
 import math
 from random import Random
 
-from ..oi import DemoNumber, Infrared, Note, SLOT
+from ...oi import DemoNumber, Infrared, Note, SLOT
+from ..body import Body
+from ..body.sensed import Readings
 from .actuators import Actuators, MM, Wheels
-from .body import Body
-from .readings import Readings
-from .scripts import cliff
+from .script_waits import cliff
 
 Demo = Iterator[None]
 

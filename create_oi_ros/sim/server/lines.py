@@ -19,7 +19,7 @@ import termios
 import tty
 from typing import Protocol
 
-from .uart import DEFAULT_BAUD
+from ..firmware.uart import DEFAULT_BAUD
 
 _AT_ONCE = 4096
 """Bytes."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 import math
 
-from .. import oi
-from ..oi import Event, SLOT
-from .body import Body
-from .readings import Readings
+from ... import oi
+from ...oi import Event, SLOT
+from ..body import Body
+from ..body.sensed import Readings
 
 Over = Callable[[], bool]
 """Whether a wait is over."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..oi import Command
-from ..oi.commands import SPEED
-from ..oi.declaration import Tail
+from ...oi import Command
+from ...oi.commands import SPEED
+from ...oi.declaration import Tail
 
 
 def obeyable(command: Command) -> Command | None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from .. import oi
-from ..oi import DriverBits, LedBits, OutputBits, Radius
-from ..oi.commands import DUTY
-from .body import Body
+from ... import oi
+from ...oi import DriverBits, LedBits, OutputBits, Radius
+from ...oi.commands import DUTY
+from ..body import Body
 
 MM = 1000.0
 _STRAIGHT = (0, Radius.STRAIGHT, Radius.STRAIGHT_7FFF)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 import math
 
-from .firmware import Create
-from .geometry import Disc, Point, Segment
-from .world import World
+from ..firmware import Create
+from ..world import World
+from ..world.geometry import Disc, Point, Segment
 
 COLUMNS, ROWS = 80, 24
 STATUS_ROWS = 3

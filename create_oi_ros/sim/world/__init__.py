@@ -1,0 +1,5 @@
+"""Rooms: walls, floors, cliffs, virtual walls, Home Bases, and the files that describe them."""
+
+from .world import HomeBase, parse, Pose, shipped, shipped_names, World, WorldError
+
+__all__ = ['HomeBase', 'parse', 'Pose', 'shipped', 'shipped_names', 'World', 'WorldError']
