@@ -9,14 +9,13 @@ slot in which the frame was made.
 from math import sqrt
 from random import Random
 
-from results import Figure, run
-
 from create_oi_ros.driver import Driver, Moved, Settings
 from create_oi_ros.oi import BITS_PER_BYTE, SLOT
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
+from results import Figure, run
 
 DELAY = 0.005
 LEARN, WATCH = 20.0, 40.0

@@ -12,11 +12,10 @@ from collections.abc import Sequence
 from statistics import median
 from time import sleep
 
+from create_oi_ros.ros.topics import PUBLISHED
 from processes import processor_shares, resident
 from results import Figure, repeated, run
 from scene import scene
-
-from create_oi_ros.ros.topics import PUBLISHED
 
 REPETITIONS = 3
 SETTLE, WATCH = 1.5, 4.0

@@ -10,12 +10,11 @@ import os
 from time import monotonic, sleep
 from typing import NamedTuple
 
+from create_oi_ros.oi import SLOT
+from create_oi_ros.ros.programs import PROGRAMS
 from processes import machine_seconds, processor_shares
 from results import Figure, run
 from scene import Actor, Scene, scene
-
-from create_oi_ros.oi import SLOT
-from create_oi_ros.ros.programs import PROGRAMS
 
 SIZES = (1, 2, 4, 8, 16, 32)
 TOGETHER = 4

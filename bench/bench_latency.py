@@ -16,13 +16,12 @@ import sys
 from time import monotonic, sleep
 from typing import Any, NamedTuple
 
+from create_oi_ros import oi
 from results import Figure, repeated, run
 from scene import Scene, scene
 
-from create_oi_ros import oi
-
 sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
-from simulator import Teacher
+from support.simulator import Teacher
 
 REPETITIONS = 3
 SETTLE, LISTEN = 1.0, 6.0

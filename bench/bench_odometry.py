@@ -17,11 +17,10 @@ from collections.abc import Iterable
 from multiprocessing import Pool
 from typing import NamedTuple
 
+from create_oi_ros.sim.body.encoders import Rounding
 from odometry_loop import travel
 from odometry_rig import Condition, CONDITIONS, follow, Score, simulate
 from results import Figure, keep, machine
-
-from create_oi_ros.sim.body.encoders import Rounding
 
 DRIVES = 10
 MORE_DRIVES = 37

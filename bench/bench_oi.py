@@ -18,9 +18,8 @@ import sys
 from tempfile import TemporaryDirectory
 from timeit import repeat, timeit
 
-from results import Figure, run
-
 from create_oi_ros import oi
+from results import Figure, run
 
 ROOT = Path(__file__).parent.parent
 SINGLES = oi.PacketList(oi.PACKETS)

@@ -16,12 +16,11 @@ from time import sleep, thread_time_ns
 from typing import Any, NamedTuple
 
 from bench_oi import FULL_AT_57600, plausible_frame
+from create_oi_ros import oi
+from create_oi_ros.ros.topics import PUBLISHED
 from processes import family, processor_shares
 from results import Figure, repeated, run
 from scene import scene
-
-from create_oi_ros import oi
-from create_oi_ros.ros.topics import PUBLISHED
 
 REPETITIONS = 3
 SETTLE, WATCH = 2.0, 5.0

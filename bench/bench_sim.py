@@ -18,15 +18,14 @@ import sys
 from tempfile import TemporaryDirectory
 from time import monotonic, perf_counter
 
-from processes import processor_seconds
-from results import Figure, run
-
 from create_oi_ros import oi
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
+from processes import processor_seconds
+from results import Figure, run
 
 ALL = tuple(oi.PACKETS)
 FIT = tuple(number for number in oi.PACKETS if number not in (15, 16, 38))

@@ -4,10 +4,10 @@ from pathlib import Path
 import sys
 
 import matplotlib
-from odometry_rig import Condition, follow, simulate
 
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.body.encoders import Rounding
+from odometry_rig import Condition, follow, simulate
 
 matplotlib.use('Agg')
 

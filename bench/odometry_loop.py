@@ -4,8 +4,6 @@ from collections import deque
 from math import degrees, hypot, tau
 from random import Random
 
-from odometry_rig import HALF_TRACK, Instant, mixed, nees, Score, SLOT, spread, TOP_SPEED
-
 from create_oi_ros.driver import Driver, MotionLimits, Moved, Settings
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.body import Body
@@ -13,6 +11,7 @@ from create_oi_ros.sim.body.config import BodyConfig
 from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import World
+from odometry_rig import HALF_TRACK, Instant, mixed, nees, Score, SLOT, spread, TOP_SPEED
 
 STEP = SLOT / 3
 COMMAND_EVERY = 0.1

@@ -1,0 +1,26 @@
+"""
+The Create's own numbers, each once. SI units unless a name says otherwise.
+
+What the Open Interface puts on the wire (opcodes, packets, ranges of fields) is declared in `oi`.
+"""
+
+from typing import Final
+
+MILLI: Final = 1e-3
+"""Metres in a millimetre, volts in a millivolt: the robot counts in thousandths."""
+MM_PER_M: Final = 1000
+"""Millimetres in a metre."""
+SLOT: Final = 0.015
+"""Seconds between two updates of the robot's sensors, and between two stream frames."""
+TOP_SPEED_MM: Final = 500
+"""Fastest that either wheel may be told to run, mm/s (manual: Drive Direct)."""
+TOP_SPEED: Final = TOP_SPEED_MM * MILLI
+"""The same, m/s."""
+FIRMWARE_SEPARATION: Final = 0.258
+"""Metres by which the firmware divides the wheels' difference to report an angle (reported)."""
+WHEEL_SEPARATION: Final = 0.258
+"""Metres between the wheels' contact points (reported: 0.258 to 0.262)."""
+WHEEL_RADIUS: Final = 0.033
+"""Metres (reported: 0.033 to 0.036)."""
+BODY_RADIUS: Final = 0.165
+"""Metres (reported: a diameter of 0.33)."""

@@ -1,0 +1,121 @@
+"""Calibration: what a tape says becomes parameters."""
+
+from math import degrees, pi
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+import yaml
+
+from create_oi_ros.apps.calibrate.calibration import Calibration, line, Return, Run, square, turns
+from create_oi_ros.apps.calibrate.create_calibrate import main
+from create_oi_ros.apps.calibrate.listen import Tally
+from create_oi_ros.driver import Settings
+from create_oi_ros.odometry import Geometry
+from create_oi_ros.ros.parameters import Parameters
+from support.loop import Loop
+
+FACTORS = st.floats(0.9, 1.1)
+
+
+def test_what_is_in_force_at_first_is_the_parameters_own_default():
+    for name, value in vars(Calibration()).items():
+        assert getattr(Parameters, name) == value
+
+
+@given(FACTORS, st.lists(st.floats(0.5, 10), min_size=1, max_size=5))
+def test_a_line_finds_the_scale(scale, lengths):
+    runs = [Run(measured=length, reported=length / scale) for length in lengths]
+    assert line(runs, Calibration()).linear_scale == pytest.approx(scale)
+
+
+@given(FACTORS, FACTORS)
+def test_what_is_in_force_is_built_upon(first, second):
+    once = line([Run(first, 1)], Calibration())
+    assert line([Run(second, 1)], once).linear_scale == pytest.approx(first * second)
+
+
+def test_turns_change_the_separation_the_other_way():
+    found = turns([Run(3600, 3548), Run(-3600, -3551)], Calibration())
+    assert found.angular_scale == pytest.approx(7200 / 7099)
+    assert found.wheel_separation == pytest.approx(0.258 * 7099 / 7200)
+
+
+def test_a_robot_with_closer_wheels_is_set_right():
+    """Turn ten times by odometry, compare with the truth, calibrate, and turn again."""
+    def drive(calibration: Calibration) -> Run:
+        loop = Loop(Settings(geometry=Geometry(
+            wheel_separation=calibration.wheel_separation,
+            linear_scale=calibration.linear_scale, angular_scale=calibration.angular_scale)),
+            wheel_separation=0.25)
+        loop.run(0.5)
+        loop.drive(0.0, 1.0, 20.0)
+        loop.run(2.0)
+        return Run(degrees(loop.body.truth().turned), degrees(loop.estimate.yaw))
+    first = drive(Calibration())
+    assert first.reported != pytest.approx(first.measured, rel=0.01)
+    found = turns([first], Calibration())
+    assert found.wheel_separation == pytest.approx(0.25, rel=0.005)
+    second = drive(found)
+    assert second.reported == pytest.approx(second.measured, rel=0.005)
+
+
+@given(st.floats(0.95, 1.05))
+def test_a_square_finds_a_wrong_separation(share):
+    """
+    Ends computed for wheels `share` times as far apart as was thought, by small errors.
+
+    Each corner turns by 90/share degrees instead of 90 (Borenstein and Feng, type A).
+    """
+    side, alpha = 2.0, pi / 2 - pi / 2 / share
+    ends = [Return(-2 * side * alpha, 0.0)]
+    found = square(ends, ends, side, Calibration())
+    assert found.calibration.wheel_separation == pytest.approx(0.258 * share, rel=0.002)
+    assert found.wheel_ratio == pytest.approx(1.0)
+
+
+def test_a_square_tells_of_unequal_wheels():
+    found = square([Return(0.1, 0)], [Return(-0.1, 0)], 2.0, Calibration())
+    assert found.calibration == Calibration()
+    assert found.wheel_ratio != 1
+    assert found.worst == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize('runs', [[Run(2, -2)], [Run(0, 1)], [Run(2, 0)], [Run(2000, 2)]])
+def test_absurd_figures_are_refused(runs):
+    with pytest.raises(ValueError, match='measured|believable'):
+        line(runs, Calibration())
+
+
+def test_the_command_writes_a_file_that_ros_reads(tmp_path, capsys):
+    path = tmp_path / 'create.yaml'
+    assert main(['-o', str(path), 'line', '2.0:1.9']) == 0
+    assert str(path) in capsys.readouterr().out
+    parameters = yaml.safe_load(path.read_text())['/**']['ros__parameters']
+    assert parameters['linear_scale'] == pytest.approx(2 / 1.9, abs=1e-5)
+    assert set(parameters) <= set(Parameters.__dataclass_fields__)
+
+
+@pytest.mark.parametrize('arguments', [
+    ['line', '2.0'], ['turns'], ['square', '--side', '2', '--clockwise', '1'], []])
+def test_the_command_says_what_it_wants(arguments, capsys):
+    with pytest.raises(SystemExit):
+        main(arguments)
+    assert 'create_calibrate' in capsys.readouterr().err
+
+
+def test_the_command_refuses_what_cannot_be(capsys):
+    assert main(['line', '2000:2']) == 2
+    assert 'same unit' in capsys.readouterr().err
+
+
+def test_a_tally_counts_beyond_a_turn_and_back():
+    tally = Tally()
+    for step in range(1001):
+        tally.add(step / 1000, 0.0, step / 1000 * 20, forward=True)
+    assert tally.distance == pytest.approx(1.0)
+    assert tally.turned == pytest.approx(20.0)
+    for step in range(1000, -1, -1):
+        tally.add(step / 1000, 0.0, step / 1000 * 20, forward=False)
+    assert tally.distance == pytest.approx(0.0, abs=1e-9)
+    assert tally.turned == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,148 @@
+"""The demo: its pieces, a short one as a user sees it, and its ends."""
+
+from math import hypot, pi
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import threading
+
+from create_oi_msgs.msg import Mode
+import pytest
+from rclpy.qos import QoSProfile
+
+pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
+pytest.importorskip('matplotlib')
+
+from create_oi_ros.apps.demo import tour
+from create_oi_ros.apps.demo.pilot import Pilot, Stopped, TourError
+from create_oi_ros.apps.record.recorder import written
+from create_oi_ros.apps.report.bag_reader import read
+from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.sim.world import shipped
+from support.ros import scene
+
+
+@pytest.fixture(scope='module')
+def stage(tmp_path_factory):
+    """Return a scene with a robot in the demo's world, and its node."""
+    with scene(tmp_path_factory.mktemp('demo')) as made:
+        made.hero = made.robot(world=shipped(tour.WORLD))
+        made.node(made.hero.link)
+        yield made
+
+
+@pytest.fixture(scope='module')
+def pilot(stage):
+    """Return one who drives it, once it answers."""
+    made = Pilot(stage.ros.node, stage.ros._executor, lambda: None)
+    made.until(lambda: made.odom and made.mode.mode == Mode.SAFE, 'the robot answers', 30.0)
+    return made
+
+
+def test_a_pilot_goes_where_it_is_told(pilot):
+    pilot.go_to(0.3, 0.0)
+    assert hypot(pilot.place[0] - 0.3, pilot.place[1]) < 0.05
+    assert pilot.standing
+
+
+def test_a_pilot_turns_the_short_way(pilot):
+    before = pilot.turned
+    pilot.turn_to(pilot.yaw - pi / 2)
+    assert pilot.turned - before == pytest.approx(-pi / 2, abs=0.1)
+
+
+def test_a_pilot_backs_off(pilot):
+    x, y = pilot.place
+    pilot.back(0.1)
+    assert 0.1 <= hypot(pilot.place[0] - x, pilot.place[1] - y) < 0.15
+
+
+def test_a_spiral_ends_after_its_turns(pilot):
+    before = pilot.turned
+    pilot.spiral(0.5, 0.05, 0.1)
+    assert before - pilot.turned == pytest.approx(pi, abs=0.2)
+
+
+def test_what_does_not_happen_is_named_and_the_robot_stands(pilot, stage):
+    pilot.command(0.1, 0.0)
+    with pytest.raises(TourError, match='a miracle did not happen within 1 s'):
+        pilot.until(lambda: False, 'a miracle', 1.0)
+    stage.ros.until(lambda: pilot.standing)
+
+
+def test_a_refusal_is_told_in_the_services_words(pilot):
+    with pytest.raises(TourError, match='play_song: '):
+        pilot.call(tour.PlaySong, 'play_song', number=99)
+
+
+def test_whoever_asks_for_the_end_gets_it(stage):
+    asked = threading.Event()
+
+    def check():
+        if asked.is_set():
+            raise Stopped
+    one = Pilot(stage.ros.node, stage.ros._executor, check)
+    asked.set()
+    with pytest.raises(Stopped):
+        one.until(lambda: False, 'nothing')
+
+
+def test_latched_topics_are_latched_in_the_bag():
+    assert written(LATCHED).durability.name == 'TRANSIENT_LOCAL'
+    assert written(QoSProfile(depth=7)).depth == 7
+
+
+def demo(folder: Path, domain: int, *arguments: str) -> subprocess.Popen[str]:
+    """Start the demo."""
+    return subprocess.Popen(
+        [sys.executable, '-c', PROGRAMS['create_demo'], '-o', str(folder), *arguments],
+        env={**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+def children_of(pid: int) -> list[int]:
+    """Return the processes that a process has started."""
+    return [int(child) for child in
+            Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
+
+
+def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
+    with scene(tmp_path) as made:
+        shown = demo(tmp_path / 'demo', made.domain, '--short')
+        printed, _ = shown.communicate(timeout=60)
+    assert shown.returncode == 0, printed
+    assert '3 of 3: another song' in printed and str(tmp_path / 'demo' / 'report.png') in printed
+    assert (tmp_path / 'demo' / 'report.html').exists()
+    recording = read(tmp_path / 'demo' / 'create_demo', lambda part: None)
+    assert len(recording.spans['song']) == 2
+    assert abs(recording.odom['yaw'][-1]) == pytest.approx(pi, abs=0.1)
+    assert recording.settings['version'] and recording.settings['cmd_vel_timeout'] == '0.5'
+    metadata = (tmp_path / 'demo' / 'create_demo' / 'metadata.yaml').read_text()
+    for name in (*(topic.name for topic in PUBLISHED), 'cmd_vel', 'robot_description'):
+        assert f'name: /{name.lstrip("/")}\n' in metadata
+
+
+def test_ctrl_c_leaves_nothing_running_and_a_bag_that_can_be_read(tmp_path):
+    with scene(tmp_path) as made:
+        shown = demo(tmp_path / 'demo', made.domain)
+        assert shown.stdout is not None
+        for line in shown.stdout:
+            if 'a square' in line:
+                break
+        children = children_of(shown.pid)
+        assert len(children) == 2
+        shown.send_signal(signal.SIGINT)
+        printed, _ = shown.communicate(timeout=20)
+    assert shown.returncode == 130
+    assert 'stopped' in printed and 'Traceback' not in printed
+    assert not any(Path(f'/proc/{child}').exists() for child in children)
+    assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
+
+
+def test_a_folder_that_is_there_is_left_alone(tmp_path):
+    shown = demo(tmp_path, 1)
+    printed, _ = shown.communicate(timeout=20)
+    assert shown.returncode == 2 and 'is there already' in printed

@@ -1,0 +1,250 @@
+"""A report tells what is in a bag, and says in a sentence when there is nothing to tell."""
+
+from math import inf, isnan, nan
+from pathlib import Path
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
+pytest.importorskip('matplotlib')
+
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from create_oi_ros.apps.report import create_report as command
+from create_oi_ros.apps.report.bag_reader import POINTS, read, Taker
+from create_oi_ros.apps.report.recording import Curve, Spans
+from create_oi_ros.apps.report.story import clock, complaints, happenings, summary, travelled
+from create_oi_ros.ros.bags import BagError, missing
+from create_oi_ros.ros.programs import PROGRAMS
+from support import bags
+
+PNG = b'\x89PNG\r\n'
+
+
+def quiet(part: float) -> None:
+    """Show no progress."""
+
+
+@pytest.fixture(scope='module', params=list(StoragePlugin), ids=lambda each: each.name)
+def bag(request, tmp_path_factory) -> Path:
+    """Return a bag of either kind."""
+    folder = tmp_path_factory.mktemp('bags') / 'walk'
+    return bags.write(folder, gap=(10.0, 11.0), storage=request.param)
+
+
+@pytest.fixture(scope='module')
+def recording(bag):
+    """Return what is read of it."""
+    return read(bag, quiet)
+
+
+def refusal(path: Path, capsys) -> str:
+    """Return what the command says of a bag that it cannot show."""
+    assert command.main([str(path), '-o', str(path.parent / 'none.html')]) == 2
+    said = capsys.readouterr().err
+    assert said.count('\n') == 1 and said.startswith('create_report: ')
+    assert not (path.parent / 'none.html').exists()
+    return said
+
+
+def test_curves_are_those_of_the_bag(recording):
+    assert recording.seconds == pytest.approx(12.0, abs=0.02)
+    assert recording.odom['turn'][0] == 0.5
+    assert travelled(recording) == pytest.approx(0.4 * 0.5 * 12, rel=0.01)
+    assert len(recording.commands) > 200
+    assert recording.battery['charge'][0] == pytest.approx(90)
+    assert recording.link['frames'][0] == 66
+
+
+def test_happenings_come_with_their_time_and_cause(recording):
+    told = {(each.kind, each.text): each.time for each in happenings(recording)}
+    assert told['bumper', 'Bump left and right, 0.5 s'] == pytest.approx(3.0, abs=0.05)
+    assert told['cliff', 'Cliff front left, 1.0 s'] == pytest.approx(8.0, abs=0.05)
+    gap = told['gap', 'Gap, 1.0 s: no odometry: the robot was not heard']
+    assert gap == pytest.approx(10.0, abs=0.1)
+    assert told['mode', 'Mode Passive (a cliff)'] == pytest.approx(8.9, abs=0.1)
+    assert any(kind == 'song' for kind, _ in told)
+
+
+def test_the_robot_is_placed_where_it_was(recording):
+    bump = recording.spans['bumper'].all[0]
+    x, y = recording.place(bump.start)
+    assert (x, y - 0.4) == (pytest.approx(0.4, abs=0.01), pytest.approx(-0.03, abs=0.03))
+
+
+def test_version_parameters_and_warnings_are_told(recording):
+    assert recording.settings == {'version': '9.8.7', 'port': '/dev/robot'}
+    warned, = complaints(recording)
+    assert warned.text.startswith('warning: bytes arrive damaged')
+    assert '6 damaged frames' in ' '.join(summary(recording))
+
+
+def test_a_page_stands_alone(bag, tmp_path):
+    page = tmp_path / 'report.html'
+    assert command.main([str(bag), '-o', str(page)]) == 0
+    text = page.read_text()
+    assert 'data:image/png;base64,' in text and 'http' not in text
+    assert 'Bump left and right' in text and '9.8.7' in text
+
+
+def test_a_picture_is_a_picture(bag, tmp_path):
+    assert command.main([str(bag), '-o', str(tmp_path / 'report.png')]) == 0
+    assert (tmp_path / 'report.png').read_bytes().startswith(PNG)
+
+
+def test_the_file_of_a_bag_does_without_its_folder(bag):
+    file, = (path for path in bag.iterdir() if path.suffix != '.yaml')
+    assert read(file, quiet).seconds == pytest.approx(12.0, abs=0.02)
+
+
+def test_markup_in_a_bag_stays_text(tmp_path):
+    bag = bags.write(tmp_path / '<b>walk', 1.0)
+    command.report(bag, tmp_path / 'report.html')
+    assert '&lt;b&gt;walk' in (tmp_path / 'report.html').read_text()
+
+
+def test_of_several_robots_one_is_named(tmp_path, capsys):
+    bag = bags.write(tmp_path / 'fleet', 2.0, robots=('robot1', 'robot2'))
+    assert 'robot1, robot2' in refusal(bag, capsys)
+    chosen = read(bag, quiet, 'robot2')
+    assert len(chosen.odom) == 133 and chosen.settings['version'] == '9.8.7'
+    with pytest.raises(BagError, match='no robot robot3'):
+        read(bag, quiet, 'robot3')
+
+
+def test_what_is_no_bag_gets_a_sentence(tmp_path, capsys):
+    (tmp_path / 'folder').mkdir()
+    (tmp_path / 'a.mcap').write_bytes(b'')
+    (tmp_path / 'b.db3').write_bytes(b'no database at all')
+    (tmp_path / 'c.txt').write_text('text')
+    assert 'there is no' in refusal(tmp_path / 'nothing', capsys)
+    assert 'metadata.yaml' in refusal(tmp_path / 'folder', capsys)
+    for name in ('a.mcap', 'b.db3', 'c.txt'):
+        assert 'cannot be read as a bag' in refusal(tmp_path / name, capsys)
+
+
+def test_an_empty_bag_gets_a_sentence(tmp_path, capsys):
+    with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP):
+        pass
+    assert 'is empty' in refusal(tmp_path / 'bag', capsys)
+
+
+def test_a_foreign_bag_gets_a_sentence(tmp_path, capsys):
+    with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        other = writer.add_connection('/chatter', 'std_msgs/msg/String', typestore=bags.STORE)
+        text = bags.make('std_msgs/msg/String', data='hello')
+        writer.write(other, 5, bags.STORE.serialize_cdr(text, 'std_msgs/msg/String'))
+    assert '/chatter' in refusal(tmp_path / 'bag', capsys)
+
+
+@pytest.mark.parametrize('part', [0.0, 0.01, 0.3, 0.5, 0.9, 0.999])
+def test_a_bag_that_was_cut_off_is_no_traceback(bag, tmp_path, capsys, part):
+    file, = (path for path in bag.iterdir() if path.suffix != '.yaml')
+    whole = file.read_bytes()
+    copy = tmp_path / file.name
+    copy.write_bytes(whole[:int(part * len(whole))])
+    code = command.main([str(copy), '-o', str(tmp_path / 'report.png')])
+    said = capsys.readouterr().err
+    assert code in (0, 2) and 'Traceback' not in said
+    assert bool(said) == (code == 2)
+
+
+def test_of_a_bag_that_was_never_closed_what_is_whole_is_shown(tmp_path, capsys):
+    bag = bags.write(tmp_path / 'walk', 40.0)
+    whole = read(bag, quiet)
+    file, = bag.glob('*.mcap')
+    file.write_bytes(file.read_bytes()[:-file.stat().st_size // 10])
+    (bag / 'metadata.yaml').unlink()
+    for path in (bag, file):
+        rest = read(path, quiet)
+        assert 10.0 < rest.seconds < 40.0
+        assert rest.odom['x'] == whole.odom['x'][:len(rest.odom)]
+        assert rest.settings == whole.settings
+        assert 'its recorder did not close it' in ' '.join(summary(rest))
+    file.write_bytes(file.read_bytes()[:1000])
+    assert 'when the recorder was killed' in refusal(bag, capsys)
+
+
+@pytest.mark.parametrize('start', range(100, 20000, 3301))
+def test_a_bag_with_rubbish_in_it_is_no_traceback(bag, tmp_path, capsys, start):
+    file, = (path for path in bag.iterdir() if path.suffix != '.yaml')
+    spoilt = bytearray(file.read_bytes())
+    spoilt[start:start + 200] = bytes(range(200))
+    copy = tmp_path / file.name
+    copy.write_bytes(spoilt)
+    assert command.main([str(copy), '-o', str(tmp_path / 'report.png')]) in (0, 2)
+    assert 'Traceback' not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('value', [nan, inf, -inf, 1e300, -1e300])
+def test_values_that_cannot_be_are_left_out(tmp_path, monkeypatch, value):
+    honest = bags.twist
+    monkeypatch.setattr(bags, 'twist', lambda _, turn: honest(value, turn))
+    bag = bags.write(tmp_path / 'bag', 1.0)
+    command.report(bag, tmp_path / 'report.html')
+    recording = read(bag, quiet)
+    assert all(map(isnan, recording.odom['speed']))
+    assert not any(map(isnan, recording.odom['turn']))
+
+
+def test_a_fault_of_ours_is_not_told_as_damage(bag, monkeypatch):
+    def fail(*_):
+        raise ZeroDivisionError
+    monkeypatch.setattr(Taker, '_take_odom', fail)
+    with pytest.raises(ZeroDivisionError):
+        read(bag, quiet)
+
+
+def test_a_long_bag_is_thinned_out():
+    curve = Curve('value', spacing=3600 / POINTS)
+    for step in range(240_000):
+        if curve.due(step * 0.015):
+            curve.add(step * 0.015, 0.0)
+    assert POINTS / 2 < len(curve) <= POINTS + 1
+
+
+def test_touches_that_follow_without_a_pause_are_one():
+    spans = Spans()
+    for time, names in ((1, ['left']), (2, ['left', 'right']), (3, ['right']), (4, [])):
+        spans.touch(time, names)
+    span, = spans.all
+    assert (span.start, span.end, span.text) == (1, 4, 'left and right')
+
+
+def test_times_read_well():
+    assert [clock(each) for each in (0, 75.26, 3725)] == ['0:00.0', '1:15.3', '1:02:05']
+
+
+def test_a_bag_without_odometry_is_still_shown(tmp_path):
+    with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        mode = writer.add_connection('/mode', 'create_oi_msgs/msg/Mode', typestore=bags.STORE)
+        for time in (0.0, 8.5):
+            writer.write(mode, int(time * 1e9), bags.STORE.serialize_cdr(
+                bags.modes(time), 'create_oi_msgs/msg/Mode'))
+    command.report(tmp_path / 'bag', tmp_path / 'report.html')
+    recording = read(tmp_path / 'bag', quiet)
+    assert [span.text for span in recording.spans['mode'].all] == ['Safe', 'Passive']
+    assert recording.gaps[0].text == 'nothing was recorded'
+
+
+def test_without_a_library_the_way_to_get_it_is_said(bag, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, 'rosbags.highlevel', None)
+    assert 'pip install' in missing('rosbags')
+    assert 'rosbags' in refusal(bag, capsys)
+
+
+def test_the_node_does_not_load_what_reports_need():
+    done = subprocess.run(
+        [sys.executable, '-c', 'import sys, create_oi_ros.ros.node; '
+         'print({"rosbags", "matplotlib"} & set(sys.modules))'], capture_output=True, text=True)
+    assert done.stdout == 'set()\n', done.stderr
+
+
+def test_it_is_a_program(bag, tmp_path):
+    done = subprocess.run(
+        [sys.executable, '-c', PROGRAMS['create_report'], str(bag), '-o',
+         str(tmp_path / 'page.html')], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, '')
+    assert (tmp_path / 'page.html').exists()

@@ -1,0 +1,79 @@
+"""`create_run` as a user sees it: one command, a robot that can be driven, a clean end."""
+
+from pathlib import Path
+import re
+import signal
+
+from create_oi_msgs.msg import Mode
+from nav_msgs.msg import Odometry
+import pytest
+
+from create_oi_ros.oi.tools.capture_format import CaptureReader, Kind, records_of
+from create_oi_ros.ros.topics import LATCHED
+from support.ros import scene
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+def children_of(pid: int) -> list[int]:
+    """Return the processes that a process has started."""
+    listed = Path(f'/proc/{pid}/task/{pid}/children').read_text()
+    return [int(child) for child in listed.split()]
+
+
+def test_it_says_what_runs_drives_it_and_ends_cleanly(stage):
+    run = stage.program('create_run', '--world', 'empty')
+    odom = stage.ros.listen(Odometry, 'odom')
+    modes = stage.ros.listen(Mode, 'mode', LATCHED)
+    stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE and odom)
+    assert f'ROS domain {stage.domain}' in run.output
+    steady = re.compile(r'6\d frames/s  SAFE .* faults 0 frames 0 bytes')
+    stage.ros.until(lambda: steady.search(run.output))
+    example = stage.example('drive.py')
+    stage.ros.until(lambda: odom[-1].pose.pose.position.x > 0.2)
+    assert example.ended() == 0
+    assert 'Point(x=' in example.output
+    children = children_of(run.pid)
+    assert len(children) == 2
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+    assert 'Traceback' not in run.output
+    assert not any(Path(f'/proc/{child}').exists() for child in children)
+
+
+def test_it_hands_on_what_is_to_be_captured(stage):
+    path = stage.folder / 'walk.capture'
+    run = stage.program('create_run', '--world', 'empty', '--capture', str(path))
+    stage.ros.until(lambda: 'robot answers' in run.output)
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+    *_, last = records_of([path.read_bytes()], CaptureReader())
+    assert last.kind is Kind.END
+
+
+def test_a_port_that_is_missing_is_said_and_run_goes_on(stage):
+    run = stage.program('create_run', '--port', str(stage.folder / 'nothing'))
+    stage.ros.until(lambda: 'does not exist' in run.output and 'NO ROBOT' in run.output)
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+
+
+def test_children_end_with_it_however_it_dies(stage):
+    run = stage.program('create_run', '--world', 'empty')
+    modes = stage.ros.listen(Mode, 'mode', LATCHED)
+    stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
+    children = children_of(run.pid)
+    run.send(signal.SIGKILL)
+    stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
+
+
+def test_a_part_that_ends_ends_all(stage):
+    run = stage.program('create_run', '--world', 'no such world')
+    assert run.ended() == 1
+    assert 'create_sim has ended' in run.output
+

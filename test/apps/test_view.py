@@ -1,0 +1,307 @@
+"""The picture of `create_view`: any state fits any terminal, and what matters is to be seen."""
+
+from math import cos, hypot, inf, nan, pi, sin
+
+from create_oi_msgs.msg import Bumper, Charging, Cliff, IrOmni, Mode, Song, Wall, WheelDrop
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Quaternion, Twist, Vector3
+from hypothesis import given, HealthCheck, settings
+from hypothesis import strategies as st
+from nav_msgs.msg import Odometry
+import pytest
+from sensor_msgs.msg import BatteryState, JointState
+
+from create_oi_ros.apps.view import panels
+from create_oi_ros.apps.view.canvas import Canvas
+from create_oi_ros.apps.view.keys import BINDINGS
+from create_oi_ros.apps.view.picture import KEYS, LEAST_COLUMNS, LEAST_ROWS, picture
+from create_oi_ros.apps.view.robot_state import MOST_POINTS, Note, Pose, State, Track
+from create_oi_ros.ros import messages as convert
+from create_oi_ros.ros import topics
+from support.anything import anything
+
+HEARD = [topic.type for topic in topics.PUBLISHED
+         if topic.type is not DiagnosticArray and topic is not topics.TF]
+SIZES = st.tuples(st.integers(LEAST_COLUMNS, 200), st.integers(LEAST_ROWS, 60))
+
+
+def odom(x: float = 0.0, y: float = 0.0, yaw: float = 0.0, linear: float = 0.0) -> Odometry:
+    """Return an odometry message."""
+    made = Odometry()
+    made.pose.pose.position.x, made.pose.pose.position.y = x, y
+    made.pose.pose.orientation = Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))
+    made.twist.twist.linear.x = linear
+    return made
+
+
+def status(name: str, level: bytes, message: str, **values: object) -> DiagnosticStatus:
+    """Return a status of the driver, its name without the node's."""
+    return DiagnosticStatus(name=name, level=level, message=message, values=[
+        KeyValue(key=key.replace('_', ' '), value=str(value)) for key, value in values.items()])
+
+
+def heard(*messages: object, at: float = 0.0) -> State:
+    """Return a state in which these were heard."""
+    state = State(title='create_view  /create', listened=True)
+    for message in messages:
+        state.take(message, at)
+    return state
+
+
+def shown(state: State, columns: int = 80, rows: int = 24, now: float = 0.0, *,
+          plain: bool = False) -> str:
+    """Return what is on the screen."""
+    return '\n'.join(picture(state, now, columns, rows, plain=plain).lines())
+
+
+def panel(state: State, about: str, now: float = 0.0) -> tuple[str, bool]:
+    """Return a line of the panel, and whether any of it is loud."""
+    line = dict(panels.lines(state, now))[about]
+    return ' '.join(piece.text.strip() for piece in line), any(piece.loud for piece in line)
+
+
+def exact(canvas: Canvas) -> bool:
+    """Tell whether a sheet is as large as asked, and has nothing that a terminal obeys."""
+    lines = canvas.lines()
+    return (len(lines) == canvas.rows and all(len(line) == canvas.columns for line in lines)
+            and all(line.isprintable() for line in lines)
+            and [''.join(text for text, _ in row) for row in canvas.runs()] == lines)
+
+
+@settings(max_examples=150, suppress_health_check=list(HealthCheck))
+@given(st.data(), SIZES, st.booleans(), st.booleans(), st.floats(0, 1e9))
+def test_any_state_fits_any_terminal(data, size, plain, helping, now):
+    state = State(title=data.draw(st.text(max_size=300)), helping=helping,
+                  note=Note(data.draw(st.text(max_size=300)), loud=True))
+    for type_ in data.draw(st.lists(st.sampled_from(HEARD), max_size=5)):
+        state.take(data.draw(anything(type_)), data.draw(st.floats(0, 1e9)))
+    state.diagnostics = {name: status(name, level, text) for name, level, text in data.draw(
+        st.lists(st.tuples(st.text(), st.binary(min_size=1, max_size=1), st.text(max_size=200))))}
+    state.periods = {topic.type: (topic.name, 0.05) for topic in topics.PUBLISHED}
+    drawn = picture(state, now, *size, plain=plain)
+    assert exact(drawn)
+    assert not plain or all(line.isascii() for line in drawn.lines())
+    assert KEYS in drawn.lines()[-1]
+
+
+@pytest.mark.parametrize('rows', [24, 25, 61])
+def test_every_width(rows):
+    state = heard(odom(1.0, 2.0, 0.5), Mode(mode=2, wanted=2), Bumper(left=True))
+    for columns in range(LEAST_COLUMNS, 200):
+        drawn = picture(state, 0.0, columns, rows)
+        assert exact(drawn)
+        assert 'SAFE' in '\n'.join(drawn.lines())
+
+
+@pytest.mark.parametrize('columns', [0, 1, 7, 40, 79])
+@pytest.mark.parametrize('rows', [0, 1, 5, 23])
+def test_a_small_terminal_gets_a_sentence(columns, rows):
+    drawn = picture(heard(odom()), 0.0, columns, rows)
+    assert exact(drawn)
+    if columns * rows > 300:
+        assert f'here are {columns} x {rows}' in ' '.join(shown(heard(), columns, rows).split())
+
+
+@pytest.mark.parametrize('about', [about for about, _ in panels.ROWS if about != 'cargo'])
+def test_the_least_terminal_has_all_that_is_essential(about):
+    assert f'│{about:8}' in shown(heard(odom()))
+
+
+def test_a_large_terminal_gives_a_large_map():
+    state = heard(odom(4.0))
+    for step in range(40):
+        state.take(odom(4.0 - step / 10, 0.0), step / 10)
+
+    def dots(columns: int, rows: int) -> int:
+        return sum(0x2800 <= ord(character) < 0x2900
+                   for character in shown(state, columns, rows, 4.0))
+    assert dots(160, 50) > dots(80, 24) > 10
+
+
+EIGHTHS = list(zip(range(-3, 5), '↙↓↘→↗↑↖←', strict=True))
+
+
+@pytest.mark.parametrize(('eighths', 'arrow'), EIGHTHS)
+def test_the_robot_looks_where_it_goes(eighths, arrow):
+    assert arrow in shown(heard(odom(1.0, 1.0, eighths * pi / 4)))
+
+
+def test_a_way_is_drawn_the_right_way_up():
+    state = heard()
+    for step in range(100):
+        state.take(odom(0.02 * step, 0.01 * step), 0.1 * step)
+    lines = shown(state, now=10.0).split('\n')
+    row, column = next((row, line.index('→')) for row, line in enumerate(lines) if '→' in line)
+    dots = [(r, c) for r, line in enumerate(lines) for c, character in enumerate(line)
+            if 0x2800 < ord(character) < 0x2900]
+    assert dots
+    assert all(r >= row and c <= column for r, c in dots), 'it came from the lower left'
+
+
+def test_bumps_and_cliffs_are_marked_where_they_happened_once():
+    state = heard(odom(0.0, 0.0))
+    state.take(Bumper(left=True), 0.0)
+    state.take(Bumper(left=True, right=True), 0.1)
+    for step in range(100):
+        state.take(odom(0.02 * step, 0.0), 0.1 * step)
+    state.take(Cliff(front_left=True), 10.0)
+    assert [(mark.sign, mark.x > 1) for mark in state.track.marks] == [('x', False), ('!', True)]
+    state.take(odom(1.0, 0.5), 12.0)
+    chart = '\n'.join(line.split('│')[0] for line in shown(state, now=12.0).split('\n')[1:-4])
+    assert 'x' in chart
+    assert '!' in chart
+
+
+@pytest.mark.parametrize('place', [(nan, 0.0), (inf, 0.0), (1e300, 0.0), (0.0, -1e7)])
+def test_a_place_that_is_none_is_said_and_not_drawn(place):
+    state = heard(odom(*place))
+    assert 'no place on a map' in shown(state)
+    assert not state.track.points
+
+
+def test_a_turn_that_is_none_is_not_drawn():
+    lost = odom()
+    lost.pose.pose.orientation = Quaternion(z=nan, w=nan)
+    assert 'no place on a map' in shown(heard(lost))
+
+
+def test_a_long_way_is_kept_in_few_points():
+    track = Track()
+    for step in range(100_000):
+        track.add(Pose(0.01 * step, 0.0, 0.0), 0.1 * step)
+    assert len(track.points) <= MOST_POINTS
+    assert track.points[0] == (0.0, 0.0)
+    assert track.points[-1][0] > 990
+
+
+@given(st.lists(st.tuples(st.floats(-100, 100), st.floats(-100, 100)), max_size=50))
+def test_a_way_begins_again_where_the_robot_cannot_have_driven(places):
+    track = Track()
+    for second, (x, y) in enumerate(places):
+        track.add(Pose(x, y, 0.0), second)
+    for (x0, y0), (x1, y1) in zip(track.points, track.points[1:], strict=False):
+        # Between two points lie at least a second, and those that were too near to be kept.
+        assert hypot(x1 - x0, y1 - y0) <= 1.3 + 0.02
+
+
+def test_nothing_heard_is_said():
+    assert 'Nothing heard yet. Is a driver running' in shown(State(), 120)
+
+
+def test_a_text_from_outside_cannot_command_the_terminal():
+    drawn = shown(heard(Mode(mode=1, wanted=2, reason='\x1b[2Jcliff \u202e\u0301 日本')))
+    assert '\x1b' not in drawn
+    assert 'SAFE is wanted: ?[2Jcliff ?? ??' in drawn
+
+
+BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage=0.9)
+
+
+@pytest.mark.parametrize(('message', 'about', 'text', 'loud'), [
+    (odom(1.0, -2.0), 'pose', 'x +1.000 y -2.000 m', False),
+    (odom(1e5, 0.0), 'pose', 'x +1.0e+05 y +0.000 m', False),
+    (odom(nan, 0.0), 'pose', 'x +nan y +0.000 m', False),
+    (odom(yaw=pi / 2), 'yaw', '+90.0 degrees', False),
+    (odom(linear=0.2), 'speed', '+0.200 m/s +0.00 rad/s', False),
+    (Twist(linear=Vector3(x=0.3)), 'cmd_vel', '+0.300 m/s +0.00 rad/s', False),
+    (JointState(name=convert.WHEEL_JOINTS, velocity=[1.0, -2.0]), 'wheels',
+     'L +1.00 R -2.00 rad/s', False),
+    (JointState(name=['elbow'], velocity=[1.0]), 'wheels', '-', False),
+    (JointState(name=convert.WHEEL_JOINTS), 'wheels', '-', False),
+    (Bumper(), 'bumper', 'left right', False),
+    (Bumper(left=True), 'bumper', 'LEFT right', True),
+    (WheelDrop(caster=True), 'drops', 'left right CASTER', True),
+    (Cliff(front_left=True), 'cliffs', 'left FLEFT fright right', True),
+    (Wall(wall=True, signal=12), 'wall', 'WALL 12 virtual', True),
+    (Wall(virtual_wall=True), 'wall', 'wall 0 VIRTUAL', True),
+    (BATTERY, 'battery', '[#############-] 90%', False),
+    (BatteryState(percentage=0.1), 'battery', '[#-------------] 10%', True),
+    (BatteryState(percentage=nan), 'battery', 'charge not known', False),
+    (Charging(state=2, home_base=True), 'charger', 'full charging, home base', False),
+    (Charging(state=5), 'charger', 'fault', True),
+    (Charging(state=77), 'charger', 'state 77', False),
+    (Mode(mode=2, wanted=2), 'mode', 'SAFE', False),
+    (Mode(mode=1, wanted=2), 'mode', 'PASSIVE (SAFE wanted)', True),
+    (Mode(mode=255, wanted=2), 'mode', 'NO ROBOT (SAFE wanted)', True),
+    (Song(number=3, playing=True), 'song', 'plays', False),
+    (Song(number=3), 'song', '3 was the last', False),
+    (IrOmni(character=255), 'ir', 'none', False),
+    (IrOmni(character=248, name='home_base_red_buoy'), 'ir', '248 red buoy', False),
+])
+def test_what_the_panel_says(message, about, text, loud):
+    assert panel(heard(message), about) == (text, loud)
+
+
+def test_an_old_command_is_not_shown_as_one():
+    assert panel(heard(Twist(linear=Vector3(x=0.3))), 'cmd_vel', 3.0) == ('none for 3 s', False)
+
+
+def test_that_nobody_listens_is_seen():
+    assert panel(State(), 'cmd_vel') == ('nobody listens', True)
+
+
+def test_the_volts_stand_below_the_charge():
+    assert '15.50 V -0.48 A 24 C' in shown(heard(BATTERY))
+
+
+def test_the_link_is_told_by_the_diagnostics():
+    state = heard()
+    state.diagnostics = {'serial link': status(
+        'serial link', DiagnosticStatus.WARN, 'bytes arrive damaged', frames_per_second=66.7,
+        damaged_frames=3)}
+    assert panel(state, 'link') == ('66.7 frames/s, 3 damaged', True)
+    assert panels.alarms(state, 0.0) == ['serial link: bytes arrive damaged']
+
+
+@pytest.mark.parametrize(('wall', 'mode', 'alarms'), [
+    (9.95, 0.0, ['no odom for 10 s']),
+    (7.0, 9.0, ['no odom, wall for 3 s']),
+    (2.0, 3.0, ['nothing heard for 7 s: driver or network is gone']),
+])
+def test_silence_is_an_alarm(wall, mode, alarms):
+    state = heard(odom())
+    state.take(Wall(), wall)
+    state.take(Mode(mode=2, wanted=2), mode)
+    state.periods = {Odometry: ('odom', 0.0), Wall: ('wall', 0.05), Mode: ('mode', inf)}
+    assert panels.alarms(state, 1.0) == []
+    assert panels.alarms(state, 10.0) == alarms
+
+
+def test_alarms_come_the_worst_first_and_the_mode_once():
+    state = heard(Mode(mode=1, wanted=2, reason='the left wheel hangs'))
+    state.diagnostics = {name: status(name, level, text) for name, level, text in (
+        ('battery', DiagnosticStatus.WARN, 'low: charge it soon'),
+        ('safety', DiagnosticStatus.ERROR, 'a wheel is blocked: free it'),
+        ('mode', DiagnosticStatus.WARN, 'PASSIVE instead of SAFE'),
+        ('driver', DiagnosticStatus.OK, 'driving'))}
+    assert panels.alarms(state, 0.0) == [
+        'SAFE is wanted: the left wheel hangs', 'safety: a wheel is blocked: free it',
+        'battery: low: charge it soon']
+
+
+def test_who_drives_in_passive_is_told_what_to_do():
+    state = heard(Mode(mode=1, wanted=1))
+    assert panels.alarms(state, 0.0) == []
+    state.driving = True
+    assert '2 enters SAFE' in shown(state)
+
+
+def test_two_drivers_in_one_place_are_an_alarm():
+    state = heard(odom())
+    state.drivers = 2
+    assert '2 drivers publish here' in shown(state)
+
+
+def test_an_answer_and_a_wait_are_seen():
+    state = heard(odom())
+    state.note = Note('set_mode: refused, the robot is on a charger', loud=True)
+    assert 'refused, the robot is on a charger' in shown(state)
+    state.note = Note('set_mode', waiting_since=1.0)
+    assert 'set_mode ... 4 s' in shown(state, now=5.0)
+
+
+def test_the_help_names_every_key_whole():
+    state = heard(odom())
+    state.helping = True
+    drawn = shown(state)
+    assert all(each.shown in drawn and each.about in drawn for each in BINDINGS)

@@ -1,0 +1,232 @@
+"""`create_view` as a user sees it: a real terminal, the real node, a simulated robot."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+
+from create_oi_msgs.msg import Mode
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+import pytest
+
+from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.topics import LATCHED
+from support.ros import scene
+from support.screen import seats
+
+KEYS = 'q quit'
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def seat(stage):
+    """Return what sits somebody down before a view in the scene."""
+    with seats('create_view', stage.domain) as sit:
+        yield sit
+
+
+def ready(stage, *remaps, **parameters):
+    """Switch a robot on and wait until it may be driven; return it with its node."""
+    robot = stage.robot()
+    node = stage.node(robot.link, *remaps, **parameters)
+    return robot, node
+
+
+def place(view) -> float:
+    """Return x as the screen shows it."""
+    found = re.match(r'x ([+-][\d.]+) ', view.screen.after('pose'))
+    return float(found[1]) if found else 0.0
+
+
+def hold(view, key, until, what):
+    """
+    Hold a key down until something has happened.
+
+    One press might be too early: a service may answer, and a driver may be told to drive, before
+    it knows whom it speaks with.
+    """
+    def repeated():
+        view.type(key)
+        return until()
+    view.until(repeated, what)
+
+
+def commanded(stage, type_=Twist, name='cmd_vel'):
+    """Return a list that fills with what is commanded, once whoever commands is known."""
+    heard = stage.ros.listen(type_, name, 100)
+    stage.ros.until(lambda: stage.ros.node.count_publishers(name), f'a publisher of {name}')
+    return heard
+
+
+def drive(stage, view, commands):
+    """Hold a key down until somebody else has heard of it as well."""
+    def heard():
+        view.type('w')
+        view.look()
+        return '+0.200 m/s' in view.screen.after('cmd_vel') and any(
+            command.linear.x > 0 for command in commands)
+    stage.ros.until(heard, 'driving')
+
+
+def safe(view):
+    """Wait until the robot is seen to be ready, and velocity commands are wanted."""
+    view.until(lambda: view.screen.after('mode') == 'SAFE' and view.screen.after('pose') != '-'
+               and 'frames/s' in view.screen.after('link')
+               and view.screen.after('cmd_vel') == 'none heard', 'a robot in SAFE')
+
+
+def test_it_shows_drives_stops_and_leaves_the_terminal_as_it_was(stage, seat):
+    ready(stage)
+    view = seat()
+    safe(view)
+    commands = commanded(stage)
+    assert KEYS in view.screen.text
+    view.until(lambda: '%' in view.screen.after('battery'), 'a battery')
+    hold(view, '\x1b[A', lambda: place(view) > 0.1
+         and '+0.200 m/s' in view.screen.after('cmd_vel'), 'driving')
+    hold(view, ' ', lambda: 'stop: done' in view.screen.text, 'a stop that is answered')
+    view.until(lambda: view.screen.after('speed') == '+0.000 m/s +0.00 rad/s', 'standing')
+    stage.ros.until(lambda: commands and commands[-1] == Twist())
+    # Nothing is said any more, so that others may drive.
+    count = len(commands)
+    odom = stage.ros.listen(Odometry, 'odom')
+    view.type('p')
+    view.until(lambda: view.screen.after('song') == 'plays', 'a song')
+    stage.ros.until(lambda: len(odom) > 10)
+    assert len(commands) == count
+    assert commands[-2] != Twist()
+    view.type('q')
+    assert view.ended() == 0
+    assert view.restored
+    assert view.screen.beside == 0
+    assert 'Traceback' not in view.said
+
+
+def test_modes_are_asked_for_and_refusals_are_seen(stage, seat):
+    robot, _ = ready(stage)
+    view = seat()
+    safe(view)
+    view.type('1')
+    view.until(lambda: view.screen.after('mode') == 'PASSIVE', 'PASSIVE')
+    hold(view, 'p', lambda: 'define_song: refused' in view.screen.text, 'a refusal')
+    view.type('2')
+    view.until(lambda: view.screen.after('mode') == 'SAFE', 'SAFE')
+    view.type('h')
+    view.sees('forward, as long as it is held')
+    view.type('q')
+    assert view.ended() == 0
+
+
+def test_a_key_that_is_let_go_drives_no_more(stage, seat):
+    ready(stage)
+    view = seat()
+    safe(view)
+    commands = commanded(stage)
+    drive(stage, view, commands)
+    stage.ros.until(lambda: commands and commands[-1] == Twist())
+    assert view.process.poll() is None
+
+
+def test_it_speaks_as_the_driver_listens_in_its_namespace(stage, seat):
+    ready(stage, '__ns:=/robot1', enable_stamped_cmd_vel=True)
+    view = seat('--ascii', '--ros-args', '-r', '__ns:=/robot1')
+    safe(view)
+    commands = commanded(stage, TwistStamped, '/robot1/cmd_vel')
+    view.sees('/robot1/create')
+    assert view.screen.text.isascii()
+    hold(view, 'a', lambda: '+1.00 rad/s' in view.screen.after('speed'), 'turning')
+    stage.ros.until(lambda: commands)
+    assert commands[-1].header.stamp.sec > 0
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_stops_the_robot_and_restores_the_terminal(stage, seat, number):
+    ready(stage)
+    view = seat()
+    safe(view)
+    commands = commanded(stage)
+    drive(stage, view, commands)
+    if number == signal.SIGINT:
+        view.type('\x03')
+    else:
+        view.send(number)
+    assert view.ended() == 0
+    assert view.restored
+    stage.ros.until(lambda: commands and commands[-1] == Twist())
+
+
+def test_when_the_terminal_goes_the_robot_stops(stage, seat):
+    ready(stage)
+    view = seat()
+    safe(view)
+    commands = commanded(stage)
+    drive(stage, view, commands)
+    view.hang_up()
+    assert view.process.wait(30) == 0
+    stage.ros.until(lambda: commands and commands[-1] == Twist())
+
+
+def test_without_a_driver_it_says_so_and_waits_for_one(stage, seat):
+    view = seat()
+    view.sees('Nothing heard yet')
+    view.type('w')
+    assert view.screen.after('cmd_vel') == 'nobody listens'
+    view.type('2')
+    view.sees('nobody offers')
+    _, node = ready(stage)
+    safe(view)
+    node.send(signal.SIGINT)
+    assert node.ended() == 0
+    view.sees('nothing heard for')
+
+
+def test_a_window_may_be_dragged(stage, seat):
+    view = seat()
+    view.sees(KEYS)
+    view.resize(60, 20)
+    view.sees('here are 60 x 20')
+    view.resize(120, 40)
+    view.until(lambda: KEYS in view.screen.text.split('\n')[-1], 'keys at the bottom')
+
+
+@pytest.mark.parametrize(('terminal', 'complaint'), [
+    ({}, 'it needs a terminal'), ({'TERM': 'dumb'}, 'cannot move its cursor')])
+def test_where_there_is_no_terminal_it_says_so(stage, seat, terminal, complaint):
+    if terminal:
+        view = seat(**terminal)
+        assert view.ended() == 2
+        assert complaint in view.said
+        assert view.restored
+        return
+    done = subprocess.run(
+        [sys.executable, '-c', PROGRAMS['create_view']], text=True, capture_output=True,
+        stdin=subprocess.DEVNULL, timeout=60, env={**os.environ, 'TERM': 'xterm'})
+    assert (done.returncode, done.stdout) == (2, '')
+    assert complaint in done.stderr
+    assert 'Traceback' not in done.stderr
+
+
+def test_a_stalled_terminal_does_not_keep_it_from_ending(stage, seat):
+    modes = stage.ros.listen(Mode, 'mode', LATCHED)
+    odom = stage.ros.listen(Odometry, 'odom')
+    ready(stage)
+    stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
+    view = seat(size=(200, 60))
+    safe(view)
+    begun = len(odom)
+
+    def stalled() -> bool:
+        # Whole pictures that nobody reads soon fill what a terminal holds.
+        view.type('\x0cw')
+        return len(odom) > begun + 150 and odom[-1].pose.pose.position.x > 0.05
+    stage.ros.until(stalled)
+    view.send(signal.SIGTERM)
+    assert view.process.wait(30) == 0

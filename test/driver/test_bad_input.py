@@ -1,0 +1,239 @@
+"""
+Whatever is asked for: a clear refusal or a legal effect, and the driver lives.
+
+What is tried comes from the definitions of messages, services and parameters themselves, so a
+new field is covered without being remembered.
+"""
+
+from contextlib import contextmanager
+from dataclasses import fields
+import inspect
+from math import inf, isfinite, nan
+from types import SimpleNamespace
+
+import domain_coordinator
+from geometry_msgs.msg import Twist, TwistStamped
+from hypothesis import given, HealthCheck, settings
+from hypothesis import strategies as st
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+from rclpy.task import Future
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Driver, Link, Settings
+from create_oi_ros.driver.baud_search import DRAIN
+from create_oi_ros.ros.node import CreateNode
+from create_oi_ros.ros.parameters import declare, Parameters
+from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.services import Answers
+from support.anything import anything
+from support.loop import Loop
+
+PATIENCE = 3.0
+"""Seconds of the robot within which every service answers."""
+HARMLESS = (oi.Stream, oi.PauseResumeStream)
+"""What the driver may say though a request was refused."""
+STOPPED = oi.DriveDirect(right=0, left=0)
+JUST = 1e-3
+"""By how much a parameter must be beyond its range: ROS takes less for rounding."""
+AWAY = {'reset_odometry'}
+"""Services that do their work though no robot answers."""
+
+
+class Desk:
+    """The services in front of a robot in memory."""
+
+    def __init__(self, state: str = 'safe') -> None:
+        """`state`: the robot is in this mode, or `away`."""
+        mode = oi.Mode.PASSIVE if state == 'passive' else oi.Mode.SAFE
+        self.loop = Loop(Settings(mode_on_start=mode))
+        self.loop.run(0.5)
+        if state == 'away':
+            self.loop.cut = True
+            self.loop.run(1.0)
+        assert (self.loop.driver.link is Link.UP) == (state != 'away')
+        self.loop.heard.clear()
+        self._answers = Answers(
+            SimpleNamespace(create_service=lambda *_, **__: None, executor=None), self)
+
+    @contextmanager
+    def request(self):
+        """Stand in for `Session.request`."""
+        yield self.loop.driver, self.loop.now
+        self.loop.turn()
+
+    def call(self, service, request):
+        """Return the reply, or fail when none comes."""
+        answer = getattr(self._answers, service.name)(request, service.type.Response())
+        if not inspect.iscoroutine(answer):
+            return answer
+        until = self.loop.now + PATIENCE
+        while self.loop.now < until:
+            try:
+                answer.send(None)
+            except StopIteration as end:
+                return end.value
+            self.loop.turn()
+        raise AssertionError(f'{service.name} does not answer')
+
+    def state(self):
+        """Return what a refused request must leave as it is."""
+        robot = self.loop.robot
+        return (robot.mode, robot.demo, robot.lights, robot.outputs, robot.actuators.wheels,
+                self.loop.body.truth().pose, dict(self.loop.driver.actuators.songs))
+
+
+def legal_commands(heard: bytes) -> list[oi.Command]:
+    """Return what the robot was told; fail when the manual does not allow it."""
+    reader, commands, told = oi.CommandReader(), [], bytes(heard)
+    reader.feed(told)
+    while (event := reader.next_event()) is not None:
+        assert isinstance(event, oi.Command), f'{event} in {told!r}'
+        event.encode()
+        commands.append(event)
+    assert not reader.pending
+    return commands
+
+
+@pytest.mark.parametrize('state', ['safe', 'passive', 'away'])
+@pytest.mark.parametrize('service', SERVICES, ids=lambda each: each.name)
+@settings(max_examples=25)
+@given(st.data())
+def test_a_service_refuses_clearly_or_does_what_is_legal(service, state, data):
+    request = data.draw(anything(service.type.Request))
+    desk = Desk(state)
+    before = desk.state()
+    reply = desk.call(service, request)
+    assert reply.success or reply.message
+    if state != 'away':
+        commands = legal_commands(desk.loop.heard)
+        desk.loop.run(0.1)
+        if not reply.success and service.name != 'stop':
+            told = [each for each in commands if not isinstance(each, HARMLESS)]
+            entered = {oi.Start, oi.Safe, oi.Full} if service.name == 'set_mode' else set()
+            assert all(each == STOPPED or type(each) in entered for each in told)
+            assert desk.state() == before
+    else:
+        assert not reply.success or service.name in AWAY
+
+
+@pytest.fixture(scope='module')
+def node():
+    """Return a real node in a domain of its own, to whose callbacks messages are handed."""
+    with domain_coordinator.domain_id() as domain:
+        rclpy.init(args=[], domain_id=domain)
+        made = CreateNode(Future())
+        yield made
+        made.destroy_node()
+        rclpy.shutdown()
+
+
+@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.one_of(anything(Twist), anything(TwistStamped)))
+def test_a_velocity_drives_within_the_limits_or_not_at_all(node, message):
+    desk = Desk()
+    session, node.session = node.session, desk
+    try:
+        if isinstance(message, Twist):
+            node._on_velocity(message)
+        else:
+            node._on_stamped_velocity(message)
+    finally:
+        node.session = session
+    twist = message if isinstance(message, Twist) else message.twist
+    desk.loop.run(0.1)
+    drives = [each for each in legal_commands(desk.loop.heard) if isinstance(each, oi.DriveDirect)]
+    if not (isfinite(twist.linear.x) and isfinite(twist.angular.z)):
+        assert all(each == STOPPED for each in drives)
+    desk.loop.run(1.0)
+    assert desk.loop.robot.actuators.wheels == (0, 0)
+    assert desk.loop.driver.link is Link.UP
+
+
+# Parameters.
+
+
+def good_values(declared) -> list:
+    """Return values of a parameter that are allowed, its limits among them."""
+    facts, default = declared.metadata, declared.default
+    if facts['choices']:
+        return list(facts['choices'])
+    if isinstance(default, bool):
+        return [True, False]
+    return [default, facts['low'], facts['high']] if isinstance(default, float) else [default]
+
+
+def bad_values(declared) -> list:
+    """Return values of a parameter that are not allowed."""
+    facts, default = declared.metadata, declared.default
+    if isinstance(default, bool):
+        return [1, 'yes', 0.0, [True]]
+    if isinstance(default, float):
+        return [nan, inf, -inf, facts['low'] - JUST, facts['high'] + JUST, 1, 'fast', True,
+                [default]]
+    if isinstance(default, int):
+        return [-1, 1, 57601, 2 ** 63 - 1, -2 ** 63, 57600.0, '57600', [57600]]
+    wrong = [*([''] if default else []), 1, True, nan, ['a']]
+    return [*wrong, 'SAFE', 'ünbekannt', ' safe', 'x' * 5000] if facts['choices'] else wrong
+
+
+def cases(values):
+    """Return every parameter with each of its values."""
+    return [pytest.param(each, value, id=f'{each.name}={value!r:.20}')
+            for each in fields(Parameters) for value in values(each)]
+
+
+@contextmanager
+def started_with(name, value):
+    """Make a plain node that was given a parameter on its command line."""
+    made = rclpy.create_node(
+        'start', parameter_overrides=[Parameter(name, value=value)],
+        start_parameter_services=False, enable_rosout=False)
+    try:
+        yield made
+    finally:
+        made.destroy_node()
+
+
+@pytest.mark.parametrize(('declared', 'value'), cases(good_values))
+def test_a_parameter_within_its_range_is_taken_at_start_and_works(node, declared, value):
+    with started_with(declared.name, value) as starting:
+        parameters = declare(starting)
+    assert getattr(parameters, declared.name) == value
+    loop = Loop(parameters.settings())
+    loop.run(0.3)
+    loop.drive(0.2, 1.0, 0.2)
+    legal_commands(loop.heard.replace(DRAIN, b''))
+
+
+@pytest.mark.parametrize(('declared', 'value'), cases(bad_values))
+def test_a_parameter_beyond_its_range_is_refused_at_start(node, declared, value):
+    with started_with(declared.name, value) as starting:
+        with pytest.raises(ValueError, match=declared.name):
+            declare(starting)
+
+
+@pytest.mark.parametrize(('declared', 'value'), cases(bad_values))
+def test_a_parameter_beyond_its_range_is_refused_at_run_time(node, declared, value):
+    before = node.parameters
+    result, = node.set_parameters([Parameter(declared.name, value=value)])
+    assert not result.successful
+    assert result.reason
+    assert node.parameters == before
+
+
+@pytest.mark.parametrize(('declared', 'value'), cases(good_values))
+def test_a_parameter_is_set_at_run_time_or_is_for_the_start_only(node, declared, value):
+    before = getattr(node.parameters, declared.name)
+    result, = node.set_parameters([Parameter(declared.name, value=value)])
+    assert result.successful != declared.metadata['fixed']
+    if result.successful:
+        assert getattr(node.parameters, declared.name) == value
+        node.set_parameters([Parameter(declared.name, value=before)])
+    else:
+        assert result.reason
+
+
+def test_the_driver_has_no_setting_that_no_parameter_reaches():
+    assert Driver(Parameters().settings()).settings == Settings()

@@ -1,0 +1,442 @@
+"""The driver played against the simulated robot, byte for byte, without a clock."""
+
+from itertools import pairwise
+from math import hypot, inf, nan, pi
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import (
+    Driver,
+    Link,
+    MotionLimits,
+    Notice,
+    Settings,
+    Severity,
+    wheel_speeds,
+)
+from create_oi_ros.driver.baud_search import DRAIN
+from create_oi_ros.driver.machine import SILENCE
+from create_oi_ros.driver.supervision import CLEAR_FOR
+from create_oi_ros.sim.world import shipped
+from support.loop import Loop, turn_difference
+
+TIMEOUT = MotionLimits.timeout
+
+
+def texts(notices: list[Notice], severity: Severity) -> list[str]:
+    """Return what was said at a severity."""
+    return [notice.text for notice in notices if notice.severity is severity]
+
+
+@pytest.fixture
+def loop() -> Loop:
+    """Return a robot and a driver that have met."""
+    met = Loop()
+    met.run(0.3)
+    met.commands()
+    return met
+
+
+# Connecting.
+
+
+def test_connecting_sends_start_then_safe_then_streams():
+    loop = Loop()
+    loop.run(0.3)
+    sent = loop.commands()
+    kinds = [type(command) for command in sent]
+    assert kinds.index(oi.Start) < kinds.index(oi.Safe)
+    assert oi.Stream in kinds
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.driver.link is Link.UP
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
+def test_mode_on_start_is_entered(mode):
+    loop = Loop(Settings(mode_on_start=mode))
+    loop.run(0.3)
+    assert loop.robot.mode is mode
+
+
+def test_the_list_of_packets_fits_the_slot_at_57600_baud():
+    driver = Driver()
+    for packets in driver.plan.lists:
+        assert packets.budget(57600).fits
+
+
+def test_at_19200_baud_every_list_fits_and_all_readings_come():
+    loop = Loop(Settings(baud=19200))
+    loop.run(3)
+    for packets in loop.driver.plan.lists:
+        assert packets.budget(19200).fits
+    assert loop.moved[-1].readings.has('voltage', 'analog_signal', 'oi_mode')
+
+
+@pytest.mark.parametrize('checksum', list(oi.Checksum))
+def test_either_checksum_is_understood(checksum):
+    loop = Loop(checksum=checksum)
+    loop.run(0.3)
+    assert loop.driver.checksum is checksum
+    assert loop.driver.counts.checksum_failures == 0
+
+
+@pytest.mark.parametrize('command', oi.COMMANDS, ids=lambda command: command.title)
+def test_a_command_cut_short_is_drained_and_moves_nothing(command):
+    """Whatever byte of whatever command the robot has last heard, it wakes up."""
+    if command.title in ('Wait Time', 'Wait Distance', 'Wait Angle', 'Wait Event'):
+        pytest.skip('a robot that waits hears nothing (manual: Wait Commands)')
+    longest = [100] * 300
+    for length in range(1, command.size(bytes([command.opcode]))):
+        loop = Loop()
+        loop.robot.receive(oi.Start().encode() + oi.Full().encode(), loop.now)
+        loop.robot.receive(bytes([command.opcode, *longest[:length - 1]]), loop.now)
+        # A Query List of 255 packets is answered for more than a second.
+        loop.run(2.0)
+        assert loop.robot.mode is oi.Mode.SAFE, length
+        assert loop.robot.baud == 57600
+        assert loop.driver.link is Link.UP
+        loop.run(0.5)
+        assert loop.body.truth().speed == 0
+
+
+def test_drain_holds_no_opcode():
+    assert not set(DRAIN) & set(oi.Command.by_opcode)
+
+
+def test_a_robot_that_drives_is_stopped_when_the_driver_connects():
+    loop = Loop()
+    loop.robot.receive(b''.join(command.encode() for command in (
+        oi.Start(), oi.Full(), oi.DriveDirect(right=300, left=300))), loop.now)
+    loop.run(1.5)
+    assert loop.body.truth().speed == 0
+
+
+# Driving.
+
+
+def test_a_velocity_becomes_drive_direct_right_wheel_first(loop):
+    loop.driver.drive(0.2, 1.0, loop.now)
+    loop.run(0.05)
+    assert loop.commands() == [oi.DriveDirect(right=329, left=71)]
+
+
+def test_an_unchanged_velocity_is_sent_once(loop):
+    loop.drive(0.1, 0.0, 1.0)
+    driven = [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
+    assert driven == [oi.DriveDirect(right=100, left=100)]
+
+
+def test_commands_faster_than_the_robot_listens_are_thinned_and_the_newest_wins(loop):
+    for step in range(1, 101):
+        loop.driver.drive(step / 1000, 0.0, loop.now)
+        loop.turn()
+    loop.run(0.05)
+    sent = loop.commands()
+    assert sent[-1] == oi.DriveDirect(right=100, left=100)
+    assert len(sent) <= 100 * 0.005 / oi.SLOT + 2
+
+
+def test_the_wheels_stop_when_commands_stop(loop):
+    loop.driver.drive(0.2, 0.0, loop.now)
+    loop.run(TIMEOUT - 0.01)
+    assert loop.commands() == [oi.DriveDirect(right=200, left=200)]
+    loop.run(0.03)
+    assert loop.commands() == [oi.DriveDirect(right=0, left=0)]
+
+
+def test_stop_stops_at_once(loop):
+    loop.drive(0.2, 0.0, 0.2)
+    loop.commands()
+    assert loop.driver.stop(loop.now)[0]
+    loop.turn()
+    assert loop.commands()[0] == oi.DriveDirect(right=0, left=0)
+
+
+@pytest.mark.parametrize('velocity', [(nan, 0.0), (0.1, nan), (inf, 0.0), (0.0, -inf)])
+def test_a_velocity_that_is_not_finite_is_refused_and_stops(loop, velocity):
+    loop.drive(0.2, 0.0, 0.2)
+    loop.commands()
+    loop.driver.drive(*velocity, loop.now)
+    loop.run(0.05)
+    assert loop.commands() == [oi.DriveDirect(right=0, left=0)]
+    assert 'not finite' in texts(loop.notices, Severity.WARNING)[-1]
+
+
+@given(st.floats(-3, 3), st.floats(-20, 20))
+def test_limits_keep_the_curve(linear, angular):
+    limits = MotionLimits()
+    right, left = wheel_speeds(linear, angular, limits)
+    assert max(abs(right), abs(left)) <= 500 + 1e-9
+    free = MotionLimits(max_wheel_speed=1e9)
+    free_right, free_left = wheel_speeds(linear, angular, free)
+    fastest = max(abs(free_right), abs(free_left))
+    scale = min(1.0, 500 / fastest) if fastest else 1.0
+    assert right == pytest.approx(free_right * scale, abs=1.0)
+    assert left == pytest.approx(free_left * scale, abs=1.0)
+
+
+def test_a_metre_and_a_turn_agree_with_the_truth(loop):
+    loop.drive(0.2, 0.0, 5.0)
+    loop.run(1.0)
+    loop.drive(0.0, 1.0, 2 * pi)
+    loop.run(1.0)
+    truth = loop.body.truth()
+    assert truth.pose.x == pytest.approx(1.1, abs=0.05)
+    assert loop.estimate.x == pytest.approx(truth.pose.x, abs=0.01)
+    assert loop.estimate.y == pytest.approx(truth.pose.y, abs=0.01)
+    assert turn_difference(loop.estimate.yaw, truth.pose.yaw) < 0.03
+
+
+def requested(loop: Loop) -> list[oi.DriveDirect]:
+    """Return the drives that the robot was sent since the last call."""
+    return [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
+
+
+@pytest.mark.parametrize('acceleration', [0.01, 0.5])
+def test_acceleration_is_limited_up_and_down_and_the_curve_is_kept(acceleration):
+    loop = Loop(Settings(limits=MotionLimits(linear_acceleration=acceleration)))
+    loop.run(0.3)
+    requested(loop)
+    loop.drive(0.2, 0.4, 0.3)
+    sent = requested(loop)
+    assert sent[-1].right + sent[-1].left == pytest.approx(2000 * acceleration * 0.3, abs=20)
+    for each in sent[len(sent) // 2:]:
+        assert each.right == pytest.approx(each.left * 251.6 / 148.4, abs=1.5)
+    loop.drive(0.2, 0.4, 0.3)
+    loop.drive(0.0, 0.0, 0.1)
+    assert requested(loop)[-1].right > 0
+
+
+def test_turning_acceleration_is_limited():
+    loop = Loop(Settings(limits=MotionLimits(angular_acceleration=1.0)))
+    loop.run(0.3)
+    requested(loop)
+    loop.drive(0.0, 2.0, 0.5)
+    last = requested(loop)[-1]
+    assert (last.right - last.left) / 258 == pytest.approx(0.5, abs=0.05)
+
+
+def test_stop_and_the_end_of_commands_know_no_acceleration_limit():
+    loop = Loop(Settings(limits=MotionLimits(linear_acceleration=0.2)))
+    loop.run(0.3)
+    for end in (lambda: loop.driver.stop(loop.now), lambda: loop.run(TIMEOUT)):
+        loop.drive(0.2, 0.0, 0.5)
+        assert requested(loop)[-1].right > 50
+        end()
+        loop.run(0.02)
+        assert requested(loop)[-1] == oi.DriveDirect(right=0, left=0)
+
+
+# Modes.
+
+
+def answers() -> tuple[list[tuple[bool, str]], object]:
+    """Return a list, and a reply that writes into it."""
+    given: list[tuple[bool, str]] = []
+    return given, lambda success, message: given.append((success, message))
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
+def test_set_mode_answers_when_the_robot_reports_the_mode(loop, mode):
+    given, reply = answers()
+    loop.driver.set_mode(mode, loop.now, reply)
+    loop.run(0.2)
+    assert [success for success, _ in given] == [True]
+    assert loop.robot.mode is mode
+
+
+def test_off_cannot_be_set(loop):
+    given, reply = answers()
+    loop.driver.set_mode(oi.Mode.OFF, loop.now, reply)
+    assert given[0][0] is False
+    assert 'allowed' in given[0][1]
+
+
+def test_set_mode_says_why_the_robot_did_not_follow(loop):
+    loop.body.plug_charger(True)
+    loop.run(0.1)
+    given, reply = answers()
+    loop.driver.set_mode(oi.Mode.SAFE, loop.now, reply)
+    loop.run(1.0)
+    assert [success for success, _ in given] == [False]
+    assert 'charger' in given[0][1]
+
+
+def test_set_mode_without_a_robot_answers_at_once():
+    driver = Driver()
+    given, reply = answers()
+    driver.set_mode(oi.Mode.SAFE, 0.0, reply)
+    assert given[0][0] is False
+
+
+@pytest.mark.parametrize(('lift', 'cause'), [
+    (lambda body: body.drop(left=True), 'left wheel dropped'),
+    (lambda body: body.drop(right=True), 'right wheel dropped'),
+    (lambda body: body.drop(caster=True), 'caster dropped'),
+    (lambda body: body.plug_charger(True), 'charger powered'),
+])
+def test_why_the_mode_dropped_is_said_once(loop, lift, cause):
+    lift(loop.body)
+    loop.run(1.0)
+    assert loop.driver.status.actual is oi.Mode.PASSIVE
+    assert loop.driver.status.reason == cause
+    said = [text for text in texts(loop.notices, Severity.WARNING) if cause in text]
+    assert len(said) == 1
+
+
+def test_a_cliff_is_named():
+    loop = Loop(world=shipped('table'))
+    loop.run(0.3)
+    loop.drive(0.3, 0.0, 8.0)
+    assert 'cliff' in loop.driver.status.reason
+    assert loop.driver.status.actual is oi.Mode.PASSIVE
+
+
+def test_a_fresh_command_brings_the_mode_back_when_the_cause_has_been_gone_for_a_second(loop):
+    loop.body.drop(left=True)
+    loop.run(0.2)
+    loop.body.drop()
+    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.body.truth().speed > 0.1
+
+
+def test_a_fresh_command_does_nothing_while_the_cause_is_recent(loop):
+    loop.body.drop(left=True)
+    loop.run(TIMEOUT + 0.2)
+    loop.body.drop()
+    loop.drive(0.2, 0.0, CLEAR_FOR - 0.2)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.body.truth().speed == 0
+
+
+def test_a_robot_put_down_under_a_stream_of_commands_does_not_leap(loop):
+    loop.drive(0.2, 0.0, 0.5)
+    loop.body.drop(left=True, right=True, caster=True)
+    loop.drive(0.2, 0.0, 1.0)
+    loop.body.drop()
+    loop.drive(0.2, 0.0, 5.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.body.truth().speed == 0
+    said = texts(loop.notices, Severity.WARNING)
+    assert len([text for text in said if text.startswith('not driving')]) == 1
+
+
+def test_commands_that_were_zero_count_as_a_pause(loop):
+    loop.body.drop(left=True)
+    loop.drive(0.2, 0.0, 0.3)
+    loop.body.drop()
+    loop.drive(0.2, 0.0, CLEAR_FOR + 0.2)
+    loop.drive(0.0, 0.0, 0.1)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+def test_the_mode_never_comes_back_while_a_charger_is_powered(loop):
+    loop.body.plug_charger(True)
+    loop.run(CLEAR_FOR + TIMEOUT + 1)
+    loop.drive(0.2, 0.0, 3.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+
+
+def test_without_recover_mode_the_mode_stays():
+    loop = Loop(Settings(recover_mode=False))
+    loop.run(0.3)
+    loop.body.drop(left=True)
+    loop.run(0.2)
+    loop.body.drop()
+    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+
+
+# The line.
+
+
+def test_silence_is_said_once_and_the_robot_is_called_until_it_answers(loop):
+    loop.drive(0.2, 0.0, 0.3)
+    loop.cut = True
+    loop.run(5 * SILENCE)
+    assert loop.driver.link is Link.WAKING
+    assert loop.driver.status.actual is None
+    said = [text.partition(':')[0] for text in texts(loop.notices, Severity.ERROR)]
+    assert said == [f'no frame for {SILENCE} s', 'no answer at 57600 baud']
+    assert loop.body.truth().speed > 0, 'the last Drive holds for ever'
+    loop.cut = False
+    loop.run(1.0)
+    assert loop.driver.link is Link.UP
+    assert loop.robot.mode is oi.Mode.SAFE
+    loop.run(0.5)
+    assert loop.body.truth().speed == 0
+
+
+def test_odometry_goes_on_after_silence_without_a_jump(loop):
+    loop.drive(0.2, 0.0, 1.0)
+    loop.run(0.5)
+    seen = len(loop.moved)
+    loop.cut = True
+    loop.run(2.0)
+    loop.cut = False
+    loop.run(1.0)
+    went = [moved.estimate.x for moved in loop.moved[seen - 1:]]
+    assert all(abs(b - a) < 0.002 for a, b in pairwise(went))
+    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.005)
+
+
+@pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.4, 0.45])
+def test_odometry_says_what_was_driven_while_frames_were_lost(loop, gap):
+    loop.drive(0.2, 0.0, 3.0)
+    off = loop.estimate.x - loop.body.truth().pose.x
+    seen = len(loop.moved)
+    loop.cut = True
+    loop.drive(0.2, 0.0, gap)
+    loop.cut = False
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.estimate.x - loop.body.truth().pose.x == pytest.approx(off, abs=0.002)
+    for before, after in pairwise(loop.moved[seen - 1:]):
+        seconds = after.stamp - before.stamp
+        assert after.estimate.x - before.estimate.x == pytest.approx(0.2 * seconds, abs=0.003)
+
+
+@pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.45])
+@pytest.mark.parametrize('still', [0.0, 0.05, 0.2])
+@pytest.mark.parametrize('speeds', [(0.3, 0.0), (0.0, 2.0), (0.2, 1.0)])
+def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
+        loop, gap, speeds, still):
+    def off():
+        return (hypot(loop.estimate.x - loop.body.truth().pose.x,
+                      loop.estimate.y - loop.body.truth().pose.y),
+                turn_difference(loop.estimate.yaw, loop.body.truth().pose.yaw))
+    loop.drive(*speeds, 3.0)
+    loop.cut = True
+    loop.drive(*speeds, gap)
+    loop.cut = False
+    loop.drive(*speeds, still)
+    most = [each + 0.05 for each in off()]
+    for _ in range(6):
+        loop.drive(-speeds[0], -speeds[1], 0.1)
+        assert all(now < limit for now, limit in zip(off(), most, strict=True))
+    loop.drive(0.0, 0.0, 1.0)
+    assert off() == pytest.approx((0.0, 0.0), abs=0.05)
+
+
+def test_shutting_down_stops_the_wheels_and_leaves_passive(loop):
+    loop.drive(0.2, 0.0, 0.5)
+    loop.commands()
+    loop.driver.shut_down(loop.now)
+    loop.robot.receive(loop.driver.data_to_send(), loop.now)
+    loop.run(1.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.body.truth().speed == 0
+
+
+def test_the_delay_of_the_line_does_not_matter():
+    loop = Loop(delay=0.03)
+    loop.run(0.5)
+    loop.drive(0.2, 0.5, 3.0)
+    loop.run(1.0)
+    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.01)

@@ -1,0 +1,110 @@
+"""Where the robot is after a script, during which nobody can ask it."""
+
+from math import cos, degrees, hypot, sin, sqrt
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Settings
+from create_oi_ros.driver.stream_plan import StreamPlan
+from create_oi_ros.oi.tools.text import parse_script
+from create_oi_ros.sim.body import Rounding
+from support.loop import Loop
+
+LINE = 'Drive velocity=200 radius=straight; Wait Time time=20'
+ARC = 'Drive velocity=-150 radius=500; Wait Time time=40; Drive velocity=0 radius=straight'
+CORNER = ('Drive velocity=300 radius=straight; Wait Distance distance=400; '
+          'Drive velocity=100 radius=in_place_clockwise; Wait Angle angle=-90; '
+          'Drive velocity=300 radius=straight; Wait Distance distance=400')
+DIRECT = ('Drive Direct right=200 left=100; Wait Time time=20; Drive Direct right=-100 left=150; '
+          'Wait Time time=30')
+MIXED = ('Drive Direct right=200 left=100; Wait Time time=20; '
+         'Drive velocity=-100 radius=straight; Wait Time time=30')
+LESSON = ((0.2, 0.3), (0.1, -0.7), (0.0, 0.0), (-0.2, 0.2), (0.3, 0.4), (0.0, 0.5), (0.0, 0.0))
+
+
+def learned(rounding: Rounding) -> Loop:
+    """Return a driver that has driven its robot for half a minute, and knows it."""
+    loop = Loop(Settings(odometry_window=1.0), rounding=rounding)
+    loop.run(0.3)
+    for linear, angular in LESSON * 3:
+        loop.drive(linear, angular, 1.5)
+    loop.run(1.0)
+    return loop
+
+
+def seen_from(yaw: float, x: float, y: float) -> tuple[float, float]:
+    """Return a way as somebody sees it who looks in that direction."""
+    return x * cos(yaw) + y * sin(yaw), y * cos(yaw) - x * sin(yaw)
+
+
+def play(loop: Loop, text: str) -> tuple[float, float, float]:
+    """Play a script to its end; return what it missed, m and degrees, and its doubt, m."""
+    answers: list[bool] = []
+    before, started = loop.estimate, loop.body.truth()
+    loop.driver.scripts.define(parse_script(text), lambda told, _: answers.append(told))
+    loop.run(0.2)
+    loop.driver.scripts.play(loop.now, lambda told, _: answers.append(told), force=False)
+    while loop.driver.scripts.playing or len(answers) < 2:
+        loop.run(0.1)
+    loop.run(3.0)
+    assert answers == [True, True]
+    after, ended = loop.estimate, loop.body.truth()
+    assert abs(ended.travelled - started.travelled) + abs(ended.turned - started.turned) > 0.1
+    told = seen_from(before.yaw, after.x - before.x, after.y - before.y)
+    true = seen_from(started.turned, ended.pose.x - started.pose.x, ended.pose.y - started.pose.y)
+    return (hypot(told[0] - true[0], told[1] - true[1]),
+            abs(degrees(after.yaw - before.yaw - ended.turned + started.turned)),
+            sqrt(after.pose_covariance[0] + after.pose_covariance[4]))
+
+
+@pytest.mark.parametrize('script', [LINE, ARC, CORNER, DIRECT])
+@pytest.mark.parametrize('rounding', list(Rounding))
+def test_after_a_script_the_odometry_is_where_the_robot_is(
+        rounding: Rounding, script: str) -> None:
+    loop = learned(rounding)
+    place, heading, _ = play(loop, script)
+    assert place < 0.008
+    assert heading < 1.0
+
+
+def test_a_script_is_followed_again_when_it_is_played_again() -> None:
+    """The echo of its first command is there already."""
+    loop = learned(Rounding.TRUNCATE)
+    for _ in range(2):
+        assert play(loop, LINE)[0] < 0.012
+
+
+def test_a_script_that_cannot_be_followed_leaves_doubt() -> None:
+    place, _, doubt = play(learned(Rounding.TRUNCATE), MIXED)
+    assert place < 2 * doubt
+
+
+def test_while_a_script_plays_distance_and_angle_are_not_read() -> None:
+    """A robot that waits cannot be asked for another list."""
+    loop = learned(Rounding.TRUNCATE)
+    loop.commands()
+    play(loop, LINE)
+    commands = loop.commands()
+    played = commands.index(oi.PlayScript())
+    asked = [each for each in commands[:played] if isinstance(each, oi.Stream)][-1]
+    assert asked.packets == loop.driver.plan.script.ids
+    assert not {19, 20} & set(asked.packets)
+
+
+def test_a_script_that_is_refused_leaves_the_stream_as_it_is() -> None:
+    loop = learned(Rounding.TRUNCATE)
+    loop.commands()
+    answers: list[bool] = []
+    loop.driver.scripts.play(loop.now, lambda told, _: answers.append(told), force=False)
+    assert answers == [False]
+    loop.run(0.1)
+    assert not any(isinstance(each, oi.Drive) for each in loop.commands())
+
+
+@pytest.mark.parametrize('baud', [19200, 28800, 38400, 57600, 115200])
+def test_the_list_for_scripts_fits(baud: int) -> None:
+    plan = StreamPlan(baud)
+    assert plan.script.budget(baud).fits
+    assert plan.script in plan.lists
+    assert plan.script != plan.marker

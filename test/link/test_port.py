@@ -1,0 +1,236 @@
+"""Ports that cannot be had, in words; a device that comes back under another name."""
+
+from contextlib import contextmanager
+import errno
+import os
+from pathlib import Path
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from create_oi_ros.driver import Driver, Link, Notice
+from create_oi_ros.link import port, session
+from create_oi_ros.link.port import holder, lasting_name, Port, PortError
+from create_oi_ros.link.session import Session
+from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.sim.world import shipped
+from support.ros import PATIENCE, Robot
+
+HOLDER = """
+import os, sys
+os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)
+print('open', flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def terminal():
+    """Return the name of a terminal that somebody has open."""
+    ends = os.openpty()
+    yield os.ttyname(ends[1])
+    for end in ends:
+        os.close(end)
+
+
+def refused(url: str) -> str:
+    """Open a port that cannot be had; return what is said."""
+    with pytest.raises(PortError) as error:
+        Port(url, 57600, timeout=0.01)
+    return str(error.value)
+
+
+def test_a_missing_port_names_those_there_are(tmp_path, monkeypatch):
+    missing = str(tmp_path / 'none')
+    monkeypatch.setattr(port, 'CANDIDATES', (str(tmp_path / 'tty*'),))
+    assert 'no serial port was found at all' in refused(missing)
+    (tmp_path / 'ttyUSB7').touch()
+    assert f'there are {tmp_path}/ttyUSB7' in refused(missing)
+
+
+def test_without_permission_the_command_that_gives_it_is_named(monkeypatch):
+    monkeypatch.setenv('USER', 'ada')
+    said = port._advice('/dev/ttyUSB0', OSError(errno.EACCES, 'Permission denied'))
+    assert 'sudo usermod -aG dialout ada' in said
+
+
+@pytest.mark.parametrize(('number', 'age', 'passing'), [
+    (errno.EACCES, 0.1, True), (errno.EACCES, 2.0, False), (errno.EACCES, -5.0, False),
+    (errno.EBUSY, 0.1, False)])
+def test_only_a_device_that_has_just_come_may_get_its_permissions_yet(
+        tmp_path, number, age, passing):
+    device = tmp_path / 'ttyUSB0'
+    device.touch()
+    now = device.stat().st_ctime + age
+    assert port._settling(str(device), OSError(number, ''), now) is passing
+
+
+def test_what_may_pass_at_once_is_not_complained_of(tmp_path):
+    (tmp_path / 'tty').touch()
+    errors = iter([PortError('no permission', passing=True), PortError('in use')])
+    heard = Heard()
+
+    def refuse(*_, **__):
+        raise next(errors, PortError('in use'))
+    ours = Session(Driver(), str(tmp_path / 'tty'), on_event=heard, on_failure=lambda: None,
+                   open_port=refuse)
+    ours.start()
+    try:
+        heard.wait_for('in use')
+    finally:
+        ours.close()
+    assert heard.texts == ['in use']
+
+
+def test_a_port_is_ours_alone_and_the_other_is_told_by_whom(terminal):
+    ours = Port(terminal, 57600, timeout=0.01)
+    assert 'is in use by' in refused(terminal)
+    ours.close()
+    Port(terminal, 57600, timeout=0.01).close()
+
+
+@pytest.fixture
+def line():
+    """Return an open port and the number of the terminal's other end."""
+    other, ours = os.openpty()
+    opened = Port(os.ttyname(ours), 57600, timeout=0.01)
+    os.close(ours)
+    yield opened, other
+    opened.close()
+
+
+def test_a_read_returns_what_has_come_or_nothing(line):
+    opened, other = line
+    assert opened.read() == b''
+    os.write(other, bytes(range(256)))
+    assert opened.read() == bytes(range(256))
+    assert opened.read() == b''
+    os.close(other)
+
+
+def test_a_line_that_was_lost_says_so(line):
+    opened, other = line
+    os.close(other)
+    with pytest.raises(PortError, match='reading failed .*; is the cable in'):
+        opened.read()
+
+
+def test_a_line_that_was_closed_is_read_no_more(line, monkeypatch):
+    opened, other = line
+    monkeypatch.setattr(port.select, 'select', lambda reading, *_: (reading, [], []))
+    opened.close()
+    with pytest.raises(PortError, match='it was closed'):
+        opened.read()
+    os.close(other)
+
+
+def test_a_device_that_is_ready_but_has_nothing_was_unplugged(line, monkeypatch):
+    opened, other = line
+    monkeypatch.setattr(port.select, 'select', lambda reading, *_: (reading, [], []))
+    with pytest.raises(PortError, match='it was unplugged'):
+        opened.read()
+    os.close(other)
+
+
+def test_who_holds_a_port_is_named(terminal):
+    child = subprocess.Popen(
+        [sys.executable, '-S', '-c', HOLDER, terminal], stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE)
+    assert child.stdout is not None
+    assert child.stdout.readline()
+    assert f'(process {child.pid})' in str(holder(terminal))
+    child.communicate()
+
+
+def test_what_is_no_device_is_refused(tmp_path):
+    (tmp_path / 'file').write_text('')
+    assert str(tmp_path / 'file') in refused(str(tmp_path / 'file'))
+    assert 'socket://' in refused('nonsense://x')
+
+
+def test_the_lasting_name_of_a_device_is_found(tmp_path, terminal):
+    assert lasting_name(terminal, str(tmp_path)) is None
+    (tmp_path / 'usb-adapter-if00').symlink_to(terminal)
+    assert lasting_name(terminal, str(tmp_path)) == str(tmp_path / 'usb-adapter-if00')
+
+
+class Heard:
+    """The notices of a session, which other threads may wait for."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self._told = threading.Condition()
+
+    def __call__(self, event) -> None:
+        """Take an event in."""
+        if isinstance(event, Notice):
+            with self._told:
+                self.texts.append(event.text)
+                self._told.notify_all()
+
+    def wait_for(self, words: str, times: int = 1) -> None:
+        """Wait until some words have been said so often."""
+        with self._told:
+            assert self._told.wait_for(
+                lambda: sum(words in text for text in self.texts) >= times, PATIENCE), self.texts
+
+
+@contextmanager
+def session_on(url: Path, *, dead_man: bool = False):
+    """Keep a driver connected; yield it and what is heard of it."""
+    heard = Heard()
+    ours = Session(
+        Driver(), str(url), on_event=heard, on_failure=lambda: None, dead_man=dead_man)
+    ours.start()
+    try:
+        yield ours, heard
+    finally:
+        ours.close()
+
+
+@contextmanager
+def robot_on(link: Path):
+    """Switch a robot on."""
+    robot = Robot(link, shipped('empty'), Rounding.CARRY)
+    try:
+        yield robot
+    finally:
+        robot.close()
+
+
+def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypatch):
+    name = tmp_path / 'by-id' / 'usb-adapter'
+    name.parent.mkdir()
+    named = threading.Event()
+
+    def asked(url: str) -> str | None:
+        named.set()
+        return lasting_name(url, str(tmp_path / 'by-id'))
+    monkeypatch.setattr(session, 'lasting_name', asked)
+    with session_on(tmp_path / 'ttyUSB0') as (ours, heard):
+        with robot_on(tmp_path / 'ttyUSB0'):
+            name.symlink_to(tmp_path / 'ttyUSB0')
+            heard.wait_for('robot answers')
+            named.wait(PATIENCE)
+        heard.wait_for('does not exist')
+        with robot_on(tmp_path / 'ttyUSB1'):
+            (tmp_path / 'beside').symlink_to(tmp_path / 'ttyUSB1')
+            (tmp_path / 'beside').replace(name)
+            heard.wait_for('robot answers', times=2)
+            assert ours.driver.link is Link.UP
+
+
+def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
+    monkeypatch.setattr(session, 'LEAST_WATCH', 0.0)
+    with robot_on(tmp_path / 'tty'), session_on(tmp_path / 'tty', dead_man=True) as (ours, heard):
+        heard.wait_for('robot answers')
+        first = ours._dead_man.pid
+        os.kill(first, 9)
+        heard.wait_for('another one watches')
+        assert ours._dead_man.pid != first
+        monkeypatch.setattr(session, 'LEAST_WATCH', 1000.0)
+        os.kill(ours._dead_man.pid, 9)
+        heard.wait_for('drives on')
+        assert ours._dead_man is None

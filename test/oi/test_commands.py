@@ -1,0 +1,235 @@
+"""Commands against the manual: bytes, ranges, modes, and that no row lacks a witness."""
+
+from collections.abc import Iterable
+import struct
+from typing import Annotated
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.oi.wire import Counted, Wire
+from support.oi_strategies import commands
+import vectors
+
+BIG = 1 << 15
+
+
+def witnessed(vector: vectors.CommandVector) -> str:
+    return ' '.join(map(str, vector.sent))
+
+
+@pytest.mark.parametrize('vector', vectors.COMMANDS, ids=witnessed)
+def test_the_bytes_are_the_manuals(vector: vectors.CommandVector) -> None:
+    assert vector.command.encode() == vector.sent
+    decoded = type(vector.command).decode(vector.sent)
+    assert decoded == vector.command and type(decoded) is type(vector.command)
+
+
+def missing_evidence(
+        commands: Iterable[type[oi.Command]], given: Iterable[vectors.CommandVector]) -> list[str]:
+    """Name what the vectors leave unproven: rows, signs, byte order, order of fields."""
+    known = list(given)
+    lacking = []
+    for kind in commands:
+        shown = [vector.command for vector in known if type(vector.command) is kind]
+        if not shown:
+            lacking.append(kind.title)
+        for name, wire in kind.fields:
+            values = [int(getattr(command, name)) for command in shown]
+            if wire.format in 'bh' and min(values, default=0) >= 0:
+                lacking.append(f'{kind.title}.{name}: sign')
+            if wire.format == 'B' and wire.high > 127 and max(values, default=0) < 128:
+                lacking.append(f'{kind.title}.{name}: no sign')
+            if wire.format in 'hH' and all(v & 0xff == v >> 8 & 0xff for v in values):
+                lacking.append(f'{kind.title}.{name}: byte order')
+        numbers = [[getattr(command, name) for name, _ in kind.fields] for command in shown]
+        if shown and not any(len(set(row)) == len(row) for row in numbers):
+            lacking.append(f'{kind.title}: order of fields')
+        if kind.tail and max((len(getattr(c, kind.tail.name)) for c in shown), default=0) < 2:
+            lacking.append(f'{kind.title}: order of {kind.tail.name}')
+    return lacking
+
+
+def test_every_command_has_a_vector_that_shows_sign_and_order() -> None:
+    assert missing_evidence(oi.COMMANDS, vectors.COMMANDS) == []
+
+
+def test_a_command_without_evidence_is_refused() -> None:
+    some = [
+        vectors.CommandVector('', oi.Drive(velocity=257, radius=257), b''),
+        vectors.CommandVector('', oi.SendIr(byte=3), b''),
+        vectors.CommandVector('', oi.Song(number=1, notes=()), b'')]
+    assert missing_evidence((oi.Start, oi.Drive, oi.SendIr, oi.Song), some) == [
+        'Start',
+        'Drive.velocity: sign', 'Drive.velocity: byte order',
+        'Drive.radius: sign', 'Drive.radius: byte order', 'Drive: order of fields',
+        'Send IR.byte: no sign',
+        'Song: order of notes']
+
+
+def test_all_commands_of_the_manual_are_there() -> None:
+    assert {kind.opcode: kind.title for kind in oi.COMMANDS} == vectors.TITLES
+    assert len(oi.COMMANDS) == 29
+
+
+@pytest.mark.parametrize('kind', oi.COMMANDS, ids=lambda kind: kind.title)
+def test_modes_are_the_manuals(kind: type[oi.Command]) -> None:
+    available, enters = vectors.MODES[kind.opcode]
+    assert {mode.name.lower() for mode in kind.modes} == set(available.split())
+    assert (kind.enters.name.lower() if kind.enters is not None else '') == enters
+
+
+@pytest.mark.parametrize('kind', oi.COMMANDS, ids=lambda kind: kind.title)
+def test_every_command_says_what_it_does(kind: type[oi.Command]) -> None:
+    assert kind.__doc__ and kind.__doc__.rstrip().endswith('.')
+    assert kind.section
+
+
+@pytest.mark.parametrize('name', vectors.NAMED_NUMBERS)
+def test_named_numbers_are_the_manuals(name: str) -> None:
+    members = getattr(oi, name)
+    assert {member.value: member.name for member in members} == vectors.NAMED_NUMBERS[name]
+
+
+def test_inverse_events_are_the_manuals() -> None:
+    for byte, event in vectors.NOT_EVENTS.items():
+        assert oi.WaitEvent(event=-event).encode() == bytes([158, byte])
+    assert sorted(vectors.NOT_EVENTS.values()) == list(oi.Event)
+
+
+def test_baud_codes_are_the_manuals() -> None:
+    assert {code.value: code.rate for code in oi.BaudCode} == vectors.BAUD_CODES
+    for code, rate in vectors.BAUD_CODES.items():
+        assert oi.BaudCode.of_rate(rate) == code
+    with pytest.raises(ValueError, match='baud rate 1234 is none of 300, 600'):
+        oi.BaudCode.of_rate(1234)
+
+
+@pytest.mark.parametrize(
+    'command, name', vectors.OUT_OF_RANGE, ids=lambda value: str(value) if value else None)
+def test_a_value_out_of_range_is_refused_on_encoding(command: oi.Command, name: str) -> None:
+    with pytest.raises(ValueError) as refused:
+        command.encode()
+    message = str(refused.value)
+    assert message.startswith(f'{command.title}: {name} ') and 'allowed: ' in message
+
+
+@pytest.mark.parametrize('command, message', [
+    (oi.Drive(velocity=501, radius=0),
+     'Drive: velocity = 501; allowed: -500 to 500 mm/s'),
+    (oi.Drive(velocity=0, radius=2001),
+     'Drive: radius = 2001; allowed: -2000 to 2000 mm, -32768 STRAIGHT, 32767 STRAIGHT_7FFF'),
+    (oi.Leds(bits=1, color=0, intensity=0),
+     'LEDs: bits = 1; allowed: a sum of 2 PLAY, 8 ADVANCE'),
+    (oi.WaitEvent(event=0),
+     'Wait Event: event = 0; allowed: -22 to 22 (negative for the inverse), but not 0'),
+    (oi.Song(number=0, notes=()),
+     'Song: notes has 0 notes; allowed: 1 to 16 notes'),
+    (oi.Song(number=0, notes=((60, 32), (60,))),  # type: ignore[arg-type]
+     'Song: notes[1] = (60,) needs 2 numbers'),
+    (oi.Drive(velocity=0.5, radius=0),  # type: ignore[arg-type]
+     'Drive: velocity = 0.5; allowed: -500 to 500 mm/s'),
+    (oi.Stream(packets=7),  # type: ignore[arg-type]
+     'Stream: packets = 7; allowed: 0 to 43 packets'),
+], ids=str)
+def test_a_refusal_names_field_value_and_range(command: oi.Command, message: str) -> None:
+    with pytest.raises(ValueError) as refused:
+        command.encode()
+    assert str(refused.value) == message
+
+
+@pytest.mark.parametrize('kind, encoded', [
+    (oi.Drive, b''), (oi.Drive, b'\x89\x00\x00\x00'), (oi.Drive, b'\x89\x00\x00\x00\x00\x00'),
+    (oi.Drive, b'\x91\x00\x00\x00\x00'), (oi.Song, b'\x8c\x00\x01\x3c'), (oi.Start, b'\x80\x80'),
+])
+def test_bytes_of_another_length_or_command_are_refused(
+        kind: type[oi.Command], encoded: bytes) -> None:
+    with pytest.raises(ValueError, match=f'is no whole {kind.title}'):
+        kind.decode(encoded)
+
+
+def test_what_arrives_out_of_range_is_held_as_it_came() -> None:
+    assert oi.Drive.decode(b'\x89\x7f\xff\x00\x00') == oi.Drive(velocity=32767, radius=0)
+    assert oi.Baud.decode(b'\x81\x0c') == oi.Baud(code=12)
+    assert oi.LowSideDrivers.decode(b'\x8a\xff').bits == 255
+
+
+def test_decoded_numbers_have_their_names() -> None:
+    assert oi.Baud.decode(b'\x81\x0a').code is oi.BaudCode.B57600
+    assert oi.Drive.decode(bytes([137, 0, 0, 128, 0])).radius is oi.Radius.STRAIGHT
+    assert isinstance(oi.Leds.decode(bytes([139, 8, 0, 0])).bits, oi.LedBits)
+    assert oi.Song.decode(bytes([140, 0, 1, 60, 32])).notes[0].number == 60
+
+
+def test_commands_are_values() -> None:
+    command = oi.DriveDirect(right=1, left=2)
+    assert command == oi.DriveDirect(right=1, left=2) and hash(command) == hash(command)
+    assert command != oi.DriveDirect(right=2, left=1)
+    with pytest.raises(AttributeError):
+        command.right = 3  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        oi.DriveDirect(1, 2)  # type: ignore[call-arg, misc]
+
+
+def test_an_opcode_belongs_to_one_command() -> None:
+    with pytest.raises(TypeError, match='opcode 137 of Twin is already that of Drive'):
+        class Twin(oi.Command, title='Twin', opcode=137, section='', modes=oi.ANY):
+            pass
+    assert oi.Command.by_opcode[137] is oi.Drive
+
+
+def test_only_the_last_field_may_be_counted() -> None:
+    with pytest.raises(TypeError, match='Odd.after follows a counted field'):
+        class Odd(oi.Command, title='Odd', opcode=1, section='', modes=oi.ANY):
+            many: Annotated[bytes, Counted(0, 1, (Wire('B', 0, 255),), 'bytes')]
+            after: Annotated[int, Wire('B', 0, 255)]
+    assert 1 not in oi.Command.by_opcode
+
+
+@given(commands())
+def test_decode_of_encode_is_identity(command: oi.Command) -> None:
+    encoded = command.encode()
+    assert type(command).decode(encoded) == command
+    assert encoded[0] == command.opcode
+    assert command.size(encoded) == len(encoded)
+
+
+@given(st.data())
+def test_whatever_may_arrive_can_be_held_and_sent_again_if_allowed(data: st.DataObject) -> None:
+    kind = data.draw(st.sampled_from(oi.COMMANDS))
+    head = bytes([kind.opcode]) + data.draw(st.binary(min_size=5, max_size=5))
+    size = kind.size(head)
+    encoded = (head + data.draw(st.binary(min_size=size, max_size=size)))[:size]
+    command = kind.decode(encoded)
+    try:
+        assert command.encode() == encoded
+    except ValueError as refused:
+        assert 'allowed' in str(refused)
+
+
+@given(st.integers(-2 * BIG, 2 * BIG), st.integers(-2 * BIG, 2 * BIG))
+def test_nothing_out_of_range_leaves(velocity: int, radius: int) -> None:
+    command = oi.Drive(velocity=velocity, radius=radius)
+    fine = abs(velocity) <= 500 and (abs(radius) <= 2000 or radius in (-BIG, BIG - 1))
+    try:
+        assert struct.unpack('>Bhh', command.encode()) == (137, velocity, radius) and fine
+    except ValueError:
+        assert not fine
+
+
+@pytest.mark.parametrize('fields', [{}, {'right': 1}, {'right': 1, 'left': 2, 'up': 3}])
+def test_a_field_that_is_missing_or_unknown_is_refused(fields: dict[str, int]) -> None:
+    with pytest.raises(TypeError, match='needs right, left'):
+        oi.DriveDirect(**fields)
+
+
+def test_a_command_is_a_value_that_cannot_be_changed() -> None:
+    command = oi.DriveDirect(right=1, left=2)
+    with pytest.raises(AttributeError, match='cannot be changed'):
+        command.right = 3  # type: ignore[misc]
+    assert command == oi.DriveDirect(left=2, right=1)
+    assert hash(command) == hash(oi.DriveDirect(left=2, right=1))
+    assert command != oi.DriveDirect(right=2, left=1)
+    assert repr(command) == 'DriveDirect(right=1, left=2)'

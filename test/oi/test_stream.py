@@ -1,0 +1,338 @@
+"""Bytes in flight: however they are cut, the same events; nothing lost, nothing believed."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+import runpy
+
+from hypothesis import example, given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.oi.stream import GARBAGE_AT_ONCE, readable, SWITCH_AFTER
+from support.oi_strategies import commands, frames, packet_lists
+import vectors
+
+CLIFF = oi.PacketList([29, 13])
+GOOD = CLIFF.pack_frame([549, 0])
+BY_THE_MANUAL = CLIFF.pack_frame([549, 0], header_in_sum=False)
+BANNER = (
+    b'bl-start\r\n2004-11-17-1529-L  \r\nRDK by iRobot!\r\nMC9S12E128\r\n2004-11-22-1441-L  \r\n'
+    b'battery-current-zero 257\r\n\r\nassembly 2004-11-22-1443-L  \r\n')
+Event = oi.Frame | oi.Garbage
+
+
+def taken(reader: oi.StreamReader) -> Iterator[Event]:
+    while (event := reader.next_event()) is not None:
+        yield event
+
+
+def events(
+        chunks: Iterable[bytes], *lists: oi.PacketList, reader: oi.StreamReader | None = None,
+) -> list[Event]:
+    """Feed bytes as they were cut; at the end nothing follows."""
+    reader = reader or oi.StreamReader(lists)
+    found: list[Event] = []
+    for chunk in chunks:
+        reader.feed(chunk)
+        found.extend(taken(reader))
+    return found + reader.finish()
+
+
+def bytewise(data: bytes) -> list[bytes]:
+    return [data[place:place + 1] for place in range(len(data))]
+
+
+def joined(found: Iterable[Event]) -> bytes:
+    return b''.join(event.data for event in found)
+
+
+def kinds(found: Iterable[Event]) -> str:
+    return ''.join('F' if isinstance(event, oi.Frame) else 'g' for event in found)
+
+
+def test_the_manuals_frame_is_read() -> None:
+    frame, = events([vectors.STREAM_FRAME], CLIFF)
+    assert isinstance(frame, oi.Frame)
+    assert frame == (CLIFF, vectors.STREAM_FRAME, oi.Checksum.MANUAL)
+    assert frame.readings == oi.Readings(vectors.STREAM_VALUES)
+
+
+def test_the_frame_of_real_robots_is_read() -> None:
+    frame, = events(bytewise(vectors.STREAM_FRAME_OF_REAL_ROBOTS), CLIFF)
+    assert frame == (CLIFF, vectors.STREAM_FRAME_OF_REAL_ROBOTS, oi.Checksum.HARDWARE)
+
+
+def test_noise_before_between_and_after_is_garbage() -> None:
+    data = b'\1\2' + GOOD + b'\3' + GOOD + b'\x13'
+    assert events([data], CLIFF) == [
+        oi.Garbage(b'\1\2'), oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE), oi.Garbage(b'\3'),
+        oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE), oi.Garbage(b'\x13')]
+
+
+@pytest.mark.parametrize('place', range(len(GOOD)))
+def test_a_damaged_frame_is_never_delivered(place: int) -> None:
+    for bit in range(8):
+        damaged = bytearray(GOOD)
+        damaged[place] ^= 1 << bit
+        reader = oi.StreamReader([CLIFF])
+        found = events([GOOD, bytes(damaged), GOOD], reader=reader)
+        assert kinds(found) == 'FgF' and joined(found) == GOOD + damaged + GOOD
+
+
+def test_a_failed_checksum_is_counted_once() -> None:
+    reader = oi.StreamReader([CLIFF])
+    events(bytewise(GOOD + GOOD[:-1] + b'\0' + GOOD), reader=reader)
+    assert reader.checksum_failures == 1
+
+
+@pytest.mark.parametrize('lost', range(1, len(GOOD)))
+def test_a_cut_frame_costs_no_other(lost: int) -> None:
+    assert kinds(events([GOOD[:lost] + GOOD], CLIFF)) == 'gF'
+    assert kinds(events([GOOD[lost:] + GOOD], CLIFF)) == 'gF'
+
+
+def test_a_false_header_is_looked_behind() -> None:
+    packets = oi.PacketList([19, 13])
+    frame = packets.pack_frame([0x1305, 0])
+    assert kinds(events([b'\x13\x05\x13' + frame], packets)) == 'gF'
+    assert kinds(events([b'\x13\x05\x13\x13\x05' + frame], packets)) == 'gF'
+
+
+@pytest.mark.parametrize('length', [0, 1, 4, 6, 100, 255])
+def test_a_false_length_does_not_make_it_wait(length: int) -> None:
+    reader = oi.StreamReader([CLIFF])
+    reader.feed(bytes([19, length, 29]) + GOOD)
+    assert kinds(taken(reader)) == 'gF'
+
+
+def test_a_header_in_the_values_is_a_value() -> None:
+    frame = CLIFF.pack_frame([0x1305, 0x13])
+    found, = events([frame], CLIFF)
+    assert isinstance(found, oi.Frame)
+    assert found.readings.cliff_front_left_signal == 0x1305
+
+
+def test_only_frames_that_were_asked_for_are_frames() -> None:
+    assert events([GOOD]) == [oi.Garbage(GOOD)]
+    assert events([GOOD], oi.PacketList([30, 13])) == [oi.Garbage(GOOD)]
+    assert events([GOOD], oi.PacketList([])) == [oi.Garbage(GOOD)]
+
+
+def test_the_list_may_change_in_flight() -> None:
+    longer = oi.PacketList([7, 29, 13])
+    late = longer.pack_frame([1, 2, 0])
+    reader = oi.StreamReader([CLIFF])
+    reader.feed(GOOD + GOOD[:3])
+    assert kinds(taken(reader)) == 'F'
+    reader.expect([CLIFF, longer])
+    reader.feed(GOOD[3:] + late + late[:5])
+    assert [e.packets for e in taken(reader) if isinstance(e, oi.Frame)] == [CLIFF, longer]
+    reader.expect([longer])
+    reader.feed(late[5:] + GOOD)
+    assert [e.packets for e in taken(reader) if isinstance(e, oi.Frame)] == [longer]
+
+
+def test_lists_of_one_length_are_told_apart() -> None:
+    other = oi.PacketList([30, 13])
+    mixed = GOOD + other.pack_frame([549, 0]) + GOOD
+    for chunks in ([mixed], bytewise(mixed)):
+        found = events(chunks, CLIFF, other, CLIFF)
+        assert [e.packets for e in found if isinstance(e, oi.Frame)] == [CLIFF, other, CLIFF]
+
+
+def test_frames_behind_an_unfinished_one_come_out_when_nothing_follows() -> None:
+    longer = oi.PacketList([6])
+    begun = longer.pack_frame([0] * 36)[:20]
+    reader = oi.StreamReader([longer, CLIFF])
+    reader.feed(begun + GOOD + GOOD)
+    assert reader.next_event() is None
+    assert kinds(reader.finish()) == 'gFF'
+    assert reader.finish() == []
+
+
+def test_what_is_no_event_yet_can_be_thrown_away() -> None:
+    reader = oi.StreamReader([CLIFF])
+    reader.feed(b'\7' + GOOD[:5])
+    assert reader.next_event() is None and reader.flush() == oi.Garbage(b'\7' + GOOD[:5])
+    assert events([GOOD], reader=reader) == [oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE)]
+
+
+def test_a_list_too_long_for_a_frame_is_passed_over() -> None:
+    packets = oi.PacketList([6] * 5)
+    assert packets.length == (5 * 53) & 0xff
+    with pytest.raises(ValueError, match='up to 258'):
+        packets.pack_frame([0] * 180)
+    looks_like_it = bytes([oi.HEADER, packets.length]) + packets.pack_reply([0] * 180)
+    assert kinds(events([looks_like_it], packets)) == 'gg'
+
+
+def test_a_convention_is_kept_until_the_other_comes_often() -> None:
+    reader = oi.StreamReader([CLIFF])
+    assert reader.checksum is None
+    assert kinds(events([GOOD], reader=reader)) == 'F'
+    assert reader.checksum is oi.Checksum.HARDWARE
+    assert kinds(events([BY_THE_MANUAL + GOOD] * SWITCH_AFTER, reader=reader)) == 'gF' * 3
+    assert reader.checksum_failures == SWITCH_AFTER
+    found = events([BY_THE_MANUAL * (SWITCH_AFTER + 1)], reader=reader)
+    assert kinds(found) == 'gFF'
+    assert reader.checksum is oi.Checksum.MANUAL
+    assert reader.checksum_failures == 2 * SWITCH_AFTER - 1
+    assert kinds(events([GOOD], reader=reader)) == 'g'
+
+
+def test_the_boot_banner_is_reported() -> None:
+    for chunks in ([BANNER + GOOD], bytewise(BANNER + GOOD)):
+        garbage, frame = events(chunks, CLIFF)
+        assert isinstance(garbage, oi.Garbage)
+        assert garbage.data == BANNER and garbage.text == BANNER.decode().strip()
+        assert isinstance(frame, oi.Frame)
+
+
+def test_the_boot_banner_is_readable_behind_half_a_frame() -> None:
+    garbage, frame = events([GOOD[:5] + bytes(60) + BANNER + GOOD], CLIFF)
+    assert isinstance(garbage, oi.Garbage) and garbage.text == BANNER.decode().strip()
+
+
+def test_the_boot_banner_is_readable_in_two_pieces() -> None:
+    found = events([bytes(GARBAGE_AT_ONCE - 33) + BANNER + GOOD], CLIFF)
+    assert kinds(found) == 'ggF'
+    assert readable(joined(found[:2])) == BANNER.decode().strip()
+
+
+def test_noise_is_no_text() -> None:
+    assert oi.Garbage(bytes(range(20)) + b'bad\0 \r\n\r\n \n\r \0').text == ''
+    assert readable(b'') == ''
+    assert readable(b'\xffRDK by iRobot!\xff\0battery 257\r\n') == 'RDK by iRobot!\nbattery 257'
+
+
+def test_memory_is_bounded() -> None:
+    reader = oi.StreamReader([oi.PacketList([6, 6, 6, 6])])
+    for noise in (b'\0', b'\x13', b'\x13\xd4', b'\x13\xd4\x06'):
+        for _ in range(300):
+            reader.feed(noise * 10)
+            assert all(len(event.data) <= GARBAGE_AT_ONCE for event in taken(reader))
+            assert len(reader._buffer) < GARBAGE_AT_ONCE + 258
+    assert reader.flush() is not None and reader.flush() is None
+
+
+def cuts(data: bytes, places: Iterable[int]) -> list[bytes]:
+    marks = sorted({0, len(data), *(place % (len(data) + 1) for place in places)})
+    return [data[start:end] for start, end in zip(marks, marks[1:])]
+
+
+@st.composite
+def captures(draw: st.DrawFn) -> tuple[list[oi.PacketList], bytes]:
+    """Draw lists, and a capture of their frames with damage, noise and text in between."""
+    lists = draw(st.lists(packet_lists(5), min_size=1, max_size=3))
+    pieces = []
+    for packets in draw(st.lists(st.sampled_from(lists), max_size=8)):
+        frame = bytearray(draw(frames(packets, header_in_sum=draw(st.booleans()))))
+        damage = draw(st.integers(0, 5))
+        place = draw(st.integers(0, len(frame) - 1))
+        if damage == 0:
+            frame[place] = draw(st.sampled_from([oi.HEADER, packets.length, 0, 255]))
+        elif damage == 1:
+            del frame[:place]
+        elif damage == 2:
+            del frame[place:]
+        elif damage == 3:
+            frame[:0] = draw(st.binary(max_size=5)) + BANNER * draw(st.integers(0, 3))
+        pieces.append(bytes(frame))
+    return lists, b''.join(pieces)
+
+
+@given(captures(), st.lists(st.integers(0), max_size=20))
+@example(([CLIFF], bytes(GARBAGE_AT_ONCE) + GOOD), [])
+@example(([CLIFF], bytes(GARBAGE_AT_ONCE - 1) + GOOD * 2), [])
+@example(([CLIFF], b'\x13' * 600 + GOOD), [300])
+def test_any_cutting_gives_the_same_events(
+        capture: tuple[list[oi.PacketList], bytes], places: list[int]) -> None:
+    lists, data = capture
+    whole = events([data], *lists)
+    assert events(cuts(data, places), *lists) == whole
+    assert events(bytewise(data), *lists) == whole
+
+
+@given(captures())
+def test_events_are_the_bytes_that_went_in_and_frames_verify(
+        capture: tuple[list[oi.PacketList], bytes]) -> None:
+    lists, data = capture
+    found = events([data], *lists)
+    assert joined(found) == data
+    for event in found:
+        if isinstance(event, oi.Frame):
+            assert event.packets in lists
+            assert event.data[0] == 19 and event.data[1] == len(event.data) - 3
+            by_the_manual = event.checksum is oi.Checksum.MANUAL
+            assert sum(event.data[by_the_manual:]) % 256 == 0
+            assert event.readings.has(*event.packets.names)
+        else:
+            assert 0 < len(event.data)
+
+
+@given(st.data(), packet_lists(8), st.booleans())
+def test_frames_in_order_come_out_in_order(
+        data: st.DataObject, packets: oi.PacketList, header_in_sum: bool) -> None:
+    sent = data.draw(st.lists(frames(packets, header_in_sum=header_in_sum), max_size=6))
+    assert [event.data for event in events([b''.join(sent)], packets)] == sent
+
+
+@given(st.lists(st.binary(max_size=40)), st.lists(packet_lists(4), max_size=3))
+def test_no_bytes_raise(chunks: list[bytes], lists: list[oi.PacketList]) -> None:
+    assert joined(events(chunks, *lists)) == b''.join(chunks)
+
+
+def test_the_fuzz_target_runs() -> None:
+    fuzz = runpy.run_path(str(Path(__file__).parents[1] / 'campaign' / 'fuzz_stream.py'))
+    fuzz['main'](4000, 2)
+
+
+def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOpcode], bytes]:
+    reader = oi.CommandReader()
+    found = []
+    for chunk in chunks:
+        reader.feed(chunk)
+        while (event := reader.next_event()) is not None:
+            found.append(event)
+    return found, reader.clear()
+
+
+@given(st.lists(commands(), max_size=10), st.lists(st.integers(0), max_size=20))
+def test_commands_in_order_come_out_in_order(
+        sent: list[oi.Command], places: list[int]) -> None:
+    data = b''.join(command.encode() for command in sent)
+    assert commands_in(cuts(data, places)) == (sent, b'')
+
+
+@given(st.binary(max_size=300) | st.lists(
+    st.sampled_from([*oi.Command.by_opcode, 0, 1, 3, 255]), max_size=100).map(bytes))
+def test_any_cutting_gives_the_same_commands(data: bytes) -> None:
+    found, pending = commands_in([data])
+    assert commands_in(bytewise(data)) == (found, pending)
+    assert len(pending) <= 3 + 2 * 255
+
+
+def test_a_cut_command_swallows_what_comes_next() -> None:
+    reader = oi.CommandReader()
+    reader.feed(bytes([137, 0, 200]))
+    assert reader.next_event() is None and reader.pending == bytes([137, 0, 200])
+    reader.feed(bytes([128, 131, 132]))
+    assert reader.next_event() == oi.Drive(velocity=200, radius=0x8083 - 0x10000)
+    assert reader.next_event() == oi.Full()
+    assert reader.next_event() is None and reader.clear() == b''
+
+
+def test_an_unknown_opcode_is_one_byte() -> None:
+    assert commands_in([bytes([7, 133, 146, 128])]) == (
+        [oi.UnknownOpcode(b'\7'), oi.UnknownOpcode(b'\x85'), oi.UnknownOpcode(b'\x92'),
+         oi.Start()], b'')
+
+
+def test_a_counted_command_waits_for_its_count_and_its_items() -> None:
+    reader = oi.CommandReader()
+    for byte in bytes([140, 3, 2, 60, 32, 62]):
+        reader.feed(bytes([byte]))
+        assert reader.next_event() is None
+    reader.feed(bytes([16]))
+    assert reader.next_event() == oi.Song(number=3, notes=(oi.Note(60, 32), oi.Note(62, 16)))

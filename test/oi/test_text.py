@@ -1,0 +1,267 @@
+"""Scripts and the text form of commands: the manual's examples, identity, refusals."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.oi.script import (
+    build_script,
+    can_end,
+    commands_of,
+    open_waits,
+    SCRIPT_LIMIT,
+    script_of_reply,
+)
+from create_oi_ros.oi.tools.notes import note_frequency, note_name, note_number
+from create_oi_ros.oi.tools.text import (
+    format_command,
+    format_commands,
+    parse_command,
+    parse_commands,
+    parse_script,
+    TextError,
+)
+from support.oi_strategies import commands
+import vectors
+
+TEXTS = {
+    'Drive 40 cm and stop': """\
+Drive velocity=300 radius=straight
+Wait Distance distance=400
+Drive velocity=0 radius=0
+""",
+    'Toggle led on bump': """\
+Wait Event event=bump
+Wait Event event=not_bump
+LEDs bits=play color=0 intensity=0
+Wait Event event=bump
+Wait Event event=not_bump
+LEDs bits=0 color=0 intensity=0
+Play Script
+""",
+    'Drive in a square': """\
+Drive velocity=300 radius=straight
+Wait Distance distance=400
+Drive velocity=300 radius=in_place_counter_clockwise
+Wait Angle angle=90
+Play Script
+""",
+}
+
+
+@pytest.mark.parametrize('name, listed, sent', vectors.SCRIPTS, ids=lambda value: str(value)[:20])
+def test_the_manuals_scripts_come_out_byte_for_byte(
+        name: str, listed: list[oi.Command], sent: bytes) -> None:
+    script = build_script(listed)
+    assert script.encode() == sent
+    assert commands_of(script) == listed
+    assert format_commands(listed) == TEXTS[name]
+    assert parse_script(TEXTS[name]).encode() == sent
+    assert parse_command(format_command(script)) == script
+    assert script_of_reply(sent[1:]) == script
+
+
+def test_only_a_script_that_does_not_play_itself_can_end() -> None:
+    assert [can_end(parse_script(text)) for text in TEXTS.values()] == [True, False, False]
+    assert can_end(oi.Script(script=b''))
+    assert not can_end(oi.Script(script=bytes([7, 153, 137, 0])))
+    assert can_end(oi.Script(script=bytes([151, 153]))), 'the 153 is data of Send IR'
+
+
+def test_waits_that_may_be_for_ever_are_named() -> None:
+    script = parse_script(TEXTS['Drive in a square'] + 'Wait Time time=5\nWait Event event=bump')
+    assert open_waits(script) == [
+        oi.WaitDistance(distance=400), oi.WaitAngle(angle=90), oi.WaitEvent(event=5)]
+
+
+def test_a_script_is_no_longer_than_the_robot_can_keep() -> None:
+    full = [oi.WaitTime(time=1)] * (SCRIPT_LIMIT // 2)
+    assert len(build_script(full).encode()) == 102
+    with pytest.raises(ValueError) as refused:
+        build_script([*full, oi.Safe()])
+    assert str(refused.value) == (
+        'Script: command 51 (Safe) brings it to 101 bytes; allowed: 100 bytes')
+    with pytest.raises(ValueError, match='Drive: velocity = 900'):
+        build_script([oi.Drive(velocity=900, radius=0)])
+
+
+@pytest.mark.parametrize('script, message', [
+    (b'\x07', 'Script: 7 is the opcode of no command'),
+    (b'\x80\x89\x01', 'Script: its last command, Drive, is cut short'),
+])
+def test_bytes_that_are_no_commands_are_refused(script: bytes, message: str) -> None:
+    with pytest.raises(ValueError) as refused:
+        commands_of(oi.Script(script=script))
+    assert str(refused.value) == message
+
+
+def test_a_reply_to_show_script_of_the_wrong_length_is_refused() -> None:
+    with pytest.raises(ValueError):
+        script_of_reply(b'\2\x80')
+
+
+def test_notes_are_the_manuals() -> None:
+    for number, (letter, frequency) in vectors.NOTES.items():
+        name = note_name(number)
+        assert name[:-1] == letter and note_number(name) == number
+        assert number == 32 or abs(note_frequency(number) / frequency - 1) < 0.001
+    assert (note_name(60), note_name(31), note_name(127)) == ('C4', 'G1', 'G9')
+
+
+@pytest.mark.parametrize('name, number', [
+    ('c#4', 61), ('Db4', 61), ('DB4', 61), ('b3', 59), ('bb3', 58), ('Cb4', 59), ('g1', 31)])
+def test_notes_are_read_as_musicians_write_them(name: str, number: int) -> None:
+    assert note_number(name) == number
+
+
+@pytest.mark.parametrize('name', ['H4', 'C', 'C##4', 'C-1', 'F#1', 'G#9', ''])
+def test_what_is_no_sounding_note_is_refused(name: str) -> None:
+    with pytest.raises(ValueError):
+        note_number(name)
+    for number in (30, 128):
+        with pytest.raises(ValueError, match=r'makes no sound; 31 \(G1\) to 127 \(G9\) do'):
+            note_name(number)
+
+
+@given(commands())
+def test_reading_what_was_written_is_identity(command: oi.Command) -> None:
+    text = format_command(command)
+    assert '\n' not in text
+    assert parse_command(text) == command
+    assert parse_commands(f'  {text} ;\n\n# {text}\n{text} # {text}') == [command, command]
+
+
+@given(st.lists(commands([oi.Drive, oi.Script, oi.WaitEvent, oi.Leds, oi.Start]), max_size=6))
+def test_scripts_in_scripts_are_read_as_written(listed: list[oi.Command]) -> None:
+    try:
+        script = build_script(listed)
+    except ValueError:
+        return
+    assert parse_command(format_command(script)) == script
+
+
+@pytest.mark.parametrize('text, sent', [
+    ('drive VELOCITY = -200  radius= 500', '137 255 56 1 244'),
+    ('Drive velocity=0xc8 radius=in-place-clockwise', '137 0 200 255 255'),
+    ('Drive velocity=+200 radius=-0x1', '137 0 200 255 255'),
+    ('pause/resume stream state=pause', '150 0'),
+    ('PauseResumeStream state=1', '150 1'),
+    ('Wait Event event=-bump', '158 251'),
+    ('Wait Event event=not-bump', '158 251'),
+    ('Wait Event event=NotBump', '158 251'),
+    ('Wait Event event=!bump', '158 251'),
+    ('Wait Event event=-5', '158 251'),
+    ('Demo demo=abort', '136 255'),
+    ('Baud code=57600', '129 10'),
+    ('Baud code=10', '129 10'),
+    ('LEDs bits=play|advance color=0 intensity=128', '139 10 0 128'),
+    ('LEDs bits=8 color=0 intensity=128', '139 8 0 128'),
+    ('LEDs bits=advance+8 color=0 intensity=128', '139 8 0 128'),
+    ('Digital Outputs bits=output_0+output-2', '147 5'),
+    ('Stream packets=29,virtual_wall', '148 2 29 13'),
+    ('Stream packets=cliff-front-left-signal,\n  VirtualWall', '148 2 29 13'),
+    ('Stream packets=', '148 0'),
+    ('Sensors packet=6', '142 6'),
+    ('Song number=2 notes=C4:64, rest:16, 127:255', '140 2 3 60 64 0 16 127 255'),
+    ('Song number=15 notes=G1:32', '140 15 1 31 32'),
+    ('Song notes=30:0x20 number=15', '140 15 1 30 32'),
+    ('Script script=128,7', '152 2 128 7'),
+    ('Script script={}', '152 0'),
+    ('Script script={ # nothing\n}', '152 0'),
+    ('Script script={Script script={Full; Safe;}\nStart}', '152 5 152 2 132 131 128'),
+])
+def test_text_is_read_as_people_write_it(text: str, sent: str) -> None:
+    assert parse_command(text).encode() == vectors.octets(sent)
+
+
+@pytest.mark.parametrize('command, text', [
+    (oi.Drive(velocity=9999, radius=1), 'Drive velocity=9999 radius=in_place_counter_clockwise'),
+    (oi.Leds(bits=255, color=1, intensity=2), 'LEDs bits=255 color=1 intensity=2'),
+    (oi.WaitEvent(event=-100), 'Wait Event event=-100'),
+    (oi.Song(number=99, notes=()), 'Song number=99 notes='),
+    (oi.Song(number=0, notes=(oi.Note(30, 1),)), 'Song number=0 notes=30:1'),
+    (oi.Script(script=bytes([137, 39, 15, 0, 0])), 'Script script=137,39,15,0,0'),
+])
+def test_what_may_not_be_sent_can_still_be_written(command: oi.Command, text: str) -> None:
+    assert format_command(command) == text
+
+
+@pytest.mark.parametrize('text, line, column, reason', [
+    ('Full\n  Drve velocity=3', 2, 3,
+     "'Drve' is no command; allowed: Drive, Drive Direct, Demo"),
+    ('Full now', 1, 1, "'Full now' is no command; allowed: Full"),
+    ('=', 1, 1, "'=' is no command; allowed: Start, Baud, "),
+    ('Full;}', 1, 6, "'}' is no command; allowed: Start, "),
+    ('Full}', 1, 5, "'}' is no command; allowed: Start, "),
+    ('Script script={Full} Full', 1, 22, 'Script: expected name=value or line end'),
+    ('Song notes= number=1', 1, 1, 'Song: notes has 0 notes; allowed: 1 to 16 notes'),
+    ('Drive velocity=900 radius=0', 1, 16,
+     'Drive: velocity = 900; allowed: -500 to 500 mm/s'),
+    ('Drive velocity=1 radius=left', 1, 25,
+     'Drive: radius = left; allowed: -2000 to 2000 mm, -32768 STRAIGHT, 32767 STRAIGHT_7FFF; '
+     'or straight, straight_7fff, in_place_clockwise, in_place_counter_clockwise'),
+    ('Drive velocity=3', 1, 1, 'Drive lacks radius'),
+    ('Drive', 1, 1, 'Drive lacks velocity, radius'),
+    ('Drive velocity=3 4 radius=3', 1, 18, 'Drive: expected name=value or line end'),
+    ('Drive velocity=3,4 radius=3', 1, 16,
+     'Drive: velocity needs one value; allowed: -500 to 500 mm/s'),
+    ('Wait Time time=', 1, 16, 'Wait Time: time needs one value; allowed: 0 to 255 (1/10 s)'),
+    ('Wait Time time=9999999999', 1, 16, 'Wait Time: time = 9999999999; allowed: '),
+    ('Drive speed=3', 1, 7, 'Drive has no field speed; allowed: velocity, radius'),
+    ('Full speed=3', 1, 6, 'Full has no field speed; allowed: none'),
+    ('Drive velocity=1\tVelocity=2', 1, 18, 'Drive: velocity is given twice'),
+    ('Baud code=1234', 1, 11, 'Baud: code = 1234; allowed: 0 to 11; or 300, 600, '),
+    ('Demo demo=-cover', 1, 11, 'Demo: demo = -cover; allowed: -1 to 9; or abort, cover, '),
+    ('Wait Event event=not_me', 1, 18, 'Wait Event: event = not_me; allowed: '),
+    ('Wait Event event=0', 1, 18, 'Wait Event: event = 0; allowed: '),
+    ('LEDs bits=play+red color=0 intensity=0', 1, 11,
+     'LEDs: bits = play+red; allowed: a sum of 2 PLAY, 8 ADVANCE'),
+    ('Stream packets=7,99', 1, 18,
+     'Stream: packets[1] = 99; allowed: 0 to 42 or a name such as bumps_and_wheel_drops'),
+    ('Stream packets=unused', 1, 16, 'Stream: packets[0] = unused; allowed: 0 to 42 or a name'),
+    ('Song number=0 notes=', 1, 1, 'Song: notes has 0 notes; allowed: 1 to 16 notes'),
+    ('Song number=0 notes=C4:1,H4:1', 1, 26,
+     "Song: notes: 'H4' is no note such as C4, C#4 or Db4"),
+    ('Song number=0 notes=C4', 1, 21, 'Song: notes = C4; allowed: note:duration'),
+    ('Song number=0 notes=C4:999', 1, 24, 'Song: notes, duration = 999; allowed: 0 to 255 ('),
+    ('Song number=0 notes=300:9', 1, 21, 'Song: notes, note = 300; allowed: 0 to 255'),
+    ('Song number=0 notes=F#1:9', 1, 21, 'Song: notes: F#1 makes no sound; 31 (G1) to 127 (G9)'),
+    ('Start\nScript script={\nFull\nDrive velocity=x}', 4, 16, 'Drive: velocity = x; allowed: '),
+    ('Script script={Full', 1, 15, 'this { is never closed'),
+    ('Script script={' + 'Drive velocity=300 radius=1;' * 21 + '}', 1, 15,
+     'Script: command 21 (Drive) brings it to 105 bytes; allowed: 100 bytes'),
+    ('Script script={' * 60, 1, 50 * 15 + 15, 'Script: more than 50 scripts in each other'),
+])
+def test_a_refusal_names_line_column_and_what_is_allowed(
+        text: str, line: int, column: int, reason: str) -> None:
+    with pytest.raises(TextError) as refused:
+        parse_commands(text)
+    assert refused.value.reason.startswith(reason)
+    assert (refused.value.line, refused.value.column) == (line, column)
+    assert str(refused.value).startswith(f'line {line}, column {column}: {reason}')
+
+
+def test_one_command_is_one() -> None:
+    for text in ('', '# none', 'Full; Safe'):
+        with pytest.raises(TextError, match='commands; expected one'):
+            parse_command(text)
+
+
+def test_a_script_of_text_is_no_longer_than_the_robot_can_keep() -> None:
+    with pytest.raises(TextError, match='^line 102, column 1: Script: command 101 .Full. brings'):
+        parse_script('Full\n' * 101)
+
+
+WORDS = st.sampled_from([
+    'Drive', 'velocity', 'radius', 'Script', 'script', '=', '{', '}', '#', ';', '\n', ' ', ',',
+    '-', '5', '0x', 'straight', 'Song', 'notes', 'C#4:32', ':', 'LEDs', 'bits', '+', 'not_', 'ß'])
+
+
+@given(st.lists(WORDS).map(''.join) | st.text())
+def test_text_is_read_or_refused_and_nothing_else(text: str) -> None:
+    try:
+        found = parse_commands(text)
+    except TextError:
+        return
+    assert parse_commands(format_commands(found)) == found

@@ -1,0 +1,97 @@
+"""The measured numbers: kept whole, compared, and in the documents as they were measured."""
+
+from pathlib import Path
+import re
+import sys
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / 'bench'))
+import bench_parts  # noqa: E402
+import compare  # noqa: E402
+import document  # noqa: E402
+import everything  # noqa: E402
+from results import Figure, figures_of, keep, load, rows  # noqa: E402
+
+PAGE = ROOT / 'docs' / 'performance.md'
+PROGRAMS = sorted(path.stem for path in (ROOT / 'bench').glob('bench_*.py'))
+
+
+@pytest.mark.parametrize('program', PROGRAMS)
+def test_every_bench_program_has_results_and_a_place_in_the_documents(program):
+    figures = figures_of(load(), program)
+    assert figures
+    shown = ''.join(page.read_text('utf-8') for page in (ROOT / 'docs').glob('*.md'))
+    assert program in shown
+
+
+def test_the_documents_say_what_was_measured():
+    page = PAGE.read_text('utf-8')
+    assert document.documented(page, load()) == page
+
+
+def test_what_was_measured_stands_in_tables_only():
+    prose = document.MARKED.sub('', PAGE.read_text('utf-8'))
+    amounts = re.findall(r'\d+(?:\.\d+)?\s*(?:%|[mµu]s\b|s\b|MB\b|x\b|times)', prose)
+    assert set(amounts) == {'15 ms'}  # the slot, which the manual says
+
+
+def test_a_figure_knows_whether_its_target_was_met():
+    assert Figure('a', 1.0, 's', 2.0).verdict == 'met'
+    assert Figure('a', 3.0, 's', 2.0).verdict == 'missed'
+    assert Figure('a', 3.0, 's', 2.0, at_least=True).verdict == 'met'
+    assert Figure('a', 3.0, 's').verdict == ''
+
+
+def test_results_are_kept_beside_those_of_other_programs(tmp_path):
+    path = tmp_path / 'results.json'
+    first, second = [Figure('a', 1.0, 's', 2.0)], [Figure('b', 3.0, 'ms', worst=4.0)]
+    keep('one', first, {'date': 'then'}, path)
+    keep('two', second, {'date': 'now'}, path)
+    assert figures_of(load(path), 'one') == first
+    assert figures_of(load(path), 'two') == second
+
+
+def test_two_results_stand_side_by_side(tmp_path):
+    old, new = tmp_path / 'old.json', tmp_path / 'new.json'
+    keep('one', [Figure('a', 2.0, 's')], {'date': 'then'}, old)
+    keep('one', [Figure('a', 1.0, 's'), Figure('b', 1.0, 's')], {'date': 'now'}, new)
+    assert compare.compared('one', load(old), load(new))[1:] == [
+        ['a', '2 s', '1 s', '-50 %', ''], ['b', '-', '1 s', '', '']]
+
+
+def test_a_table_has_a_cell_for_each_heading():
+    table = rows([Figure('a', 2.0, 's', 1.0, worst=3.0, beside='x'), Figure('b', 1.0, 's')])
+    assert {len(row) for row in table} == {6}
+    assert table[1] == ['a', '2 s', '3', '<= 1', 'missed', 'x']
+
+
+def test_make_bench_runs_every_program_but_the_odometry():
+    assert {path.stem for path in everything.programs()} == {*PROGRAMS} - {'bench_odometry'}
+
+
+def test_a_program_that_fails_does_not_keep_the_others_from_running(tmp_path, capfd):
+    bad, good = tmp_path / 'bad.py', tmp_path / 'good.py'
+    bad.write_text('raise SystemExit(1)')
+    good.write_text('import sys; print(sys.argv[1])')
+    assert everything.run_all([bad, good], ['option']) == ['bad']
+    said = capfd.readouterr().out
+    assert 'option' in said and said.endswith('their older results stand: bad.\n')
+
+
+def test_the_parts_of_a_frame_add_up_to_what_the_kernel_counted():
+    calls = dict.fromkeys(bench_parts.PARTS, 2) | {'Publisher.publish': 9}
+    told = {'thread': 2_000_000, 'calls': calls, 'spent': dict.fromkeys(calls, 200_000)}
+    seen = bench_parts.seen(told, whole=10.0, others=1.0)
+    assert seen.messages == 4.5
+    assert sum(seen.microseconds.values()) == pytest.approx(1500)
+    assert seen.microseconds[bench_parts.DEAD_MAN] == pytest.approx(150)
+    assert seen.microseconds[bench_parts.REST] == pytest.approx(200)
+
+
+def test_a_step_that_the_node_has_lost_is_not_passed_over():
+    calls = dict.fromkeys(bench_parts.PARTS, 1)
+    del calls['Driver.poll']
+    with pytest.raises(KeyError, match='Driver.poll'):
+        bench_parts.seen({'thread': 1, 'calls': calls, 'spent': calls}, whole=10.0, others=1.0)

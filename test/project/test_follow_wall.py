@@ -1,0 +1,97 @@
+"""The example that follows a wall: round a room without a clock, and as a node at a cliff."""
+
+from math import atan2, cos, hypot, pi, remainder, sin, tau
+
+from nav_msgs.msg import Odometry
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.firmware.guesses import Guesses
+from create_oi_ros.sim.world import parse, Pose, shipped, World
+from examples.follow_wall import PERIOD, Steering
+from support.ros import scene
+
+HALF = 0.129
+"""Metres from the middle to a wheel."""
+DELAY = 2
+"""Periods from what is sensed to what is commanded, as over ROS and a serial line."""
+
+
+def lap(world: World, seconds: float) -> list[tuple[float, float, float]]:
+    """Let the example drive; return the true poses, one a period."""
+    body = Body(world)
+    create = Create(body, guesses=Guesses(boot_seconds=0))
+    create.receive(oi.Start().encode() + oi.Safe().encode(), 0.0)
+    steering, moves, poses = Steering(), [(0.0, 0.0)] * DELAY, []
+    for period in range(1, round(seconds / PERIOD)):
+        seen = body.sense()
+        moves.append(steering.next_move(seen.bump_left or seen.bump_right, seen.wall_signal))
+        speed, turn = moves.pop(0)
+        create.receive(oi.DriveDirect(
+            right=round(1000 * (speed + HALF * turn)),
+            left=round(1000 * (speed - HALF * turn))).encode(), (period - 1) * PERIOD)
+        create.step(period * PERIOD)
+        pose = body.truth().pose
+        poses.append((pose.x, pose.y, pose.yaw))
+    return poses
+
+
+def test_it_goes_round_the_room_near_its_walls():
+    """Walls, cupboard, bin and the Home Base's wall: never far from the nearest of them."""
+    poses = lap(shipped('room'), 100.0)
+    reached = next(index for index, (x, y, _) in enumerate(poses) if x > 1.8)
+    gaps = sorted(gap_in_room(x, y) for x, y, _ in poses[reached:])
+    assert gaps[len(gaps) // 2] == pytest.approx(0.05, abs=0.01)
+    assert gaps[int(0.95 * len(gaps))] < 0.1
+    assert gaps[-1] < 0.3
+    turned = sum(remainder(atan2(b[1], b[0]) - atan2(a[1], a[0]), tau)
+                 for a, b in zip(poses, poses[1:]))
+    assert turned > tau
+
+
+def gap_in_room(x: float, y: float) -> float:
+    """Return how far the robot's edge is from the nearest of what stands in the world `room`."""
+    walls = (2 - x, 2 + x, 1.5 - y, 1.5 + y)
+    cupboard = hypot(max(1.3 - x, 0), max(1.1 - y, 0))
+    bin_ = hypot(x + 1.7, y + 1.2) - 0.14
+    return min(*walls, cupboard, bin_) - 0.165
+
+
+def test_it_keeps_its_distance_at_a_slanting_wall():
+    """Met at any angle, the wall is soon at the right and as near as it should be."""
+    for angle in (0.3, 0.8, 1.2, pi / 2):
+        # A long wall through (1, 0), so many radians to the left of where the robot looks.
+        far = [1 + 9 * cos(angle), 9 * sin(angle), 1 - 9 * cos(angle), -9 * sin(angle)]
+        x, y, yaw = lap(parse(f'start 0 0 0\nfloor 0.6\nwall {" ".join(map(str, far))}', 'slant'),
+                        20.0)[-1]
+        assert abs(remainder(yaw - angle, tau)) < 0.1
+        away = abs((x - 1) * sin(angle) - y * cos(angle)) - 0.165
+        assert away == pytest.approx(0.05, abs=0.01)
+
+
+def test_it_goes_straight_until_there_is_a_wall_and_turns_right_where_it_ends():
+    steering = Steering()
+    assert steering.next_move(False, 0)[1] == 0
+    steering.next_move(False, 500)
+    assert steering.next_move(False, 0)[1] < 0
+
+
+def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(tmp_path):
+    with scene(tmp_path) as stage:
+        robot = stage.robot(world=shipped('table'))
+        stage.node(robot.link)
+        odom = stage.ros.listen(Odometry, 'odom')
+        example = stage.example('follow_wall.py')
+        stage.ros.until(lambda: not example.running(), 'the cliff')
+        assert example.ended() == 0
+        assert 'the robot has left Safe mode, ' in example.output
+        assert 'cliff' in example.output
+        robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
+        # The driver wants to be sure that the cliff is gone: more than a second's frames.
+        seen = len(odom)
+        stage.ros.until(lambda: len(odom) > seen + 100)
+        again = stage.example('follow_wall.py')
+        stage.ros.until(lambda: odom[-1].twist.twist.linear.x > 0.1)
+        assert again.running()

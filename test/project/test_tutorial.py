@@ -1,0 +1,165 @@
+"""
+`docs/tutorial.md`, done as a newcomer does it: real processes, in order, in one ROS domain.
+
+A block marked `terminal 1` runs on, `until: TEXT; then Ctrl-C` ends one that does not end by
+itself, and what stands in a `text` block has to appear, whatever the numbers are. What is not run
+is marked `not run:` with one of the reasons below.
+"""
+
+import os
+from pathlib import Path
+import re
+import signal
+import subprocess
+
+import domain_coordinator
+import pytest
+
+from create_oi_ros.ros.programs import PROGRAMS
+from support.pages import Block, blocks, check_parameters, check_ros2, commands
+from support.ros import _next_domain
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / 'docs' / 'tutorial.md'
+BLOCKS = blocks(PAGE)
+REASONS = {'ros2': {'ros2'}, 'sudo': {'sudo'}, 'build': {'make'}, 'robot': {'create_run',
+           'create_node', 'python'}}
+"""Why a block is not run, and what its commands may be then."""
+VARYING = re.compile(r'\b(left|right)$|\b(True|False)\b|[+-]?\d+(\.\d+)?(e-?\d+)?')
+"""What may differ from run to run: a number, yes or no, the half of the bumper."""
+
+
+class Terminal:
+    """A shell of the newcomer's; Ctrl-C reaches all that runs in it."""
+
+    def __init__(self, text: str, folder: Path, environment: dict[str, str]) -> None:
+        self.process = subprocess.Popen(
+            ['bash', '-ec', f'source env.sh\n{text}'], cwd=folder, env=environment, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+        self.printed: list[str] = []
+
+    def shows(self, expected: str) -> None:
+        """Check that a line of this shape was printed, or wait for it."""
+        assert self.process.stdout is not None
+        if shape(expected) in map(shape, self.printed):
+            return
+        for line in self.process.stdout:
+            self.printed.append(line)
+            if shape(line) == shape(expected):
+                return
+        raise AssertionError(f'{expected!r} did not come: {"".join(self.printed)}')
+
+    def interrupt(self) -> None:
+        """Press Ctrl-C."""
+        os.killpg(self.process.pid, signal.SIGINT)
+
+    def ended(self) -> int:
+        """Wait for its end; return its exit code."""
+        assert self.process.stdout is not None
+        self.printed += self.process.stdout.readlines()
+        return self.process.wait()
+
+
+def shape(line: str) -> str:
+    """Return a line without what may differ."""
+    return ' '.join(VARYING.sub('#', line).split())
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Return the clone, as far as the newcomer writes to it."""
+    (tmp_path / 'env.sh').write_text(f'source {ROOT}/env.sh\n')
+    (tmp_path / 'examples').symlink_to(ROOT / 'examples')
+    return tmp_path
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """Return an environment with a ROS domain of its own."""
+    with domain_coordinator.domain_id(_next_domain) as domain:
+        yield {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}
+
+
+def run(
+    block: Block, folder: Path, environment: dict[str, str], *, again: bool = False,
+) -> Terminal:
+    """
+    Run a block to its end; once more when a reply was lost, as the page says.
+
+    That happens to a client that asks before the service knows where to reply to.
+    """
+    terminal = Terminal(block.text, folder, environment)
+    until = re.fullmatch(r'until: (.*); then Ctrl-C', block.mark)
+    if until:
+        terminal.shows(until[1])
+        terminal.interrupt()
+    code, printed = terminal.ended(), ''.join(terminal.printed)
+    assert code == 0, printed
+    assert 'Traceback' not in printed, printed
+    if terminal.printed[:1] == ['None\n'] and not again:
+        return run(block, folder, environment, again=True)
+    return terminal
+
+
+@pytest.mark.timeout(300)
+def test_the_hour_goes_as_the_page_says(folder, environment):
+    pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
+    first: Terminal | None = None
+    latest: Terminal | None = None
+    try:
+        for block in BLOCKS:
+            match block.language, block.mark:
+                case 'bash', 'terminal 1':
+                    first = latest = Terminal(block.text, folder, environment)
+                case 'bash', _:
+                    if 'create_demo' in block.text:  # the page has ended the first one before
+                        first.interrupt()
+                        assert first.ended() == 0
+                    latest = run(block, folder, environment)
+                case 'python', mark:
+                    (folder / mark.removeprefix('file: ')).write_text(block.text)
+                case 'text', _:
+                    for line in block.text.splitlines():
+                        latest.shows(line)
+    finally:
+        if first is not None and first.process.poll() is None:
+            first.interrupt()
+            first.ended()
+    assert (folder / 'first_demo' / 'page.html').stat().st_size > 100_000
+
+
+def test_what_is_not_run_has_a_reason():
+    for block in BLOCKS:
+        if block.language in ('bash', 'python', 'text'):
+            continue
+        reason = block.mark.removeprefix('not run: ')
+        assert reason in REASONS, f'no reason for {block.text!r}'
+        assert {words[0] for words in commands(block.text)} <= REASONS[reason]
+
+
+def test_the_page_says_when_the_first_terminal_ends():
+    text = PAGE.read_text('utf-8')
+    assert text.index('End the first terminal with Ctrl-C') < text.index('create_demo --short')
+
+
+@pytest.mark.parametrize('words', [
+    words for block in BLOCKS if block.mark == 'not run: ros2' for words in commands(block.text)],
+    ids=' '.join)
+def test_names_in_ros2_commands_exist(words):
+    check_ros2(words)
+
+
+def test_names_in_commands_for_a_robot_exist():
+    for block in BLOCKS:
+        if block.mark == 'not run: robot':
+            for program, *arguments in commands(block.text):
+                if program == 'python':
+                    assert (ROOT / arguments[0]).exists()
+                else:
+                    assert program in PROGRAMS
+                    check_parameters(arguments)
+
+
+def test_links_lead_somewhere():
+    for link in re.findall(r'\]\(([^)#]+)\)', PAGE.read_text('utf-8')):
+        assert (PAGE.parent / link).exists(), link

@@ -1,0 +1,282 @@
+"""
+What is given to other packages says of this robot what is so.
+
+ROS's own parser reads the parameter files; frames, speeds and sizes are compared with the
+driver's parameters and the model, topics and fields with what is published. None of the packages
+is needed.
+"""
+
+from configparser import ConfigParser
+from functools import cache
+import json
+from pathlib import Path
+import re
+import shlex
+import shutil
+import subprocess
+from typing import Any
+from xml.etree import ElementTree
+
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+import pytest
+import rclpy
+from rclpy.context import Context
+
+from create_oi_ros.ros import diagnostics
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.topics import ODOM, PUBLISHED
+from support.pages import blocks, check_ros2, commands, OURS, ROOT
+
+FILES = ROOT / 'config' / 'with'
+PAGES = ROOT / 'docs' / 'with'
+MODEL = ElementTree.parse(ROOT / 'urdf' / 'create.urdf').getroot()
+NODES = {
+    'ekf.yaml': ['/ekf_filter_node'],
+    'slam_toolbox.yaml': ['/slam_toolbox'],
+    'diagnostic_aggregator.yaml': ['/analyzers'],
+    'teleop_twist_joy.yaml': ['/game_controller_node', '/teleop_twist_joy_node'],
+    'nav2.yaml': ['/controller_server', '/local_costmap/local_costmap',
+                  '/global_costmap/global_costmap', '/planner_server', '/bt_navigator',
+                  '/behavior_server', '/velocity_smoother', '/collision_monitor',
+                  '/docking_server'],
+}
+"""The nodes that each parameter file is for; no other names stand in it."""
+FOREIGN = {'/scan', '/imu/data', '/cmd_vel_smoothed', '/joy', '/diagnostics_toplevel_state',
+           '/robot_description'}
+"""Topics of others that files and pages may name: lidar, IMU, Nav2, joy, aggregator, model."""
+MAP = 'map'
+"""The frame that the others add."""
+BROUGHT = {'tf2_ros'}
+"""Packages that come with robot_state_publisher, which the launch file starts."""
+TYPES = {topic.name.lstrip('/'): topic.type for topic in PUBLISHED} | {'cmd_vel': Twist}
+
+
+@cache
+def parameters(file: str, node: str) -> dict[str, Any]:
+    """Return what a node of this full name gets from a file, as ROS reads it."""
+    namespace, _, name = node.rpartition('/')
+    context = Context()
+    rclpy.init(args=['--ros-args', '--params-file', str(FILES / file)], context=context)
+    try:
+        made = rclpy.create_node(
+            name, namespace=namespace, context=context, enable_rosout=False,
+            start_parameter_services=False,
+            automatically_declare_parameters_from_overrides=True)
+        found = {key: made.get_parameter(key).value for key in made._parameters}
+        made.destroy_node()
+    finally:
+        rclpy.shutdown(context=context)
+    found.pop('use_sim_time', None)
+    assert found, f'{file} has nothing for {node}'
+    return found
+
+
+EACH = [(file, node) for file, nodes in NODES.items() for node in nodes]
+
+
+def nav2(node: str) -> dict[str, Any]:
+    """Return the parameters of one of Nav2's nodes."""
+    return parameters('nav2.yaml', node)
+
+
+def test_every_file_is_checked_here():
+    assert {path.name for path in FILES.iterdir()} == {*NODES, 'foxglove.json', 'create.service'}
+
+
+@pytest.mark.parametrize('file', NODES)
+def test_a_file_has_no_other_nodes(file):
+    text = (FILES / file).read_text('utf-8')
+    assert text.count('ros__parameters:') == len(NODES[file])
+
+
+@pytest.mark.parametrize(('file', 'node'), EACH)
+def test_frames_are_the_drivers(file, node):
+    for name, value in parameters(file, node).items():
+        last = name.rpartition('.')[2]
+        if not re.search('frame(_id)?$', last):
+            continue
+        if last.startswith(('base', 'robot_base')):
+            assert value == Parameters.base_frame, name
+        elif last.startswith(('odom', 'local', 'fixed', 'world')):
+            assert value == Parameters.odom_frame, name
+        else:
+            assert last.startswith(('map', 'global')), name
+            rolling = parameters(file, node).get('rolling_window', False)
+            assert value == (Parameters.odom_frame if rolling else MAP), name
+
+
+@pytest.mark.parametrize(('file', 'node'), EACH)
+def test_topics_are_ours_or_declared(file, node):
+    for name, value in parameters(file, node).items():
+        if re.search(r'(^|[_.])topic$|^(odom|imu)\d$', name):
+            assert f'/{value.lstrip("/")}' in OURS | FOREIGN, name
+
+
+def radius_of_body() -> float:
+    """Return the radius of the model's body, metres."""
+    body, = MODEL.findall("./link[@name='base_link']/collision/geometry/cylinder")
+    return float(body.get('radius'))
+
+
+def test_the_robot_is_as_wide_as_its_model():
+    for costmap in ('/local_costmap/local_costmap', '/global_costmap/global_costmap'):
+        assert nav2(costmap)['robot_radius'] == radius_of_body()
+        assert nav2(costmap)['inflation_layer.inflation_radius'] > radius_of_body()
+    assert nav2('/collision_monitor')['body.radius'] == radius_of_body()
+
+
+def wheel(speed: float, turn: float) -> float:
+    """Return the speed of the faster wheel, m/s, for m/s forward and rad/s."""
+    return abs(speed) + abs(turn) * Parameters.wheel_separation / 2
+
+
+def test_nav2_asks_for_nothing_that_the_wheels_cannot_do():
+    smoother = nav2('/velocity_smoother')
+    for limit in ('max_velocity', 'min_velocity'):
+        speed, sideways, turn = smoother[limit]
+        assert sideways == 0
+        assert wheel(speed, turn) <= Parameters.max_wheel_speed
+    follow = {name.removeprefix('FollowPath.'): value
+              for name, value in nav2('/controller_server').items()}
+    assert follow['desired_linear_vel'] <= smoother['max_velocity'][0]
+    assert follow['rotate_to_heading_angular_vel'] <= smoother['max_velocity'][2]
+    assert nav2('/behavior_server')['max_rotational_vel'] <= smoother['max_velocity'][2]
+
+
+def test_nav2_says_the_commands_that_the_driver_takes():
+    commanding = [node for node in NODES['nav2.yaml']
+                  if 'enable_stamped_cmd_vel' in nav2(node)]
+    assert set(commanding) == {'/controller_server', '/behavior_server', '/velocity_smoother',
+                               '/collision_monitor', '/docking_server'}
+    for node in commanding:
+        assert nav2(node)['enable_stamped_cmd_vel'] is Parameters.enable_stamped_cmd_vel
+    assert f'/{nav2("/collision_monitor")["cmd_vel_out_topic"]}' in OURS
+
+
+def test_a_stick_asks_for_nothing_that_the_wheels_cannot_do_and_often_enough():
+    stick = parameters('teleop_twist_joy.yaml', '/teleop_twist_joy_node')
+    assert stick['publish_stamped_twist'] is Parameters.enable_stamped_cmd_vel
+    assert stick['scale_linear.x'] < stick['scale_linear_turbo.x'] <= Parameters.max_wheel_speed
+    assert stick['scale_angular.yaw'] < stick['scale_angular_turbo.yaw']
+    assert wheel(0, stick['scale_angular_turbo.yaw']) <= Parameters.max_wheel_speed
+    repeated = parameters('teleop_twist_joy.yaml', '/game_controller_node')['autorepeat_rate']
+    assert repeated * Parameters.cmd_vel_timeout > 2
+
+
+def test_the_filter_takes_speeds_from_the_driver():
+    filtered = parameters('ekf.yaml', '/ekf_filter_node')
+    assert filtered['odom0'] == ODOM.name and ODOM.type is Odometry
+    taken = [place for place, used in enumerate(filtered['odom0_config']) if used]
+    assert taken == [6, 7, 11]  # forward, sideways, turning: of fifteen
+    assert len(filtered['odom0_config']) == len(filtered['imu0_config']) == 15
+    assert 'publish_tf:=false' in (PAGES / 'robot_localization.md').read_text('utf-8')
+
+
+def test_every_status_of_the_driver_is_in_one_group():
+    told = re.findall(r"f'\{name\}: ([a-z ]+)'", Path(diagnostics.__file__).read_text('utf-8'))
+    analyzers = parameters('diagnostic_aggregator.yaml', '/analyzers')
+    groups = [value for name, value in analyzers.items() if name.endswith('.contains')]
+    assert len(set(told)) == 6
+    for name in set(told):
+        within = [group for group in groups if any(each in f'create: {name}' for each in group)]
+        assert len(within) == 1, name
+
+
+def kind_of(path: str) -> str:
+    """Return the type of a field by its path, such as `/odom.twist.twist.linear.x`."""
+    topic, *fields = path.removeprefix('/').split('.')
+    value: Any = TYPES[topic]()
+    for field in fields[:-1]:
+        value = getattr(value, field)
+    return value.get_fields_and_field_types()[fields[-1]]
+
+
+def test_the_foxglove_layout_shows_what_there_is():
+    layout = json.loads((FILES / 'foxglove.json').read_text('utf-8'))
+    panels = layout['configById']
+    assert shown(layout['layout']) == set(panels)
+    for name, panel in panels.items():
+        for path in panel.get('paths', ()):
+            kind = kind_of(path['value'])
+            assert kind == 'double' or kind == 'float' or name.startswith('StateTransitions')
+        for topic in (*panel.get('topics', ()), panel.get('topicToRender'), panel.get('topic')):
+            assert topic is None or topic in OURS
+        for layer in panel.get('layers', {}).values():
+            assert layer.get('topic', '/odom') in OURS | FOREIGN
+            assert layer.get('frameId', Parameters.odom_frame) == Parameters.odom_frame
+
+
+def shown(place: Any) -> set[str]:
+    """Return the panels that a layout places."""
+    if isinstance(place, str):
+        return {place}
+    return shown(place['first']) | shown(place['second'])
+
+
+def test_the_drive_pad_is_within_the_limits_and_fast_enough():
+    panels = json.loads((FILES / 'foxglove.json').read_text('utf-8'))['configById']
+    pad = panels['Teleop!drive']
+    assert pad['publishRate'] * Parameters.cmd_vel_timeout > 2
+    up, left = pad['upButton'], pad['leftButton']
+    assert (up['field'], left['field']) == ('linear-x', 'angular-z')
+    assert wheel(up['value'], left['value']) <= Parameters.max_wheel_speed
+
+
+def service() -> ConfigParser:
+    """Return the unit as it is read; of a key that comes twice the last."""
+    unit = ConfigParser(strict=False, interpolation=None)
+    unit.optionxform = str
+    unit.read(FILES / 'create.service')
+    return unit
+
+
+def test_the_service_starts_what_there_is():
+    shell, option, line = shlex.split(service()['Service']['ExecStart'])
+    assert (shell, option) == ('/bin/bash', '-c')
+    assert 'SIGINT' == service()['Service']['KillSignal']
+    *sourced, last = line.split(' && ')
+    assert all(each.startswith('source /') for each in sourced)
+    check_ros2(shlex.split(last.removeprefix('exec ')))
+
+
+def test_systemd_accepts_the_service():
+    if not shutil.which('systemd-analyze'):
+        pytest.skip('no systemd-analyze here')
+    checked = subprocess.run(['systemd-analyze', 'verify', FILES / 'create.service'], text=True,
+                             capture_output=True, timeout=60)
+    assert (checked.returncode, 'create.service' in checked.stderr) == (0, False), checked.stderr
+
+
+ALL_PAGES = sorted(PAGES.glob('*.md'))
+
+
+@pytest.mark.parametrize('page', ALL_PAGES, ids=lambda page: page.stem)
+def test_a_page_says_whether_it_was_run_and_its_links_lead_somewhere(page):
+    text = page.read_text('utf-8')
+    assert re.search(r'\*\*(Run|Not run here\.|Verified, not started)\*\*|run\?', text)
+    for link in re.findall(r'\]\(([^)#]+)\)', text):
+        assert (page.parent / link).exists(), link
+
+
+@pytest.mark.parametrize('page', ALL_PAGES, ids=lambda page: page.stem)
+def test_names_in_a_pages_commands_exist(page):
+    words = [words for block in blocks(page) for words in commands(block.text)]
+    packages = {name.removeprefix('ros-jazzy-').replace('-', '_')
+                for line in words if 'apt-get' in line for name in line}
+    for line in words:
+        if line[0] == 'ros2':
+            check_ros2(line, frozenset(packages | BROUGHT | FOREIGN))
+    links = {link.get('name') for link in MODEL.iter('link')}
+    for frame in re.findall(r'--frame-id (\S+)', page.read_text('utf-8')):
+        assert frame in links
+
+
+def test_every_file_has_its_page():
+    index = (PAGES / 'README.md').read_text('utf-8')
+    for path in FILES.iterdir():
+        assert f'config/with/{path.name}' in index
+        pages = [page for page in ALL_PAGES
+                 if page.stem != 'README' and path.name in page.read_text('utf-8')]
+        assert len(pages) == 1, path.name
+    assert all(f'({page.name})' in index for page in ALL_PAGES if page.stem != 'README')

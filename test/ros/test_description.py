@@ -1,0 +1,137 @@
+"""What lies beside the code: model, launch files, parameter file, RViz and udev settings."""
+
+import importlib.util
+import math
+import shutil
+import subprocess
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+
+from create_oi_ros.odometry import Geometry
+from create_oi_ros.ros.messages import WHEEL_JOINTS
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.reference import config
+from support.source import ROOT
+
+URDF = ROOT / 'urdf' / 'create.urdf'
+MODEL = ElementTree.parse(URDF).getroot()
+LINKS = {link.get('name') for link in MODEL.iter('link')}
+JOINTS = {joint.get('name'): joint for joint in MODEL.iter('joint')}
+LAUNCH_FILES = sorted((ROOT / 'launch').glob('*.launch.py'))
+
+
+def ends(joint: ElementTree.Element) -> tuple[str, str]:
+    """Return the parent and the child of a joint."""
+    return joint.find('parent').get('link'), joint.find('child').get('link')
+
+
+def is_package(name: str) -> bool:
+    """Tell whether Python can import a package; a mere folder of that name is none."""
+    spec = importlib.util.find_spec(name)
+    return spec is not None and spec.origin is not None
+
+
+def numbers(element: ElementTree.Element, name: str) -> list[float]:
+    """Return the numbers of an attribute."""
+    return [float(number) for number in element.get(name, '').split()]
+
+
+def test_the_model_is_a_tree_that_begins_on_the_floor():
+    children = [ends(joint)[1] for joint in JOINTS.values()]
+    assert len(children) == len(set(children))
+    assert LINKS - set(children) == {Parameters.base_frame}
+    assert {parent for joint in JOINTS.values() for parent in ends(joint)} <= LINKS
+
+
+def test_the_model_has_every_part():
+    assert {'base_link', 'left_wheel_link', 'right_wheel_link', 'caster_link', 'bumper_link',
+            'cliff_left_link', 'cliff_front_left_link', 'cliff_front_right_link',
+            'cliff_right_link', 'wall_link', 'ir_omni_link', 'cargo_bay_link'} <= LINKS
+
+
+def test_the_wheels_are_those_of_the_joint_states_and_of_the_odometry():
+    left, right = (JOINTS[name] for name in WHEEL_JOINTS)
+    for joint in (left, right):
+        assert joint.get('type') == 'continuous'
+        assert numbers(joint.find('axis'), 'xyz') == [0, 1, 0]
+    apart = numbers(left.find('origin'), 'xyz')[1] - numbers(right.find('origin'), 'xyz')[1]
+    assert apart == pytest.approx(Geometry().wheel_separation)
+    for wheel in ('left_wheel_link', 'right_wheel_link'):
+        link = next(link for link in MODEL.iter('link') if link.get('name') == wheel)
+        radii = {float(cylinder.get('radius')) for cylinder in link.iter('cylinder')}
+        assert radii == {Geometry().wheel_radius}
+
+
+def test_masses_and_inertias_are_possible():
+    for inertial in MODEL.iter('inertial'):
+        assert float(inertial.find('mass').get('value')) > 0
+        tensor = inertial.find('inertia')
+        x, y, z = (float(tensor.get(axis)) for axis in ('ixx', 'iyy', 'izz'))
+        assert x + y >= z and y + z >= x and z + x >= y
+
+
+def test_all_numbers_of_the_model_are_finite():
+    for element in MODEL.iter():
+        for name in ('xyz', 'rpy', 'size', 'radius', 'length', 'rgba', 'value'):
+            assert all(map(math.isfinite, numbers(element, name)))
+
+
+def test_check_urdf_accepts_the_model():
+    if not shutil.which('check_urdf'):
+        pytest.skip('no check_urdf here (apt-get install liburdfdom-tools)')
+    checked = subprocess.run(['check_urdf', URDF], text=True, capture_output=True, timeout=60)
+    assert 'Successfully Parsed XML' in checked.stdout, checked.stderr
+
+
+def test_the_parameter_file_is_made_from_the_code():
+    text = (ROOT / 'config' / 'create.yaml').read_text()
+    assert text == config(), 'run `make docs`'
+    values = yaml.safe_load(text)['/**']['ros__parameters']
+    defaults = {name: field.default for name, field in Parameters.__dataclass_fields__.items()}
+    assert values == defaults
+    assert {name: type(value) for name, value in values.items()} == {
+        name: type(value) for name, value in defaults.items()}
+
+
+@pytest.mark.parametrize('path', LAUNCH_FILES, ids=lambda path: path.name)
+def test_a_launch_file_compiles(path):
+    compile(path.read_text(), path, 'exec')
+
+
+@pytest.mark.parametrize('path', LAUNCH_FILES, ids=lambda path: path.name)
+def test_a_launch_file_describes_its_launch(path):
+    missing = [name for name in ('launch', 'launch_ros') if not is_package(name)]
+    if missing:
+        pytest.skip(f'no {", ".join(missing)} here: they come with an installed ROS')
+    from launch import LaunchContext
+    from launch.actions import OpaqueFunction
+    spec = importlib.util.spec_from_file_location('described', path)
+    described = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(described)
+    context = LaunchContext()
+    context.launch_configurations['simulated'] = 'true'
+    entities = described.generate_launch_description().entities
+    for entity in entities:
+        if not isinstance(entity, OpaqueFunction):
+            entity.execute(context)
+    started = [each for entity in entities if isinstance(entity, OpaqueFunction)
+               for each in entity.execute(context)]
+    assert len(started) >= 2
+
+
+def test_rviz_shows_the_model_and_the_odometry():
+    settings = yaml.safe_load((ROOT / 'rviz' / 'create.rviz').read_text())
+    shown = {each['Class'] for each in settings['Visualization Manager']['Displays']}
+    assert {'rviz_default_plugins/RobotModel', 'rviz_default_plugins/Odometry',
+            'rviz_default_plugins/TF'} <= shown
+
+
+def test_udev_makes_a_stable_name_and_low_latency():
+    rules = [line for line in (ROOT / 'config' / '99-create.rules').read_text().splitlines()
+             if line and not line.startswith('#')]
+    assert any('SYMLINK+="create"' in rule for rule in rules)
+    assert any('latency_timer' in rule and '"1"' in rule for rule in rules)
+    for rule in rules:
+        assert all('=' in part for part in rule.split(','))

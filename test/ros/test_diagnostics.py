@@ -1,0 +1,130 @@
+"""Levels that an operator would agree with: the driver against the simulated robot in memory."""
+
+from copy import copy
+from itertools import cycle
+
+from diagnostic_msgs.msg import DiagnosticStatus
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import LinkCounts, Settings
+from create_oi_ros.oi.tools.text import parse_script
+from create_oi_ros.ros import diagnostics
+from support.loop import Loop
+
+OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
+ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+
+
+@pytest.fixture
+def loop() -> Loop:
+    """Return a robot and a driver that have met."""
+    met = Loop()
+    met.run(0.3)
+    return met
+
+
+def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, DiagnosticStatus]:
+    """Return what the node would publish, by the last word of the name."""
+    made = [
+        diagnostics.serial_link(
+            'create', loop.driver, 'port', before or LinkCounts(), 1.0, loop.now),
+        diagnostics.mode('create', loop.driver), diagnostics.safety('create', loop.driver),
+        diagnostics.battery('create', loop.driver, charge_known=True),
+        diagnostics.driver('create', loop.driver, 0)]
+    return {status.name.removeprefix('create: '): status for status in made}
+
+
+def levels(loop: Loop) -> dict[str, bytes]:
+    """Return the levels by the last word of the name."""
+    return {name: status.level for name, status in all_of(loop, copy(loop.driver.counts)).items()}
+
+
+def test_a_healthy_robot_is_ok_all_over(loop):
+    assert set(levels(loop).values()) == {OK}
+    assert set(levels(loop)) == {'serial link', 'mode', 'safety', 'battery', 'driver'}
+
+
+def test_without_a_robot_the_link_is_the_error_and_the_rest_is_old(loop):
+    loop.cut = True
+    loop.run(2.0)
+    assert levels(loop) == {'serial link': ERROR, 'mode': STALE, 'safety': STALE,
+                            'battery': STALE, 'driver': OK}
+
+
+def test_before_the_first_frame_nothing_is_claimed():
+    loop = Loop()
+    assert levels(loop)['serial link'] == ERROR
+    assert levels(loop)['battery'] == STALE
+
+
+def test_faults_of_the_line_are_told_for_one_interval(loop):
+    before = copy(loop.driver.counts)
+    loop.driver.receive(b'nonsense' * 20, loop.now)
+    loop.run(0.1)
+    link = all_of(loop, before)['serial link']
+    assert link.level == WARN
+    assert int({each.key: each.value for each in link.values}['garbage bytes']) >= 160
+    assert levels(loop)['serial link'] == OK
+
+
+@pytest.mark.parametrize(('happen', 'name', 'level', 'says'), [
+    (lambda body: body.drop(left=True), 'safety', WARN, 'left wheel dropped'),
+    (lambda body: body.force(cliff_right=1), 'safety', WARN, 'cliff right'),
+    (lambda body: body.force(overcurrent_left_wheel=1), 'safety', ERROR, 'blocked'),
+    (lambda body: body.force(overcurrent_ld1=1), 'safety', WARN, 'low side driver'),
+    (lambda body: body.force(bump_left=1), 'safety', OK, ''),
+    (lambda body: body.drop(left=True), 'mode', WARN, 'PASSIVE instead of SAFE'),
+    (lambda body: body.plug_charger(True), 'battery', OK, 'on the charger'),
+    (lambda body: body.force(charging_state=5), 'battery', ERROR, 'fault'),
+    (lambda body: body.force(charge=300, capacity=2700), 'battery', WARN, 'low'),
+    (lambda body: body.force(charge=100, capacity=2700), 'battery', ERROR, 'empty'),
+    (lambda body: body.force(charge=0, capacity=0), 'battery', OK, 'not known'),
+    (lambda body: body.force(temperature=50), 'battery', WARN, 'hot'),
+    (lambda body: body.force(temperature=65), 'battery', ERROR, 'switch it off'),
+])
+def test_what_happens_has_its_level(loop, happen, name, level, says):
+    happen(loop.body)
+    loop.run(1.0)
+    status = all_of(loop)[name]
+    assert (status.level, says in status.message) == (level, True), status.message
+
+
+def test_on_the_dock_in_full_it_is_said_that_nothing_is_charged():
+    loop = Loop(Settings(mode_on_start=oi.Mode.FULL))
+    loop.run(0.3)
+    loop.body.force(home_base=1)
+    loop.run(0.1)
+    status = all_of(loop)['battery']
+    assert status.level == WARN
+    assert 'PASSIVE' in status.message
+
+
+def test_a_script_that_plays_is_a_warning(loop):
+    script = parse_script('Wait Time time=50')
+    loop.driver.scripts.define(script, lambda *_: None)
+    loop.run(0.1)
+    loop.driver.scripts.play(loop.now, lambda *_: None, force=False)
+    loop.run(0.1)
+    assert levels(loop)['driver'] == WARN
+
+
+def test_too_few_frames_are_a_warning_of_the_link(loop):
+    take, second = loop.robot.data_to_send, cycle((False, True))
+
+    def fewer() -> bytes:
+        frame = take()
+        return b'' if frame and next(second) else frame
+    loop.robot.data_to_send = fewer
+    loop.run(8)
+    link = all_of(loop, copy(loop.driver.counts))['serial link']
+    assert link.level == WARN
+    assert 'frame budget exceeded' in link.message
+
+
+def test_a_robot_that_does_not_hear_is_an_error_of_the_driver(loop):
+    loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
+    loop.run(4)
+    status = all_of(loop)['driver']
+    assert status.level == ERROR
+    assert 'off and on' in status.message

@@ -1,0 +1,283 @@
+"""Every topic and service through ROS, by what a user would see; the node is a real process."""
+
+from create_oi_msgs.msg import (
+    Buttons,
+    CargoBay,
+    Charging,
+    IrOmni,
+    Mode,
+    Overcurrent,
+    Song,
+    Wall,
+)
+from create_oi_msgs.srv import (
+    DefineScript,
+    DefineSong,
+    PlayScript,
+    PlaySong,
+    SendIr,
+    SetDigitalOutputs,
+    SetLeds,
+    SetLowSideDrivers,
+    SetMode,
+    ShowScript,
+    StartDemo,
+)
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from nav_msgs.msg import Odometry
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import BatteryState, JointState
+from std_srvs.srv import Trigger
+
+from create_oi_ros import oi
+from create_oi_ros.ros import messages as convert
+from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from support.ros import Scene, scene
+from tf2_msgs.msg import TFMessage
+
+BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+class Ready:
+    """A robot and its node, in Safe."""
+
+    def __init__(self, stage: Scene, **parameters: object) -> None:
+        self.ros = stage.ros
+        self.robot = stage.robot()
+        self.node = stage.node(self.robot.link, **parameters)
+        self.modes = self.ros.listen(Mode, 'mode', LATCHED)
+        self.until_mode(Mode.SAFE)
+
+    def until_mode(self, mode: int) -> None:
+        """Wait until the newest word on the mode is this one."""
+        self.ros.until(lambda: self.modes and self.modes[-1].mode == mode, f'mode {mode}')
+
+    def ask(self, type_: type, name: str, **fields: object) -> str:
+        """Call a service that must succeed; return its message."""
+        reply = self.ros.call(type_, name, **fields)
+        assert reply.success, reply.message
+        return reply.message
+
+    def refused(self, type_: type, name: str, **fields: object) -> str:
+        """Call a service that must fail; return its message."""
+        reply = self.ros.call(type_, name, **fields)
+        assert not reply.success
+        assert reply.message
+        return reply.message
+
+
+@pytest.fixture
+def ready(stage):
+    """Return a robot and its node, in Safe."""
+    return Ready(stage)
+
+
+def test_what_the_robot_senses_is_published(ready):
+    until, force = ready.ros.until, ready.robot.body.force
+    walls = ready.ros.listen(Wall, 'wall')
+    buttons = ready.ros.listen(Buttons, 'buttons', LATCHED)
+    beams = ready.ros.listen(IrOmni, 'ir_omni', LATCHED)
+    chargers = ready.ros.listen(Charging, 'charging', LATCHED)
+    currents = ready.ros.listen(Overcurrent, 'overcurrent', LATCHED)
+    bays = ready.ros.listen(CargoBay, 'cargo_bay')
+    heard = (walls, buttons, beams, chargers, currents, bays)
+    until(lambda: all(heard), 'the present state of all')
+    assert not (walls[-1].wall or buttons[-1].play or currents[-1].left_wheel)
+    assert (beams[-1].character, beams[-1].name) == (IrOmni.NONE, 'none')
+    assert chargers[-1].state == Charging.NOT_CHARGING
+    assert bays[-1].baud_rate_pin
+    force(wall=1, wall_signal=4000, virtual_wall=1, advance=1, infrared=137,
+          overcurrent_right_wheel=1, overcurrent_ld1=1, digital_input_2=1, analog=1023)
+    until(lambda: walls[-1].wall and walls[-1].virtual_wall and walls[-1].signal == 4000)
+    until(lambda: buttons[-1].advance and not buttons[-1].play)
+    until(lambda: beams[-1].character == IrOmni.REMOTE_PAUSE and beams[-1].name == 'remote_pause')
+    until(lambda: currents[-1].right_wheel and currents[-1].driver_1
+          and not currents[-1].left_wheel and not currents[-1].driver_0)
+    until(lambda: bays[-1].input_2 and not bays[-1].input_1 and bays[-1].analog == 5)
+    ready.robot.body.plug_charger(True)
+    until(lambda: chargers[-1].internal_charger and not chargers[-1].home_base)
+    until(lambda: chargers[-1].state in (Charging.FULL_CHARGING, Charging.RECONDITIONING))
+    late = ready.ros.listen(Buttons, 'buttons', LATCHED)
+    until(lambda: late and late[-1].advance, 'the state for one who comes late')
+    assert len(buttons) == 2, 'only changes are published'
+
+
+def test_songs_play_and_say_so(ready):
+    songs = ready.ros.listen(Song, 'song', LATCHED)
+    ready.ros.until(lambda: songs)
+    said = ready.ask(DefineSong, 'define_song', number=5, pitches=[72, 0, 76], seconds=[1.0] * 3)
+    assert '3.000 s' in said
+    ready.ask(PlaySong, 'play_song', number=5)
+    ready.ros.until(lambda: songs[-1].playing and songs[-1].number == 5)
+    assert 'a song plays' in ready.refused(PlaySong, 'play_song', number=5)
+    ready.ros.until(lambda: not songs[-1].playing)
+    said = ready.ask(DefineSong, 'define_song', number=6, pitches=[72], seconds=[0.1], play=True)
+    assert '1/64 s' in said
+    ready.ros.until(lambda: songs[-1].number == 6)
+    assert 'number' in ready.refused(
+        DefineSong, 'define_song', number=16, pitches=[60], seconds=[1.0])
+
+
+def test_actuators_are_set_refused_in_passive_and_restored(ready):
+    def set_all(ask) -> list[str]:
+        return [
+            ask(SetLeds, 'set_leds', play=True, power_color=255, power_intensity=128),
+            ask(SetDigitalOutputs, 'set_digital_outputs', output_1=True),
+            ask(SetLowSideDrivers, 'set_low_side_drivers', driver_0=1.0, driver_2=0.5),
+            ask(SendIr, 'send_ir', character=IrOmni.REMOTE_PAUSE)]
+    robot = ready.robot.create
+    set_all(ready.ask)
+    ready.ros.until(lambda: robot.lights == (oi.LedBits.PLAY, 255, 128))
+    assert robot.outputs == oi.OutputBits.OUTPUT_1
+    assert tuple(robot.actuators.duties) == (128, 0, 64)
+    assert list(robot.actuators.infrared_sent) == [IrOmni.REMOTE_PAUSE]
+    assert 'driver_1' in ready.refused(SetLowSideDrivers, 'set_low_side_drivers', driver_1=1.5)
+    ready.ask(SetMode, 'set_mode', mode=SetMode.Request.PASSIVE)
+    for message in set_all(ready.refused):
+        assert message == 'robot is in PASSIVE: call set_mode with SAFE first'
+    ready.ask(SetMode, 'set_mode', mode=SetMode.Request.FULL)
+    ready.ros.until(lambda: robot.lights == (oi.LedBits.PLAY, 255, 128))
+
+
+def test_demos_run_end_and_dock(ready):
+    robot = ready.robot.create
+    ready.ask(StartDemo, 'start_demo', demo=StartDemo.Request.DRIVE_FIGURE_EIGHT)
+    ready.ros.until(lambda: robot.demo is oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    ready.until_mode(Mode.PASSIVE)
+    assert ready.modes[-1].wanted == Mode.PASSIVE
+    ready.ask(Trigger, 'stop_demo')
+    ready.ros.until(lambda: robot.demo is None)
+    ready.ask(SetMode, 'set_mode', mode=SetMode.Request.SAFE)
+    ready.ask(Trigger, 'dock')
+    ready.ros.until(lambda: robot.demo is oi.DemoNumber.COVER_AND_DOCK)
+    ready.ask(Trigger, 'stop')
+    ready.ros.until(lambda: robot.demo is None)
+    for wrong in (10, -1, -5):
+        ready.refused(StartDemo, 'start_demo', demo=wrong)
+
+
+def test_scripts_are_stored_shown_and_played(ready):
+    text = 'Drive velocity=200 radius=straight\nWait Time time=5\nDrive velocity=0 radius=0\n'
+    assert 'not known' in ready.refused(PlayScript, 'play_script')
+    ready.ask(DefineScript, 'define_script', text=text)
+    shown = ready.ros.call(ShowScript, 'show_script')
+    assert shown.success, shown.message
+    assert (shown.text, bytes(shown.code)) == (text, convert.script(text, b'').script)
+    ready.ask(PlayScript, 'play_script')
+    ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1)
+    ready.ros.until(lambda: 'script has ended' in ready.node.output)
+    ready.ros.until(lambda: ready.robot.body.truth().speed == 0)
+    ready.ask(DefineScript, 'define_script', code=[155, 1, 153])
+    assert 'force' in ready.refused(PlayScript, 'play_script')
+    assert 'column' in ready.refused(DefineScript, 'define_script', text='Fly away')
+    assert 'both' in ready.refused(DefineScript, 'define_script', text=text, code=[155, 1])
+
+
+def test_a_power_cycle_loses_nothing_that_was_set(ready):
+    ready.ask(SetLeds, 'set_leds', advance=True, power_intensity=9)
+    ready.ask(DefineSong, 'define_song', number=1, pitches=[60], seconds=[0.5])
+    create = ready.robot.create
+    ready.robot.soon(lambda: create.lose_battery(create.time))
+    ready.until_mode(Mode.UNKNOWN)
+    ready.until_mode(Mode.SAFE)
+    ready.ros.until(lambda: create.lights == (oi.LedBits.ADVANCE, 0, 9))
+    ready.ask(PlaySong, 'play_song', number=1)
+
+
+def test_without_a_robot_every_service_answers_with_what_to_do(stage):
+    stage.node(stage.folder / 'nothing')
+    fields = {'set_mode': {'mode': Mode.SAFE}, 'define_song': {'pitches': [60], 'seconds': [1.0]}}
+    for service in SERVICES:
+        reply = stage.ros.call(service.type, service.name, **fields.get(service.name, {}))
+        assert reply.message, service.name
+        assert reply.success == (service.name == 'reset_odometry'), service.name
+
+
+def test_others_see_it_at_the_promised_rates_and_as_they_are_used_to(ready):
+    """As rviz2 and Nav2 (best effort or reliable, volatile) and a late recorder subscribe."""
+    listen = ready.ros.listen
+    odom, walls = listen(Odometry, 'odom', BEST_EFFORT), listen(Wall, 'wall', BEST_EFFORT)
+    joints, frames = listen(JointState, 'joint_states'), listen(TFMessage, '/tf', BEST_EFFORT)
+    batteries = listen(BatteryState, 'battery_state')
+    volatile = listen(Buttons, 'buttons')
+    statuses = listen(DiagnosticArray, '/diagnostics')
+    ready.ros.until(lambda: len(batteries) >= 3 and len(statuses) >= 3)
+    for heard, expected in ((odom, 66.7), (joints, 66.7), (walls, 20), (batteries, 1)):
+        stamps = [convert.age(message.header.stamp, 0) for message in heard]
+        rate = (len(stamps) - 1) / (stamps[0] - stamps[-1])
+        assert rate == pytest.approx(expected, rel=0.1)
+    assert len(frames) > 100
+    assert not volatile
+    names = {status.name for status in statuses[-1].status}
+    assert names == {f'create: {part}' for part in (
+        'battery', 'safety', 'mode', 'serial link', 'driver', 'parameters')}
+    for topic in PUBLISHED:
+        info, = ready.ros.node.get_publishers_info_by_topic(
+            topic.name if topic.name.startswith('/') else f'/{topic.name}')
+        assert info.qos_profile.reliability is ReliabilityPolicy.RELIABLE
+        latched = topic.qos is LATCHED
+        assert info.qos_profile.durability is (
+            DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
+
+
+def test_stale_commands_are_dropped_by_their_stamp(stage):
+    ready = Ready(stage, enable_stamped_cmd_vel=True)
+    velocity = ready.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)
+    old = [2.0]
+
+    def publish() -> None:
+        now = ready.ros.node.get_clock().now().nanoseconds
+        command = TwistStamped(twist=Twist(linear=Vector3(x=0.2)))
+        command.header.stamp = convert.time(now - round(old[0] * convert.NANOSECONDS))
+        velocity.publish(command)
+    ready.ros.node.create_timer(0.1, publish)
+    ready.ros.until(lambda: 'is dropped' in ready.node.output)
+    assert ready.robot.body.truth().travelled == 0
+    old[0] = 0.0
+    ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1)
+
+
+def test_two_robots_in_two_namespaces_do_not_touch_each_other(stage):
+    robots = {}
+    for name in ('one', 'two'):
+        robots[name] = stage.robot(name)
+        stage.node(robots[name].link, f'__ns:=/{name}', odom_frame=f'{name}/odom',
+                   base_frame=f'{name}/base_footprint')
+    odoms = {name: stage.ros.listen(Odometry, f'{name}/odom') for name in robots}
+    modes = {name: stage.ros.listen(Mode, f'{name}/mode', LATCHED) for name in robots}
+    frames = stage.ros.listen(TFMessage, '/tf', 100)
+    stage.ros.until(lambda: all(heard and heard[-1].mode == Mode.SAFE for heard in modes.values()))
+    velocity = stage.ros.node.create_publisher(Twist, 'one/cmd_vel', 1)
+    timer = stage.ros.node.create_timer(
+        0.1, lambda: velocity.publish(Twist(linear=Vector3(x=0.2))))
+    stage.ros.until(lambda: odoms['one'] and odoms['one'][-1].pose.pose.position.x > 0.2)
+    stage.ros.node.destroy_timer(timer)
+    assert robots['two'].body.truth().pose.x == 0
+    assert odoms['two'][-1].pose.pose.position.x == 0
+    for name in robots:
+        assert odoms[name][-1].header.frame_id == f'{name}/odom'
+    assert {(each.header.frame_id, each.child_frame_id)
+            for message in frames for each in message.transforms} == {
+        (f'{name}/odom', f'{name}/base_footprint') for name in robots}
+    assert stage.ros.call(SetMode, 'two/set_mode', mode=Mode.FULL).success
+    assert modes['one'][-1].mode == Mode.SAFE
+
+
+@pytest.mark.parametrize(('ours', 'core'), [
+    (Mode, oi.Mode), (SetMode.Request, oi.Mode), (Charging, oi.ChargingState),
+    (IrOmni, oi.Infrared), (StartDemo.Request, [d for d in oi.DemoNumber if d >= 0]),
+], ids=['Mode', 'SetMode', 'Charging', 'IrOmni', 'StartDemo'])
+def test_constants_of_messages_are_those_of_the_core(ours, core):
+    constants = {name: getattr(ours, name) for name in dir(ours)
+                 if name.isupper() and name not in ('SLOT_TYPES', 'UNKNOWN')}
+    assert constants == {member.name: member.value for member in core}

@@ -1,0 +1,80 @@
+"""What is published with a frame, and in which order: news first."""
+
+from create_oi_msgs.msg import Bumper, Cliff
+from nav_msgs.msg import Odometry
+import pytest
+from rclpy.publisher import Publisher
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Moved
+from create_oi_ros.driver.stream_plan import ALL
+from create_oi_ros.odometry import Estimate
+from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.publishing import FramePublisher
+from support.ros import scene
+
+QUIET = dict.fromkeys(ALL, 0)
+PERIOD = 0.2
+
+
+class Frames:
+    """Frames that are published one by one, a slot apart, and what each of them told of."""
+
+    def __init__(self, stage, monkeypatch) -> None:
+        for topic in (Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'):
+            stage.ros.listen(*topic)
+        self._publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
+        self._slot = 0
+        self._told: list[str] = []
+        really = Publisher.publish
+
+        def publish(publisher, message):
+            self._told.append(type(message).__name__)
+            really(publisher, message)
+        monkeypatch.setattr(Publisher, 'publish', publish)
+        stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
+
+    def next(self, **readings: int) -> list[str]:
+        """Return what a frame tells of, in order, when its readings are these and else zero."""
+        self._told.clear()
+        self._slot += 1
+        self._publisher.publish(Moved(
+            self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()), PERIOD)
+        return self._told
+
+    def quiet(self) -> None:
+        """Let frames pass until the sensors have just been published again."""
+        while 'Bumper' not in self.next():
+            pass
+
+
+@pytest.fixture
+def frames(tmp_path, monkeypatch):
+    """Return frames of a robot that has told all."""
+    with scene(tmp_path) as stage:
+        yield Frames(stage, monkeypatch)
+
+
+def test_a_change_comes_before_the_odometry_and_at_once(frames):
+    frames.quiet()
+    assert frames.next() == ['Odometry']
+    assert frames.next(bumps_and_wheel_drops=1) == ['Bumper', 'Odometry']
+    assert frames.next(bumps_and_wheel_drops=1) == ['Odometry']
+    frames.quiet()
+    assert frames.next(cliff_left=1) == ['Cliff', 'Odometry']
+    assert frames.next(cliff_left=1, song_playing=1) == ['Song', 'Odometry']
+    assert frames.next() == ['Cliff', 'Song', 'Odometry']
+
+
+def test_what_is_due_again_comes_behind_the_odometry_in_its_period(frames):
+    frames.quiet()
+    told = [list(frames.next()) for _ in range(200)]
+    assert all(names[0] == 'Odometry' for names in told)
+    for name in ('Bumper', 'Cliff'):
+        assert sum(name in names for names in told) == round(200 * oi.SLOT / PERIOD)
+
+
+def test_only_what_is_heard_or_latched_is_published(frames):
+    told = {name for wall in range(40) for name in frames.next(wall=wall % 2, buttons=wall % 2)}
+    assert {'Odometry', 'Bumper', 'Cliff', 'Buttons'} <= told
+    assert not told & {'Wall', 'WheelDrop', 'JointState', 'TFMessage', 'BatteryState'}

@@ -1,0 +1,137 @@
+"""The SROS 2 policy allows what the nodes have, and nothing else; keys keep others out."""
+
+from collections.abc import Callable
+from contextlib import closing
+from importlib.util import find_spec
+import os
+from pathlib import Path
+import re
+import subprocess
+import time
+from xml.etree import ElementTree
+
+from create_oi_msgs.msg import Mode
+from create_oi_msgs.srv import SetMode
+import domain_coordinator
+from geometry_msgs.msg import Twist, Vector3
+from nav_msgs.msg import Odometry
+import pytest
+import rclpy
+from rclpy.task import Future
+
+from create_oi_ros.apps.view.graph import Graph
+from create_oi_ros.apps.view.robot_state import State
+from create_oi_ros.ros.node import CreateNode
+from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from support.ros import Listener, PATIENCE, scene
+
+ROOT = Path(__file__).parents[2]
+POLICY = ElementTree.parse(ROOT / 'config' / 'sros2_policy.xml').getroot()
+DOCS = (ROOT / 'docs' / 'security.md').read_text('utf-8')
+EVERY_NODE = {'/parameter_events', '/rosout'}
+
+
+def allowed(enclave: str, what: str) -> set[str]:
+    """Return the full names that an enclave may publish, subscribe, reply or request."""
+    profile, = POLICY.findall(f".//enclave[@path='{enclave}']/profiles/profile")
+    names = set()
+    for rule in profile.findall(f"./*[@{what}='ALLOW']"):
+        assert set(rule.attrib) == {what}
+        for name in rule:
+            whole = re.sub('^~', f"/{profile.get('node')}", str(name.text))
+            names.add(whole if whole.startswith('/') else f"{profile.get('ns')}{whole}")
+    return names
+
+
+def full(names: list[str]) -> set[str]:
+    """Return names as they are without a namespace."""
+    return {name if name.startswith('/') else f'/{name}' for name in names}
+
+
+@pytest.fixture(scope='module')
+def node():
+    """Return the real node, in a domain of its own, beside a view that has found it."""
+    with domain_coordinator.domain_id() as domain:
+        rclpy.init(args=[], domain_id=domain)
+        made, view = CreateNode(Future()), Graph(State())
+        deadline = time.monotonic() + PATIENCE
+        while not view.state.listened:
+            assert time.monotonic() < deadline
+            view.look_around(time.monotonic())
+        yield made
+        view.destroy_node()
+        made.destroy_node()
+        rclpy.shutdown()
+
+
+@pytest.mark.parametrize(('what', 'ask'), [
+    ('publish', 'get_publisher_names_and_types_by_node'),
+    ('subscribe', 'get_subscriber_names_and_types_by_node'),
+    ('reply', 'get_service_names_and_types_by_node'),
+    ('request', 'get_client_names_and_types_by_node'),
+])
+@pytest.mark.parametrize(('enclave', 'name'), [('/create', 'create'), ('/view', 'create_view')])
+def test_a_node_may_do_what_it_does_and_no_more(node, enclave, name, what, ask):
+    assert allowed(enclave, what) == {each for each, _ in getattr(node, ask)(name, '/')}
+
+
+def test_a_pilot_may_drive_listen_and_ask():
+    pilot = '/pilot'
+    assert allowed(pilot, 'publish') == {'/cmd_vel', *EVERY_NODE}
+    assert allowed(pilot, 'subscribe') == full([topic.name for topic in PUBLISHED])
+    assert allowed(pilot, 'request') == full([service.name for service in SERVICES])
+
+
+def test_the_policy_is_installed_where_the_page_looks_for_it():
+    assert 'config/sros2_policy.xml' in DOCS
+    assert "'config'" in (ROOT / 'setup.py').read_text('utf-8')
+
+
+def test_every_enclave_has_its_keys_made():
+    for enclave in POLICY.iter('enclave'):
+        path = enclave.get('path')
+        assert f'create_enclave create_keys {path}\n' in DOCS
+        assert f'create_permission create_keys {path} $policy' in DOCS
+        assert f'--enclave {path}\n' in DOCS
+
+
+def drive(who: Listener, until: Callable[[], object]) -> None:
+    """Command a velocity until something has happened."""
+    velocity = who.node.create_publisher(Twist, 'cmd_vel', 1)
+
+    def commanded() -> object:
+        velocity.publish(Twist(linear=Vector3(x=0.2)))
+        return until()
+    who.until(commanded)
+
+
+@pytest.mark.skipif(find_spec('sros2') is None, reason='no `ros2 security` here')
+def test_with_the_keys_of_the_page_nobody_else_hears_or_drives(tmp_path, monkeypatch):
+    making, = (block for block in re.findall('```\n(.*?)```', DOCS, re.S) if 'keystore' in block)
+    securing, = re.findall('^export (.* ROS_SECURITY_STRATEGY=Enforce)$', DOCS, re.M)
+    with scene(tmp_path) as stage:
+        stranger, robot = stage.ros, stage.robot()
+        monkeypatch.setenv('HOME', str(tmp_path))
+        monkeypatch.setenv('ROS_DOMAIN_ID', str(stage.domain))
+        subprocess.run(
+            ['bash', '-ec', f'{making}ros2 security create_enclave create_keys /admin'],
+            check=True, timeout=120)
+        for each in securing.split():
+            name, _, value = each.partition('=')
+            monkeypatch.setenv(name, os.path.expanduser(value))
+        stage.program(
+            'create_node', '--ros-args', '-p', f'port:={robot.link}', '--enclave', '/create')
+        monkeypatch.setenv('ROS_SECURITY_ENCLAVE_OVERRIDE', '/admin')
+        with closing(Listener(stage.domain)) as admin:
+            heard, overheard = (each.listen(Odometry, 'odom') for each in (admin, stranger))
+            modes = admin.listen(Mode, 'mode', LATCHED)
+            admin.until(lambda: modes and modes[-1].mode == Mode.SAFE)
+            assert admin.call(SetMode, 'set_mode', mode=Mode.SAFE).success
+            enough = time.monotonic() + 3.0
+            drive(stranger, lambda: time.monotonic() > enough)
+            heard.clear()
+            admin.until(lambda: len(heard) > 20)
+            assert not overheard
+            assert heard[-1].pose.pose.position.x == 0.0
+            drive(admin, lambda: heard[-1].pose.pose.position.x > 0.05)

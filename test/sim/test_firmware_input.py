@@ -1,0 +1,345 @@
+"""
+What the simulated Create answers, one test for each sentence of the manual that says so.
+
+Sections Input Commands, Sensor Packets and their quick reference.
+"""
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.oi import Checksum, Mode
+from create_oi_ros.sim.body.encoders import Rounding
+from support.robot import GENTLE, Robot
+
+SIZES = {0: 26, 1: 10, 2: 6, 3: 10, 4: 14, 5: 12, 6: 52, 7: 1, 8: 1, 9: 1, 10: 1, 11: 1, 12: 1,
+         13: 1, 14: 1, 15: 1, 16: 1, 17: 1, 18: 1, 19: 2, 20: 2, 21: 1, 22: 2, 23: 2, 24: 1,
+         25: 2, 26: 2, 27: 2, 28: 2, 29: 2, 30: 2, 31: 2, 32: 1, 33: 2, 34: 1, 35: 1, 36: 1,
+         37: 1, 38: 1, 39: 2, 40: 2, 41: 2, 42: 2}
+CONTENTS = {0: range(7, 27), 1: range(7, 17), 2: range(17, 21), 3: range(21, 27),
+            4: range(27, 35), 5: range(35, 43), 6: range(7, 43)}
+
+
+@pytest.fixture
+def robot() -> Robot:
+    """Return a robot that has been started."""
+    return Robot(Mode.PASSIVE)
+
+
+# Sensors.
+
+@pytest.mark.parametrize(('packet', 'size'), SIZES.items())
+def test_there_are_43_different_sensor_packets(robot: Robot, packet: int, size: int) -> None:
+    assert len(robot.say(bytes([142, packet]))) == size
+    assert robot.slots(10) == b''
+
+
+@pytest.mark.parametrize(('group', 'contents'), CONTENTS.items())
+def test_group_packets_send_their_component_values_in_sequential_order(
+        group: int, contents: range) -> None:
+    robot, other = Robot(Mode.SAFE), Robot(Mode.SAFE)
+    for each in (robot, other):
+        each.body.force(bump_left=1, wall_signal=1234, infrared=130, analog=1023, advance=1)
+        each.say(oi.DriveDirect(right=100, left=-300))
+        each.run(0.5)
+    assert robot.say(bytes([142, group])) == b''.join(
+        other.say(bytes([142, packet])) for packet in contents)
+
+
+@pytest.mark.parametrize('packet', [43, 100, 255])
+def test_a_packet_that_is_not_there_is_not_answered(robot: Robot, packet: int) -> None:
+    assert robot.say(bytes([142, packet])) == b''
+    assert robot.slots(10) == b''
+    assert robot.say(bytes([142, 35])) == b'\x01'
+
+
+def test_create_updates_these_values_every_15_ms(robot: Robot) -> None:
+    robot.body.push(speed=0.2, rate=0, seconds=1)
+    robot.run(0.3)
+    robot.ask(19)
+    readings = []
+    for _ in range(4):
+        robot.run(0.005)
+        readings.append(robot.ask(19)[1])
+    assert readings == [0, 0, 3, 0]
+
+
+# Query List.
+
+def test_query_list_example_asks_for_cliff_left_and_virtual_wall(robot: Robot) -> None:
+    robot.body.force(cliff_left=1)
+    assert robot.say(bytes([149, 2, 9, 13])) == b'\x01\x00'
+
+
+def test_the_robot_returns_the_packets_in_the_order_you_specify(robot: Robot) -> None:
+    robot.body.force(bump_right=1, cliff_left_signal=0x0225)
+    assert robot.say(bytes([149, 4, 28, 35, 7, 35])) == b'\x02\x25\x01\x01\x01'
+
+
+def test_the_result_is_returned_once(robot: Robot) -> None:
+    robot.say(bytes([149, 1, 7]))
+    assert robot.slots(20) == b''
+
+
+def test_up_to_255_packets_may_be_queried(robot: Robot) -> None:
+    assert robot.say(bytes([149, 255] + [35] * 255)) == b'\x01' * 255
+    assert len(robot.say(bytes([149, 255] + [6] * 255))) == 255 * 52
+    assert robot.say(bytes([149, 0])) == b''
+
+
+def test_query_list_with_a_packet_that_is_not_there_is_ignored(robot: Robot) -> None:
+    assert robot.say(bytes([149, 2, 35, 43])) == b''
+
+
+# Stream.
+
+def test_stream_example_of_front_left_cliff_signal_and_virtual_wall() -> None:
+    robot = Robot(Mode.PASSIVE, checksum=Checksum.MANUAL)
+    robot.body.force(cliff_front_left_signal=2 * 256 + 25)
+    robot.say(bytes([148, 2, 29, 13]))
+    assert robot.slots() == bytes([19, 5, 29, 2, 25, 13, 0, 182])
+
+
+@pytest.mark.parametrize(('checksum', 'start'), [(Checksum.MANUAL, 1), (Checksum.HARDWARE, 0)])
+def test_the_checksum_makes_the_low_byte_of_the_sum_0(checksum: Checksum, start: int) -> None:
+    robot = Robot(Mode.PASSIVE, checksum=checksum)
+    robot.say(bytes([148, 36, *range(7, 43)]))
+    frame = robot.slots()
+    assert sum(frame[start:]) % 256 == 0
+    assert len(frame) == 3 + 36 + 52
+    assert frame[1] == len(frame) - 3
+
+
+def test_the_list_is_sent_every_15_ms(robot: Robot) -> None:
+    robot.say(bytes([148, 1, 7]))
+    assert len(robot.run(15)) == 1000 * 5
+    assert [len(robot.run(0.005)) for _ in range(6)] == [0, 0, 5, 0, 0, 5]
+
+
+def test_a_group_in_a_stream_is_its_id_and_all_its_bytes(robot: Robot) -> None:
+    robot.say(bytes([148, 2, 2, 35]))
+    frame = robot.slots()
+    assert frame[:3] == bytes([19, 9, 2])
+    assert frame[9:11] == bytes([35, 1])
+
+
+def test_the_same_packet_may_be_asked_for_twice() -> None:
+    robot = Robot(Mode.FULL)
+    robot.say(GENTLE)
+    robot.run(1)
+    robot.say(bytes([148, 2, 19, 19]))
+    frame = robot.slots()
+    assert frame[3:5] != b'\0\0'
+    assert frame[6:8] == b'\0\0'
+
+
+def test_a_new_list_takes_the_place_of_the_old_one(robot: Robot) -> None:
+    robot.say(bytes([148, 2, 7, 8]))
+    robot.slots()
+    robot.say(bytes([148, 1, 35]))
+    assert robot.slots()[:3] == bytes([19, 2, 35])
+    assert robot.read('stream_packets') == 1
+
+
+def test_an_empty_list_sends_nothing(robot: Robot) -> None:
+    robot.say(bytes([148, 1, 7]), bytes([148, 0]))
+    assert robot.slots(10) == b''
+    assert robot.read('stream_packets') == 0
+
+
+def test_more_than_43_packets_are_refused(robot: Robot) -> None:
+    robot.say(bytes([148, 43] + [7] * 43))
+    assert robot.read('stream_packets') == 43
+    robot.say(bytes([148, 44] + [8] * 44))
+    assert robot.read('stream_packets') == 43
+
+
+@pytest.mark.parametrize('mode', [oi.Start(), oi.Safe(), oi.Full()])
+def test_the_list_survives_a_mode_change_and_start(robot: Robot, mode: oi.Command) -> None:
+    robot.say(bytes([148, 2, 7, 8]), mode)
+    assert len(robot.slots(2)) == 2 * 7
+    assert robot.read('stream_packets') == 2
+
+
+def test_the_list_is_empty_after_power_up(robot: Robot) -> None:
+    robot.say(bytes([148, 2, 7, 8]))
+    robot.create.lose_battery(robot.now)
+    robot.run(4)
+    robot.say(oi.Start())
+    assert robot.slots(10) == b''
+    assert robot.read('stream_packets') == 0
+
+
+@pytest.mark.parametrize(('baud', 'capacity'), [(57600, 86), (19200, 28)])
+def test_a_maximum_of_86_bytes_can_be_sent_in_15_ms(baud: int, capacity: int) -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(oi.Baud(code=oi.BaudCode.of_rate(baud)))
+    robot.run(0.2)
+    fits = [7] * ((capacity - 3) // 2)
+    robot.say(bytes([148, len(fits), *fits]))
+    assert intact(robot.run(15)) == 1000
+
+
+@pytest.mark.parametrize(('baud', 'packets'), [
+    (57600, range(7, 43)), (19200, [7] * 14), (57600, [6] * 43)])
+def test_if_more_data_is_requested_the_stream_will_eventually_become_corrupted(
+        baud: int, packets: list[int]) -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(oi.Baud(code=oi.BaudCode.of_rate(baud)))
+    robot.run(0.2)
+    robot.say(bytes([148, len(packets), *packets]))
+    sent = robot.run(15)
+    assert intact(sent) < 950
+    assert len(sent) <= 15 * baud / 10 + 300
+
+
+def intact(sent: bytes) -> int:
+    """Count frames whose header, length and checksum are right."""
+    count = start = 0
+    while start + 2 < len(sent):
+        size = sent[start + 1] + 3
+        frame = sent[start:start + size]
+        if sent[start] == 19 and len(frame) == size and sum(frame) % 256 == 0:
+            count, start = count + 1, start + size
+        else:
+            start += 1
+    return count
+
+
+# Pause/Resume Stream.
+
+def test_an_argument_of_0_stops_the_stream_without_clearing_the_list(robot: Robot) -> None:
+    robot.say(bytes([148, 2, 7, 8]), bytes([150, 0]))
+    assert robot.slots(10) == b''
+    assert robot.read('stream_packets') == 2
+
+
+def test_an_argument_of_1_starts_the_stream_using_the_list_last_requested(robot: Robot) -> None:
+    robot.say(bytes([148, 2, 7, 8]), bytes([150, 0]))
+    robot.slots(10)
+    robot.say(bytes([150, 1]))
+    assert len(robot.slots(3)) == 3 * 7
+
+
+def test_resuming_without_a_list_sends_nothing(robot: Robot) -> None:
+    robot.say(bytes([150, 1]))
+    assert robot.slots(10) == b''
+
+
+def test_a_stream_state_out_of_range_is_ignored(robot: Robot) -> None:
+    robot.say(bytes([148, 1, 7]), bytes([150, 2]))
+    assert len(robot.slots(2)) == 2 * 5
+
+
+# Sensor Packets: each bit and value, by its byte on the wire.
+
+@pytest.mark.parametrize(('sensor', 'packet', 'value'), [
+    ('bump_right', 7, 1), ('bump_left', 7, 2), ('drop_right', 7, 4), ('drop_left', 7, 8),
+    ('drop_caster', 7, 16), ('wall', 8, 1), ('cliff_left', 9, 1), ('cliff_front_left', 10, 1),
+    ('cliff_front_right', 11, 1), ('cliff_right', 12, 1), ('virtual_wall', 13, 1),
+    ('overcurrent_ld1', 14, 1), ('overcurrent_ld0', 14, 2), ('overcurrent_ld2', 14, 4),
+    ('overcurrent_right_wheel', 14, 8), ('overcurrent_left_wheel', 14, 16),
+    ('play', 18, 1), ('advance', 18, 4), ('digital_input_0', 32, 16 + 1),
+    ('digital_input_1', 32, 16 + 2), ('digital_input_2', 32, 16 + 4),
+    ('digital_input_3', 32, 16 + 8), ('internal_charger', 34, 1), ('home_base', 34, 2)])
+def test_bits_are_sent_as_the_manual_says(sensor: str, packet: int, value: int) -> None:
+    robot = Robot(Mode.FULL)
+    robot.body.force(**{sensor: 1})
+    assert robot.ask(packet) == bytes([value])
+
+
+@pytest.mark.parametrize(('sensor', 'packet', 'value', 'sent'), [
+    ('infrared', 17, 254, b'\xfe'), ('charging_state', 21, 5, b'\x05'),
+    ('voltage', 22, 16000, b'\x3e\x80'), ('current', 23, -300, b'\xfe\xd4'),
+    ('temperature', 24, -5, b'\xfb'), ('charge', 25, 2600, b'\x0a\x28'),
+    ('capacity', 26, 2696, b'\x0a\x88'), ('wall_signal', 27, 4095, b'\x0f\xff'),
+    ('cliff_left_signal', 28, 258, b'\x01\x02'),
+    ('cliff_front_left_signal', 29, 772, b'\x03\x04'),
+    ('cliff_front_right_signal', 30, 1286, b'\x05\x06'),
+    ('cliff_right_signal', 31, 1800, b'\x07\x08'), ('analog', 33, 1023, b'\x03\xff')])
+def test_values_are_sent_high_byte_first(
+        sensor: str, packet: int, value: int, sent: bytes) -> None:
+    robot = Robot(Mode.FULL)
+    robot.body.force(**{sensor: value})
+    assert robot.ask(packet) == sent
+
+
+def test_infrared_is_255_when_no_byte_is_being_received(robot: Robot) -> None:
+    assert robot.ask(17) == b'\xff'
+
+
+def test_the_baud_rate_change_pin_is_high_by_default(robot: Robot) -> None:
+    assert robot.ask(32) == b'\x10'
+
+
+def test_the_value_of_the_two_unused_bytes_is_always_0(robot: Robot) -> None:
+    assert robot.ask(15, 16) == b'\0\0'
+
+
+def test_oi_mode_is_1_2_3(robot: Robot) -> None:
+    assert [robot.say(mode, bytes([142, 35])) for mode in (oi.Start(), oi.Safe(), oi.Full())
+            ] == [b'\x01', b'\x02', b'\x03']
+
+
+# Distance and Angle.
+
+@pytest.mark.parametrize(('right', 'left', 'distance', 'angle'), [
+    (200, 200, 1000, 0), (-200, -200, -1000, 0), (100, -100, 0, 222), (-100, 100, 0, -222)])
+def test_distance_is_forward_positive_and_angle_counter_clockwise_positive(
+        right: int, left: int, distance: int, angle: int) -> None:
+    robot = Robot(Mode.FULL)
+    robot.say(oi.DriveDirect(right=right, left=left))
+    robot.run(1)
+    robot.ask(19, 20)
+    robot.run(5.01)
+    sent = robot.ask(19, 20)
+    assert int.from_bytes(sent[:2], signed=True) == pytest.approx(distance, rel=0.005)
+    assert int.from_bytes(sent[2:], signed=True) == pytest.approx(angle, rel=0.005)
+
+
+@pytest.mark.parametrize('ask', [bytes([142, 0]), bytes([142, 2]), bytes([142, 6]),
+                                 bytes([149, 2, 19, 20]), bytes([142, 19, 142, 20])])
+def test_every_request_resets_the_distance_and_angle(ask: bytes) -> None:
+    robot = Robot(Mode.FULL)
+    robot.say(oi.DriveDirect(right=300, left=-100))
+    robot.run(2)
+    robot.say(ask)
+    assert robot.ask(19, 20) == bytes(4)
+
+
+def test_distance_is_capped_at_its_maximum() -> None:
+    robot = Robot(Mode.FULL)
+    robot.say(oi.DriveDirect(right=500, left=500))
+    robot.run(100)
+    assert robot.ask(19) == b'\x7f\xff'
+    robot.say(oi.DriveDirect(right=-500, left=-500))
+    robot.run(100)
+    assert robot.ask(19) == b'\x80\x00'
+
+
+@pytest.mark.parametrize(('rounding', 'share'), [
+    (Rounding.TRUNCATE, 0), (Rounding.ROUND, 0), (Rounding.CARRY, 1)])
+def test_what_is_below_a_unit_when_read_is_lost_or_carried(
+        rounding: Rounding, share: float) -> None:
+    robot = Robot(Mode.FULL, rounding=rounding)
+    robot.say(oi.DriveDirect(right=30, left=30))
+    robot.run(1)
+    robot.ask(19)
+    total = sum(robot.slots() and 0 or robot.ask(19)[1] for _ in range(1000))
+    assert total == pytest.approx(15 * 30 * share, abs=2)
+
+
+@given(st.lists(st.floats(0.001, 0.2), max_size=20))
+def test_it_does_not_matter_how_often_one_steps(cuts: list[float]) -> None:
+    robots = [Robot(Mode.SAFE) for _ in range(2)]
+    for robot in robots:
+        robot.say(bytes([148, 3, 7, 19, 20]), oi.Song(number=0, notes=(oi.Note(60, 9),)),
+                  oi.PlaySong(number=0), oi.DriveDirect(right=321, left=-123))
+    whole, cut = robots
+    parts = b''.join(cut.run(each) for each in cuts)
+    whole.now += sum(cuts) - whole.now
+    whole.now = cut.now
+    whole.create.step(whole.now)
+    assert whole.create.data_to_send() == parts
+    assert whole.body.truth() == cut.body.truth()

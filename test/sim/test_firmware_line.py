@@ -1,0 +1,316 @@
+"""
+Power, buttons and the serial port of the simulated Create, one test for each sentence.
+
+Sections Physical Connections, Serial Port Settings and Baud.
+"""
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.oi import Mode
+from create_oi_ros.sim.firmware.guesses import Guesses
+from create_oi_ros.sim.firmware.uart import heard
+from support.robot import GENTLE, Robot
+
+RATES = {0: 300, 1: 600, 2: 1200, 3: 2400, 4: 4800, 5: 9600, 6: 14400, 7: 19200, 8: 28800,
+         9: 38400, 10: 57600, 11: 115200}
+ASK_MODE = bytes([142, 35])
+
+
+def pulse(robot: Robot, seconds: float, times: int = 3) -> None:
+    """Pull the baud rate change pin low, and let go."""
+    for _ in range(times):
+        robot.body.force(device_detect=0, seconds=seconds)
+        robot.run(seconds + 0.2)
+
+
+def booted(robot: Robot) -> Robot:
+    """Switch a robot off and on, and wait until it hears."""
+    robot.create.power(False, robot.now)
+    robot.create.power(True, robot.now)
+    robot.run(3.1)
+    return robot
+
+
+# Serial Port Settings.
+
+def test_by_default_create_communicates_at_57600_baud() -> None:
+    robot = Robot()
+    assert robot.create.baud == 57600
+    assert robot.say(oi.Start(), ASK_MODE, baud=57600) == b'\x01'
+
+
+def test_holding_play_when_powering_on_plays_a_descending_tune_and_switches_to_19200() -> None:
+    robot = Robot()
+    robot.create.power(False, robot.now)
+    robot.body.force(play=1)
+    robot.create.power(True, robot.now)
+    robot.run(3.9)
+    assert (robot.create.baud, robot.create.note) == (57600, 0)
+    notes = []
+    for _ in range(60):
+        robot.slots()
+        notes.append(robot.create.note)
+    pitches = [note for note in dict.fromkeys(notes) if note]
+    assert len(pitches) > 2
+    assert pitches == sorted(pitches, reverse=True)
+    assert robot.create.baud == 19200
+
+
+@pytest.mark.parametrize('ends', ['power', 'battery'])
+def test_method_1_lasts_until_the_power_is_turned_off_or_the_battery_removed(ends: str) -> None:
+    robot = Robot()
+    robot.create.power(False, robot.now)
+    robot.body.force(play=1, seconds=5)
+    robot.create.power(True, robot.now)
+    robot.run(6)
+    assert robot.create.baud == 19200
+    if ends == 'power':
+        booted(robot)
+    else:
+        robot.create.lose_battery(robot.now)
+    assert robot.create.baud == 57600
+
+
+def test_play_held_too_shortly_changes_nothing() -> None:
+    robot = Robot()
+    robot.create.power(False, robot.now)
+    robot.body.force(play=1, seconds=3.8)
+    robot.create.power(True, robot.now)
+    robot.run(10)
+    assert robot.create.baud == 57600
+
+
+@pytest.mark.parametrize(('seconds', 'times', 'baud'), [
+    (0.05, 3, 19200), (0.2, 3, 19200), (0.5, 3, 19200), (0.2, 2, 57600), (0.03, 3, 57600),
+    (0.6, 3, 57600)])
+def test_three_low_pulses_of_50_to_500_ms_switch_to_19200(
+        seconds: float, times: int, baud: int) -> None:
+    robot = booted(Robot())
+    pulse(robot, seconds, times)
+    assert robot.create.baud == baud
+
+
+def test_pulses_count_only_2_seconds_after_turning_on() -> None:
+    robot = Robot()
+    robot.create.power(False, robot.now)
+    robot.create.power(True, robot.now)
+    pulse(robot, 0.1)
+    assert robot.create.baud == 57600
+
+
+def test_method_2_lasts_until_the_processor_loses_battery_power() -> None:
+    robot = booted(Robot())
+    pulse(robot, 0.1)
+    assert booted(robot).create.baud == 19200
+    robot.create.lose_battery(robot.now)
+    assert robot.create.baud == 57600
+
+
+def test_method_2_lasts_until_the_rate_is_explicitly_changed_by_the_oi() -> None:
+    robot = booted(Robot())
+    pulse(robot, 0.1)
+    robot.say(oi.Start(), oi.Baud(code=9))
+    assert robot.create.baud == 38400
+    assert booted(robot).create.baud == 57600
+
+
+def test_the_battery_voltage_below_the_minimum_turns_the_robot_off() -> None:
+    robot = Robot(Mode.FULL)
+    robot.body.set_battery(charge=0)
+    robot.slots()
+    assert not robot.create.powered
+    robot.create.power(True, robot.now)
+    assert not robot.create.powered
+    robot.body.set_battery(charge=0.5)
+    robot.create.power(True, robot.now)
+    robot.run(4)
+    robot.say(oi.Start())
+    assert robot.mode is Mode.PASSIVE
+
+
+# Baud.
+
+@pytest.mark.parametrize(('code', 'rate'), RATES.items())
+def test_baud_sets_the_rate_according_to_its_code(code: int, rate: int) -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(bytes([129, code]))
+    robot.run(0.2)
+    assert robot.create.baud == rate
+    assert robot.say(ASK_MODE, baud=rate) == b'\x01'
+
+
+def test_a_baud_code_out_of_range_is_ignored() -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(bytes([129, 12]))
+    assert robot.create.baud == 57600
+
+
+def test_you_must_wait_100_ms_after_sending_baud() -> None:
+    robot = Robot(Mode.PASSIVE)
+    assert robot.say(bytes([129, 7]) + ASK_MODE) == b''
+    robot.run(0.08)
+    assert robot.say(ASK_MODE, baud=19200) == b''
+    robot.run(0.04)
+    assert robot.say(ASK_MODE, baud=19200) == b'\x01'
+
+
+@pytest.mark.parametrize('cycle', ['power', 'battery'])
+def test_the_rate_persists_until_create_is_power_cycled(cycle: str) -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(bytes([129, 5]), oi.Safe(), oi.Start())
+    robot.run(60)
+    assert robot.create.baud == 9600
+    if cycle == 'power':
+        booted(robot)
+    else:
+        robot.create.lose_battery(robot.now)
+    assert robot.create.baud == 57600
+
+
+@pytest.mark.parametrize('rate', [rate for rate in RATES.values() if rate != 57600])
+def test_whoever_speaks_at_the_wrong_rate_is_not_understood(rate: int) -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(oi.Safe(), oi.Full(), GENTLE, baud=rate)
+    assert robot.wheels == (0, 0)
+
+
+@pytest.mark.parametrize('rate', [19200, 38400, 115200])
+def test_whoever_listens_at_the_wrong_rate_hears_garbage(rate: int) -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(bytes([148, 1, 35]))
+    robot.create.host_baud(rate)
+    said = robot.run(1.5)
+    assert said
+    assert bytes([19, 2, 35, 1]) not in said
+
+
+def test_at_115200_bytes_too_close_together_may_be_lost() -> None:
+    for overrun, answer in ((False, b'\x01'), (True, b'')):
+        robot = Robot(Mode.PASSIVE, guesses=Guesses(overrun=overrun))
+        robot.say(bytes([129, 11]))
+        robot.run(0.2)
+        assert robot.say(ASK_MODE) == answer
+
+
+def test_at_115200_bytes_200_microseconds_apart_are_heard() -> None:
+    robot = Robot(Mode.PASSIVE, guesses=Guesses(overrun=True))
+    robot.say(bytes([129, 11]))
+    robot.run(0.2)
+    robot.say(ASK_MODE[:1])
+    robot.run(0.03)
+    assert robot.say(ASK_MODE[1:]) == b'\x01'
+
+
+@given(st.binary(max_size=40), st.sampled_from(sorted(RATES.values())))
+def test_bytes_heard_at_the_rate_they_were_sent_at_stay_the_same(data: bytes, rate: int) -> None:
+    assert heard(data, rate, rate) == data
+
+
+@given(st.binary(max_size=40), st.sampled_from(sorted(RATES.values())),
+       st.sampled_from(sorted(RATES.values())))
+def test_whatever_is_heard_at_another_rate_are_some_bytes(
+        data: bytes, sent: int, received: int) -> None:
+    assert len(heard(data, sent, received)) <= 10 * len(data) * max(1, received / sent)
+
+
+def test_a_slow_receiver_sees_one_byte_for_three_and_a_start_bit_of_three() -> None:
+    # At a third of the rate one bit is three: 0x00 is nine low bits, three of the receiver's.
+    assert heard(b'\0', 57600, 19200) == bytes([0b11111100])
+
+
+# Physical Connections: power.
+
+def test_pin_3_turns_create_on_or_off_on_a_low_to_high_transition() -> None:
+    robot = Robot()
+    robot.create.toggle_power(robot.now)
+    assert not robot.create.powered
+    robot.create.toggle_power(robot.now)
+    assert robot.create.powered
+
+
+def test_a_robot_that_is_off_neither_hears_nor_speaks_nor_moves() -> None:
+    robot = Robot(Mode.FULL)
+    robot.say(bytes([148, 1, 7]), GENTLE)
+    robot.run(1)
+    robot.create.power(False, robot.now)
+    robot.create.data_to_send()
+    assert robot.say(oi.Start(), ASK_MODE) == b''
+    assert robot.run(2) == b''
+    assert robot.speed == 0
+    assert robot.create.lights == (0, 0, 0)
+
+
+def test_at_power_on_it_says_some_140_bytes_of_ascii() -> None:
+    robot = Robot()
+    robot.create.power(False, robot.now)
+    robot.create.power(True, robot.now)
+    banner = robot.run(1)
+    assert 130 < len(banner) < 150
+    assert banner.isascii()
+    assert b'RDK by iRobot!' in banner
+
+
+def test_opcode_7_restarts_the_robot() -> None:
+    robot = Robot(Mode.FULL)
+    assert b'RDK by iRobot!' in robot.say(bytes([7]))
+    assert robot.mode is Mode.OFF
+    robot.run(4)
+    assert robot.say(oi.Start(), ASK_MODE) == b'\x01'
+
+
+def test_banner_boot_time_and_opcode_7_are_guesses_with_switches() -> None:
+    plain = Guesses(banner=False, boot_seconds=0.0, opcode_7_resets=False)
+    robot = Robot(Mode.FULL, guesses=plain)
+    assert robot.say(bytes([7]) + ASK_MODE) == b'\x03'
+    robot.create.power(False, robot.now)
+    robot.create.power(True, robot.now)
+    assert robot.say(oi.Start(), ASK_MODE) == b'\x01'
+
+
+def test_while_it_boots_it_hears_nothing() -> None:
+    robot = Robot()
+    robot.create.power(False, robot.now)
+    robot.create.power(True, robot.now)
+    robot.run(2.9)
+    robot.say(oi.Start())
+    assert robot.mode is Mode.OFF
+    robot.run(0.2)
+    robot.say(oi.Start())
+    assert robot.mode is Mode.PASSIVE
+
+
+def test_songs_scripts_and_requests_are_forgotten_at_power_off() -> None:
+    robot = Robot(Mode.FULL)
+    robot.say(oi.Song(number=0, notes=(oi.Note(60, 64),)), oi.Script(script=b'\x99'), GENTLE)
+    booted(robot)
+    robot.create.data_to_send()
+    assert robot.say(oi.Start(), oi.Full(), bytes([154])) == b'\0'
+    robot.say(oi.PlaySong(number=0))
+    assert not robot.read('song_playing')
+    assert robot.ask(41, 42) == bytes(4)
+
+
+# Buttons.
+
+@pytest.mark.parametrize('mode', [Mode.OFF, Mode.PASSIVE])
+def test_advance_chooses_a_demo_and_play_plays_and_stops_it(mode: Mode) -> None:
+    robot = Robot(mode)
+    for button in ('advance', 'advance', 'play'):
+        robot.body.force(seconds=0.1, **{button: 1})
+        robot.run(0.5)
+    assert robot.create.demo is oi.DemoNumber.SPOT_COVER
+    robot.body.force(seconds=0.1, play=1)
+    robot.run(2)
+    assert (robot.create.demo, robot.speed, robot.mode) == (None, 0, mode)
+
+
+def test_guesses_are_read_from_text_and_refused_with_the_reason() -> None:
+    assert Guesses.parse(['boot_seconds=0.5', 'banner=false', 'transmit_buffer=64']) == Guesses(
+        boot_seconds=0.5, banner=False, transmit_buffer=64)
+    for text in ('boot=1', 'banner=2', 'boot_seconds=-1', 'boot_seconds=x', 'transmit_buffer=1.5',
+                 'boot_seconds=nan', 'boot_seconds=inf', ''):
+        with pytest.raises(ValueError, match='wanted|one of'):
+            Guesses.parse([text])

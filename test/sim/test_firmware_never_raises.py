@@ -1,0 +1,63 @@
+"""Whatever bytes come, the simulated Create goes on; and time has its price."""
+
+from random import Random
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from create_oi_ros import oi
+from create_oi_ros.oi import Mode
+from create_oi_ros.sim.firmware.guesses import Guesses
+from create_oi_ros.sim.world import shipped
+from support.robot import MODES, Robot
+
+MILLION = 1_000_000
+AT_ONCE = Guesses(opcode_7_resets=False, boot_seconds=0.0)
+OPCODES = st.sampled_from([kind.opcode for kind in oi.COMMANDS])
+BYTES = st.lists(st.integers(0, 255) | OPCODES, max_size=60).map(bytes)
+
+
+@given(st.lists(st.tuples(BYTES, st.floats(0, 0.5), st.sampled_from([None, 300, 57600, 115200])),
+                max_size=8),
+       st.sampled_from(list(Mode)), st.booleans())
+@settings(max_examples=300)
+def test_no_bytes_raise(
+        sent: list[tuple[bytes, float, int | None]], mode: Mode, resets: bool) -> None:
+    robot = Robot(mode, world=shipped('table'), guesses=Guesses(
+        opcode_7_resets=resets, boot_seconds=0.1, overrun=resets))
+    for data, seconds, baud in sent:
+        robot.say(data, baud=baud)
+        robot.run(seconds)
+    assert robot.mode in Mode
+
+
+def test_a_million_random_bytes_do_not_raise() -> None:
+    random = Random(1)
+    robot = Robot(Mode.PASSIVE, world=shipped('room'), guesses=AT_ONCE)
+    for _ in range(MILLION // 100):
+        robot.say(random.randbytes(100))
+        robot.slots()
+        if robot.create.waiting or robot.mode is Mode.OFF:
+            # A wait for an event that never comes would make the rest of the test a trifle.
+            robot.create.lose_battery(robot.now)
+            robot.say(oi.Start(), random.choice(list(MODES.values())))
+    assert robot.create.commands > MILLION / 500
+
+
+def test_a_flood_in_one_call_is_swallowed() -> None:
+    robot = Robot(Mode.FULL, guesses=AT_ONCE)
+    robot.say(bytes([152, 100] + [142, 6] * 50))
+    robot.say(bytes([153]) * 1000)
+    robot.say(Random(1).randbytes(MILLION))
+    robot.run(1)
+    assert robot.mode in Mode
+
+
+def test_a_robot_recovers_from_any_bytes_by_harmless_ones() -> None:
+    """What a driver does on connecting: at most 2 + 2 * 255 bytes end any cut command."""
+    random = Random(7)
+    for _ in range(200):
+        robot = Robot(Mode.PASSIVE, guesses=AT_ONCE)
+        robot.say(bytes([140, 0, 255]) + random.randbytes(random.randrange(20)))
+        robot.say(bytes(600), oi.Start(), oi.Safe())
+        assert robot.mode is Mode.SAFE

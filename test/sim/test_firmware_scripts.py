@@ -1,0 +1,299 @@
+"""
+Scripts and waits of the simulated Create, one test for each sentence of the manual.
+
+Sections Script Commands and Wait Commands.
+"""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.oi import Mode
+from create_oi_ros.sim.firmware.guesses import Guesses
+from support.robot import GENTLE, Robot
+
+DRIVE_40_CM = bytes([152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0])
+TOGGLE_LED_ON_BUMP = bytes(
+    [152, 17, 158, 5, 158, 251, 139, 2, 0, 0, 158, 5, 158, 251, 139, 0, 0, 0, 153])
+SQUARE = bytes([152, 17, 137, 1, 44, 128, 0, 156, 1, 144, 137, 1, 44, 0, 1, 157, 0, 90, 153])
+PLAY, SHOW = bytes([153]), bytes([154])
+AFTER = bytes([139, 8, 0, 0])
+"""Lights the Advance LED: a sign that a wait is over."""
+
+
+@pytest.fixture
+def robot() -> Robot:
+    """Return a robot in Full mode on endless floor."""
+    return Robot(Mode.FULL)
+
+
+def lit(robot: Robot) -> bool:
+    """Tell whether AFTER has been obeyed."""
+    return robot.create.lights.bits == oi.LedBits.ADVANCE
+
+
+# Script, Play Script, Show Script.
+
+def test_example_drive_40_cm_and_stop(robot: Robot) -> None:
+    robot.say(DRIVE_40_CM, PLAY)
+    robot.run(5)
+    assert robot.speed == 0
+    assert robot.body.truth().travelled == pytest.approx(0.4, abs=0.06)
+
+
+def test_example_toggle_led_on_bump(robot: Robot) -> None:
+    robot.say(TOGGLE_LED_ON_BUMP, PLAY)
+    for expected in (oi.LedBits.PLAY, 0, oi.LedBits.PLAY, 0):
+        robot.run(1)
+        robot.body.force(bump_left=1, seconds=0.2)
+        robot.run(0.1)
+        assert robot.create.lights.bits != expected
+        robot.run(0.2)
+        assert robot.create.lights.bits == expected
+
+
+def test_example_drive_in_a_square(robot: Robot) -> None:
+    robot.say(SQUARE, PLAY)
+    robot.run(60)
+    truth = robot.body.truth()
+    assert truth.turned > 6
+    assert abs(truth.pose.x) < 0.7
+    assert abs(truth.pose.y) < 0.7
+    assert robot.wheels != (0, 0)
+
+
+def test_a_script_is_played_later_not_now(robot: Robot) -> None:
+    robot.say(bytes([152, len(AFTER)]) + AFTER)
+    robot.run(1)
+    assert not lit(robot)
+    robot.say(PLAY)
+    assert lit(robot)
+
+
+def test_a_script_can_be_played_again(robot: Robot) -> None:
+    robot.say(bytes([152, len(AFTER)]) + AFTER)
+    for _ in range(3):
+        robot.say(oi.Leds(bits=0, color=0, intensity=0), PLAY)
+        assert lit(robot)
+
+
+def test_a_script_can_be_up_to_100_bytes_long(robot: Robot) -> None:
+    robot.say(bytes([152, 100] + [132] * 100))
+    assert robot.say(SHOW) == bytes([100] + [132] * 100)
+    robot.say(bytes([152, 101] + [131] * 101))
+    assert robot.say(SHOW) == bytes([100] + [132] * 100)
+
+
+def test_a_length_of_0_clears_the_current_script(robot: Robot) -> None:
+    robot.say(DRIVE_40_CM, bytes([152, 0]), PLAY)
+    assert robot.wheels == (0, 0)
+    assert robot.say(SHOW) == b'\0'
+
+
+def test_a_script_obeys_the_modes() -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(DRIVE_40_CM, PLAY)
+    robot.run(1)
+    assert robot.wheels == (0, 0)
+
+
+def test_show_script_returns_the_number_of_bytes_and_the_bytes(robot: Robot) -> None:
+    robot.say(SQUARE)
+    assert robot.say(SHOW) == SQUARE[1:]
+
+
+def test_show_script_first_halts_the_sensor_stream(robot: Robot) -> None:
+    robot.say(bytes([148, 1, 7]))
+    assert len(robot.slots()) == 5
+    assert robot.say(SHOW) == b'\0'
+    assert robot.slots(10) == b''
+    robot.say(bytes([150, 1]))
+    assert len(robot.slots(2)) == 10
+
+
+def test_commands_behind_a_script_that_does_not_wait_are_obeyed(robot: Robot) -> None:
+    robot.say(bytes([152, len(AFTER)]) + AFTER)
+    assert robot.say(PLAY, bytes([142, 35])) == b'\x03'
+
+
+def test_a_script_that_ends_in_the_middle_of_a_command_waits_for_the_rest(robot: Robot) -> None:
+    robot.say(bytes([152, 3, 145, 0, 100]), PLAY)
+    robot.run(1)
+    robot.say(bytes([0, 50]))
+    assert robot.wheels == (100, 50)
+
+
+def test_to_make_a_script_loop_forever_use_play_script_as_the_last_command(robot: Robot) -> None:
+    robot.say(bytes([152, 3, 151, 77, 153]), PLAY)
+    robot.run(0.15)
+    assert 9 <= list(robot.create.actuators.infrared_sent).count(77) <= 11
+    robot.say(oi.Safe(), oi.Start(), GENTLE)
+    assert robot.mode is Mode.FULL
+    robot.create.power(False, robot.now)
+    robot.create.power(True, robot.now)
+    robot.run(4)
+    robot.say(oi.Start())
+    assert robot.mode is Mode.PASSIVE
+
+
+# Waiting.
+
+@pytest.mark.parametrize('wait', [bytes([155, 255]), bytes([156, 1, 0]), bytes([157, 0, 90]),
+                                  bytes([158, 5])])
+def test_while_waiting_create_does_not_react_to_serial_inputs(robot: Robot, wait: bytes) -> None:
+    robot.say(GENTLE, wait)
+    robot.say(oi.DriveDirect(right=0, left=0))
+    assert robot.say(oi.Sensors(packet=35)) == b''
+    robot.run(0.5)
+    assert robot.say(oi.Start()) == b''
+    assert (robot.mode, robot.wheels) == (Mode.FULL, (100, 100))
+    assert robot.create.waiting
+
+
+def test_bytes_right_behind_a_script_that_waits_are_not_heard(robot: Robot) -> None:
+    robot.say(bytes([152, 2, 155, 10]), PLAY, GENTLE)
+    robot.run(2)
+    assert robot.wheels == (0, 0)
+
+
+def test_while_waiting_create_does_not_react_to_buttons() -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(bytes([155, 50]))
+    robot.body.force(play=1, seconds=0.2)
+    robot.run(1)
+    assert robot.create.demo is None
+
+
+def test_while_waiting_a_safety_stop_still_enters_passive() -> None:
+    robot = Robot(Mode.SAFE)
+    script = bytes([145, 0, 100, 0, 100, 158, 22, 151, 1])
+    robot.say(bytes([152, len(script)]) + script, PLAY)
+    robot.run(1)
+    assert robot.create.waiting
+    robot.body.force(cliff_left=1)
+    robot.slots(2)
+    assert (robot.mode, robot.create.waiting) == (Mode.PASSIVE, False)
+
+
+@pytest.mark.parametrize('goes_on', [True, False])
+def test_whether_the_stream_goes_on_while_waiting_is_a_guess_with_a_switch(
+        goes_on: bool) -> None:
+    robot = Robot(Mode.FULL, guesses=Guesses(stream_while_waiting=goes_on))
+    robot.say(bytes([148, 1, 7]), bytes([155, 10]))
+    assert bool(robot.run(0.5)) is goes_on
+    robot.run(0.6)
+    assert len(robot.slots(2)) == 10
+
+
+# Wait Time.
+
+@pytest.mark.parametrize(('tenths', 'seconds'), [(1, 0.105), (5, 0.510), (10, 1.005), (30, 3.0)])
+def test_wait_time_is_in_tenths_of_a_second_with_a_resolution_of_15_ms(
+        robot: Robot, tenths: int, seconds: float) -> None:
+    script = bytes([155, tenths]) + AFTER
+    robot.say(bytes([152, len(script)]) + script, PLAY)
+    robot.run(seconds - 0.005)
+    assert not lit(robot)
+    robot.run(0.005)
+    assert lit(robot)
+
+
+def test_wait_time_of_0_does_not_wait(robot: Robot) -> None:
+    robot.say(bytes([155, 0]), AFTER)
+    assert lit(robot)
+
+
+# Wait Distance.
+
+@pytest.mark.parametrize('speed', [100, -100])
+def test_wait_distance_waits_until_it_has_traveled_forward_or_backward(
+        robot: Robot, speed: int) -> None:
+    script = (oi.DriveDirect(right=speed, left=speed).encode()
+              + oi.WaitDistance(distance=2 * speed).encode() + AFTER)
+    robot.say(bytes([152, len(script)]) + script, PLAY)
+    robot.run(1.9)
+    assert not lit(robot)
+    robot.run(0.25)
+    assert lit(robot)
+
+
+def test_wait_distance_does_not_end_on_travel_the_other_way(robot: Robot) -> None:
+    robot.say(oi.DriveDirect(right=-100, left=-100), oi.WaitDistance(distance=100))
+    robot.run(60)
+    assert robot.create.waiting
+
+
+def test_if_the_wheels_are_passively_rotated_the_distance_is_incremented(robot: Robot) -> None:
+    robot.say(oi.WaitDistance(distance=100))
+    robot.body.push(speed=-0.1, rate=0, seconds=2)
+    robot.run(0.9)
+    assert robot.create.waiting
+    robot.run(0.2)
+    assert not robot.create.waiting
+
+
+def test_wait_distance_resets_the_distance_variable(robot: Robot) -> None:
+    robot.say(GENTLE)
+    robot.run(1)
+    robot.say(oi.WaitDistance(distance=0))
+    assert robot.ask(19) == b'\0\0'
+
+
+# Wait Angle.
+
+@pytest.mark.parametrize('sign', [1, -1])
+def test_wait_angle_waits_for_a_turn_counterclockwise_or_clockwise(
+        robot: Robot, sign: int) -> None:
+    script = (oi.DriveDirect(right=sign * 100, left=-sign * 100).encode()
+              + oi.WaitAngle(angle=sign * 90).encode() + AFTER)
+    robot.say(bytes([152, len(script)]) + script, PLAY)
+    robot.run(2.0)
+    assert not lit(robot)
+    robot.run(0.2)
+    assert lit(robot)
+
+
+def test_wait_angle_resets_the_angle_variable(robot: Robot) -> None:
+    robot.say(oi.DriveDirect(right=100, left=-100))
+    robot.run(1)
+    robot.say(oi.WaitAngle(angle=0))
+    assert robot.ask(20) == b'\0\0'
+
+
+# Wait Event.
+
+EVENTS = {1: 'drop_caster', 2: 'drop_caster', 3: 'drop_left', 4: 'drop_right', 5: 'bump_left',
+          6: 'bump_left', 7: 'bump_right', 8: 'virtual_wall', 9: 'wall', 10: 'cliff_front_left',
+          11: 'cliff_left', 12: 'cliff_front_left', 13: 'cliff_front_right', 14: 'cliff_right',
+          15: 'home_base', 16: 'advance', 17: 'play', 18: 'digital_input_0',
+          19: 'digital_input_1', 20: 'digital_input_2', 21: 'digital_input_3'}
+
+
+@pytest.mark.parametrize(('event', 'sensor'), EVENTS.items())
+def test_wait_event_waits_for_the_event_or_its_inverse(
+        robot: Robot, event: int, sensor: str) -> None:
+    robot.say(bytes([158, event]))
+    robot.run(1)
+    assert robot.create.waiting
+    robot.body.force(**{sensor: 1})
+    robot.slots()
+    assert not robot.create.waiting
+    robot.say(bytes([158, 256 - event]))
+    robot.run(1)
+    assert robot.create.waiting
+    robot.body.force(**{sensor: 0})
+    robot.slots()
+    assert not robot.create.waiting
+
+
+def test_event_22_is_oi_mode_passive() -> None:
+    robot = Robot(Mode.PASSIVE)
+    robot.say(bytes([158, 22]))
+    assert not robot.create.waiting
+    robot.say(bytes([158, 234]))
+    assert robot.create.waiting
+
+
+@pytest.mark.parametrize('event', [0, 23, 128, 233])
+def test_an_event_that_is_not_there_is_not_waited_for(robot: Robot, event: int) -> None:
+    robot.say(bytes([158, event]), AFTER)
+    assert lit(robot)

@@ -1,0 +1,302 @@
+"""A run is captured by the real node and played again: the same bytes, the same readings."""
+
+from itertools import pairwise
+from math import hypot
+import os
+from pathlib import Path
+import signal
+import threading
+
+from geometry_msgs.msg import Twist, Vector3
+from nav_msgs.msg import Odometry
+import pytest
+
+from create_oi_ros.link.capture import Capture, CapturedPort, create
+from create_oi_ros.link.port import PortError
+from create_oi_ros.oi.tools.capture_format import (
+    CaptureError,
+    CaptureReader,
+    encode_head,
+    encode_record,
+    Kind,
+    Record,
+    records_of,
+)
+from create_oi_ros.sim.server.replay import Replay
+from support.ros import PATIENCE, Scene, scene
+from support.simulator import opened, receive, simulator
+
+SECOND = 1_000_000
+LOSS = 2.0
+"""Seconds of the line that may be missing after kill -9, on a busy computer."""
+NEAR = 0.01
+"""Metres between two odometries of the same readings at slightly other times."""
+
+
+def read(path: Path) -> tuple[list[Record], str]:
+    """Return the records of a file, and what is wrong with it."""
+    records = []
+    try:
+        for record in records_of([path.read_bytes()], CaptureReader()):
+            records.append(record)
+    except CaptureError as error:
+        return records, str(error)
+    return records, ''
+
+
+def said(records: list[Record], kind: Kind = Kind.FROM_ROBOT) -> bytes:
+    """Return all bytes of one direction."""
+    return b''.join(record.data for record in records if record.kind is kind)
+
+
+def written(path: Path, *records: tuple[float, Kind, bytes]) -> Path:
+    """Write a capture of records with times in seconds."""
+    before, data = 0, encode_head({'port': '/dev/create'})
+    for time, kind, content in records:
+        now = round(time * SECOND)
+        data += encode_record(now - before, kind, content)
+        before = now
+    path.write_bytes(data)
+    return path
+
+
+# The robot's side, without a clock.
+
+def replay(*records: tuple[float, Kind, bytes]) -> Replay:
+    """Return a replay of records with times in seconds."""
+    return Replay(Record(round(time * SECOND), kind, data) for time, kind, data in records)
+
+
+def at(robot: Replay, now: float) -> bytes:
+    """Return what is said until then."""
+    robot.step(now)
+    return robot.data_to_send()
+
+
+def test_it_begins_when_the_host_speaks_as_the_captured_one_did() -> None:
+    robot = replay(
+        (1, Kind.OPENED, b''), (2, Kind.FROM_ROBOT, b'before'), (3, Kind.TO_ROBOT, b'\x80'),
+        (3.5, Kind.FROM_ROBOT, b'after'), (4, Kind.END, b''))
+    assert at(robot, 100) == b''
+    robot.receive(b'', 100)
+    assert at(robot, 200) == b''
+    robot.receive(b'\x80\x83', 200)
+    assert at(robot, 200) == b'before'
+    assert at(robot, 200.4) == b''
+    robot.receive(b'\x83', 200.4)
+    assert robot.due() == pytest.approx(200.5)
+    assert at(robot, 200.6) == b'after' and not robot.over
+    assert at(robot, 202) == b'' and robot.over and robot.due() > 1e9
+    assert (robot.said, robot.heard, robot.heard_then, robot.time) == (11, 3, 1, 4.0)
+
+
+def test_a_port_that_was_lost_comes_back_and_waits_for_the_host() -> None:
+    robot = replay(
+        (0, Kind.TO_ROBOT, b'\x80'), (1, Kind.FROM_ROBOT, b'a'), (2, Kind.LOST, b'gone'),
+        (7, Kind.OPENED, b''), (7.1, Kind.TO_ROBOT, b'\x80'), (7.2, Kind.FROM_ROBOT, b'b'))
+    robot.receive(b'\x80', 10)
+    assert at(robot, 11) == b'a' and robot.plugged
+    assert at(robot, 12) == b'' and not robot.plugged
+    assert at(robot, 16.9) == b'' and not robot.plugged
+    assert at(robot, 30) == b'' and robot.plugged
+    robot.receive(b'\x80', 40)
+    assert at(robot, 40.05) == b''
+    assert at(robot, 40.2) == b'b'
+
+
+# `create_sim --replay`.
+
+def test_a_capture_is_played_and_its_end_told(tmp_path: Path) -> None:
+    path = written(tmp_path / 'c', (0, Kind.TO_ROBOT, b'\x80'), (0.2, Kind.FROM_ROBOT, b'hello'),
+                   (0.3, Kind.FROM_ROBOT, bytes(20_000)), (0.4, Kind.END, b''))
+    with simulator('--link', tmp_path / 'create', '--replay', path) as sim:
+        assert '/dev/create' in sim.said
+        with opened(tmp_path / 'create') as host:
+            os.write(host, b'\x80\x83')
+            assert receive(host, 20_005) == b'hello' + bytes(20_000)
+        code, told, errors = sim.ended()
+    assert (code, errors) == (0, '')
+    assert 'Played 0.4 s: 20005 bytes to the host, 2 bytes from it (1 when' in told
+    assert not os.path.lexists(tmp_path / 'create')
+
+
+def test_a_capture_that_is_cut_short_is_played_up_to_the_cut(tmp_path: Path) -> None:
+    path = written(tmp_path / 'c', (0, Kind.TO_ROBOT, b'\x80'), (0.1, Kind.FROM_ROBOT, b'hello'))
+    with simulator('--link', tmp_path / 'create', '--replay', path) as sim:
+        with opened(tmp_path / 'create') as host:
+            os.write(host, b'\x80')
+            assert receive(host, 5) == b'hello'
+        code, told, errors = sim.ended()
+    assert code == 1 and 'Played 0.1 s: 5 bytes' in told
+    assert errors.startswith(f'create_sim: {path}: cut short at 0.100 s')
+
+
+@pytest.mark.parametrize('content, words', [
+    (None, 'No such file'), (b'', 'empty'), (b'PK\3\4', 'no capture'),
+    (encode_head({}) + b'\7\0', 'damaged'),
+])
+def test_what_cannot_be_played_gets_a_sentence(
+        tmp_path: Path, content: bytes | None, words: str) -> None:
+    if content is not None:
+        (tmp_path / 'c').write_bytes(content)
+    with simulator('--link', tmp_path / 'create', '--replay', tmp_path / 'c') as sim:
+        code, told, errors = sim.ended()
+    assert (code, sim.said, told) == (1, '', '')
+    assert words in errors and errors.count('\n') == 1
+
+
+@pytest.mark.parametrize('option', ['--world=room', '--fault=cut:1', '--show', '--wire-time'])
+def test_what_is_simulated_otherwise_is_refused(tmp_path: Path, option: str) -> None:
+    with simulator('--replay', tmp_path / 'c', option) as sim:
+        code, _, errors = sim.ended()
+    assert code == 2 and f'{option.partition("=")[0]}: with --replay' in errors
+
+
+# The node.
+
+@pytest.fixture
+def stage(tmp_path: Path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+def drive(stage: Scene, odom: list[Odometry]) -> None:
+    """Drive half a metre on a bend and stand still again."""
+    velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    going = Twist(linear=Vector3(x=0.3), angular=Vector3(z=0.6))
+    timer = stage.ros.node.create_timer(0.1, lambda: velocity.publish(going))
+    stage.ros.until(lambda: odom and abs(odom[-1].pose.pose.position.y) > 0.15)
+    timer.cancel()
+    frames = len(odom)
+    stage.ros.until(lambda: len(odom) > frames + 150 and odom[-1].twist.twist.linear.x == 0)
+
+
+def way(odom: list[Odometry]) -> float:
+    """Return how far a robot has gone."""
+    places = [each.pose.pose.position for each in odom]
+    return sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(places))
+
+
+def test_a_captured_run_is_played_to_another_node(stage: Scene) -> None:
+    first, second = stage.folder / 'first.capture', stage.folder / 'second.capture'
+    odom = stage.ros.listen(Odometry, 'odom', 1000)
+    node = stage.node(stage.robot().link, capture=first)
+    drive(stage, odom)
+    node.send(signal.SIGINT)
+    assert node.ended() == 0
+    records, wrong = read(first)
+    assert not wrong and f'written to {first}' in node.output
+    assert {record.kind for record in records} >= {
+        Kind.OPENED, Kind.FROM_ROBOT, Kind.TO_ROBOT, Kind.NOTE, Kind.END}
+    then, odom[:] = list(odom), []
+    again = stage.folder / 'again'
+    sim = stage.program('create_sim', '--link', str(again), '--replay', str(first))
+    node = stage.node(again, capture=second)
+    stage.ros.until(lambda: not sim.running())
+    node.send(signal.SIGINT)
+    assert node.ended() == 0
+    assert said(read(second)[0]) == said(records)
+    ends = [run[-1].pose.pose for run in (then, odom)]
+    assert ends[1].position.x == pytest.approx(ends[0].position.x, abs=NEAR)
+    assert ends[1].position.y == pytest.approx(ends[0].position.y, abs=NEAR)
+    assert ends[1].orientation.z == pytest.approx(ends[0].orientation.z, abs=NEAR)
+    assert way(odom) > 0.15
+
+
+def test_a_killed_node_leaves_a_capture_and_the_next_one_another(stage: Scene) -> None:
+    path = stage.folder / 'walk.capture'
+    robot = stage.robot()
+    odom = stage.ros.listen(Odometry, 'odom', 1000)
+    node = stage.node(robot.link, capture=path)
+    stage.ros.until(lambda: len(odom) > 200)
+    node.send(signal.SIGKILL)
+    node.ended()
+    records, wrong = read(path)
+    assert wrong.startswith('cut short')
+    assert records[-1].time / SECOND > 200 * 0.015 - LOSS
+    before = path.read_bytes()
+    node = stage.node(robot.link, capture=path)
+    stage.ros.until(lambda: 'robot answers' in node.output)
+    node.send(signal.SIGTERM)
+    assert node.ended() == 0
+    assert path.read_bytes() == before
+    assert read(stage.folder / 'walk-2.capture')[1] == ''
+
+
+@pytest.mark.parametrize('wanted, words', [
+    ('no/such/folder/walk', 'No such file or directory'), ('.', 'is a folder; give a file')])
+def test_a_capture_that_cannot_be_written_is_refused_at_start(
+        stage: Scene, wanted: str, words: str) -> None:
+    node = stage.node(stage.folder / 'create', capture=stage.folder / wanted)
+    assert node.ended() == 2
+    assert 'parameter capture' in node.output and words in node.output
+    assert 'Traceback' not in node.output
+
+
+# The port and the file alone.
+
+def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
+    robot, host = os.openpty()
+    file, path = create(str(tmp_path / 'c'))
+    capture = Capture(file, {}, print)
+    name = os.ttyname(host)
+    port = CapturedPort(capture, name, 57600, timeout=PATIENCE)
+    os.close(host)
+    port.baud = 19200
+    port.write(b'\x80')
+    assert os.read(robot, 1) == b'\x80'
+    os.write(robot, b'hello')
+    heard = b''
+    while heard != b'hello':
+        heard += port.read()
+    os.close(robot)
+    for _ in range(2):
+        with pytest.raises(PortError):
+            port.read()
+    with pytest.raises(PortError):
+        port.write(b'\x83')
+    capture.close()
+    capture.tell(Kind.NOTE, 'too late')
+    records, wrong = read(path)
+    assert not wrong
+    told = [(record.kind, record.text) for record in records if record.kind in (
+        Kind.OPENED, Kind.BAUD)]
+    assert told == [(Kind.OPENED, f'{name} at 57600 baud'), (Kind.BAUD, '19200')]
+    assert said(records) == b'hello' and said(records, Kind.TO_ROBOT) == b'\x80\x83'
+    assert [record.kind for record in records].count(Kind.LOST) == 1
+    assert records[-1].kind is Kind.END
+
+
+def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
+    full, told = threading.Event(), []
+
+    def on_failure(why: str) -> None:
+        told.append(why)
+        full.set()
+    file, _ = create(str(tmp_path / 'c'))
+    capture = Capture(file, {}, on_failure)
+    disk = os.open('/dev/full', os.O_WRONLY)
+    os.dup2(disk, file)
+    os.close(disk)
+    capture.tell(Kind.NOTE, 'too much')
+    assert full.wait(PATIENCE)
+    capture.add(Kind.FROM_ROBOT, b'\0')
+    capture.close()
+    assert told == ['No space left on device; nothing more is captured, the driver goes on']
+
+
+def test_a_disk_that_is_full_from_the_beginning_is_refused() -> None:
+    with pytest.raises(OSError, match='No space'):
+        Capture(os.open('/dev/full', os.O_WRONLY), {}, print)
+
+
+def test_a_home_is_found_and_nothing_overwritten(
+        tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv('HOME', str(tmp_path))
+    names = []
+    for _ in range(3):
+        file, path = create('~/walk.capture')
+        os.close(file)
+        names.append(path)
+    assert names == [tmp_path / f'walk{number}.capture' for number in ('', '-2', '-3')]

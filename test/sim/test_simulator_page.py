@@ -1,0 +1,30 @@
+"""docs/simulator.md names every word, fault and guess there is."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from create_oi_ros.sim.firmware.guesses import Guesses, LIKELY
+from create_oi_ros.sim.server.control import WORDS
+from create_oi_ros.sim.server.faults import Kind
+
+DOCS = (Path(__file__).parents[2] / 'docs' / 'simulator.md').read_text('utf-8')
+
+
+@pytest.mark.parametrize('word', WORDS)
+def test_every_word_of_the_control_socket_is_there_with_its_form(word: str) -> None:
+    form = f'{word} {WORDS[word].form}'.strip().replace('|', r'\|')
+    assert f'`{form}`' in DOCS
+
+
+@pytest.mark.parametrize('kind', Kind)
+def test_every_kind_of_fault_is_there(kind: Kind) -> None:
+    assert f'`{kind.value}`' in DOCS
+
+
+@pytest.mark.parametrize('name', [field.name for field in fields(Guesses)])
+def test_every_guess_is_there_with_its_default(name: str) -> None:
+    value = getattr(LIKELY, name)
+    shown = str(value).lower() if isinstance(value, bool) else f'{value:g}'
+    assert f'`--guess {name}={shown}`' in DOCS

@@ -1,0 +1,1 @@
+"""What tests share: simulated robots, ROS scenes, terminals, bags, pages."""
