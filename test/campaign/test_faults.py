@@ -4,8 +4,8 @@ from random import Random
 
 import pytest
 
-from campaign.__main__ import attempt
 from campaign.cases import FAULTS, Outcome
+from campaign.faults import attempt
 from campaign.noise import LEAST_KEPT, noise
 from campaign.stage import staged
 from campaign.table import as_json, markdown, Row

@@ -1,15 +1,20 @@
 """
 Mutated frames against the stream reader: `make fuzz ARGS='[COUNT [SEED]]'`.
 
-The invariant: whatever is done to the bytes of good frames and however they are cut, the reader
-raises nothing, gives back every byte once and in order, calls a frame only what has the header,
-length, ids and checksum of a list it expects, does so alike for another cutting, and finds every
-good frame but those that chance made part of another: half a frame and what follows it.
+Whatever is done to the bytes of good frames, and however the bytes are cut into pieces, the
+reader must
+
+- raise nothing;
+- return every byte once, in order;
+- call bytes a frame only if header, length, ids and checksum are those of a list it expects;
+- return the same events for any other way to cut the bytes;
+- find every good frame. The one exception: half a frame and the bytes after it can by chance
+  look like a frame, and a good frame that begins inside is lost.
 """
 
+import argparse
 from collections.abc import Iterator
 from random import Random
-import sys
 from time import perf_counter
 
 from create_oi_ros import oi
@@ -24,7 +29,7 @@ FRAMES_AT_ONCE = 40
 
 
 def good_frame(packets: oi.PacketList, random: Random) -> bytes:
-    """Return a frame; half of them are full of bytes that look like headers and ids."""
+    """Return a frame; every second one is full of bytes that look like headers and ids."""
     size = packets.reply_size
     if random.random() < 0.5:
         reply = bytes(random.choices([oi.HEADER, packets.length, *packets.ids], k=size))
@@ -40,7 +45,7 @@ def good_frame(packets: oi.PacketList, random: Random) -> bytes:
 
 
 def mutated(frame: bytes, random: Random) -> bytes:
-    """Return the frame flipped, cut, stretched, doubled or drowned in text."""
+    """Return the frame with a flipped bit, cut, doubled, or with bytes or text inserted."""
     place = random.randrange(len(frame))
     match random.randrange(6):
         case 0:
@@ -59,7 +64,7 @@ def mutated(frame: bytes, random: Random) -> bytes:
 
 
 def events(data: bytes, lists: list[oi.PacketList], step: int) -> Iterator[oi.Frame | oi.Garbage]:
-    """Read bytes cut into pieces of a size."""
+    """Yield what the reader finds in bytes that are cut into pieces of `step` bytes."""
     reader = oi.StreamReader(lists)
     for start in range(0, len(data), step):
         reader.feed(data[start:start + step])
@@ -69,7 +74,7 @@ def events(data: bytes, lists: list[oi.PacketList], step: int) -> Iterator[oi.Fr
 
 
 def check(pieces: list[tuple[bytes, bool]], lists: list[oi.PacketList], step: int) -> int:
-    """Hold the reader to the invariant for pieces, good or not; return the frames found."""
+    """Check one run of pieces, each with whether it is a good frame; return the frames found."""
     data = b''.join(piece for piece, _ in pieces)
     found = list(events(data, lists, step))
     assert found == list(events(data, lists, len(data) + 1)), 'cutting changed the events'
@@ -86,14 +91,14 @@ def check(pieces: list[tuple[bytes, bool]], lists: list[oi.PacketList], step: in
             covered.update(range(place, place + len(event.data)))
         place += len(event.data)
     frames = [event for event in found if isinstance(event, oi.Frame)]
-    # Three damaged frames in a row can look like the other convention: rare, and no fault.
+    # Three damaged frames in a row can look like the other checksum rule: rare, and no fault.
     if all(frame.checksum is oi.Checksum.HARDWARE for frame in frames):
         assert not missed(pieces, covered), 'a good frame was not found'
     return len(frames)
 
 
 def missed(pieces: list[tuple[bytes, bool]], covered: set[int]) -> list[int]:
-    """Return where good frames begin of which no byte lies in a frame that was delivered."""
+    """Return where good frames begin of which no byte is in a found frame."""
     starts, place = [], 0
     for piece, good in pieces:
         if good and covered.isdisjoint(range(place, place + len(piece))):
@@ -102,24 +107,32 @@ def missed(pieces: list[tuple[bytes, bool]], covered: set[int]) -> list[int]:
     return starts
 
 
-def main(count: int = 1_000_000, seed: int = 1) -> None:
-    """Run so many frames, half of them mutated."""
+def fuzz(count: int, seed: int) -> int:
+    """Check `count` frames, about half of them mutated; return how many the reader found."""
     random = Random(seed)
-    began = perf_counter()
     found = 0
     for _ in range(0, count, FRAMES_AT_ONCE):
         lists = random.sample(LISTS, random.randrange(1, 4))
-        # The first frame is good: it decides what the checksum is a sum of.
+        # The first frame is good: from it the reader learns the checksum rule.
         frames = [(good_frame(lists[0], random), True)]
-        trouble = random.random()
+        mutated_share = random.random()
         while len(frames) < FRAMES_AT_ONCE:
             frame = good_frame(random.choice(lists), random)
-            good = random.random() > trouble
+            good = random.random() > mutated_share
             frames.append((frame if good else mutated(frame, random), good))
         found += check(frames, lists, random.randrange(1, 40))
-    print(f'{count} frames, seed {seed}: {found} delivered, none wrong, none missed; '
-          f'{perf_counter() - began:.0f} s')
+    return found
 
 
-if __name__ == '__main__':
-    main(*map(int, sys.argv[1:]))
+def main() -> int:
+    """Run the fuzzer from the command line; an AssertionError ends it."""
+    parser = argparse.ArgumentParser(
+        prog='fuzz', description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('count', type=int, nargs='?', default=1_000_000, help='frames')
+    parser.add_argument('seed', type=int, nargs='?', default=1, help='seed of all random choices')
+    options = parser.parse_args()
+    began = perf_counter()
+    found = fuzz(options.count, options.seed)
+    print(f'{options.count} frames, seed {options.seed}: {found} delivered, none wrong, '
+          f'none missed; {perf_counter() - began:.0f} s')
+    return 0
