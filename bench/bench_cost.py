@@ -1,11 +1,13 @@
 """
-What the node costs: `python bench/bench_cost.py`, three minutes, a table.
+Processor time and memory of the node: `python bench/bench_cost.py`, three minutes, a table.
 
-Processor time as a share of one core, of the node with its dead-man, at 66.7 frames a second,
-one subscriber on each topic, which is another process; standing, and driving in a circle with
-`cmd_vel` ten times a second. Memory is what is resident then. The floor (programs/floor.py) has
-imported the same message packages, and publishes one Odometry a frame to one subscriber. What
-was tried is the floor with one thing done otherwise (programs/variant.py). All take turns.
+The node runs with its dead-man process at 66.7 frames a second, with one subscriber on each topic
+in another process. Its processor time, as a share of one core, is measured standing, and driving
+in a circle with `cmd_vel` ten times a second. Memory is resident memory.
+
+The floor (programs/floor.py) imports the same message packages and publishes one Odometry for each
+frame to one subscriber. The variants are the floor with one change (programs/variant.py). Node,
+floor and variants take turns.
 """
 
 from collections.abc import Sequence
@@ -18,8 +20,8 @@ from results import Figure, repeated, run
 from scene import scene
 
 REPETITIONS = 3
+# Seconds to wait before a measurement, and its duration.
 SETTLE, WATCH = 1.5, 4.0
-"""Seconds before, and while the processor time is counted."""
 ALL = tuple(topic.name for topic in PUBLISHED)
 VARIANTS = {
     'messages': 'floor that publishes all that the node does, nothing filled',
@@ -45,7 +47,7 @@ def floor() -> tuple[float, float]:
 
 
 def variant(which: str) -> float:
-    """Return the processor share of a variant of the floor."""
+    """Return the processor share of a variant."""
     with scene() as stage:
         stage.robot()
         listener = stage.listener(*(ALL if which in ('messages', 'bytes') else ['odom']))
@@ -57,7 +59,7 @@ def variant(which: str) -> float:
 
 
 def node() -> tuple[float, float, float]:
-    """Return the processor share of the node standing and driving, and its memory."""
+    """Return the node's processor share standing and driving, and its memory."""
     with scene() as stage:
         stage.robot()
         listener = stage.listener(*ALL)
@@ -72,7 +74,7 @@ def node() -> tuple[float, float, float]:
 
 
 def measure() -> list[Figure]:
-    """Measure everything."""
+    """Run all in turn; return the figures."""
     least, most = [], []
     others: dict[str, list[float]] = {which: [] for which in VARIANTS}
     for _ in range(REPETITIONS):
@@ -101,7 +103,7 @@ def measure() -> list[Figure]:
 
 def compared(what: str, shares: Sequence[float], floors: Sequence[float],
              target: float | None = None) -> Figure:
-    """Compare with the floor of the same repetition."""
+    """Return the ratio to the floor of the same repetition."""
     return repeated(what, [a / b for a, b in zip(shares, floors)], 'x floor', target,
                     f'{median(shares):.1f} % of a core')
 

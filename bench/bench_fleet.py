@@ -1,9 +1,9 @@
 """
-How many robots a machine carries: `python bench/bench_fleet.py`, two minutes, a table.
+How many robots one machine can run: `python bench/bench_fleet.py`, two minutes, a table.
 
-One to 32 simulated robots with their nodes, a process each, and one listener to all odometry.
-A frame is lost where no `odom` came for it. The machine is full when all its cores are busy;
-what lies beyond is shown, not judged. The last row has several drivers in one process.
+One to 32 simulated robots and their nodes, each a process, and one listener to all odometry. A
+frame without an `odom` counts as lost. When all cores are busy, the machine is full: rows beyond
+that have no target. The last row has several drivers in one process.
 """
 
 import os
@@ -14,31 +14,32 @@ from create_oi_ros.oi import SLOT
 from create_oi_ros.ros.programs import PROGRAMS
 from processes import machine_seconds, processor_shares
 from results import Figure, run
-from scene import Actor, Scene, scene
+from scene import Process, Scene, scene
 
 SIZES = (1, 2, 4, 8, 16, 32)
 TOGETHER = 4
 FLAT = 1.2
-"""Most that a robot may cost in a fleet, as a multiple of one alone."""
+"""Target: the cost of a node in a fleet, as a multiple of the cost of one alone."""
+# Seconds: longest wait for all nodes to start, wait for one node, duration of a measurement.
 LATEST, SETTLE, WATCH = 25.0, 3.0, 5.0
-"""Seconds until all drive at the latest, until all is quiet, and of counting."""
 
 
-class Seen(NamedTuple):
-    """A fleet."""
+class Fleet(NamedTuple):
+    """What was measured with a number of robots."""
 
     size: int
     node: float
     """Processor share of a node, % of a core."""
     robot: float
-    came: float
-    """Of the frames that there should have been, %."""
+    """Processor share of a simulated robot, % of a core."""
+    arrived: float
+    """Frames that arrived, % of those expected."""
     busy: float
-    """Of all cores, %, whoever keeps them busy."""
+    """Load of the whole machine by all its processes, % of all cores."""
 
 
-def robots(stage: Scene, size: int) -> list[Actor]:
-    """Switch robots on."""
+def robots(stage: Scene, size: int) -> list[Process]:
+    """Start simulated robots; wait until they run."""
     fleet = [stage.start('-c', PROGRAMS['create_sim'], '--link', f'{stage.port}{number}')
              for number in range(1, size + 1)]
     for each in fleet:
@@ -46,8 +47,8 @@ def robots(stage: Scene, size: int) -> list[Actor]:
     return fleet
 
 
-def nodes(stage: Scene, size: int, *, together: bool) -> list[Actor]:
-    """Start their drivers."""
+def nodes(stage: Scene, size: int, *, together: bool) -> list[Process]:
+    """Start the drivers of the robots."""
     ports = [f'{stage.port}{number}' for number in range(1, size + 1)]
     if together:
         return [stage.program('together', *ports)]
@@ -55,8 +56,8 @@ def nodes(stage: Scene, size: int, *, together: bool) -> list[Actor]:
                         '-r', f'__ns:=/robot{number}') for number, port in enumerate(ports, 1)]
 
 
-def watched(size: int, *, together: bool = False) -> Seen:
-    """Watch a fleet for a while."""
+def measured(size: int, *, together: bool = False) -> Fleet:
+    """Run a fleet of this size; `together` puts all drivers into one process."""
     with scene() as stage:
         fleet = robots(stage, size)
         listener = stage.listener(*(f'/robot{number}/odom' for number in range(1, size + 1)))
@@ -66,37 +67,38 @@ def watched(size: int, *, together: bool = False) -> Seen:
         shares = processor_shares([each.pid for each in drivers + fleet], WATCH)
         passed, busy = monotonic() - begun, machine_seconds() - busy
         for each in drivers + fleet:
-            each.process.kill()  # on a full machine a farewell of each takes minutes
-        heard = listener.told()
-    came = sum(begun < when < begun + passed for times in heard.values() for when, _ in times)
+            each.process.kill()  # on a full machine a clean end of all takes minutes
+        received = listener.result()
+    arrived = sum(
+        begun < when < begun + passed for times in received.values() for when, _ in times)
     split = len(drivers)
-    return Seen(
+    return Fleet(
         size, sum(shares[:split]) / size, sum(shares[split:]) / size,
-        100 * came / (size * passed / SLOT), 100 * busy / passed / (os.cpu_count() or 1))
+        100 * arrived / (size * passed / SLOT), 100 * busy / passed / (os.cpu_count() or 1))
 
 
-def described(seen: Seen, alone: Seen) -> list[Figure]:
-    """Say how a fleet did; a full machine is only told of."""
-    full = seen.busy > 95
-    name = f'{seen.size} robot{"s" * (seen.size > 1)}{", machine full" if full else ""}'
-    beside = f'node {seen.node:.1f} %, robot {seen.robot:.1f} %, machine busy {seen.busy:.0f} %'
+def figures(fleet: Fleet, alone: Fleet) -> list[Figure]:
+    """Return the figures of a fleet; on a full machine they have no target."""
+    full = fleet.busy > 95
+    name = f'{fleet.size} robot{"s" * (fleet.size > 1)}{", machine full" if full else ""}'
+    beside = f'node {fleet.node:.1f} %, robot {fleet.robot:.1f} %, machine busy {fleet.busy:.0f} %'
     return [
-        Figure(f'{name}: node beside one alone', seen.node / alone.node, 'x',
+        Figure(f'{name}: node beside one alone', fleet.node / alone.node, 'x',
                None if full else FLAT, beside=beside),
-        Figure(f'{name}: frames that came', seen.came, '%', None if full else 99.5, True),
+        Figure(f'{name}: frames that came', fleet.arrived, '%', None if full else 99.5, True),
     ]
 
 
 def measure() -> list[Figure]:
-    """Measure everything."""
-    seen = [watched(size) for size in SIZES]
-    shared = watched(TOGETHER, together=True)
-    apart = next(each for each in seen if each.size == TOGETHER)
+    """Return the figures of all fleets."""
+    fleets = [measured(size) for size in SIZES]
+    shared = measured(TOGETHER, together=True)
+    apart = next(fleet for fleet in fleets if fleet.size == TOGETHER)
     return [
-        *(figure for each in seen for figure in described(each, seen[0])),
+        *(figure for fleet in fleets for figure in figures(fleet, fleets[0])),
         Figure(f'{TOGETHER} drivers in one process beside {TOGETHER} processes',
                shared.node / apart.node, 'x',
-               beside=f'{shared.node:.1f} % a driver, {shared.came:.1f} % of the frames came'),
+               beside=f'{shared.node:.1f} % a driver, {shared.arrived:.1f} % of the frames came'),
     ]
 
 

@@ -1,18 +1,16 @@
 """
-How soon news arrive: `python bench/bench_latency.py`, two minutes, a table.
+Latency of messages and commands: `python bench/bench_latency.py`, two minutes, a table.
 
-Robot, driver, listener and commander are processes of their own. Times are of the monotonic
-clock, which they share: a frame's when its last byte was written, a message's when its callback
-was called, a command's just before it was published and when Drive Direct had come whole. The
-floor does the same with nothing in between (programs/floor.py), in turn with the node.
+Robot, driver, listener and commander are processes. All times are of the monotonic clock, which
+they share. The time of a frame is when its last byte was written; of a message, when its callback
+ran; of a command, just before it was published, and when all of Drive Direct had arrived. The
+floor (programs/floor.py) is measured in the same way. Node and floor take turns.
 """
 
 from collections import Counter
 import json
 from math import inf
-from pathlib import Path
 from random import Random
-import sys
 from time import monotonic, sleep
 from typing import Any, NamedTuple
 
@@ -20,99 +18,98 @@ from create_oi_ros import oi
 from results import Figure, repeated, run
 from scene import Scene, scene
 
-sys.path.insert(0, str(Path(__file__).parents[1] / 'test'))
-from support.simulator import Teacher
-
 REPETITIONS = 3
+# Seconds to wait after the last command, and seconds in which odometry is measured.
 SETTLE, LISTEN = 1.0, 6.0
-"""Seconds after the last command, and while odometry is listened to."""
 COMMANDS, PRESSES = 100, 100
 
 
-class Seen(NamedTuple):
-    """Seconds that each piece of news took, sorted."""
+class Latencies(NamedTuple):
+    """Latencies of one run, seconds, each list sorted."""
 
     odom: list[float]
     commands: list[float]
     bumps: list[float]
 
 
-def frame_latencies(said: list[float], heard: list[float]) -> list[float]:
+def frame_latencies(sent: list[float], received: list[float]) -> list[float]:
     """
-    Return how long each message took; one belongs to each frame.
+    Return the latency of each odometry message; there is one message for each frame.
 
-    Which to which: by the distance in number that fits most of them, were each to belong to the
-    last frame before it. So a message that took longer than a slot is not taken for a quick one.
+    Frames carry no number, so messages are matched to frames by one constant shift of the index.
+    The shift is the one that is right for most messages, if each came from the last frame sent
+    before it. So a message that takes longer than a slot is not matched to the next frame.
     """
-    latest = [sum(time < when for time in said) - 1 for when in heard]
+    latest = [sum(time < when for time in sent) - 1 for when in received]
     shift = Counter(place - index for index, place in enumerate(latest)).most_common(1)[0][0]
-    return sorted(when - said[index + shift] for index, when in enumerate(heard)
-                  if 0 <= index + shift < len(said))
+    return sorted(when - sent[index + shift] for index, when in enumerate(received)
+                  if 0 <= index + shift < len(sent))
 
 
-def command_latencies(spoken: list[Any], heard: list[Any]) -> list[float]:
-    """Return how long each velocity took to the robot; one that came not at all took for ever."""
+def command_latencies(published: list[Any], received: list[Any]) -> list[float]:
+    """Return the latency of each velocity command; infinity for one that never arrived."""
     arrived: dict[int, float] = {}
     reader = oi.CommandReader()
-    for when, data in heard:
+    for when, data in received:
         reader.feed(bytes.fromhex(data))
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.DriveDirect):
                 arrived.setdefault(event.right, when)
-    return sorted(arrived.get(speed, inf) - when for when, speed in spoken)
+    return sorted(arrived.get(speed, inf) - when for when, speed in published)
 
 
-def bump_latencies(presses: list[float], heard: list[Any]) -> list[float]:
-    """Return how long each press took to its first message."""
-    pressed = [when for (when, left), (_, before) in zip(heard[1:], heard) if left and not before]
+def bump_latencies(presses: list[float], received: list[Any]) -> list[float]:
+    """Return the latency of each press of the bumper, to the first message that shows it."""
+    pressed = [
+        when for (when, left), (_, before) in zip(received[1:], received) if left and not before]
     return sorted(min((when - press for when in pressed if when >= press), default=inf)
                   for press in presses)
 
 
 def press(stage: Scene) -> None:
-    """Press the bumper at moments that cannot be foretold."""
-    teacher, chance = Teacher(stage.control), Random(1)
-    for _ in range(PRESSES):
-        sleep(chance.uniform(0.025, 0.04))
-        teacher.tell('force bump_left=1')
-        sleep(chance.uniform(0.025, 0.04))
-        teacher.tell('force bump_left=0')
-    teacher.close()
+    """Press and release the simulated bumper at random times."""
+    random = Random(1)
+    with stage.control_socket() as send:
+        for _ in range(PRESSES):
+            sleep(random.uniform(0.025, 0.04))
+            send('force bump_left=1')
+            sleep(random.uniform(0.025, 0.04))
+            send('force bump_left=0')
 
 
-def watched(*, floor: bool) -> Seen:
-    """Let the node, or the floor, do its work and be watched."""
+def measured(*, floor: bool) -> Latencies:
+    """Run the node, or the floor, once."""
     with scene() as stage:
         robot = stage.robot()
         listener = stage.listener('odom', 'bumper')
         stage.driver(floor=floor)
         commander = stage.program('commander', str(COMMANDS))
         commander.line()
-        spoken = json.loads(commander.line())
+        published = json.loads(commander.line())
         sleep(SETTLE)
         begun = monotonic()
         sleep(LISTEN)
         ended = monotonic()
         if not floor:
             press(stage)
-        heard = listener.told()
-        diary = robot.told()
-    odoms = [when for when, _ in heard['odom']]
-    return Seen(
-        frame_latencies([t for t in diary['said'] if begun < t < ended],
+        received = listener.result()
+        log = robot.result()
+    odoms = [when for when, _ in received['odom']]
+    return Latencies(
+        frame_latencies([t for t in log['sent'] if begun < t < ended],
                         [t for t in odoms if begun < t < ended]),
-        command_latencies(spoken, diary['heard']),
-        bump_latencies(diary['pressed'], heard['bumper']))
+        command_latencies(published, log['received']),
+        bump_latencies(log['presses'], received['bumper']))
 
 
 def at(latencies: list[float], share: float) -> float:
-    """Return the time, ms, within which this share of the news came."""
+    """Return a percentile of sorted latencies, ms; 0.5 is the median."""
     return 1e3 * latencies[min(len(latencies) - 1, int(share * len(latencies)))]
 
 
 def compared(what: str, node: list[list[float]], floor: list[list[float]], share: float,
              target: float) -> Figure:
-    """Compare the node with the floor of the same repetition."""
+    """Return the ratio of the node to the floor of the same repetition, at a percentile."""
     ratios = [at(ours, share) / at(least, share) for ours, least in zip(node, floor)]
     ours, least = (sorted(at(each, share) for each in all_)[len(all_) // 2]
                    for all_ in (node, floor))
@@ -120,11 +117,11 @@ def compared(what: str, node: list[list[float]], floor: list[list[float]], share
 
 
 def measure() -> list[Figure]:
-    """Measure everything."""
+    """Run floor and node in turn; return the figures."""
     floor, node = [], []
     for _ in range(REPETITIONS):
-        floor.append(watched(floor=True))
-        node.append(watched(floor=False))
+        floor.append(measured(floor=True))
+        node.append(measured(floor=False))
     odom, least = [each.odom for each in node], [each.odom for each in floor]
     slot = 1e3 * oi.SLOT
     floor_99 = sorted(at(each, 0.99) for each in least)[REPETITIONS // 2]

@@ -1,13 +1,12 @@
 """
-Where the time of a frame goes: `python bench/bench_parts.py`, forty seconds, a table.
+Processor time of one frame, by parts: `python bench/bench_parts.py`, forty seconds, a table.
 
-The node runs as a process, standing, one subscriber on each topic, which is another process.
-Thread time is taken around the steps of the thread that reads the port (programs/timed.py); what
-a step calls that has a row of its own is counted there. What the node's other threads and its
-dead-man take is what the kernel counts beyond that. Taking the time is work, too: it is part of
-the rest.
+The node runs as a process, standing, with one subscriber on each topic in another process. The
+reading thread is profiled (programs/timed.py): a call that has a row of its own counts only in
+that row. The time of the node's other threads and of its dead-man process is what the kernel
+counts beyond the reading thread. Taking the time costs time, too; that is in the rest.
 
-And what waking up costs: the same work done again and again, and after a slot of sleep each.
+The last rows show the cost of waking up: the same work in a tight loop, and after 15 ms of sleep.
 """
 
 from collections.abc import Callable
@@ -23,8 +22,8 @@ from results import Figure, repeated, run
 from scene import scene
 
 REPETITIONS = 3
+# Seconds to wait before a measurement, and its duration.
 SETTLE, WATCH = 2.0, 5.0
-"""Seconds before, and while the processor time is counted."""
 PARTS = {
     'Publisher.publish': 'publish of rclpy',
     'Odometry.update': 'odometry',
@@ -41,17 +40,17 @@ DEAD_MAN = 'the dead-man'
 ROUNDS = 100
 
 
-class Seen(NamedTuple):
-    """One run of the node."""
+class Profile(NamedTuple):
+    """One run of the node, averaged over its frames."""
 
     microseconds: dict[str, float]
-    """What each part takes, a frame."""
+    """Processor time of each part for one frame."""
     messages: float
-    """Messages published, a frame."""
+    """Messages published for one frame."""
 
 
-def watched() -> Seen:
-    """Watch the node for a while."""
+def measured() -> Profile:
+    """Run the node once."""
     with scene() as stage:
         stage.robot()
         listener = stage.listener(*(topic.name for topic in PUBLISHED))
@@ -59,31 +58,36 @@ def watched() -> Seen:
         listener.line()
         sleep(SETTLE)
         whole, *others = processor_shares([node.pid, *family(node.pid)[1:]], WATCH)
-        return seen(node.told(), whole, sum(others))
+        return profile(node.result(), whole, sum(others))
 
 
-def seen(told: Any, whole: float, others: float) -> Seen:
-    """Divide what the kernel counted, % of a core, into what the node's thread told of."""
-    calls, spent = told['calls'], told['spent']
+def profile(result: Any, whole: float, others: float) -> Profile:
+    """
+    Divide the processor time of a run into parts.
+
+    `result` is what programs/timed.py prints; `whole` and `others` are the processor shares of
+    the node with its children and of the children, % of a core.
+    """
+    calls, spent = result['calls'], result['spent']
     frames = calls['Odometry.update']
     parts = {name: spent[key] / frames / 1e3 for key, name in PARTS.items()}
-    thread = told['thread'] / frames / 1e3
-    slot = 1e6 * oi.SLOT / 100  # a per cent of a core, us a frame
+    thread = result['thread'] / frames / 1e3
+    slot = 1e6 * oi.SLOT / 100  # microseconds of a frame in one per cent of a core
     parts[REST] = thread - sum(parts.values())
     parts[THREADS] = (whole - others) * slot - thread
     parts[DEAD_MAN] = others * slot
-    return Seen(parts, calls['Publisher.publish'] / frames)
+    return Profile(parts, calls['Publisher.publish'] / frames)
 
 
 def sum_of_a_hundred() -> None:
-    """Do what is nothing but Python."""
+    """Add a hundred numbers: work that is nothing but Python."""
     total = 0
     for number in range(100):
         total += number
 
 
 def decoding() -> Callable[[], None]:
-    """Return the work that every frame is."""
+    """Return a function that decodes one frame."""
     frame = plausible_frame(FULL_AT_57600, Random(1))
     reader = oi.StreamReader([FULL_AT_57600])
 
@@ -95,8 +99,8 @@ def decoding() -> Callable[[], None]:
     return decode
 
 
-def woken(name: str, work: Callable[[], None]) -> list[Figure]:
-    """Compare work that is done again and again with work after a sleep."""
+def wake_up(name: str, work: Callable[[], None]) -> list[Figure]:
+    """Time work in a tight loop, and the same work after a sleep each time."""
     times: dict[float, list[float]] = {0.0: [], oi.SLOT: []}
     for pause, took in times.items():
         for _ in range(ROUNDS):
@@ -110,8 +114,8 @@ def woken(name: str, work: Callable[[], None]) -> list[Figure]:
 
 
 def measure() -> list[Figure]:
-    """Measure everything."""
-    runs = [watched() for _ in range(REPETITIONS)]
+    """Return the figures of all parts."""
+    runs = [measured() for _ in range(REPETITIONS)]
     totals = [sum(each.microseconds.values()) for each in runs]
     messages = sorted(each.messages for each in runs)[REPETITIONS // 2]
     figures = []
@@ -121,8 +125,8 @@ def measure() -> list[Figure]:
         many = f', {messages:.1f} messages' if part == PARTS['Publisher.publish'] else ''
         figures.append(repeated(part, values, 'us', beside=f'{share:.0f} %{many}'))
     return [*figures, repeated('all of it', totals, 'us', beside='100 %'),
-            *woken('a loop of a hundred additions', sum_of_a_hundred),
-            *woken('a frame, from its bytes to its readings', decoding())]
+            *wake_up('a loop of a hundred additions', sum_of_a_hundred),
+            *wake_up('a frame, from its bytes to its readings', decoding())]
 
 
 if __name__ == '__main__':

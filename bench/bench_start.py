@@ -1,9 +1,9 @@
 """
-How long the node takes to start: `python bench/bench_start.py`, 30 seconds, a table.
+Start-up time of the node: `python bench/bench_start.py`, 30 seconds, a table.
 
-From the start of the process to its first `odom` in a listener that has been there before. How
-much of it is Python's and rclpy's own is measured beside: Python alone, rclpy imported and
-initialised with a node, and the floor (programs/floor.py) up to its first `odom`.
+Measured from the start of the process to its first `odom` in a listener that runs already. For
+comparison: Python alone, rclpy with an empty node, the imports, and the floor (programs/floor.py)
+to its first `odom`.
 """
 
 import os
@@ -25,7 +25,7 @@ THEIRS = (
 
 
 def run_time(statement: str) -> float:
-    """Return the seconds that a Python with one statement takes."""
+    """Return how long a Python process takes to run one statement, seconds."""
     begun = monotonic()
     subprocess.run([sys.executable, '-c', statement], check=True, env={
         **os.environ, 'ROS_DOMAIN_ID': DOMAIN})
@@ -33,7 +33,7 @@ def run_time(statement: str) -> float:
 
 
 def first_odom(*, floor: bool) -> float:
-    """Return the seconds from the start of a process to its first `odom`."""
+    """Return the time from the start of a process to its first `odom`, seconds."""
     with scene() as stage:
         stage.robot()
         listener = stage.listener('odom')
@@ -41,11 +41,11 @@ def first_odom(*, floor: bool) -> float:
         begun = monotonic()
         stage.driver(floor=floor)
         listener.line()
-        return float(listener.told()['odom'][0][0]) - begun
+        return float(listener.result()['odom'][0][0]) - begun
 
 
 def measure() -> list[Figure]:
-    """Measure everything."""
+    """Return the figures."""
     runs = [(run_time('pass'), run_time(BARE_NODE), run_time(THEIRS), run_time(OURS),
              first_odom(floor=True), first_odom(floor=False)) for _ in range(REPETITIONS)]
     python, bare, theirs, ours, floor, node = zip(*runs)

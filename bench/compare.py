@@ -1,8 +1,9 @@
 """
-Two sets of results side by side: `python bench/compare.py [OLD.json] [NEW.json]`.
+Compare two sets of results: `python bench/compare.py [OLD.json] [NEW.json]`.
 
-Without names: the committed `bench/results.json` and the one in the working tree. Absolute times
-of two machines, or of one that was busy, say little; ratios to the floor were measured together.
+Without file names it compares the committed `bench/results.json` with the one in the working tree.
+Compare ratios to the floor: node and floor were measured together. Absolute times say little when
+the two runs were on different machines or on a busy one.
 """
 
 import json
@@ -23,7 +24,7 @@ def committed() -> dict[str, Any]:
 
 
 def compared(program: str, old: dict[str, Any], new: dict[str, Any]) -> list[list[str]]:
-    """Return a table of one program's figures."""
+    """Return a table of one program's figures, old and new, heading first."""
     befores = {figure.what: figure for figure in figures_of(old, program)}
     table = [[program, 'before', 'now', 'change', 'target']]
     for figure in figures_of(new, program):
@@ -37,7 +38,7 @@ def compared(program: str, old: dict[str, Any], new: dict[str, Any]) -> list[lis
 
 
 def main() -> None:
-    """Print them."""
+    """Print a table for each program that both files have."""
     old = load(Path(sys.argv[1])) if sys.argv[1:] else committed()
     new = load(Path(sys.argv[2])) if sys.argv[2:] else load()
     for program in new:

@@ -1,8 +1,8 @@
 """
-All bench programs, one after the other: `python bench/everything.py [OPTIONS]`, nine minutes.
+Run all bench programs, one after the other: `python bench/everything.py [OPTIONS]`, nine minutes.
 
-Options are handed on. One that fails does not keep the others from being run. The odometry has a
-command of its own, since it takes long and needs no quiet machine.
+Options are passed on to each. If one fails, the others still run. The odometry bench is not among
+them: it takes long and needs no quiet machine, so it has a `make` target of its own.
 """
 
 from collections.abc import Sequence
@@ -15,13 +15,13 @@ APART = 'bench_odometry'
 
 
 def programs() -> list[Path]:
-    """Return what is run."""
+    """Return the programs to run."""
     found = sorted(Path(__file__).parent.glob('bench_*.py'))
     return [path for path in found if path.stem != APART]
 
 
 def run_all(paths: Sequence[Path], options: Sequence[str]) -> list[str]:
-    """Run programs; say how long each took, and which failed."""
+    """Run programs; print how long each took; return the names of those that failed."""
     seconds, failed = {}, []
     for path in paths:
         begun = monotonic()
@@ -29,9 +29,9 @@ def run_all(paths: Sequence[Path], options: Sequence[str]) -> list[str]:
             failed.append(path.stem)
         seconds[path.stem] = monotonic() - begun
     each = ', '.join(f'{name} {took:.0f}' for name, took in seconds.items())
-    print(f'{sum(seconds.values()):.0f} seconds in all: {each}')
-    print(f'These failed, and their older results stand: {", ".join(failed)}.' if failed else
-          'All have run, and their results are kept.')
+    print(f'{sum(seconds.values()):.0f} seconds in total: {each}')
+    print(f'Failed, older results kept: {", ".join(failed)}' if failed else
+          'All succeeded, new results saved.')
     return failed
 
 

@@ -1,4 +1,4 @@
-"""What processes use, as the kernel counts it (Linux)."""
+"""Processor time and memory of processes, from /proc (Linux)."""
 
 import os
 from pathlib import Path
@@ -9,28 +9,28 @@ MEGA = 1 << 20
 
 
 def machine_seconds() -> float:
-    """Return the seconds that all cores together have been busy."""
+    """Return the busy time of all cores together since the machine started, seconds."""
     with open('/proc/stat', encoding='ascii') as file:
         user, nice, system, _, _, irq, soft, steal, *_ = map(int, file.readline().split()[1:])
     return (user + nice + system + irq + soft + steal) / os.sysconf('SC_CLK_TCK')
 
 
 def family(number: int) -> list[int]:
-    """Return a process and all that it has started."""
+    """Return a process id and those of all its descendants."""
     children = [int(child) for task in Path(f'/proc/{number}/task').iterdir()
                 for child in (task / 'children').read_text('ascii').split()]
     return [number, *(each for child in children for each in family(child))]
 
 
 def processor_seconds(number: int) -> float:
-    """Return the processor time that a process and its children have used, to the nanosecond."""
+    """Return the processor time that a process and its descendants have used so far, seconds."""
     return sum(
         int((task / 'schedstat').read_text('ascii').split()[0]) / 1e9
         for each in family(number) for task in Path(f'/proc/{each}/task').iterdir())
 
 
 def processor_shares(numbers: list[int], seconds: float) -> list[float]:
-    """Return how much of one core each process takes, per cent, over some time."""
+    """Wait; return the processor share of each process meanwhile, % of one core."""
     before, begun = [processor_seconds(number) for number in numbers], monotonic()
     sleep(seconds)
     passed = monotonic() - begun
@@ -39,5 +39,5 @@ def processor_shares(numbers: list[int], seconds: float) -> list[float]:
 
 
 def resident(number: int) -> float:
-    """Return the memory of a process that is in use, MB, its children's not included."""
+    """Return the resident memory of a process without its children, MB."""
     return int(Path(f'/proc/{number}/statm').read_text('ascii').split()[1]) * PAGE / MEGA

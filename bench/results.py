@@ -1,8 +1,9 @@
 """
-Measured numbers: a table for the eye, and `bench/results.json` to compare with and to document.
+Measured figures: printed as a table and saved in `bench/results.json`.
 
-Every bench program measures a list of figures and hands it to `run`. The file keeps the figures
-of each program with when and where they were measured; the rest of the file stays.
+Every bench program passes a function that returns its figures to `run`. The file has one entry for
+each program: its figures, and when and on what machine they were measured. A run replaces the
+entry of its program only. `compare.py` and `document.py` read the file.
 """
 
 from argparse import ArgumentParser
@@ -22,21 +23,22 @@ RESULTS = Path(__file__).with_name('results.json')
 
 
 class Figure(NamedTuple):
-    """One measured number, and the least or the most it may be."""
+    """One measured number and its target."""
 
     what: str
     value: float
     unit: str
     target: float | None = None
     at_least: bool = False
+    """Whether the target is a minimum; else it is a maximum."""
     worst: float | None = None
-    """Of the repetitions whose median the value is."""
+    """The worst of the repetitions; the value is their median."""
     beside: str = ''
-    """The absolute numbers behind a ratio."""
+    """More numbers for the reader, such as the absolute ones behind a ratio."""
 
     @property
     def verdict(self) -> str:
-        """Whether the target was met, or ''."""
+        """`met` or `missed`; empty without a target."""
         if self.target is None:
             return ''
         met = self.value >= self.target if self.at_least else self.value <= self.target
@@ -45,19 +47,19 @@ class Figure(NamedTuple):
 
 def repeated(what: str, values: Sequence[float], unit: str, target: float | None = None,
              beside: str = '') -> Figure:
-    """Return the median of repetitions, with the worst beside it: less is better."""
+    """Return the median of repetitions, and the highest as the worst: lower is better."""
     return Figure(what, median(values), unit, target, worst=max(values), beside=beside)
 
 
 def load_before(seconds: float = 1.0) -> float:
-    """Return how many cores others keep busy; the system's average lags behind by a minute."""
+    """Return how many cores are busy now; the system's load average is a minute behind."""
     begun, used = monotonic(), machine_seconds()
     sleep(seconds)
     return (machine_seconds() - used) / (monotonic() - begun)
 
 
 def machine() -> dict[str, Any]:
-    """Say where this is measured."""
+    """Return the date and a description of this machine."""
     models = [line.partition(':')[2].strip() for line in Path('/proc/cpuinfo').read_text().split(
         '\n') if line.startswith('model name')]
     return {
@@ -68,7 +70,7 @@ def machine() -> dict[str, Any]:
 
 
 def rows(figures: Sequence[Figure]) -> list[list[str]]:
-    """Return a table, its heading first."""
+    """Return a table of figures, its heading first."""
     table = [['what', 'value', 'worst', 'target', '', 'beside']]
     for figure in figures:
         worst = '' if figure.worst is None else f'{figure.worst:.4g}'
@@ -80,7 +82,7 @@ def rows(figures: Sequence[Figure]) -> list[list[str]]:
 
 
 def load(path: Path = RESULTS) -> dict[str, Any]:
-    """Return the results of a file, by program; {} where there is none."""
+    """Return the results in a file, by program; empty if there is no file."""
     return json.loads(path.read_text('utf-8')) if path.exists() else {}
 
 
@@ -91,17 +93,17 @@ def figures_of(results: dict[str, Any], program: str) -> list[Figure]:
 
 def keep(program: str, figures: Sequence[Figure], where: dict[str, Any],
          path: Path = RESULTS) -> None:
-    """Put a program's figures in the place of those before them."""
+    """Save the figures of a program in the file, in place of its older ones."""
     results = load(path)
     results[program] = {'where': where, 'figures': [figure._asdict() for figure in figures]}
     path.write_text(json.dumps(results, indent=1) + '\n', 'utf-8')
 
 
 def run(program: str, measure: Callable[[], list[Figure]]) -> None:
-    """Be a bench program: measure, print, keep."""
+    """Run a bench program: measure, print the table, save it."""
     parser = ArgumentParser(prog=f'bench/{program}.py')
     parser.add_argument('--json', type=Path, default=RESULTS, metavar='FILE',
-                        help='keep the figures here (default: %(default)s)')
+                        help='save the figures here (default: %(default)s)')
     path = parser.parse_args().json
     where = machine()
     print(f'{program}: ' + ', '.join(f'{name} {value}' for name, value in where.items()))

@@ -1,15 +1,16 @@
 """
-Robots, drivers and listeners as processes, for the programs that measure them.
+Processes for the bench programs: a simulated robot, the node or the floor, and listeners.
 
-All of it runs in one ROS domain, which other programs should leave alone.
+All of them run in one ROS domain. Run nothing else in that domain meanwhile.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, ExitStack
 import json
 import os
 from pathlib import Path
 import signal
+import socket
 import subprocess
 import sys
 from tempfile import TemporaryDirectory
@@ -22,11 +23,11 @@ from create_oi_ros.ros.programs import PROGRAMS
 
 PROGRAM_FOLDER = Path(__file__).parent / 'programs'
 DOMAIN = os.environ.get('ROS_DOMAIN_ID', '83')
-PATIENCE = 60.0
-"""Seconds after which what should happen is taken not to."""
+TIMEOUT = 60.0
+"""Seconds to wait for a line of output, and for a process to end."""
 SPEEDS = ('requested_right_velocity', 'requested_left_velocity')
 FLOOR_LIST = oi.PacketList.named(*(name for name in ESSENTIAL if name not in SPEEDS), *SPEEDS)
-"""What the floor streams: as little as a driver needs in every frame."""
+"""Packets that the floor streams: those that the driver needs in every frame, no more."""
 FLOOR_CALL = b''.join(command.encode() for command in (
     oi.Start(), oi.Safe(), oi.Stream(packets=FLOOR_LIST.ids)))
 FLOOR_LAYOUT = '>xx' + ''.join(
@@ -34,8 +35,8 @@ FLOOR_LAYOUT = '>xx' + ''.join(
     for name in FLOOR_LIST.names) + 'x'
 
 
-class Actor:
-    """A Python program as a process; what it prints comes line by line."""
+class Process:
+    """A Python program as a child process; its standard output is read line by line."""
 
     def __init__(self, *arguments: str) -> None:
         """Start it."""
@@ -43,34 +44,34 @@ class Actor:
             [sys.executable, *arguments], stdout=subprocess.PIPE, text=True,
             stderr=subprocess.PIPE,
             env={**os.environ, 'ROS_DOMAIN_ID': DOMAIN, 'PYTHONUNBUFFERED': '1'})
-        self.complaints: list[str] = []
-        self._listener = threading.Thread(target=self._hear_complaints)
-        self._listener.start()
+        self.errors: list[str] = []
+        self._error_reader = threading.Thread(target=self._read_errors)
+        self._error_reader.start()
 
-    def _hear_complaints(self) -> None:
+    def _read_errors(self) -> None:
         assert self.process.stderr is not None
         for line in self.process.stderr:
-            self.complaints.append(line)
+            self.errors.append(line)
 
     @property
     def pid(self) -> int:
-        """The process's number."""
+        """The process id."""
         return self.process.pid
 
     def line(self) -> str:
-        """Wait for a line; RuntimeError says what the program complained of instead."""
+        """Wait for a line of output; RuntimeError has the error output if none comes."""
         assert self.process.stdout is not None
-        impatience = threading.Timer(PATIENCE, self.process.kill)
-        impatience.start()
+        timer = threading.Timer(TIMEOUT, self.process.kill)
+        timer.start()
         line = self.process.stdout.readline()
-        impatience.cancel()
+        timer.cancel()
         if not line:
-            complaints = ''.join(self.complaints)
-            raise RuntimeError(f'{self.process.args} said nothing more: {complaints}')
+            errors = ''.join(self.errors)
+            raise RuntimeError(f'{self.process.args} ended or hung without output: {errors}')
         return line
 
-    def told(self) -> Any:
-        """End it, and return what it has to tell, which is its last line."""
+    def result(self) -> Any:
+        """End the process with SIGTERM; return the JSON object that it prints last."""
         self.process.send_signal(signal.SIGTERM)
         line = self.line()
         while not line.startswith('{'):
@@ -78,63 +79,76 @@ class Actor:
         return json.loads(line)
 
     def close(self) -> None:
-        """End it, whatever it does."""
+        """End the process; kill it if it does not end."""
         self.process.terminate()
         try:
-            self.process.communicate(timeout=PATIENCE)
+            self.process.communicate(timeout=TIMEOUT)
         except (subprocess.TimeoutExpired, ValueError):
             self.process.kill()
         self.process.wait()
-        self._listener.join()
+        self._error_reader.join()
 
 
 class Scene:
-    """All that runs at one time; it ends with the scene."""
+    """The processes of one measurement; all of them end with it."""
 
     def __init__(self, folder: Path, stack: ExitStack) -> None:
-        """Begin with an empty stage."""
+        """Begin without processes."""
         self.folder = folder
         self._stack = stack
 
-    def start(self, *arguments: str) -> Actor:
-        """Start a program."""
-        actor = Actor(*arguments)
-        self._stack.callback(actor.close)
-        return actor
+    def start(self, *arguments: str) -> Process:
+        """Start a Python program."""
+        process = Process(*arguments)
+        self._stack.callback(process.close)
+        return process
 
-    def program(self, name: str, *arguments: str) -> Actor:
-        """Start one of the programs of the bench."""
+    def program(self, name: str, *arguments: str) -> Process:
+        """Start one of the programs in bench/programs."""
         return self.start(str(PROGRAM_FOLDER / f'{name}.py'), *arguments)
 
-    def robot(self) -> Actor:
-        """Switch on a robot that keeps a diary."""
+    def robot(self) -> Process:
+        """Start a simulated robot that logs what it sends and receives; wait until it runs."""
         robot = self.program('robot', str(self.port), str(self.control))
         robot.line()
         return robot
 
     @property
     def port(self) -> Path:
-        """The robot's port."""
+        """The robot's serial port."""
         return self.folder / 'create'
 
     @property
     def control(self) -> Path:
-        """Where the robot's world is set."""
+        """The robot's control socket."""
         return self.folder / 'control'
 
-    def driver(self, *, floor: bool = False, imports: tuple[str, ...] = ()) -> Actor:
-        """Start the node, or the floor."""
+    @contextmanager
+    def control_socket(self) -> Iterator[Callable[[str], None]]:
+        """Connect to the control socket; yield a function that sends a line and checks it."""
+        with socket.socket(socket.AF_UNIX) as connection:
+            connection.connect(str(self.control))
+            with connection.makefile('r') as answers:
+                def send(line: str) -> None:
+                    connection.sendall(line.encode() + b'\n')
+                    answer = answers.readline()
+                    if not answer.startswith('ok'):
+                        raise RuntimeError(f'{line}: {answer}')
+                yield send
+
+    def driver(self, *, floor: bool = False, imports: tuple[str, ...] = ()) -> Process:
+        """Start the node, or the floor (programs/floor.py)."""
         if floor:
             return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
                                 str(oi.DriveDirect.opcode), *imports)
         return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
 
-    def variant(self, which: str) -> Actor:
-        """Start the floor with one thing done otherwise."""
+    def variant(self, which: str) -> Process:
+        """Start the floor with one change (programs/variant.py)."""
         return self.program('variant', which, str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT)
 
-    def listener(self, *topics: str) -> Actor:
-        """Start one that subscribes to topics."""
+    def listener(self, *topics: str) -> Process:
+        """Start a subscriber to these topics; wait until it has subscribed."""
         listener = self.program('listener', *topics)
         listener.line()
         return listener
@@ -142,6 +156,6 @@ class Scene:
 
 @contextmanager
 def scene() -> Iterator[Scene]:
-    """Set a scene."""
+    """Yield a scene in a temporary folder; end its processes afterwards."""
     with TemporaryDirectory() as folder, ExitStack() as stack:
         yield Scene(Path(folder), stack)

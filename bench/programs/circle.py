@@ -1,4 +1,4 @@
-"""Drives in a circle, with a command ten times a second, until SIGTERM."""
+"""Publishes a velocity ten times a second until SIGTERM: the robot drives in a circle."""
 
 import signal
 from time import sleep

@@ -1,8 +1,8 @@
 """
-Publishes velocities that can be told apart, at moments that cannot be foretold: `commander.py N`.
+Publishes N velocity commands, each with another speed, at random times: `commander.py N`.
 
-It waits for a subscriber first. At the end it prints pairs of time (monotonic clock, seconds,
-just before publishing) and the speed that was asked for, mm/s.
+It waits for a subscriber first. At the end it prints a JSON list of pairs: the time just before
+publishing (monotonic clock, seconds) and the speed, mm/s.
 """
 
 import json
@@ -14,19 +14,19 @@ from geometry_msgs.msg import Twist
 import rclpy
 
 SLOWEST = 100
-"""mm/s; every command is one faster than that before it."""
+"""Speed of the first command, mm/s; each next one is 1 mm/s faster."""
 rclpy.init()
 node = rclpy.create_node('commander')
 publisher = node.create_publisher(Twist, 'cmd_vel', 1)
-print('speaks', flush=True)
+print('ready', flush=True)
 while not publisher.get_subscription_count():
     sleep(0.05)
-chance = Random(1)
-said = []
+random = Random(1)
+published = []
 for speed in range(SLOWEST, SLOWEST + int(sys.argv[1])):
-    sleep(chance.uniform(0.03, 0.06))
+    sleep(random.uniform(0.03, 0.06))
     twist = Twist()
     twist.linear.x = speed / 1000
-    said.append((monotonic(), speed))
+    published.append((monotonic(), speed))
     publisher.publish(twist)
-print(json.dumps(said), flush=True)
+print(json.dumps(published), flush=True)

@@ -1,11 +1,13 @@
 """
-The shortest program that does a driver's job: `floor.py PORT CALL LAYOUT COMMAND [MODULE ...]`.
+The least that a driver can do: `floor.py PORT CALL LAYOUT COMMAND [MODULE ...]`.
 
-One thread reads the port, one `struct` unpacks a frame, one Odometry is published for it; what
-`cmd_vel` says is written at once. No checksum, no mode, no odometry, no other topic: whatever a
-driver takes beyond this is what its work costs. CALL (hex) makes the robot stream frames that
-LAYOUT unpacks to the right and the left requested velocity; COMMAND is the opcode of Drive
-Direct. Modules that are named are imported, to be in memory as they are in the driver.
+One thread reads the port, unpacks each frame with one `struct` and publishes one Odometry for it.
+A velocity from `cmd_vel` is written to the port at once. There is no checksum, no mode, no
+odometry and no other topic, so what the node takes beyond this is the cost of its own work.
+
+CALL (hex) is sent first: it starts the stream. LAYOUT unpacks a frame to the requested right and
+left velocity. COMMAND is the opcode of Drive Direct. Each MODULE is imported, to take the memory
+that it takes in the node.
 """
 
 from importlib import import_module
@@ -30,13 +32,13 @@ odom = node.create_publisher(Odometry, 'odom', 10)
 
 
 def drive(twist: Twist) -> None:
-    """Say both wheels' speed."""
+    """Send a speed for both wheels."""
     speed = round(twist.linear.x * 1000)
     port.write(struct.pack('>Bhh', opcode, speed, speed))
 
 
 def read() -> None:
-    """Publish each frame."""
+    """Publish an Odometry for each frame."""
     port.write(bytes.fromhex(sys.argv[2]))
     while True:
         right, left = layout.unpack(port.read(layout.size))

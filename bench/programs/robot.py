@@ -1,8 +1,8 @@
 """
-A simulated Create that keeps a diary: `robot.py LINK CONTROL`.
+A simulated Create that logs what happens on its line: `robot.py LINK CONTROL`.
 
-It notes when it spoke, what it heard, and when its bumper was pressed. On SIGTERM it prints all
-that, times in seconds of the monotonic clock, which all processes share.
+It logs when it sent bytes, what it received and when, and when its bumper was pressed. On SIGTERM
+it prints the log as JSON. Times are seconds of the monotonic clock, which all processes share.
 """
 
 import json
@@ -20,52 +20,53 @@ from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped
 
 
-class NotingLine(PtyLine):
-    """A pseudo terminal that keeps a diary."""
+class LoggingLine(PtyLine):
+    """A pseudo terminal that logs what goes through it."""
 
     def __init__(self, link: Path) -> None:
-        """Lead the link to a new terminal."""
-        self.said: list[float] = []
-        self.heard: list[tuple[float, str]] = []
+        """Make the terminal and point the link to it."""
+        self.sent: list[float] = []
+        self.received: list[tuple[float, str]] = []
         super().__init__(link)
 
     def write(self, data: bytes) -> None:
-        """Note when the last byte was written."""
+        """Log when the last byte was written."""
         super().write(data)
         if data:
-            self.said.append(monotonic())
+            self.sent.append(monotonic())
 
     def read(self) -> bytes:
-        """Note what came, and when."""
+        """Log what came, and when."""
         data = super().read()
         if data:
-            self.heard.append((monotonic(), data.hex()))
+            self.received.append((monotonic(), data.hex()))
         return data
 
 
-class NotingBody(Body):
-    """A body that notes when its bumper is pressed from outside."""
+class LoggingBody(Body):
+    """A body that logs when its bumper is pressed by the control socket."""
 
-    pressed: list[float] = []
+    presses: list[float] = []
 
     def force(self, **sensors: float) -> None:
         """Hold sensors at values."""
         super().force(**sensors)
         if sensors.get('bump_left'):
-            self.pressed.append(monotonic())
+            self.presses.append(monotonic())
 
 
 def main(link: Path, control: Path) -> None:
-    """Serve until SIGTERM."""
-    line = NotingLine(link)
-    create = Create(NotingBody(shipped('empty')), guesses=Guesses(boot_seconds=0.0))
+    """Serve until SIGTERM, then print the log."""
+    line = LoggingLine(link)
+    create = Create(LoggingBody(shipped('empty')), guesses=Guesses(boot_seconds=0.0))
     server = Server(create, line)
     server.control_port = ControlPort(control, server.control)
     signal.signal(signal.SIGTERM, lambda *_: server.stop())
-    print('serves', flush=True)
+    print('ready', flush=True)
     server.serve()
     line.close()
-    print(json.dumps({'said': line.said, 'heard': line.heard, 'pressed': NotingBody.pressed}))
+    print(json.dumps(
+        {'sent': line.sent, 'received': line.received, 'presses': LoggingBody.presses}))
 
 
 main(Path(sys.argv[1]), Path(sys.argv[2]))

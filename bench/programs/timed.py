@@ -1,10 +1,10 @@
 """
-The node, and what each step of it takes of the processor: `timed.py [ROS ARGUMENTS]`.
+The node with a profile of its reading thread: `timed.py [ROS ARGUMENTS]`.
 
-The steps of the thread that reads the port are wrapped, and thread time is taken around each; what
-a step takes of another inside it is not counted twice. After SETTLE readings of the port it begins
-to count. On SIGTERM it prints, as JSON, the frames since then, the thread's time, and for each
-step how often it came and the nanoseconds that it took.
+The main methods that the thread calls are wrapped, and the thread's processor time is taken around
+each. A call inside another wrapped call is counted once, as the inner one. Counting begins after
+SETTLE reads of the port. On SIGTERM it prints JSON: the thread's processor time, and for each
+method the number of calls and the nanoseconds spent.
 """
 
 from collections import Counter
@@ -26,36 +26,36 @@ from create_oi_ros.ros.node import main
 from create_oi_ros.ros.publishing import FramePublisher
 
 SETTLE = 270
-"""Readings of the port, one a frame, until all have found each other: 3 s where one was missed."""
+"""Reads of the port, one for each frame, before counting: ROS nodes need time for discovery."""
 
 
-class Ledger:
-    """What the steps of one thread take, the first of which is to read."""
+class Profile:
+    """Calls and processor time of methods, on the thread that calls `Port.read`."""
 
     def __init__(self) -> None:
-        """Begin with an empty one."""
+        """Begin with no calls."""
         self._thread: int | None = None
         self._inside = 0
         self._begun = self._ended = 0
         self.calls: Counter[str] = Counter()
         self.spent: Counter[str] = Counter()
 
-    def step(self, owner: type, name: str) -> None:
-        """Watch over a method of a class."""
+    def wrap(self, owner: type, name: str) -> None:
+        """Replace a method of a class by one that is measured."""
         method, key = getattr(owner, name), f'{owner.__name__}.{name}'
 
         @functools.wraps(method)
-        def watched(*arguments: Any, **named: Any) -> Any:
+        def measured(*arguments: Any, **named: Any) -> Any:
             if key == 'Port.read':
-                self._begin_again()
+                self._next_round()
             if get_ident() != self._thread:
                 return method(*arguments, **named)
             return self._timed(key, functools.partial(method, *arguments, **named))
 
-        setattr(owner, name, watched)
+        setattr(owner, name, measured)
 
-    def _begin_again(self) -> None:
-        """Note that the thread begins another round."""
+    def _next_round(self) -> None:
+        """Note the time at which the thread reads again; begin to count after SETTLE reads."""
         self._thread, self._ended = get_ident(), thread_time_ns()
         if self.calls['Port.read'] == SETTLE and not self._begun:
             self._begun = self._ended
@@ -73,20 +73,20 @@ class Ledger:
             self.calls[key] += 1
             self._inside = before + took
 
-    def told(self) -> dict[str, Any]:
-        """Tell it all."""
+    def result(self) -> dict[str, Any]:
+        """Return what is printed."""
         return {'thread': self._ended - self._begun, 'calls': self.calls, 'spent': self.spent}
 
 
-ledger = Ledger()
-ledger.step(Port, 'read')
-ledger.step(Driver, 'receive')
-ledger.step(StreamReader, 'next_event')
-ledger.step(Tracking, 'take')
-ledger.step(Odometry, 'update')
-ledger.step(FramePublisher, 'publish')
-ledger.step(Publisher, 'publish')
-ledger.step(Driver, 'poll')
+profile = Profile()
+profile.wrap(Port, 'read')
+profile.wrap(Driver, 'receive')
+profile.wrap(StreamReader, 'next_event')
+profile.wrap(Tracking, 'take')
+profile.wrap(Odometry, 'update')
+profile.wrap(FramePublisher, 'publish')
+profile.wrap(Publisher, 'publish')
+profile.wrap(Driver, 'poll')
 code = main()
-print(json.dumps(ledger.told()))
+print(json.dumps(profile.result()))
 raise SystemExit(code)

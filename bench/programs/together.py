@@ -1,4 +1,4 @@
-"""Several drivers in one process, one executor for all: `together.py PORT ...`."""
+"""Several drivers in one process, all on one executor: `together.py PORT ...`."""
 
 import sys
 

@@ -1,13 +1,11 @@
 """
-The floor with one thing done otherwise: `variant.py WHICH PORT CALL LAYOUT`.
+The floor with one change: `variant.py WHICH PORT CALL LAYOUT`. Otherwise as floor.py.
 
-- `timer`: rclpy's executor looks for frames every 15 ms, in place of a thread that waits for them;
-- `events`: the events executor of `rclpy.experimental`, in place of the default one;
-- `messages`: for each frame, all that the node would publish is published, at the node's rates;
-  made beforehand and never filled, so that this is what publishing alone costs;
-- `bytes`: the same, serialized beforehand.
-
-The rest is as in floor.py: see there.
+- `timer`: an rclpy timer looks for frames every 15 ms; there is no reading thread;
+- `events`: the events executor of `rclpy.experimental` replaces the default one;
+- `messages`: everything that the node publishes is published, at the node's rates. The messages
+  are made once and never filled, so this is the cost of publishing alone;
+- `bytes`: the same, and the messages are serialized once, too.
 """
 
 from math import inf
@@ -30,18 +28,18 @@ from create_oi_ros.oi import SLOT
 from create_oi_ros.ros.topics import DIAGNOSTICS, JOINT_STATES, MODE, PUBLISHED, SENSOR_TOPICS, TF
 
 MOST = 120
-"""Seconds of processor time after which the kernel ends this: the events executor never rests."""
+"""Limit of processor time, seconds: the events executor never sleeps, so it could run on."""
 SENSOR_PERIOD = 0.05
-"""Seconds, as the node's parameter `sensor_rate` has it."""
+"""Seconds; the default of the node's parameter `sensor_rate`."""
 PERIODS = {MODE.name: inf, DIAGNOSTICS.name: 1.0} | {
     topic.name: topic.period or SENSOR_PERIOD for topic in SENSOR_TOPICS}
-"""Seconds between two messages of a topic; what is not here is published with every frame."""
+"""Seconds between two messages of a topic; topics not listed are published with every frame."""
 CONTENTS: dict[str, dict[str, Any]] = {
     TF.name: {'transforms': [TransformStamped()]},
     JOINT_STATES.name: {
         'name': ['left_wheel_joint', 'right_wheel_joint'], 'position': [0.0] * 2,
         'velocity': [0.0] * 2}}
-"""What a message holds that would be empty otherwise."""
+"""Fields of messages that must not be empty."""
 
 which = sys.argv[1]
 resource.setrlimit(resource.RLIMIT_CPU, (MOST, MOST))
@@ -52,11 +50,11 @@ node = rclpy.create_node('floor')
 odom = node.create_publisher(Odometry, 'odom', 10) if which in ('timer', 'events') else None
 
 
-class Outlet:
-    """One topic, and the message that is published again and again."""
+class Repeater:
+    """Publishes one message on one topic again and again."""
 
     def __init__(self, topic: Any) -> None:
-        """Prepare it."""
+        """Make the publisher and the message."""
         self._publisher = node.create_publisher(topic.type, topic.name, topic.qos)
         message = topic.type(**CONTENTS.get(topic.name, {}))
         self._message = serialize_message(message) if which == 'bytes' else message
@@ -64,22 +62,22 @@ class Outlet:
         self._due = monotonic()
 
     def publish(self, now: float) -> None:
-        """Publish it where it is due."""
+        """Publish the message if it is due."""
         if now >= self._due:
             self._due += self._period
             self._publisher.publish(self._message)
 
 
-outlets = [] if odom else [Outlet(topic) for topic in PUBLISHED]
+repeaters = [] if odom else [Repeater(topic) for topic in PUBLISHED]
 
 
-def tell(frame: bytes) -> None:
-    """Publish what a frame asks for."""
+def publish(frame: bytes) -> None:
+    """Publish what is due at a frame."""
     right, left = layout.unpack(frame)
     if odom is None:
         now = monotonic()
-        for outlet in outlets:
-            outlet.publish(now)
+        for repeater in repeaters:
+            repeater.publish(now)
         return
     message = Odometry()
     message.header.stamp = node.get_clock().now().to_msg()
@@ -89,23 +87,23 @@ def tell(frame: bytes) -> None:
     odom.publish(message)
 
 
-def look() -> None:
-    """Tell of the frames that have come."""
+def read_waiting() -> None:
+    """Publish for each frame that has arrived."""
     while port.in_waiting >= layout.size:
-        tell(port.read(layout.size))
+        publish(port.read(layout.size))
 
 
 def read() -> None:
-    """Wait for frames, and tell of each."""
+    """Wait for frames; publish for each."""
     while True:
-        tell(port.read(layout.size))
+        publish(port.read(layout.size))
 
 
 node.create_subscription(Twist, 'cmd_vel', lambda _: None, 1)
 signal.signal(signal.SIGTERM, signal.SIG_DFL)
 port.write(bytes.fromhex(sys.argv[3]))
 if which == 'timer':
-    node.create_timer(SLOT, look)
+    node.create_timer(SLOT, read_waiting)
 else:
     threading.Thread(target=read, daemon=True).start()
 rclpy.spin(node, EventsExecutor() if which == 'events' else None)

@@ -1,18 +1,15 @@
 """The measured numbers: kept whole, compared, and in the documents as they were measured."""
 
-from pathlib import Path
 import re
-import sys
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / 'bench'))
-import bench_parts  # noqa: E402
-import compare  # noqa: E402
-import document  # noqa: E402
-import everything  # noqa: E402
-from results import Figure, figures_of, keep, load, rows  # noqa: E402
+import bench_parts
+import compare
+import document
+import everything
+from results import Figure, figures_of, keep, load, rows
+from support.source import ROOT
 
 PAGE = ROOT / 'docs' / 'performance.md'
 PROGRAMS = sorted(path.stem for path in (ROOT / 'bench').glob('bench_*.py'))
@@ -77,21 +74,21 @@ def test_a_program_that_fails_does_not_keep_the_others_from_running(tmp_path, ca
     good.write_text('import sys; print(sys.argv[1])')
     assert everything.run_all([bad, good], ['option']) == ['bad']
     said = capfd.readouterr().out
-    assert 'option' in said and said.endswith('their older results stand: bad.\n')
+    assert 'option' in said and said.endswith('Failed, older results kept: bad\n')
 
 
 def test_the_parts_of_a_frame_add_up_to_what_the_kernel_counted():
     calls = dict.fromkeys(bench_parts.PARTS, 2) | {'Publisher.publish': 9}
-    told = {'thread': 2_000_000, 'calls': calls, 'spent': dict.fromkeys(calls, 200_000)}
-    seen = bench_parts.seen(told, whole=10.0, others=1.0)
-    assert seen.messages == 4.5
-    assert sum(seen.microseconds.values()) == pytest.approx(1500)
-    assert seen.microseconds[bench_parts.DEAD_MAN] == pytest.approx(150)
-    assert seen.microseconds[bench_parts.REST] == pytest.approx(200)
+    result = {'thread': 2_000_000, 'calls': calls, 'spent': dict.fromkeys(calls, 200_000)}
+    profile = bench_parts.profile(result, whole=10.0, others=1.0)
+    assert profile.messages == 4.5
+    assert sum(profile.microseconds.values()) == pytest.approx(1500)
+    assert profile.microseconds[bench_parts.DEAD_MAN] == pytest.approx(150)
+    assert profile.microseconds[bench_parts.REST] == pytest.approx(200)
 
 
 def test_a_step_that_the_node_has_lost_is_not_passed_over():
     calls = dict.fromkeys(bench_parts.PARTS, 1)
     del calls['Driver.poll']
     with pytest.raises(KeyError, match='Driver.poll'):
-        bench_parts.seen({'thread': 1, 'calls': calls, 'spent': calls}, whole=10.0, others=1.0)
+        bench_parts.profile({'thread': 1, 'calls': calls, 'spent': calls}, whole=10.0, others=1.0)
