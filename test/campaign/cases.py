@@ -87,9 +87,9 @@ def disturbing(fault: str) -> Try:
     """Return a try in which bytes go wrong for a while as the wheels turn."""
     def attempt(stage: Stage, chance: Random) -> Outcome:
         _set_going(stage, chance)
-        stage.teacher.tell(f'fault {fault}')
+        stage.control.tell(f'fault {fault}')
         stage.rest(chance.uniform(0.5, 2.0))
-        stage.teacher.tell('fault off')
+        stage.control.tell('fault off')
         return _recovered(stage, Outcome())
     return attempt
 
@@ -113,13 +113,13 @@ def misled(*faults: str) -> Try:
     """
     def attempt(stage: Stage, chance: Random) -> Outcome:
         _set_going(stage, chance)
-        stage.teacher.tell(f'fault {" ".join(faults)}')
+        stage.control.tell(f'fault {" ".join(faults)}')
         printed = len(stage.node.printed)
         moving = time.monotonic() + chance.uniform(0.5, 2.0)
         while time.monotonic() < moving:
             stage.say(Twist(linear=Vector3(x=chance.uniform(-0.4, 0.4))))
             stage.rest(0.05)
-        stage.teacher.tell('fault off')
+        stage.control.tell('fault off')
         begun = time.monotonic()
         if not follows(stage, WORDS_AFTER):
             return switched(stage, printed)
@@ -136,7 +136,7 @@ def switched(stage: Stage, printed: int) -> Outcome:
     said = ''.join(stage.node.printed[printed:])
     if not any(words in said for words in NOT_HEARD):
         return Outcome(trouble='the robot does not follow, and nobody is told')
-    stage.teacher.tell('power off', 'after 1', 'power on')
+    stage.control.tell('power off', 'after 1', 'power on')
     return _recovered(stage, Outcome())
 
 
@@ -156,7 +156,7 @@ def told_other_rate(stage: Stage, chance: Random) -> Outcome:
     _inject(stage, oi.Baud(code=oi.BaudCode.B19200))
     stage.until(lambda: stage.watch.mode == Mode.UNKNOWN, 'mode UNKNOWN')
     outcome = _recovered(stage, Outcome())
-    stage.teacher.tell('power fail')
+    stage.control.tell('power fail')
     stage.until(lambda: stage.watch.mode == Mode.UNKNOWN, 'mode UNKNOWN')
     _recovered(stage, Outcome())
     return outcome
@@ -175,7 +175,7 @@ def follows(stage: Stage, seconds: float) -> bool:
         stage.say(Twist())
         stage.say(Twist(linear=Vector3(x=0.05)))
         stage.rest(0.1)
-        if stage.watch.mode == Mode.SAFE and stage.teacher.truth()['right'] == 50:
+        if stage.watch.mode == Mode.SAFE and stage.control.truth()['right'] == 50:
             return True
     return False
 
@@ -185,7 +185,7 @@ def stopped(stage: Stage, chance: Random) -> Outcome:
     _set_going(stage, chance)
     begun = time.monotonic()
     stage.node.send(signal.SIGSTOP)
-    stage.teacher.truth('wait right=0 left=0 timeout=5')
+    stage.control.truth('wait right=0 left=0 timeout=5')
     outcome = Outcome(zero=time.monotonic() - begun)
     stage.rest(chance.uniform(1.2, 3.0))
     stage.node.send(signal.SIGCONT)
@@ -229,18 +229,18 @@ def _recovered(stage: Stage, outcome: Outcome) -> Outcome:
     stage.until(back, 'recovery')
     outcome.recovery = time.monotonic() - begun
     song = stage.ros.call(PlaySong, 'play_song', number=SONG)
-    if not song.success or stage.teacher.truth()['song_number'] != SONG:
+    if not song.success or stage.control.truth()['song_number'] != SONG:
         outcome.trouble = f'the song is gone: {song.message}'
     stage.rest(0.2)
     return outcome
 
 
 def _unplug(stage: Stage) -> None:
-    stage.teacher.tell('cable unplug')
+    stage.control.tell('cable unplug')
 
 
 def _plug(stage: Stage) -> None:
-    stage.teacher.tell('cable plug')
+    stage.control.tell('cable plug')
 
 
 def _plug_elsewhere(stage: Stage) -> None:
@@ -254,7 +254,7 @@ def _plug_elsewhere(stage: Stage) -> None:
 
 
 def _told(*lines: str) -> Callable[[Stage], None]:
-    return lambda stage: stage.teacher.tell(*lines)
+    return lambda stage: stage.control.tell(*lines)
 
 
 # Before the node came.
@@ -273,16 +273,16 @@ def half_said(stage: Stage, chance: Random) -> Outcome:
 def at_other_rate(stage: Stage, chance: Random) -> Outcome:
     """Leave the robot at a rate that is not the usual one; then the node comes, looking."""
     _say(stage, oi.Start().encode() + oi.Baud(code=oi.BaudCode.B19200).encode())
-    stage.teacher.tell('after 0.2')
+    stage.control.tell('after 0.2')
     outcome = _met(stage, baud=0)
-    stage.teacher.tell('power fail')
+    stage.control.tell('power fail')
     return outcome
 
 
 def _say(stage: Stage, said: bytes) -> None:
     line = os.open(stage.port, os.O_RDWR | os.O_NOCTTY)
     os.write(line, said)
-    stage.teacher.tell('after 0.05')
+    stage.control.tell('after 0.05')
     os.close(line)
 
 
@@ -291,7 +291,7 @@ def _met(stage: Stage, **parameters: object) -> Outcome:
     stage.start_node(**parameters)
     assert stage.node is not None
     seconds = _logged(stage, 'robot answers') - _logged(stage, 'opened, calling')
-    stage.until(lambda: stage.teacher.truth()['mode'] == 'SAFE', 'Safe mode')
+    stage.until(lambda: stage.control.truth()['mode'] == 'SAFE', 'Safe mode')
     stage.node.send(signal.SIGINT)
     stage.node.ended()
     return Outcome(recovery=seconds)
@@ -313,15 +313,15 @@ def ending(end: Callable[[Stage], None], exit_code: int, program: str) -> Try:
         _set_going(stage, chance)
         begun = time.monotonic()
         end(stage)
-        stage.teacher.truth('wait right=0 left=0 timeout=5')
+        stage.control.truth('wait right=0 left=0 timeout=5')
         outcome = Outcome(zero=time.monotonic() - begun)
         ended = stage.node.ended()
-        truth = stage.teacher.truth('wait speed<0.001 mode=PASSIVE')
-        stage.teacher.tell('bump off', 'force bump_left=0 bump_right=0')
+        truth = stage.control.truth('wait speed<0.001 mode=PASSIVE')
+        stage.control.tell('bump off', 'force bump_left=0 bump_right=0')
         if ended != exit_code:
             outcome.trouble = f'exit code {ended}'
-        stage.teacher.tell('after 0.3')
-        if stage.teacher.truth()['commands'] != truth['commands']:
+        stage.control.tell('after 0.3')
+        if stage.control.truth()['commands'] != truth['commands']:
             outcome.trouble = 'something still speaks to the robot'
         return outcome
     return attempt
@@ -366,7 +366,7 @@ def told_to_stop(stage: Stage, chance: Random) -> Outcome:
     _set_going(stage, chance)
     begun = time.monotonic()
     called = client.call_async(Trigger.Request())
-    stage.teacher.truth('wait right=0 left=0')
+    stage.control.truth('wait right=0 left=0')
     outcome = Outcome(zero=time.monotonic() - begun)
     stage.until(called.done, 'the reply')
     stage.ros.node.destroy_client(client)

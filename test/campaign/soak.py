@@ -93,7 +93,7 @@ class Soak:
         """Let it all happen; return what was seen."""
         stage = self._stage
         stage.start_robot(*ROBOT)
-        stage.watch.follow(stage.teacher.truth)
+        stage.watch.follow(stage.control.truth)
         stage.start_node(baud=0)
         stage.furnish()
         with frozen_subscriber(stage.domain):
@@ -101,7 +101,7 @@ class Soak:
                 return self._go_on(minutes)
             except TimeoutError as error:
                 self.troubles.append(str(error))
-                return {'trouble': str(error), 'truth': stage.teacher.truth(),
+                return {'trouble': str(error), 'truth': stage.control.truth(),
                         'node': stage.node.output[-3000:], 'commands': self._commands}
 
     def _go_on(self, minutes: float) -> dict[str, object]:
@@ -116,7 +116,7 @@ class Soak:
                 first = self._size()
                 print(f'after {passed:.0f} s: {first}', flush=True)
             self._round()
-        stage.teacher.tell('fault off', 'cable mend')
+        stage.control.tell('fault off', 'cable mend')
         stage.until(lambda: self._back(), 'the robot')
         last = self._size()
         print(f'after {60 * minutes:.0f} s: {last}', flush=True)
@@ -137,10 +137,10 @@ class Soak:
 
     def _round(self) -> None:
         """Do one thing after the other, in an order that chance decides."""
-        self._stage.teacher.tell(f'fault {" ".join(FAULTS)}')
+        self._stage.control.tell(f'fault {" ".join(FAULTS)}')
         self._chance.choice((self._flood, self._flood, self._crowd, self._busy))()
         if self._chance.random() < 0.2:
-            self._stage.teacher.tell('fault off')
+            self._stage.control.tell('fault off')
             self._newest_wins()
         if not self._stage.node.running():
             raise SystemExit(f'the node has ended:\n{self._stage.node.output[-3000:]}')
@@ -182,14 +182,14 @@ class Soak:
 
         def arrived() -> bool:
             stage.say(Twist(linear=Vector3(x=0.123)))
-            return bool(stage.teacher.truth()['right'] == 123)
+            return bool(stage.control.truth()['right'] == 123)
         stage.until(arrived, 'the newest command')
         took = time.monotonic() - begun
         if took > QUICKLY:
             self.troubles.append(f'the newest command took {took:.2f} s')
 
     def _back(self) -> bool:
-        truth = self._stage.teacher.truth()
+        truth = self._stage.control.truth()
         if truth['mode'] != 'SAFE':
             # A brownout while it drove: a pause, then a fresh command, bring Safe back.
             self._stage.say(Twist())
@@ -198,7 +198,7 @@ class Soak:
 
     def _size(self) -> Size:
         """Measure when the line is whole, so that the dead-man is there, as at first."""
-        self._stage.teacher.tell('fault off')
+        self._stage.control.tell('fault off')
         self._stage.until(self._back, 'the robot')
         self._stage.rest(1.0)
         return size_of(self._stage.node.pid)

@@ -16,7 +16,7 @@ from geometry_msgs.msg import Twist, Vector3
 from campaign.watch import Watch
 from create_oi_ros.ros.programs import PROGRAMS
 from support.ros import Listener, Program
-from support.simulator import Teacher
+from support.simulator import ControlClient
 
 PATIENCE = 15.0
 """Seconds after which what should happen is taken not to."""
@@ -45,15 +45,15 @@ class Stage:
         self.watch = Watch(self.ros)
         self.robot: Program | None = None
         self.node: Program | None = None
-        self._teacher: Teacher | None = None
+        self._control: ControlClient | None = None
         self._velocity = self.ros.node.create_publisher(Twist, 'cmd_vel', 1)
         self._robots = 0
 
     @property
-    def teacher(self) -> Teacher:
+    def control(self) -> ControlClient:
         """Who sets the robot's world."""
-        assert self._teacher is not None
-        return self._teacher
+        assert self._control is not None
+        return self._control
 
     def start_robot(self, *arguments: str) -> None:
         """Switch a new robot on, its sensors held; the port is there when they are."""
@@ -62,8 +62,8 @@ class Stage:
         self.robot = Program('-c', PROGRAMS['create_sim'], '--link', str(link), '--control',
                              str(control), *(arguments or QUICK), domain=self.domain)
         self.until(lambda: control.exists() and 'help' in self.robot.output, 'a robot')
-        self._teacher = Teacher(control)
-        self.teacher.tell(f'force {HELD}')
+        self._control = ControlClient(control)
+        self.control.tell(f'force {HELD}')
         beside = self.folder / 'beside'
         beside.symlink_to(link)
         beside.replace(self.port)
@@ -73,8 +73,8 @@ class Stage:
         # As a cable does that is pulled out: its name goes with it, and may come to another.
         (self.folder / f'tty{self._robots}').unlink(missing_ok=True)
         _kill(self.robot)
-        if self._teacher is not None:
-            self._teacher.close()
+        if self._control is not None:
+            self._control.close()
 
     def start_node(self, *, code: str = PROGRAMS['create_node'], **parameters: object) -> None:
         """Start the driver and wait until it has the robot; set LEDs, outputs and a song."""
@@ -102,12 +102,12 @@ class Stage:
 
     def restored(self) -> bool:
         """Tell whether the robot is as it was set up."""
-        truth = self.teacher.truth()
+        truth = self.control.truth()
         return all(truth[name] == value for name, value in RESTORED.items())
 
     def standing(self) -> bool:
         """Tell whether the wheels are told to stand."""
-        truth = self.teacher.truth()
+        truth = self.control.truth()
         return bool(truth['right'] == truth['left'] == 0)
 
     def until(self, happened: Callable[[], Any], what: str) -> float:
@@ -138,7 +138,7 @@ class Stage:
         command = Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
         timer = self.ros.node.create_timer(0.05, lambda: self._velocity.publish(command))
         try:
-            self.until(lambda: self.teacher.truth()['speed'] > linear / 2, 'driving')
+            self.until(lambda: self.control.truth()['speed'] > linear / 2, 'driving')
         finally:
             self.ros.node.destroy_timer(timer)
 

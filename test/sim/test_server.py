@@ -16,7 +16,7 @@ import pytest
 import serial
 
 from create_oi_ros import oi
-from support.simulator import opened, receive, silent, simulator, taught, Teacher
+from support.simulator import ControlClient, opened, receive, silent, simulator, taught
 
 START, SAFE, FULL = bytes([128]), bytes([131]), bytes([132])
 STREAM = bytes([148, 3, 35, 41, 42])
@@ -286,7 +286,7 @@ def test_speed_makes_its_time_run_faster(tmp_path: Path) -> None:
 def test_a_long_stall_leaves_the_robot_where_it_was(tmp_path: Path) -> None:
     port, control = tmp_path / 'create', tmp_path / 'control'
     with simulator('--link', port, '--control', control) as sim, opened(port) as client:
-        teacher = Teacher(control)
+        teacher = ControlClient(control)
         os.write(client, START + SAFE + bytes([145, 0, 100, 0, 100]))
         before = teacher.truth('wait speed>0.09')
         sim.process.send_signal(signal.SIGSTOP)
@@ -338,7 +338,7 @@ def test_every_word_is_understood_or_refused_with_the_reason(tmp_path: Path) -> 
 
 def test_one_who_waits_holds_up_only_himself(tmp_path: Path) -> None:
     with taught(tmp_path) as (_, teacher):
-        other = Teacher(tmp_path / 'control')
+        other = ControlClient(tmp_path / 'control')
         answers: list[str] = []
         waiting = threading.Thread(target=lambda: answers.append(other.ask('wait wall=1')))
         waiting.start()
@@ -385,7 +385,7 @@ def test_a_power_failure_is_answered_by_the_banner(tmp_path: Path) -> None:
 
 def test_quit_ends_it(port: Path, tmp_path: Path) -> None:
     with simulator('--link', port, '--control', tmp_path / 'control') as sim:
-        teacher = Teacher(tmp_path / 'control')
+        teacher = ControlClient(tmp_path / 'control')
         teacher.tell('quit')
         assert sim.ended()[0] == 0
         teacher.close()

@@ -42,7 +42,7 @@ class Simulator:
         return self.ended()
 
 
-class Teacher:
+class ControlClient:
     """Speaks with the control socket."""
 
     def __init__(self, path: Path) -> None:
@@ -86,11 +86,11 @@ def simulator(*arguments: str | Path) -> Iterator[Simulator]:
 
 
 @contextmanager
-def taught(folder: Path, *arguments: str | Path) -> Iterator[tuple[Path, Teacher]]:
+def taught(folder: Path, *arguments: str | Path) -> Iterator[tuple[Path, ControlClient]]:
     """Run `create_sim` on a pseudo terminal with a control socket."""
     port, control = folder / 'create', folder / 'control'
     with simulator('--link', port, '--control', control, *arguments):
-        teacher = Teacher(control)
+        teacher = ControlClient(control)
         try:
             yield port, teacher
         finally:
