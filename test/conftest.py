@@ -1,4 +1,4 @@
-"""What all tests share: properties are tried on the same examples in every run."""
+"""Settings of all tests: hypothesis tries the same examples in every run."""
 
 from hypothesis import settings
 

@@ -1,6 +1,9 @@
 """
-The fault campaign: the real node and a simulated robot as processes, and what happens to them.
+Long tests with real processes: the node and a simulated robot, disturbed in many ways.
 
-`stage` sets the scene and watches what is published, `cases` are the faults, `table` holds what
-came of them. `make faults` runs all, `make test` a few, once each.
+`faults` makes each fault many times and prints a table, `soak` does everything at once for a long
+time, `fuzz` gives mutated bytes to the stream reader. `make faults`, `make soak` and `make fuzz`
+run them (see CONTRIBUTING.md); `make test` makes some faults once.
+
+`stage` starts the processes, `watch` checks what the node publishes, `cases` lists the faults.
 """

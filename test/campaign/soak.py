@@ -1,14 +1,13 @@
 """
-A soak: everything at once for a long time, and nothing must grow.
+Load and faults for a long time; the node must not grow: `make soak ARGS='[MINUTES] [OPTIONS]'`.
 
-    make soak ARGS= [MINUTES] [--json FILE]
+One node and one robot run as processes. The line fails at random: unplugged, cut, silent or
+damaged; the robot's battery fails, too. Meanwhile `cmd_vel` arrives at 1 kHz, services are called
+a hundred at a time, one subscriber never reads, and sometimes all cores are busy. The node's
+threads, descriptors and resident memory are measured after the first minute and at the end.
 
-One node and one robot, as processes. The line fails at random (unplugged, cut, silent, damaged;
-the robot's battery fails), while `cmd_vel` comes at 1 kHz, services are called a hundred at a
-time, a subscriber never reads, and now and then all cores are busy. Threads, descriptors and
-bytes resident of the node are noted after the first minute and compared at the end; exit code 1
-when they differ, when the node has ended, when a wrong value was published or a call not
-answered, or when the newest command did not win. How it is, is said every minute.
+Every minute prints the progress. The exit code is 1 if the sizes differ, the node has ended, a
+wrong value was published, a call was not answered, or the newest command was late.
 """
 
 import argparse
@@ -33,45 +32,46 @@ from campaign.stage import Stage, staged
 from create_oi_ros.ros.services import AT_ONCE
 
 SETTLE = 60.0
-"""Seconds after which things must have found their size."""
+"""Seconds after which the node must have its final size."""
 GROWTH = 2 << 20
-"""Bytes that the node may grow by."""
+"""Bytes of memory that the node may grow by."""
 RATE = 1000
 """Velocity commands a second."""
 CALLS = 100
 """Service calls at once."""
 QUICKLY = 1.0
-"""Seconds within which the newest command must be obeyed though all those came before it."""
+"""Seconds within which the robot must follow the newest command after a flood."""
 FAULTS = (
     'unplug:0.03+1.5', 'cut:0.02+0.8', 'silence:0.02+1', 'deaf:0.02+0.5', 'brownout:0.01+0.1',
     'flip:0.02', 'drop:0.02', 'garbage:0.02')
 ROBOT = ('--guess', 'boot_seconds=0', '--seed', '7')
-BURN = 'while True: pass'
+ENDLESS_LOOP = 'while True: pass'
 SUBSCRIBER = """
 from nav_msgs.msg import Odometry
 import rclpy
 rclpy.init()
 node = rclpy.create_node('frozen')
-heard = rclpy.task.Future()
-node.create_subscription(Odometry, 'odom', lambda _: heard.done() or heard.set_result(True), 1000)
-rclpy.spin_until_future_complete(node, heard)
-print('heard', flush=True)
+received = rclpy.task.Future()
+node.create_subscription(
+    Odometry, 'odom', lambda _: received.done() or received.set_result(True), 1000)
+rclpy.spin_until_future_complete(node, received)
+print('received', flush=True)
 rclpy.spin(node)
 """
 PAGE = os.sysconf('SC_PAGE_SIZE')
 
 
 class Size(NamedTuple):
-    """What a process holds."""
+    """Size of a process."""
 
     threads: int
     descriptors: int
     resident: int
-    """Bytes."""
+    """Resident memory, bytes."""
 
 
 def size_of(number: int) -> Size:
-    """Look at a process."""
+    """Return the present size of a process."""
     process = Path(f'/proc/{number}')
     return Size(
         len(list((process / 'task').iterdir())), len(list((process / 'fd').iterdir())),
@@ -79,45 +79,45 @@ def size_of(number: int) -> Size:
 
 
 class Soak:
-    """One scene that goes on and on."""
+    """One run of the soak."""
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
-        self._chance = Random(7)
+        self._random = Random(7)
         self._called = self._answered = self._commands = 0
         self.troubles: list[str] = []
         self._leds = stage.ros.node.create_client(SetLeds, 'set_leds', qos_profile=AT_ONCE)
         self._stop = stage.ros.node.create_client(Trigger, 'stop', qos_profile=AT_ONCE)
 
     def run(self, minutes: float) -> dict[str, object]:
-        """Let it all happen; return what was seen."""
+        """Run for so many minutes; return the results."""
         stage = self._stage
         stage.start_robot(*ROBOT)
         stage.watch.follow(stage.control.truth)
         stage.start_node(baud=0)
-        stage.furnish()
+        stage.set_outputs()
         with frozen_subscriber(stage.domain):
             try:
-                return self._go_on(minutes)
+                return self._run_rounds(minutes)
             except TimeoutError as error:
                 self.troubles.append(str(error))
                 return {'trouble': str(error), 'truth': stage.control.truth(),
                         'node': stage.node.output[-3000:], 'commands': self._commands}
 
-    def _go_on(self, minutes: float) -> dict[str, object]:
+    def _run_rounds(self, minutes: float) -> dict[str, object]:
         stage, begun, first = self._stage, time.monotonic(), None
         settle = min(SETTLE, 20 * minutes)
-        told = 0
+        reported = 0
         while (passed := time.monotonic() - begun) < 60 * minutes:
-            if passed >= 60 * (told + 1):
-                told = int(passed / 60)
-                print(f'{told} min: {self._progress()}', flush=True)
+            if passed >= 60 * (reported + 1):
+                reported = int(passed / 60)
+                print(f'{reported} min: {self._progress()}', flush=True)
             if first is None and passed >= settle:
                 first = self._size()
                 print(f'after {passed:.0f} s: {first}', flush=True)
             self._round()
         stage.control.tell('fault off', 'cable mend')
-        stage.until(lambda: self._back(), 'the robot')
+        stage.until(self._recovered, 'the robot')
         last = self._size()
         print(f'after {60 * minutes:.0f} s: {last}', flush=True)
         self._compare(first or last, last)
@@ -128,7 +128,7 @@ class Soak:
             'troubles': self.troubles}
 
     def _progress(self) -> str:
-        """Say how it is, without waiting for anything."""
+        """Return the present size and counts as text."""
         threads, descriptors, resident = size_of(self._stage.node.pid)
         wrong = self._stage.watch.wrong or 'no wrong value'
         return (f'{threads} threads, {descriptors} descriptors, {resident / 1e6:.2f} MB, '
@@ -136,31 +136,31 @@ class Soak:
                 f'{wrong}, {len(self.troubles)} troubles')
 
     def _round(self) -> None:
-        """Do one thing after the other, in an order that chance decides."""
+        """Make faults, and one kind of load at random."""
         self._stage.control.tell(f'fault {" ".join(FAULTS)}')
-        self._chance.choice((self._flood, self._flood, self._crowd, self._busy))()
-        if self._chance.random() < 0.2:
+        self._random.choice((self._flood, self._flood, self._call_services, self._busy))()
+        if self._random.random() < 0.2:
             self._stage.control.tell('fault off')
             self._newest_wins()
         if not self._stage.node.running():
             raise SystemExit(f'the node has ended:\n{self._stage.node.output[-3000:]}')
 
     def _flood(self, seconds: float = 2.0) -> None:
-        """Send velocities, 1000 a second."""
+        """Publish 1000 velocities a second."""
         begun, sent = time.monotonic(), 0
 
         def over() -> bool:
             nonlocal sent
             passed = time.monotonic() - begun
             while sent < passed * RATE:
-                self._stage.say(Twist(linear=Vector3(x=self._chance.uniform(-0.3, 0.3))))
+                self._stage.publish(Twist(linear=Vector3(x=self._random.uniform(-0.3, 0.3))))
                 sent += 1
             return passed >= seconds
         self._stage.until(over, 'the end of a flood')
         self._commands += sent
 
-    def _crowd(self) -> None:
-        """Call services, a hundred at once; all must be answered."""
+    def _call_services(self) -> None:
+        """Call services, a hundred at once, and wait for all replies."""
         calls = [self._leds.call_async(SetLeds.Request(
             play=True, advance=True, power_color=77, power_intensity=88)) if number % 10 else
             self._stop.call_async(Trigger.Request()) for number in range(CALLS)]
@@ -169,70 +169,72 @@ class Soak:
         self._answered += sum(call.done() for call in calls)
 
     def _busy(self) -> None:
-        """Let every core have something else to do."""
-        with burning():
+        """Publish velocities while other processes keep all cores busy."""
+        with all_cores_busy():
             self._flood(3.0)
 
     def _newest_wins(self) -> None:
-        """After a flood, look how long the newest command takes to be the robot's."""
+        """After a flood, measure how long the newest command takes to reach the robot."""
         stage = self._stage
-        stage.until(self._back, 'the robot')
+        stage.until(self._recovered, 'the robot')
         self._flood(1.0)
         begun = time.monotonic()
 
         def arrived() -> bool:
-            stage.say(Twist(linear=Vector3(x=0.123)))
+            stage.publish(Twist(linear=Vector3(x=0.123)))
             return bool(stage.control.truth()['right'] == 123)
         stage.until(arrived, 'the newest command')
         took = time.monotonic() - begun
         if took > QUICKLY:
             self.troubles.append(f'the newest command took {took:.2f} s')
 
-    def _back(self) -> bool:
+    def _recovered(self) -> bool:
         truth = self._stage.control.truth()
         if truth['mode'] != 'SAFE':
-            # A brownout while it drove: a pause, then a fresh command, bring Safe back.
-            self._stage.say(Twist())
-            self._stage.say(Twist(linear=Vector3(x=0.1)))
+            # The battery failed while it drove: a stop, then a fresh command, bring Safe back.
+            self._stage.publish(Twist())
+            self._stage.publish(Twist(linear=Vector3(x=0.1)))
         return bool(truth['mode'] == 'SAFE')
 
     def _size(self) -> Size:
-        """Measure when the line is whole, so that the dead-man is there, as at first."""
+        """Measure when the link is up, so that the dead-man process runs, too."""
         self._stage.control.tell('fault off')
-        self._stage.until(self._back, 'the robot')
-        self._stage.rest(1.0)
+        self._stage.until(self._recovered, 'the robot')
+        self._stage.wait(1.0)
         return size_of(self._stage.node.pid)
 
     def _compare(self, first: Size, last: Size) -> None:
         if last.threads != first.threads or last.descriptors != first.descriptors:
-            self.troubles.append('threads or descriptors have changed in number')
-        if abs(last.resident - first.resident) > GROWTH:
-            self.troubles.append(f'{last.resident - first.resident} bytes more are resident')
+            self.troubles.append('the number of threads or descriptors has changed')
+        grown = last.resident - first.resident
+        if abs(grown) > GROWTH:
+            self.troubles.append(f'resident memory has changed by {grown} bytes')
         if self._answered != self._called:
             self.troubles.append(f'{self._called - self._answered} calls were not answered')
         self.troubles += self._stage.watch.wrong[:5]
 
 
 @contextmanager
-def burning() -> Iterator[None]:
+def all_cores_busy() -> Iterator[None]:
     """Keep every core busy meanwhile."""
-    fires = [subprocess.Popen([sys.executable, '-S', '-c', BURN]) for _ in range(os.cpu_count())]
+    loops = [subprocess.Popen([sys.executable, '-S', '-c', ENDLESS_LOOP])
+             for _ in range(os.cpu_count())]
     try:
         yield
     finally:
-        for fire in fires:
-            fire.kill()
-            fire.wait()
+        for loop in loops:
+            loop.kill()
+            loop.wait()
 
 
 @contextmanager
 def frozen_subscriber(domain: int) -> Iterator[None]:
-    """Let another process subscribe to everything fast, and stop it in its tracks."""
+    """Run a process that subscribes to `odom`, receives one message and is then stopped."""
     subscriber = subprocess.Popen(
         [sys.executable, '-c', SUBSCRIBER], stdout=subprocess.PIPE,
         env={**os.environ, 'ROS_DOMAIN_ID': str(domain)})
     assert subscriber.stdout is not None
-    assert subscriber.stdout.readline() == b'heard\n'
+    assert subscriber.stdout.readline() == b'received\n'
     subscriber.send_signal(signal.SIGSTOP)
     try:
         yield
@@ -242,20 +244,16 @@ def frozen_subscriber(domain: int) -> Iterator[None]:
 
 
 def main() -> int:
-    """Run it and say what was seen."""
+    """Run the soak from the command line."""
     parser = argparse.ArgumentParser(prog='soak', description=__doc__)
-    parser.add_argument('minutes', type=float, nargs='?', default=30.0)
-    parser.add_argument('--json', type=Path, metavar='FILE')
+    parser.add_argument('minutes', type=float, nargs='?', default=30.0, help='default: 30')
+    parser.add_argument('--json', type=Path, metavar='FILE', help='write the results to a file')
     options = parser.parse_args()
     with TemporaryDirectory(prefix='soak-') as folder, staged(Path(folder)) as stage:
         soak = Soak(stage)
-        seen = soak.run(options.minutes)
-    for name, value in seen.items():
+        results = soak.run(options.minutes)
+    for name, value in results.items():
         print(f'{name}: {value}')
     if options.json:
-        options.json.write_text(json.dumps(seen, indent=1), encoding='utf-8')
+        options.json.write_text(json.dumps(results, indent=1), encoding='utf-8')
     return int(bool(soak.troubles))
-
-
-if __name__ == '__main__':
-    sys.exit(main())

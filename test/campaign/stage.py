@@ -1,4 +1,4 @@
-"""A robot, a node and a listener as processes of their own; what is published is watched."""
+"""A simulated robot and a node as processes, and a listener that checks what is published."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,18 +10,19 @@ from typing import Any
 
 from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import DefineSong, SetDigitalOutputs, SetLeds
-import domain_coordinator
 from geometry_msgs.msg import Twist, Vector3
 
 from campaign.watch import Watch
 from create_oi_ros.ros.programs import PROGRAMS
-from support.ros import Listener, Program
+from support.ros import Listener, own_domain, Program
 from support.simulator import ControlClient
 
-PATIENCE = 15.0
-"""Seconds after which what should happen is taken not to."""
+TIMEOUT = 15.0
+"""Seconds to wait for anything."""
 LOOK_EVERY = 0.01
-"""Seconds between two looks at the truth."""
+"""Seconds between two looks at a condition."""
+OPENED, ANSWERS = 'opened, calling', 'robot answers'
+"""Words in the node's log when it has opened the port, and when the robot answers."""
 HELD = (
     'bump_left=0 bump_right=0 drop_left=0 drop_right=0 drop_caster=0 wall=0 wall_signal=1234 '
     'cliff_left=0 cliff_front_left=0 cliff_front_right=0 cliff_right=0 cliff_left_signal=1001 '
@@ -29,14 +30,18 @@ HELD = (
     'virtual_wall=0 infrared=130 play=0 advance=0 charging_state=0 voltage=15123 current=-321 '
     'temperature=27 charge=2001 capacity=2702 home_base=0 internal_charger=0 digital_input_0=1 '
     'digital_input_1=0 digital_input_2=1 digital_input_3=0 analog=700')
-"""Every sensor at one value for ever: whatever else is published is wrong."""
+"""A fixed value for every sensor of the robot: any other value that is published is wrong."""
 SONG = 3
-RESTORED = {'mode': 'SAFE', 'leds': 10, 'power_color': 77, 'power_intensity': 88, 'outputs': 5}
-"""What the truth must say after a fault as it did before."""
+"""Number of the song that must survive every fault."""
+LEDS = {'power_color': 77, 'power_intensity': 88}
+RESTORED = {'mode': 'SAFE', 'leds': 10, 'outputs': 5, **LEDS}
+"""State of the robot that must be restored after a fault, as the control socket shows it."""
+QUICK = ('--guess', 'boot_seconds=0')
+"""Options of a robot whose boot loader takes no time."""
 
 
 class Stage:
-    """One robot, one node, one who drives."""
+    """One robot, one node, and one client that drives."""
 
     def __init__(self, folder: Path, domain: int) -> None:
         self.folder, self.domain = folder, domain
@@ -51,12 +56,12 @@ class Stage:
 
     @property
     def control(self) -> ControlClient:
-        """Who sets the robot's world."""
+        """The control socket of the robot."""
         assert self._control is not None
         return self._control
 
     def start_robot(self, *arguments: str) -> None:
-        """Switch a new robot on, its sensors held; the port is there when they are."""
+        """Start a new robot and hold its sensors; only then point the port to it."""
         self._robots += 1
         link, control = self.folder / f'tty{self._robots}', self.folder / f'control{self._robots}'
         self.robot = Program('-c', PROGRAMS['create_sim'], '--link', str(link), '--control',
@@ -64,54 +69,53 @@ class Stage:
         self.until(lambda: control.exists() and 'help' in self.robot.output, 'a robot')
         self._control = ControlClient(control)
         self.control.tell(f'force {HELD}')
-        beside = self.folder / 'beside'
-        beside.symlink_to(link)
-        beside.replace(self.port)
+        new_port = self.folder / 'new_port'
+        new_port.symlink_to(link)
+        new_port.replace(self.port)
 
     def end_robot(self) -> None:
-        """Let the robot's process die."""
-        # As a cable does that is pulled out: its name goes with it, and may come to another.
+        """Kill the robot's process."""
+        # A cable that is pulled out takes its device name with it; another may get that name.
         (self.folder / f'tty{self._robots}').unlink(missing_ok=True)
         _kill(self.robot)
         if self._control is not None:
             self._control.close()
 
     def start_node(self, *, code: str = PROGRAMS['create_node'], **parameters: object) -> None:
-        """Start the driver and wait until it has the robot; set LEDs, outputs and a song."""
+        """Start the driver; wait until the robot answers and is in Safe mode."""
         self.watch.restart()
         arguments = [f'port:={self.port}', *(f'{n}:={value}' for n, value in parameters.items())]
         self.node = Program(
             '-c', code, '--ros-args', *(part for each in arguments for part in ('-p', each)),
             domain=self.domain)
-        self.until(lambda: 'robot answers' in self.node.output and self.watch.mode == Mode.SAFE,
+        self.until(lambda: ANSWERS in self.node.output and self.watch.mode == Mode.SAFE,
                    'a robot that answers')
 
-    def furnish(self) -> None:
-        """Set what is to be restored: LEDs, outputs, a song."""
+    def set_outputs(self) -> None:
+        """Set what the driver must restore: LEDs, outputs, a song."""
         replies = (
-            self.ros.call(SetLeds, 'set_leds', play=True, advance=True, power_color=77,
-                          power_intensity=88),
+            self.ros.call(SetLeds, 'set_leds', play=True, advance=True, **LEDS),
             self.ros.call(SetDigitalOutputs, 'set_digital_outputs', output_0=True, output_2=True),
             self.ros.call(DefineSong, 'define_song', number=SONG, pitches=[60], seconds=[0.1]))
         assert all(reply.success for reply in replies), replies
         self.until(self.restored, 'LEDs and outputs')
 
     def end_node(self) -> None:
-        """Let the node's process die."""
+        """Kill the node's process."""
         _kill(self.node)
 
     def restored(self) -> bool:
-        """Tell whether the robot is as it was set up."""
+        """Whether the robot's mode, LEDs and outputs are as they were set."""
         truth = self.control.truth()
         return all(truth[name] == value for name, value in RESTORED.items())
 
-    def standing(self) -> bool:
-        """Tell whether the wheels are told to stand."""
+    def stopped(self) -> bool:
+        """Whether zero speed is requested of both wheels."""
         truth = self.control.truth()
         return bool(truth['right'] == truth['left'] == 0)
 
     def until(self, happened: Callable[[], Any], what: str) -> float:
-        """Return after how many seconds something has happened; TimeoutError if it does not."""
+        """Wait for a condition; return how long it took, or raise TimeoutError."""
         begun = looked = time.monotonic()
         if happened():
             return 0.0
@@ -122,19 +126,19 @@ class Stage:
             if now - looked < LOOK_EVERY:
                 return False
             looked = now
-            if now - begun > PATIENCE:
-                raise TimeoutError(f'{what} did not come within {PATIENCE:g} s')
+            if now - begun > TIMEOUT:
+                raise TimeoutError(f'{what} did not come within {TIMEOUT:g} s')
             return bool(happened())
         self.ros.until(over, what)
         return time.monotonic() - begun
 
-    def rest(self, seconds: float) -> None:
-        """Let time pass, listening."""
+    def wait(self, seconds: float) -> None:
+        """Let time pass and receive messages."""
         end = time.monotonic() + seconds
-        self.until(lambda: time.monotonic() >= end, 'the end of a rest')
+        self.until(lambda: time.monotonic() >= end, 'the end of a wait')
 
     def drive(self, linear: float, angular: float) -> None:
-        """Drive until the robot has taken its speed, then say nothing more."""
+        """Publish a velocity until the robot has half of its speed, then no more."""
         command = Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
         timer = self.ros.node.create_timer(0.05, lambda: self._velocity.publish(command))
         try:
@@ -142,7 +146,7 @@ class Stage:
         finally:
             self.ros.node.destroy_timer(timer)
 
-    def say(self, twist: Twist) -> None:
+    def publish(self, twist: Twist) -> None:
         """Publish one velocity."""
         self._velocity.publish(twist)
 
@@ -153,10 +157,6 @@ class Stage:
         self.end_robot()
 
 
-QUICK = ('--guess', 'boot_seconds=0')
-"""A robot whose boot loader takes no time, where that is not the point."""
-
-
 def _kill(program: Program | None) -> None:
     if program is not None:
         if program.running():
@@ -164,19 +164,10 @@ def _kill(program: Program | None) -> None:
         program.ended()
 
 
-_domains = 0
-
-
-def _next_domain() -> int:
-    global _domains
-    _domains += 1
-    return _domains % 100 + 1
-
-
 @contextmanager
 def staged(folder: Path) -> Iterator[Stage]:
-    """Set a stage in a ROS domain of its own."""
-    with domain_coordinator.domain_id(_next_domain) as domain:
+    """Yield a stage in a ROS domain of its own; end its processes afterwards."""
+    with own_domain() as domain:
         stage = Stage(folder, domain)
         try:
             yield stage

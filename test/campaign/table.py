@@ -1,9 +1,9 @@
-"""What came of all tries, as a table."""
+"""The results of all tries, as a table and as JSON."""
 
 from dataclasses import dataclass, field
 from statistics import median
 
-from campaign.cases import Fault, Outcome
+from campaign.fault import Fault, Result
 
 HEAD = ('fault', 'tried', 'recovered', 'median s', 'worst s', 'wrong values',
         'zero speed: median s', 'worst s')
@@ -11,34 +11,34 @@ HEAD = ('fault', 'tried', 'recovered', 'median s', 'worst s', 'wrong values',
 
 @dataclass
 class Row:
-    """One fault, and what came of it each time."""
+    """One fault and the results of its tries."""
 
     fault: Fault
-    outcomes: list[Outcome] = field(default_factory=list)
-    patience: float = 1.0
-    """How many times longer than promised things may take."""
+    results: list[Result] = field(default_factory=list)
+    slack: float = 1.0
+    """Factor for the limits: more than 1 on a busy machine."""
 
-    def fails(self, outcome: Outcome) -> str:
-        """Say why a try has failed, or ''."""
-        limits = ((self.fault.recovery, outcome.recovery, 'recovery'),
-                  (self.fault.zero, outcome.zero, 'zero speed'))
+    def failure(self, result: Result) -> str:
+        """Return why a try has failed; empty if it has not."""
+        limits = ((self.fault.recovery, result.recovery, 'recovery'),
+                  (self.fault.zero, result.zero, 'zero speed'))
         late = [f'{what} after {took:.3f} s, not {limit:g} s' for limit, took, what in limits
-                if limit is not None and took is not None and took > limit * self.patience]
-        return '; '.join(filter(None, (outcome.trouble, *late, *outcome.wrong[:1])))
+                if limit is not None and took is not None and took > limit * self.slack]
+        return '; '.join(filter(None, (result.trouble, *late, *result.wrong[:1])))
 
     @property
     def failures(self) -> list[str]:
-        """Why tries have failed."""
-        return [why for outcome in self.outcomes if (why := self.fails(outcome))]
+        """Why tries have failed, for each that has."""
+        return [why for result in self.results if (why := self.failure(result))]
 
     def cells(self) -> tuple[str, ...]:
         """Return the row of the table."""
-        recovered = sum(not outcome.trouble for outcome in self.outcomes)
+        recovered = sum(not result.trouble for result in self.results)
         return (
-            self.fault.name, str(len(self.outcomes)), str(recovered),
-            *_times([outcome.recovery for outcome in self.outcomes]),
-            str(sum(len(outcome.wrong) for outcome in self.outcomes)),
-            *_times([outcome.zero for outcome in self.outcomes]))
+            self.fault.name, str(len(self.results)), str(recovered),
+            *_times([result.recovery for result in self.results]),
+            str(sum(len(result.wrong) for result in self.results)),
+            *_times([result.zero for result in self.results]))
 
 
 def _times(values: list[float | None]) -> tuple[str, str]:
@@ -47,12 +47,12 @@ def _times(values: list[float | None]) -> tuple[str, str]:
 
 
 def markdown(rows: list[Row]) -> str:
-    """Return the table."""
+    """Return the table in Markdown."""
     lines = [HEAD, ('---',) * len(HEAD), *(row.cells() for row in rows)]
     return ''.join(f'| {" | ".join(line)} |\n' for line in lines)
 
 
 def as_json(rows: list[Row]) -> list[dict[str, object]]:
-    """Return every try, to be written as JSON."""
-    return [{'fault': row.fault.name, **vars(outcome), 'failure': row.fails(outcome)}
-            for row in rows for outcome in row.outcomes]
+    """Return every try as a JSON object."""
+    return [{'fault': row.fault.name, **vars(result), 'failure': row.failure(result)}
+            for row in rows for result in row.results]

@@ -1,4 +1,4 @@
-"""Compares all that is published with what it must be."""
+"""Checks everything that a node publishes for wrong values."""
 
 from collections import deque
 from collections.abc import Callable
@@ -14,21 +14,21 @@ from create_oi_ros.ros.topics import LATCHED, SENSOR_TOPICS
 from support.ros import Listener
 
 STEP, TURN = 0.05, 0.15
-"""Metres and radians that odometry may differ after a gap."""
+"""Tolerance of a step of the odometry, metres and radians."""
 FASTEST, FASTEST_TURN = 0.6, 5.0
-"""m/s and rad/s that it may show without one."""
+"""Highest speed that the odometry may show, m/s and rad/s."""
 GAP = 0.2
-"""Seconds between two messages from which on frames were missed."""
+"""Seconds between two messages above which frames must have been lost."""
 LOOK_EVERY = 0.02
-"""Seconds between two looks at the robot's own place."""
+"""Seconds between two queries of the robot's true pose."""
 PROMPT = 0.01
-"""Seconds within which it must be told to be worth knowing."""
-PLACES = 500
-"""How many places of the robot are remembered: more than the longest gap has."""
+"""Longest duration of a query, seconds; a slower answer has no exact time and is dropped."""
+POSES = 500
+"""Number of true poses that are kept: they last longer than the longest gap."""
 
 
-class Place(NamedTuple):
-    """Where something was: seconds of the system's clock, metres, radians."""
+class Pose(NamedTuple):
+    """A pose and its time: seconds of the system's clock, metres, radians."""
 
     time: float
     x: float
@@ -37,83 +37,84 @@ class Place(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What lies between two places, as seen from the first: metres, radians."""
+    """The movement between two poses in the frame of the first: metres, radians."""
 
     forward: float
     left: float
     turn: float
 
 
-STOOD = Step(0.0, 0.0, 0.0)
+NO_STEP = Step(0.0, 0.0, 0.0)
 
 
-def step(before: Place, after: Place) -> Step:
-    """Return how one comes from one place to another."""
+def step(before: Pose, after: Pose) -> Step:
+    """Return the step from one pose to another."""
     x, y = after.x - before.x, after.y - before.y
     return Step(x * cos(before.yaw) + y * sin(before.yaw),
                 y * cos(before.yaw) - x * sin(before.yaw),
                 remainder(after.yaw - before.yaw, tau))
 
 
-class Way:
-    """Where the robot really was, as its simulator tells it."""
+class TruePath:
+    """The true poses of the robot, from its simulator."""
 
     def __init__(
         self, truth: Callable[[], dict[str, Any]], clock: Callable[[], float] = time.time,
     ) -> None:
         self._truth, self._clock = truth, clock
-        self._places: deque[Place] = deque(maxlen=PLACES)
+        self._poses: deque[Pose] = deque(maxlen=POSES)
 
     def look(self) -> None:
-        """See where the robot is; an answer that took long says nothing of when."""
+        """Query the true pose and keep it, unless the answer took too long."""
         asked = self._clock()
         truth = self._truth()
         answered = self._clock()
         if answered - asked < PROMPT:
-            self._places.append(
-                Place((asked + answered) / 2, truth['x'], truth['y'], truth['yaw']))
+            self._poses.append(
+                Pose((asked + answered) / 2, truth['x'], truth['y'], truth['yaw']))
 
     def between(self, begin: float, end: float) -> Step | None:
-        """Return how the robot went from one past time to another, if it was seen around both."""
+        """Return the true step between two times; None if a pose around one of them is missing."""
         self.look()
         before, after = self._at(begin), self._at(end)
         return None if before is None or after is None else step(before, after)
 
-    def _at(self, moment: float) -> Place | None:
+    def _at(self, moment: float) -> Pose | None:
         later = None
-        for place in reversed(self._places):
-            if place.time <= moment:
-                return None if later is None else _mean(place, later, moment)
-            later = place
+        for pose in reversed(self._poses):
+            if pose.time <= moment:
+                return None if later is None else _mean(pose, later, moment)
+            later = pose
         return None
 
 
-def _mean(before: Place, after: Place, moment: float) -> Place:
+def _mean(before: Pose, after: Pose, moment: float) -> Pose:
     share = (moment - before.time) / (after.time - before.time)
-    return Place(moment, before.x + share * (after.x - before.x),
+    return Pose(moment, before.x + share * (after.x - before.x),
                  before.y + share * (after.y - before.y),
                  before.yaw + share * remainder(after.yaw - before.yaw, tau))
 
 
-def jump(before: Place, after: Place, way: Way | None = None) -> str:
+def jump(before: Pose, after: Pose, path: TruePath | None = None) -> str:
     """
-    Say by how much the odometry has jumped, or ''.
+    Return a description of a jump of the odometry; empty if there is none.
 
-    After a gap it must be where it was, or have gone as the robot did in truth, as far as that
-    is known: one that drives on while frames are lost is somewhere else after them.
+    Between two messages the odometry may move as fast as a robot can. After a gap, when frames
+    were lost, it must be where it was before, or must have moved as the robot truly did: a robot
+    can drive on during the gap.
     """
     seconds = after.time - before.time
     if seconds <= 0:
         return f'odom: stamps do not rise ({seconds:.3f} s)'
-    said = step(before, after)
+    shown = step(before, after)
     moving = seconds if seconds < GAP else 0.0
-    if _near(said, STOOD, STEP + FASTEST * moving, TURN + FASTEST_TURN * moving):
+    if _near(shown, NO_STEP, STEP + FASTEST * moving, TURN + FASTEST_TURN * moving):
         return ''
-    went = None if way is None else way.between(before.time, after.time)
-    if went is not None and _near(said, went, STEP, TURN):
+    moved = None if path is None else path.between(before.time, after.time)
+    if moved is not None and _near(shown, moved, STEP, TURN):
         return ''
-    return (f'odom: {_words(said)} within {seconds:.3f} s up to {after.time:.3f}; the robot: '
-            f'{"not known" if went is None else _words(went)}')
+    return (f'odom: {_words(shown)} within {seconds:.3f} s up to {after.time:.3f}; the robot: '
+            f'{"not known" if moved is None else _words(moved)}')
 
 
 def _near(one: Step, other: Step, metres: float, radians: float) -> bool:
@@ -126,18 +127,18 @@ def _words(moved: Step) -> str:
 
 
 class Watch:
-    """Hears what a node publishes, and keeps what is wrong."""
+    """Subscribes to everything that a node publishes, and collects what is wrong."""
 
     def __init__(self, ros: Listener) -> None:
         self.wrong: list[str] = []
         self.odoms = 0
         self._ros = ros
-        self._way: Way | None = None
+        self._path: TruePath | None = None
         self._since = 0.0
-        """When the present node was started: what one before it has said may come late."""
+        """Start of the present node: older messages are late ones of the node before it."""
         self.newest = 0.0
-        """The newest stamp of an `odom`, in seconds of the system's clock."""
-        self._last: Place | None = None
+        """The newest stamp of an `odom`, seconds of the system's clock."""
+        self._last: Pose | None = None
         self._first: dict[str, str] = {}
         for topic in SENSOR_TOPICS:
             if topic.name != 'song':
@@ -153,33 +154,33 @@ class Watch:
         return self._modes[-1].mode if self._modes else None
 
     def restart(self) -> None:
-        """Begin anew with another node: its odometry begins at the origin."""
+        """Expect another node, whose odometry begins at the origin."""
         self._last = None
         self._since = time.time()
         self._modes.clear()
 
     def follow(self, truth: Callable[[], dict[str, Any]]) -> None:
-        """See from now on where a robot really is."""
-        self._way = Way(truth)
-        self._ros.node.create_timer(LOOK_EVERY, self._way.look)
+        """Query the true pose of a robot from now on."""
+        self._path = TruePath(truth)
+        self._ros.node.create_timer(LOOK_EVERY, self._path.look)
 
     def _on_sensor(self, name: str, message: Any) -> None:
         message.header = Header()
-        said = str(message)
-        if said != self._first.setdefault(name, said):
-            self.wrong.append(f'{name}: {said}')
+        text = str(message)
+        if text != self._first.setdefault(name, text):
+            self.wrong.append(f'{name}: {text}')
 
     def _on_odom(self, odom: Odometry) -> None:
-        place = _place(odom)
-        if place.time < self._since:
+        pose = _pose(odom)
+        if pose.time < self._since:
             return
         self.odoms += 1
-        self.newest = place.time
-        if self._last is not None and (wrong := jump(self._last, place, self._way)):
+        self.newest = pose.time
+        if self._last is not None and (wrong := jump(self._last, pose, self._path)):
             self.wrong.append(wrong)
-        self._last = place
+        self._last = pose
 
 
-def _place(odom: Odometry) -> Place:
+def _pose(odom: Odometry) -> Pose:
     stamp, at, turned = odom.header.stamp, odom.pose.pose.position, odom.pose.pose.orientation
-    return Place(stamp.sec + stamp.nanosec / 1e9, at.x, at.y, 2 * atan2(turned.z, turned.w))
+    return Pose(stamp.sec + stamp.nanosec / 1e9, at.x, at.y, 2 * atan2(turned.z, turned.w))

@@ -6,6 +6,7 @@ from nav_msgs.msg import Odometry
 import pytest
 
 from create_oi_ros import oi
+from create_oi_ros.robot import BODY_RADIUS, WHEEL_SEPARATION
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -13,8 +14,8 @@ from create_oi_ros.sim.world import parse, Pose, shipped, World
 from examples.follow_wall import PERIOD, Steering
 from support.ros import scene
 
-HALF = 0.129
-"""Metres from the middle to a wheel."""
+HALF = WHEEL_SEPARATION / 2
+"""Metres from the middle of the robot to a wheel."""
 DELAY = 2
 """Periods from what is sensed to what is commanded, as over ROS and a serial line."""
 
@@ -56,7 +57,7 @@ def gap_in_room(x: float, y: float) -> float:
     walls = (2 - x, 2 + x, 1.5 - y, 1.5 + y)
     cupboard = hypot(max(1.3 - x, 0), max(1.1 - y, 0))
     bin_ = hypot(x + 1.7, y + 1.2) - 0.14
-    return min(*walls, cupboard, bin_) - 0.165
+    return min(*walls, cupboard, bin_) - BODY_RADIUS
 
 
 def test_it_keeps_its_distance_at_a_slanting_wall():
@@ -67,7 +68,7 @@ def test_it_keeps_its_distance_at_a_slanting_wall():
         x, y, yaw = lap(parse(f'start 0 0 0\nfloor 0.6\nwall {" ".join(map(str, far))}', 'slant'),
                         20.0)[-1]
         assert abs(remainder(yaw - angle, tau)) < 0.1
-        away = abs((x - 1) * sin(angle) - y * cos(angle)) - 0.165
+        away = abs((x - 1) * sin(angle) - y * cos(angle)) - BODY_RADIUS
         assert away == pytest.approx(0.05, abs=0.01)
 
 

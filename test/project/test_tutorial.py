@@ -12,12 +12,11 @@ import re
 import signal
 import subprocess
 
-import domain_coordinator
 import pytest
 
 from create_oi_ros.ros.programs import PROGRAMS
 from support.pages import Block, blocks, check_parameters, check_ros2, commands
-from support.ros import _next_domain
+from support.ros import own_domain
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'tutorial.md'
@@ -76,7 +75,7 @@ def folder(tmp_path):
 @pytest.fixture
 def environment(tmp_path):
     """Return an environment with a ROS domain of its own."""
-    with domain_coordinator.domain_id(_next_domain) as domain:
+    with own_domain() as domain:
         yield {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}
 
 

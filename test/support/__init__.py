@@ -1,1 +1,1 @@
-"""What tests share: simulated robots, ROS scenes, terminals, bags, pages."""
+"""Code that tests share: simulated robots, ROS processes, terminals, bags, documentation pages."""

@@ -1,4 +1,4 @@
-"""Values of every kind that a message definition allows, found by looking at the definition."""
+"""Random messages of any type, made from the type's own definition, for hypothesis."""
 
 import re
 from typing import Any
@@ -12,7 +12,7 @@ SEQUENCE = re.compile(r'sequence<(.+?)(?:, (\d+))?>|(.+)\[(\d+)\]')
 
 
 def integers(kind: str) -> st.SearchStrategy[int]:
-    """Return whole numbers of a type such as uint8, its limits above all."""
+    """Draw integers of a type such as uint8; limits and special values come often."""
     bits, signed = int(re.sub(r'\D', '', kind)), not kind.startswith('u')
     low = -(1 << bits - 1) if signed else 0
     high = (1 << bits - signed) - 1
@@ -21,7 +21,7 @@ def integers(kind: str) -> st.SearchStrategy[int]:
 
 
 def single(kind: str) -> st.SearchStrategy[Any]:
-    """Return values of a type that is no sequence."""
+    """Draw values of a type that is not a sequence."""
     if 'int' in kind or kind in ('octet', 'byte', 'char'):
         return integers('uint8' if kind in ('octet', 'byte', 'char') else kind)
     if kind in ('float', 'double'):
@@ -35,7 +35,7 @@ def single(kind: str) -> st.SearchStrategy[Any]:
 
 @st.composite
 def anything(draw: st.DrawFn, kind: type) -> Any:
-    """Return a message of a kind with every field drawn, sequences often of one length."""
+    """Draw a message with every field random; its sequences often have the same length."""
     message = kind()
     common = draw(st.sampled_from(LENGTHS))
     for name, type_ in kind.get_fields_and_field_types().items():

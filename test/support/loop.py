@@ -1,4 +1,4 @@
-"""The driver against the simulated robot, in memory: hours in seconds, no clock, no thread."""
+"""The driver and the simulated robot in memory, without clock or thread: hours in seconds."""
 
 from collections import deque
 from math import pi
@@ -6,13 +6,14 @@ from math import pi
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.odometry import Estimate
+from create_oi_ros.robot import WHEEL_SEPARATION
 from create_oi_ros.sim.body import Body, Rounding
 from create_oi_ros.sim.body.config import BodyConfig
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import shipped, World
 
 STEP = 0.005
-"""Seconds between two turns of the loop; three a slot."""
+"""Seconds between two turns of the loop: a third of a slot."""
 
 
 class Loop:
@@ -21,9 +22,9 @@ class Loop:
     def __init__(
         self, settings: Settings | None = None, *, world: World | None = None, delay: float = 0.0,
         rounding: Rounding = Rounding.CARRY, checksum: oi.Checksum = oi.Checksum.HARDWARE,
-        robot_baud: int | None = None, wheel_separation: float = 0.258,
+        robot_baud: int | None = None, wheel_separation: float = WHEEL_SEPARATION,
     ) -> None:
-        """With `robot_baud` the robot has a rate of its own; else it has always the driver's."""
+        """`robot_baud` sets the robot's own baud rate; without it, it is always the driver's."""
         self.body = Body(
             world or shipped('empty'), rounding=rounding,
             config=BodyConfig(wheel_separation=wheel_separation))
@@ -33,7 +34,7 @@ class Loop:
         self.delay = delay
         self.cut = False
         self.heard = bytearray()
-        """All bytes that the robot was sent."""
+        """All bytes that the robot has received since the last call of `commands`."""
         self.notices: list[Notice] = []
         self.moved: list[Moved] = []
         self._up: deque[tuple[float, bytes]] = deque()
@@ -83,7 +84,7 @@ class Loop:
         return self.moved[-1].estimate
 
     def commands(self) -> list[oi.Command]:
-        """Return the commands that the robot was sent since the last call."""
+        """Return the commands that the robot has received since the last call."""
         reader = oi.CommandReader()
         reader.feed(bytes(self.heard))
         self.heard.clear()

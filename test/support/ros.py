@@ -1,7 +1,8 @@
-"""A real node process on a simulated serial port, and a listener in this process."""
+"""Node processes, robots on simulated serial ports, and a ROS node in the test's own process."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from itertools import cycle
 import os
 from pathlib import Path
 import signal
@@ -27,11 +28,11 @@ from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped, World
 
 PATIENCE = 30.0
-"""Seconds after which an event that a test waits for is taken not to come."""
+"""Seconds to wait for an event before a test fails."""
 
 
 class Robot:
-    """A simulated Create, served on a pseudo terminal by a thread of this process."""
+    """A simulated Create on a pseudo terminal, served by a thread of the test's process."""
 
     def __init__(self, link: Path, world: World, rounding: Rounding) -> None:
         self.body = Body(world, rounding=rounding)
@@ -43,21 +44,21 @@ class Robot:
         self._thread.start()
 
     def soon(self, action: Callable[[], object]) -> None:
-        """Do something to the robot on its own thread."""
+        """Run an action on the robot's thread, as soon as it can."""
         def once() -> None:
             self._server.watchers.remove(once)
             action()
         self._server.watchers.append(once)
 
     def close(self) -> None:
-        """Pull the cable out."""
+        """Stop the thread and close the terminal."""
         self._server.stop()
         self._thread.join()
         self._line.close()
 
 
 class Program:
-    """A Python program as a process; what it prints can be waited for."""
+    """A Python program as a process; its output is read line by line."""
 
     def __init__(self, *arguments: str, domain: int) -> None:
         environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}
@@ -75,30 +76,30 @@ class Program:
 
     @property
     def pid(self) -> int:
-        """The process's number."""
+        """The process id."""
         return self._process.pid
 
     @property
     def output(self) -> str:
-        """All it has printed."""
+        """Everything that it has printed so far."""
         return ''.join(self.printed)
 
     def running(self) -> bool:
-        """Tell whether it has not ended yet."""
+        """Whether the process still runs."""
         return self._process.poll() is None
 
     def send(self, number: signal.Signals) -> None:
-        """Send it a signal."""
+        """Send the process a signal."""
         self._process.send_signal(number)
 
     def ended(self) -> int:
-        """Wait for its end; return its exit code."""
+        """Wait for the end of the process; return its exit code."""
         code = self._process.wait(PATIENCE)
         self._reader.join()
         return code
 
     def close(self) -> None:
-        """End it, whatever it is doing; what it printed is shown where the test fails."""
+        """Kill the process if it runs; print its output, for pytest to show if the test fails."""
         if self.running():
             self._process.kill()
         self._process.wait()
@@ -107,7 +108,7 @@ class Program:
 
 
 class Listener:
-    """A node of the test's own, in its own context."""
+    """A ROS node in the test's process, with a context of its own."""
 
     def __init__(self, domain: int) -> None:
         self._context = Context()
@@ -119,12 +120,12 @@ class Listener:
 
     def listen(self, type_: type, name: str, qos: QoSProfile | int = 10) -> list[Any]:
         """Return a list that fills with the messages of a topic."""
-        heard: list[Any] = []
-        self.node.create_subscription(type_, name, heard.append, qos)
-        return heard
+        received: list[Any] = []
+        self.node.create_subscription(type_, name, received.append, qos)
+        return received
 
     def until(self, happened: Callable[[], Any], what: str = '') -> Any:
-        """Spin until something has happened; fail when it does not."""
+        """Spin until a condition is true and return its value; fail after PATIENCE."""
         deadline = time.monotonic() + PATIENCE
         while not (result := happened()):
             assert time.monotonic() < deadline, f'{what or happened} did not happen'
@@ -135,32 +136,32 @@ class Listener:
         """
         Call a service and return its reply.
 
-        A client that has just come may be asked before the service knows where to reply to; such
-        a reply is lost. So a client is kept, and asks again when it has heard nothing for long.
+        A new client can call before the service knows where to send the reply, and then the
+        reply is lost. So clients are kept, and a call without a reply is repeated once.
         """
         if name not in self._clients:
             self._clients[name] = self.node.create_client(type_, name)
         client = self._clients[name]
         self.until(client.service_is_ready, f'service {name}')
         futures = [client.call_async(type_.Request(**fields))]
-        again = time.monotonic() + PATIENCE / 3
+        repeat_at = time.monotonic() + PATIENCE / 3
 
         def answered() -> bool:
-            if time.monotonic() > again and len(futures) == 1:
+            if time.monotonic() > repeat_at and len(futures) == 1:
                 futures.append(client.call_async(type_.Request(**fields)))
             return any(future.done() for future in futures)
         self.until(answered, f'reply of {name}')
         return next(future.result() for future in futures if future.done())
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Destroy the node and its context."""
         self._executor.shutdown()
         self.node.destroy_node()
         rclpy.shutdown(context=self._context)
 
 
 class Scene:
-    """What a test with real processes works with; all of it ends with the test."""
+    """The processes and robots of one test; all of them end with the test."""
 
     def __init__(self, folder: Path, domain: int) -> None:
         self.folder = folder
@@ -172,17 +173,17 @@ class Scene:
         self, name: str = 'create', *, world: World | None = None,
         rounding: Rounding = Rounding.CARRY,
     ) -> Robot:
-        """Switch a robot on."""
+        """Start a simulated robot; its port is `folder / name`."""
         made = Robot(self.folder / name, world or shipped('empty'), rounding)
         self._closing.append(made.close)
         return made
 
     def program(self, name: str, *arguments: str) -> Program:
-        """Start one of our executables."""
+        """Start one of the package's executables."""
         return self._start('-c', PROGRAMS[name], *arguments)
 
     def example(self, name: str) -> Program:
-        """Start one of the examples."""
+        """Start one of the programs in examples/."""
         return self.script(Path(__file__).parents[2] / 'examples' / name)
 
     def script(self, path: Path, *arguments: str) -> Program:
@@ -195,7 +196,7 @@ class Scene:
         return made
 
     def node(self, port: Path, *remaps: str, **parameters: object) -> Program:
-        """Start the driver."""
+        """Start the driver, with remaps and parameters."""
         arguments = ['--ros-args', '-p', f'port:={port}']
         for name, value in parameters.items():
             written = str(value).lower() if isinstance(value, bool) else value
@@ -206,30 +207,32 @@ class Scene:
 
     def close(self) -> None:
         """
-        End everything: the listener, then the newest first.
+        End the listener, then everything else, newest first.
 
-        The middleware may crash where its own things are destroyed while it learns that others
-        are gone.
+        The other order can crash the middleware: it may not learn that other nodes are gone while
+        it destroys its own.
         """
         self.ros.close()
         for close in reversed(self._closing):
             close()
 
 
-_used = 0
+_next_domains = cycle(range(1, 101))
 
 
-def _next_domain() -> int:
-    """Go through the domains in turn, so that a test never meets the one before it."""
-    global _used
-    _used += 1
-    return (_used - 1) % 100 + 1
+def own_domain() -> AbstractContextManager[int]:
+    """
+    Reserve a ROS domain that no other process uses; yield its number.
+
+    Domains are taken in turn, so a test does not get that of the test before it.
+    """
+    return domain_coordinator.domain_id(lambda: next(_next_domains))
 
 
 @contextmanager
 def scene(folder: Path) -> Iterator[Scene]:
-    """Set a scene in a ROS domain of its own."""
-    with domain_coordinator.domain_id(_next_domain) as domain:
+    """Yield a scene in a ROS domain of its own; end it afterwards."""
+    with own_domain() as domain:
         made = Scene(folder, domain)
         try:
             yield made

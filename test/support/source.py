@@ -1,4 +1,4 @@
-"""What the Python files of the repository import and call, read without running them."""
+"""Imports and calls of the repository's Python files, found without running them."""
 
 import ast
 from collections.abc import Iterator
@@ -9,17 +9,17 @@ PACKAGE = 'create_oi_ros'
 
 
 def modules(folder: str) -> dict[str, Path]:
-    """Return the Python files under a folder by their dotted names."""
+    """Return the Python files under a folder, by dotted module name."""
     return {dotted(path): path for path in sorted((ROOT / folder).rglob('*.py'))}
 
 
 def dotted(path: Path) -> str:
-    """Return the name by which a file is imported."""
+    """Return the dotted module name of a file."""
     return '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Yield each name that a file imports, whole: `from os import path` yields `os.path`."""
+    """Yield the full name of each import: `from os import path` yields `os.path`."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -29,12 +29,12 @@ def imported(path: Path) -> Iterator[str]:
 
 
 def home(path: Path, level: int) -> str:
-    """Return the package that this many leading dots stand for in a file."""
+    """Return the package that this many leading dots mean in a file."""
     return '.'.join(path.relative_to(ROOT).parts[:-level]) if level else ''
 
 
 def plain_calls(path: Path) -> Iterator[str]:
-    """Yield `name()` or `name(...)` for each call of a plain name, not of an attribute."""
+    """Yield `name()` or `name(...)` for each call of a name that is not an attribute."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             yield f'{node.func.id}(...)' if node.args or node.keywords else f'{node.func.id}()'
