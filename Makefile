@@ -7,11 +7,12 @@ SHELL := bash
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
 READY := .venv/ready
 BUILT := install/built
+EVERY_TEST := python -m pytest --cov --cov-report= -n 2 --dist loadfile && python tools/coverage_floors.py
 ENTER := source ./env.sh &&
 
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
-test: build lint ; @$(ENTER) python -m pytest $(or $(ARGS),--cov -n 2 --dist loadfile)
+test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(EVERY_TEST))
 build: $(BUILT)
 bench: build ; @$(ENTER) python bench/everything.py $(ARGS)
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)
