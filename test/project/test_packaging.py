@@ -64,9 +64,18 @@ def test_manifest_names_all_that_the_tests_import() -> None:
 
 def test_one_version() -> None:
     setup = re.findall(r"version='(.*?)'", (ROOT / 'setup.py').read_text())
-    changes = re.findall(r'^(\d+\.\d+\.\d+) \(', (ROOT / 'CHANGELOG.rst').read_text(), re.M)
     manifests = [manifest(folder).findtext('version') for folder in ('.', 'msg_defs')]
-    assert {*setup, changes[0], *manifests, create_oi_ros.__version__} == {setup[0]}
+    assert {*setup, *manifests, create_oi_ros.__version__} == {setup[0]}
+
+
+def test_changelog_begins_with_this_version_or_the_next() -> None:
+    """In the form of REP 132, which the tools that make a release read."""
+    text = (ROOT / 'CHANGELOG.rst').read_text()
+    sections = re.findall(r'^(\S.*)\n-+$', text, re.M)
+    released = re.compile(r'(\d+\.\d+\.\d+) \(\d{4}-\d\d-\d\d\)')
+    assert all(map(released.fullmatch, sections[1:]))
+    newest = released.fullmatch(sections[0])
+    assert newest[1] == create_oi_ros.__version__ if newest else sections[0] == 'Forthcoming'
 
 
 @pytest.mark.parametrize('module', [  # a __main__ is run, not imported
