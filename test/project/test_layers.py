@@ -1,4 +1,9 @@
-"""Imports run one way, form no ring, and the pure rooms have no clock, no thread and no I/O."""
+"""
+Rules for imports: each room imports only what RULES allows, and no imports form a ring.
+
+A room is a package or a module with a rule of its own. A pure room has no clock, no thread, no I/O
+and no unseeded random numbers.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,40 +17,46 @@ from support.source import imported, modules, PACKAGE, plain_calls
 
 @dataclass(frozen=True)
 class Rule:
-    """What a room may import besides itself and the standard library, and whether it is pure."""
+    """What a room may import, besides itself and the standard library."""
 
     ours: tuple[str, ...] = ()
-    """Rooms or modules of this package."""
+    """Other rooms of this package; '' is the package's own __init__."""
     others: str = '(?!)'
-    """Pattern of other packages' names; the default matches nothing."""
+    """Pattern for names of other packages; the default matches none."""
     pure: bool = True
+    """Whether it may not import IMPURE modules or make IMPURE_CALLS."""
 
 
 MESSAGES = r'(builtin_interfaces|rcl_interfaces|std_srvs|\w+_msgs)\.(msg|srv|action)'
 ROS = rf'rclpy|ament_index_python|{MESSAGES}'
 BAGS = r'rosbags|mcap|zstandard'
-SIMULATOR = ('oi', 'robot')
 
-# A module falls under the longest name here that it is or lies in.
+# A module is in the room with the longest name here that is the module or a package around it.
 RULES = {
     '': Rule(),
     'robot': Rule(),
     'oi': Rule(ours=('robot',)),
-    'oi.__main__': Rule(pure=False),
-    'oi.tools.command_line': Rule(pure=False),
+    'oi.__main__': Rule(ours=('oi.tools.command_line',), pure=False),
+    'oi.tools': Rule(ours=('oi', 'robot')),
+    'oi.tools.command_line': Rule(ours=('oi', 'oi.tools', 'robot'), pure=False),
     'odometry': Rule(ours=('robot',), others='numpy'),
-    'driver': Rule(ours=('oi', 'odometry', 'robot')),
-    'sim': Rule(ours=SIMULATOR),
-    'sim.server': Rule(ours=SIMULATOR, pure=False),
-    'link': Rule(ours=('driver', 'oi', 'robot'), others='serial', pure=False),
-    'ros': Rule(ours=('link', 'driver', 'odometry', 'oi', 'robot', '__version__'),
+    'driver': Rule(ours=('odometry', 'oi', 'oi.tools', 'robot')),
+    'sim': Rule(),
+    'sim.world': Rule(ours=('robot',)),
+    'sim.body': Rule(ours=('sim.world', 'oi', 'robot')),
+    'sim.firmware': Rule(ours=('sim.body', 'sim.world', 'oi', 'robot')),
+    'sim.server': Rule(
+        ours=('sim.firmware', 'sim.body', 'sim.world', 'oi', 'oi.tools', 'robot'), pure=False),
+    'link': Rule(ours=('driver', 'oi', 'oi.tools', 'robot'), others='serial', pure=False),
+    'ros': Rule(ours=('ros.messages', 'link', 'driver', 'odometry', 'oi', 'oi.tools', 'robot', ''),
                 others=rf'{ROS}|{BAGS}', pure=False),
-    'ros.messages': Rule(ours=('driver', 'odometry', 'oi', 'robot'), others=MESSAGES),
-    'apps': Rule(ours=('ros', 'link', 'driver', 'odometry', 'oi', 'robot'),
+    'ros.messages': Rule(ours=('driver', 'odometry', 'oi', 'oi.tools', 'robot'), others=MESSAGES),
+    'apps': Rule(ours=('ros', 'ros.messages', 'link', 'driver', 'odometry', 'oi', 'oi.tools',
+                       'robot'),
                  others=rf'{ROS}|{BAGS}|matplotlib', pure=False),
 }
 PROGRAMS = 'apps'
-"""In this room, each program is a room of its own: none may import another."""
+"""Each program in this package is a room of its own, under this rule."""
 IMPURE = {
     'argparse', 'asyncio', 'concurrent', 'datetime', 'fcntl', 'glob', 'io', 'logging',
     'multiprocessing', 'os', 'pathlib', 'pty', 'queue', 'random', 'secrets', 'select',
@@ -59,33 +70,33 @@ MODULES = {name.removeprefix(PACKAGE).lstrip('.'): path
 
 
 def lies_in(name: str, room: str) -> bool:
-    """Whether a dotted name is a room or something in it."""
+    """Return whether a dotted name is a room or something in it."""
     return not room or f'{name}.'.startswith(f'{room}.')
 
 
-def rule_of(module: str) -> Rule:
-    """Return the rule that a module falls under."""
-    return RULES[max((room for room in RULES if lies_in(module, room)), key=len)]
+def named_room(name: str) -> str:
+    """Return the name in RULES under which a module of ours, or a name in it, falls."""
+    return max((room for room in RULES if lies_in(name, room)), key=len)
 
 
-def home(module: str) -> str:
-    """Return the part of the package in which a module may import freely."""
-    parts = module.split('.')
-    return '.'.join(parts[:2] if parts[0] == PROGRAMS else parts[:1])
+def room_of(name: str) -> str:
+    """Return the room that a module of ours, or a name in it, is in."""
+    room = named_room(name)
+    return '.'.join(name.split('.')[:2]) if room == PROGRAMS else room
 
 
 def may_import(module: str, name: str) -> bool:
-    """Whether the rules let this module import this name."""
-    rule, (top, _, rest) = rule_of(module), name.partition('.')
+    """Return whether the rules allow a module to import a name."""
+    rule, (top, _, rest) = RULES[named_room(module)], name.partition('.')
     if top == PACKAGE:
-        return any(lies_in(rest, room) for room in (home(module), *rule.ours))
+        return room_of(rest) in (room_of(module), *rule.ours)
     if top in sys.stdlib_module_names:
         return not rule.pure or top not in IMPURE or name == SEEDABLE
     return bool(re.match(rf'({rule.others})\b', name))
 
 
 def module_of(name: str) -> str | None:
-    """Return the module of ours in which an imported name is found."""
+    """Return the module of ours that an imported name is or is in; None for other packages."""
     inside = name.removeprefix(PACKAGE).lstrip('.')
     while inside not in MODULES and inside:
         inside = inside.rpartition('.')[0]
@@ -93,14 +104,14 @@ def module_of(name: str) -> str | None:
 
 
 def imports() -> dict[str, set[str]]:
-    """Return the modules of ours that each module imports."""
+    """Return the graph of imports: for each module of ours, those that it imports."""
     found = {module: {module_of(name) for name in imported(path)} - {None, module}
              for module, path in MODULES.items()}
     return {module: {str(other) for other in others} for module, others in found.items()}
 
 
 def at_depth(graph: dict[str, set[str]], depth: int) -> dict[str, set[str]]:
-    """Fold a graph of modules into one of packages, `depth` names deep."""
+    """Return a graph of packages: names of modules are cut after `depth` parts."""
     folded: dict[str, set[str]] = {}
     for module, others in graph.items():
         name = '.'.join(module.split('.')[:depth])
@@ -109,8 +120,9 @@ def at_depth(graph: dict[str, set[str]], depth: int) -> dict[str, set[str]]:
 
 
 def ring(graph: dict[str, set[str]]) -> list[str]:
-    """Return a ring of imports, each importing the next; empty where there is none."""
+    """Return names that import each other in a ring, the first one twice; empty without one."""
     left = {name: set(others) for name, others in graph.items()}
+    # A name that imports nothing that is left is in no ring.
     while ends := [name for name, others in left.items() if not others & left.keys()]:
         for name in ends:
             del left[name]
@@ -123,7 +135,7 @@ def ring(graph: dict[str, set[str]]) -> list[str]:
 
 
 def rooms_named(rules: Iterable[Rule]) -> set[str]:
-    """Return all names of ours that the rules mention."""
+    """Return all rooms that the rules name."""
     return {room for rule in rules for room in rule.ours} | set(RULES) | {PROGRAMS}
 
 
@@ -133,8 +145,9 @@ def test_imports_only_what_its_room_allows(module: str) -> None:
     assert not wrong, f'{module} may not import {wrong}: see RULES'
 
 
-@pytest.mark.parametrize('module', [module for module in MODULES if rule_of(module).pure])
-def test_calls_nothing_that_reaches_outside(module: str) -> None:
+@pytest.mark.parametrize('module', [
+    module for module in MODULES if RULES[named_room(module)].pure])
+def test_a_pure_room_makes_no_impure_calls(module: str) -> None:
     assert not IMPURE_CALLS & set(plain_calls(MODULES[module]))
 
 
@@ -150,7 +163,15 @@ def test_a_ring_is_found() -> None:
 
 
 def test_every_rule_names_what_exists() -> None:
-    assert not rooms_named(RULES.values()) - set(MODULES) - {'__version__'}
+    assert not rooms_named(RULES.values()) - set(MODULES)
+
+
+def test_the_rules_form_no_ring() -> None:
+    assert not ring({room: set(rule.ours) for room, rule in RULES.items()})
+
+
+def test_no_rule_admits_every_package() -> None:
+    assert not [room for room, rule in RULES.items() if re.match(rule.others, 'a_stranger')]
 
 
 def test_no_two_files_have_one_name() -> None:
@@ -160,6 +181,9 @@ def test_no_two_files_have_one_name() -> None:
 
 @pytest.mark.parametrize(('module', 'name'), [
     ('oi.codes', 'time'), ('oi.codes', 'create_oi_ros.odometry'), ('oi', 'serial'),
+    ('oi.codes', 'create_oi_ros.oi.tools.text'), ('oi.tools.text', 'sys'),
+    ('sim.body.body', 'create_oi_ros.sim.server.lines'),
+    ('sim.world.world', 'create_oi_ros.sim.body'),
     ('driver.machine', 'random.random'), ('driver', 'create_oi_ros.sim.body'),
     ('sim.body.body', 'create_oi_ros.driver'), ('sim.body.body', 'os.path'),
     ('sim.server', 'create_oi_ros.link.port'), ('link.port', 'create_oi_ros.ros'),
