@@ -1,9 +1,9 @@
-# One line each; whatever is missing is set up and built first. ARGS= is handed on.
+# One target a line. What is missing is set up and built first. ARGS= is passed on.
 SHELL := bash
 .DEFAULT_GOAL := build
 .PHONY: run demo test build bench bench-compare bench-odometry faults soak fuzz docs lint clean
 
-# An installed ROS is used where it is sourced; anywhere else the wheels are.
+# Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
 READY := .venv/ready
 BUILT := install/built
@@ -24,12 +24,12 @@ docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/c
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
-# What the shell has of another ROS or of env.sh must not reach the wheels.
+# Variables of another ROS, or of env.sh, must not reach the wheels.
 ifeq ($(KIND),wheels)
 unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH COLCON_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
 endif
 
-# Made for another kind of ROS, or in a directory that has moved since: make it afresh.
+# If .venv is for the other kind of ROS, or the folder has moved, make it again.
 ifneq ($(file <$(READY)),$(KIND) $(CURDIR))
 .PHONY: $(READY)
 endif
@@ -38,7 +38,7 @@ $(READY): tools/pins.txt tools/make_venv.py tools/patch_cmake.py
 	@rm -f $@ && python=$$(tools/find_python.sh $(KIND)) && $$python tools/make_venv.py $(KIND)
 	@echo $(KIND) $(CURDIR) > $@
 
-# Folders are inputs as well: their time changes when a file comes or goes.
+# Folders are inputs, too: their time changes when a file is added or removed.
 INPUTS := $(shell find msg_defs tools/tf2_msgs resource launch config urdf rviz 2>/dev/null)
 $(BUILT): $(READY) $(INPUTS) package.xml setup.py setup.cfg tools/build.py
 	@.venv/bin/python tools/build.py $(KIND)

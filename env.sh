@@ -16,9 +16,9 @@ if [ -f "$_create_root/.venv/bin/colcon" ]; then  # ROS from wheels, not from /o
     _create_setup=local_setup
     export VIRTUAL_ENV="$_create_root/.venv"
     export AMENT_PREFIX_PATH="$VIRTUAL_ENV" CMAKE_PREFIX_PATH="$VIRTUAL_ENV"
-    # They hold one middleware, Fast DDS; asked for another, rclpy.init() fails.
+    # The wheels have one middleware, Fast DDS; with another name, rclpy.init() fails.
     unset RMW_IMPLEMENTATION
-    # The wheels' start-up hook would set these two and start Python again, every time.
+    # Without these two, the wheels' start-up hook sets them and starts Python again, every time.
     export _ROS_WHEELS_BOOTSTRAP_COMPLETE=1
     case ":${LD_LIBRARY_PATH:-}:" in *":$VIRTUAL_ENV/lib:"*) ;; *)
         LD_LIBRARY_PATH="$VIRTUAL_ENV/lib$(
@@ -27,10 +27,10 @@ if [ -f "$_create_root/.venv/bin/colcon" ]; then  # ROS from wheels, not from /o
         export LD_LIBRARY_PATH ;;
     esac
 else
-    _create_setup=setup  # sources the ROS that it was built with as well
+    _create_setup=setup  # sources the ROS that it was built with, too
 fi
 
-# colcon's scripts read variables that are not set.
+# colcon's scripts read unset variables, which `set -u` forbids.
 case $- in *u*) _create_nounset=1; set +u ;; *) _create_nounset= ;; esac
 if [ -n "${ZSH_VERSION:-}" ]; then
     . "$_create_root/install/$_create_setup.zsh"

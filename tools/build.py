@@ -1,7 +1,7 @@
 """
-Build the messages and the package with colcon, into install/.
+Build the messages and the package with colcon into install/.
 
-usage: python tools/build.py KIND, from the repository root (see make_venv.py for KIND).
+Usage, from the repository root: python tools/build.py KIND. See make_venv.py for KIND.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ VENV = Path('.venv').resolve()
 
 
 def wheels_environment() -> Mapping[str, str]:
-    """Return an environment where the only ROS is the one in .venv."""
+    """Return environment variables with which the ROS in .venv is the only one."""
     return os.environ | {
         'PATH': f'{VENV}/bin:{os.environ["PATH"]}',
         'VIRTUAL_ENV': str(VENV),
@@ -25,14 +25,14 @@ def wheels_environment() -> Mapping[str, str]:
 
 
 def installed(package: str) -> bool:
-    """Whether the ROS that is sourced has this package; our own install/ does not count."""
+    """Return whether the sourced ROS has a package; our own install/ does not count."""
     prefixes = map(Path, os.environ['AMENT_PREFIX_PATH'].split(':'))
     return any((prefix / 'share' / package).is_dir() for prefix in prefixes
                if Path('install').resolve() not in prefix.parents)
 
 
 def base_paths(kind: str) -> list[str]:
-    """Return the folders of the packages to build; tf2_msgs has no wheel, so ours stands in."""
+    """Return the folders to build: with our tf2_msgs where ROS lacks it, as the wheels do."""
     lacks_tf2 = kind == 'wheels' or not installed('tf2_msgs')
     return ['.', 'msg_defs', *(['tools/tf2_msgs'] if lacks_tf2 else [])]
 

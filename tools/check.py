@@ -1,8 +1,8 @@
 """
-Say in one line what this Python, or this machine, lacks to build the project.
+Print in one line what is missing to build the project with this Python on this machine.
 
-Exit 0: nothing. Exit 1: something that can be installed. Exit 2: another Python is needed.
-Runs under any Python 3, so that an old one is refused in words.
+Exit code 0: nothing; 1: something that can be installed; 2: another Python is needed.
+This file must run with any Python 3, so that an old one gets a message and not a SyntaxError.
 """
 
 import importlib.util
@@ -18,7 +18,7 @@ DISK_BYTES = 2e9
 
 
 def compiles(language, compilers, program):
-    """Whether the first of these compilers that is installed builds this program."""
+    """Return whether the first of these compilers that is installed compiles a program."""
     found = [c for c in compilers if c and shutil.which(c.split()[0])][:1]
     return any(subprocess.run(c.split() + ['-x', language, '-', '-o', os.devnull],
                               input=program, stdout=subprocess.DEVNULL,
@@ -26,7 +26,7 @@ def compiles(language, compilers, program):
 
 
 def lacks_compiler():
-    """No working C or C++ compiler, C library headers included."""
+    """Return whether there is no working C and C++ compiler with the libraries' headers."""
     c = [os.environ.get('CC'), 'cc', 'gcc', 'clang']
     cxx = [os.environ.get('CXX'), 'c++', 'g++', 'clang++']
     return not (compiles('c', c, b'#include <stdio.h>\nint main(void) { return 0; }')
@@ -34,7 +34,7 @@ def lacks_compiler():
 
 
 def lacking_python_part():
-    """Return what is missing of this Python's own parts, with the way to get it."""
+    """Return which part of this Python is missing and how to install it; None if none is."""
     major, minor = sys.version_info[:2]
     apt = f'for {sys.executable}: sudo apt-get install python{major}.{minor}-'
     if not all(map(importlib.util.find_spec, ('venv', 'ensurepip'))):
@@ -45,7 +45,7 @@ def lacking_python_part():
 
 
 def unsuitable(kind):
-    """Return why another Python is needed, if one is."""
+    """Return why another Python is needed; None if this one will do."""
     major, minor = sys.version_info[:2]
     if not OLDEST <= (major, minor) <= NEWEST:
         return (f'{sys.executable} is Python {major}.{minor}, not 3.11 to 3.13: install one '
@@ -58,7 +58,7 @@ def unsuitable(kind):
 
 
 def lacking(kind):
-    """Return what can be installed or freed, and how, if anything must be."""
+    """Return what must be installed or changed on this machine; None if nothing."""
     if kind == 'wheels' and os.environ.get('ROS_DISTRO'):
         return (f'ROS 2 {os.environ["ROS_DISTRO"]} is sourced, and this is for Jazzy: '
                 'use a shell without it')
@@ -75,7 +75,7 @@ def lacking(kind):
 
 
 def lacking_of_ros(kind):
-    """Return what an installed ROS lacks; wheels bring all of it."""
+    """Return what an installed ROS lacks; None if nothing. The wheels have everything."""
     if kind == 'jazzy' and not shutil.which('colcon'):
         return 'no colcon: sudo apt-get install python3-colcon-common-extensions'
     if kind == 'jazzy' and not importlib.util.find_spec('serial'):
@@ -84,12 +84,12 @@ def lacking_of_ros(kind):
 
 
 def main():
-    """Print the first complaint and exit by its kind."""
+    """Print the first problem and exit with its code."""
     kind = sys.argv[1]
     for find, code in ((unsuitable, 2), (lacking, 1)):
-        complaint = find(kind)
-        if complaint:
-            print(complaint)
+        problem = find(kind)
+        if problem:
+            print(problem)
             sys.exit(code)
 
 

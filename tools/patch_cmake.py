@@ -1,8 +1,8 @@
 """
-Adapt the CMake files of the ROS wheels to the Python that runs this.
+Make the CMake files of the ROS wheels name the Python that runs this.
 
-usage: .venv/bin/python tools/patch_cmake.py .venv/share. The wheels were built in a container,
-and their exported targets name that container's Python and NumPy headers.
+Usage: .venv/bin/python tools/patch_cmake.py .venv/share. The wheels were built in a container, and
+their exported targets name that container's headers of Python and NumPy.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ HEADERS = (
 
 
 def adapt(file: Path) -> None:
-    """Replace the foreign paths in one file."""
+    """Replace the container's paths in one file."""
     text = before = file.read_text()
     for foreign, ours in HEADERS:
         text = foreign.sub(ours, text)

@@ -1,4 +1,4 @@
-"""One step of set-up or build: quiet while it works, the end of its log and one line if not."""
+"""Runs one step of set-up or build; only if it fails, prints the end of its log."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,9 +11,9 @@ LAST_LINES = 30
 def step(command: Sequence[str | Path], log: str, failure: str,
          env: Mapping[str, str] | None = None, *, show: bool = True) -> None:
     """
-    Run a command with its output in log/; leave with `failure` where it does not succeed.
+    Run a command with its output in a file in log/; if it fails, exit with a message.
 
-    Where the cause is known, `failure` says it all, and `show` is False.
+    `show=False` leaves out the end of the log, where the message says everything.
     """
     path = Path('log') / log
     path.parent.mkdir(exist_ok=True)
@@ -24,4 +24,4 @@ def step(command: Sequence[str | Path], log: str, failure: str,
         lines = path.read_bytes()[start:].decode(errors='replace').splitlines()
         print(*lines[-LAST_LINES:], sep='\n', file=sys.stderr)
     if code:
-        sys.exit(f'make: {failure} (all of it: {path})')
+        sys.exit(f'make: {failure} (complete log: {path})')

@@ -19,6 +19,7 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
+from odom_message import odom_message
 import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.serialization import serialize_message
@@ -73,18 +74,13 @@ repeaters = [] if odom else [Repeater(topic) for topic in PUBLISHED]
 
 def publish(frame: bytes) -> None:
     """Publish what is due at a frame."""
-    right, left = layout.unpack(frame)
+    speeds = layout.unpack(frame)
     if odom is None:
         now = monotonic()
         for repeater in repeaters:
             repeater.publish(now)
-        return
-    message = Odometry()
-    message.header.stamp = node.get_clock().now().to_msg()
-    message.header.frame_id = 'odom'
-    message.child_frame_id = 'base_footprint'
-    message.twist.twist.linear.x = (right + left) / 2000
-    odom.publish(message)
+    else:
+        odom.publish(odom_message(node, *speeds))
 
 
 def read_waiting() -> None:

@@ -1,7 +1,7 @@
 """A simulated robot and a node as processes, and a listener that checks what is published."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 import os
 from pathlib import Path
 import signal
@@ -167,9 +167,5 @@ def _kill(program: Program | None) -> None:
 @contextmanager
 def staged(folder: Path) -> Iterator[Stage]:
     """Yield a stage in a ROS domain of its own; end its processes afterwards."""
-    with own_domain() as domain:
-        stage = Stage(folder, domain)
-        try:
-            yield stage
-        finally:
-            stage.close()
+    with own_domain() as domain, closing(Stage(folder, domain)) as stage:
+        yield stage

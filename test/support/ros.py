@@ -1,7 +1,7 @@
 """Node processes, robots on simulated serial ports, and a ROS node in the test's own process."""
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from itertools import cycle
 import os
 from pathlib import Path
@@ -232,9 +232,5 @@ def own_domain() -> AbstractContextManager[int]:
 @contextmanager
 def scene(folder: Path) -> Iterator[Scene]:
     """Yield a scene in a ROS domain of its own; end it afterwards."""
-    with own_domain() as domain:
-        made = Scene(folder, domain)
-        try:
-            yield made
-        finally:
-            made.close()
+    with own_domain() as domain, closing(Scene(folder, domain)) as made:
+        yield made
