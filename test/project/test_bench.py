@@ -1,4 +1,4 @@
-"""The measured numbers: kept whole, compared, and in the documents as they were measured."""
+"""Bench results: they are saved, compared, and in the documents as they were measured."""
 
 import re
 
@@ -28,10 +28,10 @@ def test_the_documents_say_what_was_measured():
     assert document.documented(page, load()) == page
 
 
-def test_what_was_measured_stands_in_tables_only():
+def test_measured_numbers_are_in_tables_only():
     prose = document.MARKED.sub('', PAGE.read_text('utf-8'))
     amounts = re.findall(r'\d+(?:\.\d+)?\s*(?:%|[mµu]s\b|s\b|MB\b|x\b|times)', prose)
-    assert set(amounts) == {'15 ms'}  # the slot, which the manual says
+    assert set(amounts) == {'15 ms'}  # the slot, a number of the manual
 
 
 def test_a_figure_knows_whether_its_target_was_met():
@@ -87,7 +87,7 @@ def test_the_parts_of_a_frame_add_up_to_what_the_kernel_counted():
     assert profile.microseconds[bench_parts.REST] == pytest.approx(200)
 
 
-def test_a_step_that_the_node_has_lost_is_not_passed_over():
+def test_a_method_that_the_node_no_longer_calls_is_an_error():
     calls = dict.fromkeys(bench_parts.PARTS, 1)
     del calls['Driver.poll']
     with pytest.raises(KeyError, match='Driver.poll'):

@@ -1,4 +1,4 @@
-"""The example that follows a wall: round a room without a clock, and as a node at a cliff."""
+"""The example that follows a wall: in memory around a room, and as a process at a cliff."""
 
 from math import atan2, cos, hypot, pi, remainder, sin, tau
 
@@ -17,11 +17,11 @@ from support.ros import scene
 HALF = WHEEL_SEPARATION / 2
 """Metres from the middle of the robot to a wheel."""
 DELAY = 2
-"""Periods from what is sensed to what is commanded, as over ROS and a serial line."""
+"""Delay from sensor to wheels in periods, as over ROS and a serial line."""
 
 
 def lap(world: World, seconds: float) -> list[tuple[float, float, float]]:
-    """Let the example drive; return the true poses, one a period."""
+    """Let the example drive in memory; return the true pose after each period."""
     body = Body(world)
     create = Create(body, guesses=Guesses(boot_seconds=0))
     create.receive(oi.Start().encode() + oi.Safe().encode(), 0.0)
@@ -40,7 +40,7 @@ def lap(world: World, seconds: float) -> list[tuple[float, float, float]]:
 
 
 def test_it_goes_round_the_room_near_its_walls():
-    """Walls, cupboard, bin and the Home Base's wall: never far from the nearest of them."""
+    """It is never far from the nearest of walls, cupboard, bin and the Home Base's wall."""
     poses = lap(shipped('room'), 100.0)
     reached = next(index for index, (x, y, _) in enumerate(poses) if x > 1.8)
     gaps = sorted(gap_in_room(x, y) for x, y, _ in poses[reached:])
@@ -53,7 +53,7 @@ def test_it_goes_round_the_room_near_its_walls():
 
 
 def gap_in_room(x: float, y: float) -> float:
-    """Return how far the robot's edge is from the nearest of what stands in the world `room`."""
+    """Return the distance from the robot's edge to the nearest object of the world `room`."""
     walls = (2 - x, 2 + x, 1.5 - y, 1.5 + y)
     cupboard = hypot(max(1.3 - x, 0), max(1.1 - y, 0))
     bin_ = hypot(x + 1.7, y + 1.2) - 0.14
@@ -61,9 +61,9 @@ def gap_in_room(x: float, y: float) -> float:
 
 
 def test_it_keeps_its_distance_at_a_slanting_wall():
-    """Met at any angle, the wall is soon at the right and as near as it should be."""
+    """Whatever the angle of the wall, it is soon on the right at the right distance."""
     for angle in (0.3, 0.8, 1.2, pi / 2):
-        # A long wall through (1, 0), so many radians to the left of where the robot looks.
+        # A long wall through (1, 0), turned by `angle` to the left of the robot's heading.
         far = [1 + 9 * cos(angle), 9 * sin(angle), 1 - 9 * cos(angle), -9 * sin(angle)]
         x, y, yaw = lap(parse(f'start 0 0 0\nfloor 0.6\nwall {" ".join(map(str, far))}', 'slant'),
                         20.0)[-1]
@@ -90,7 +90,7 @@ def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(tm
         assert 'the robot has left Safe mode, ' in example.output
         assert 'cliff' in example.output
         robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
-        # The driver wants to be sure that the cliff is gone: more than a second's frames.
+        # The driver waits until the cliff has been gone for more than a second of frames.
         seen = len(odom)
         stage.ros.until(lambda: len(odom) > seen + 100)
         again = stage.example('follow_wall.py')

@@ -1,4 +1,4 @@
-"""The package as others meet it: what it asks for, its version, that all of it imports."""
+"""The package: its dependencies, its version, and that every module imports by itself."""
 
 from functools import cache
 import importlib.util
@@ -14,14 +14,14 @@ from support.source import imported, modules, PACKAGE, ROOT
 
 MODULES = modules(PACKAGE)
 FOLDERS = ('launch', 'test', 'bench', 'examples')
-"""Beside the package: what only these import may be a test dependency."""
+"""Folders beside the package; what only they import may be a test dependency."""
 OURS = {PACKAGE, *FOLDERS,
         *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
     'hypothesis', 'matplotlib', 'numpy', 'pexpect', 'psutil', 'pytest', 'serial', 'yaml')}
-"""Where a module is not called like its rosdep key."""
+"""Modules whose rosdep key has another name."""
 NO_KEY = {'mcap', 'rosbags'}
-"""Modules of which no rosdep key is known: what needs them says how to get them."""
+"""Optional modules without a rosdep key; the programs say how to install them."""
 BARE = 'oi', 'odometry', 'driver', 'sim'
 
 
@@ -32,18 +32,18 @@ def manifest(folder: str) -> ElementTree.Element:
 
 
 def named(*tags: str) -> set[str]:
-    """Return what the package's manifest names in elements of these kinds."""
+    """Return the contents of all elements with these tags in the package's manifest."""
     return {element.text or '' for tag in tags for element in manifest('.').iter(tag)}
 
 
 def foreign(folder: str) -> set[str]:
-    """Return the rosdep keys of all that a folder imports and neither we nor Python bring."""
+    """Return the rosdep keys of other people's packages that a folder imports."""
     tops = {name.split('.')[0] for path in modules(folder).values() for name in imported(path)}
     return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - NO_KEY - sys.stdlib_module_names}
 
 
 def run_python(*arguments: str) -> None:
-    """Run a Python that must succeed and say nothing."""
+    """Run Python; it must succeed and print nothing."""
     done = subprocess.run([sys.executable, *arguments], cwd=ROOT, text=True,
                           capture_output=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (0, '', '')
@@ -69,7 +69,7 @@ def test_one_version() -> None:
 
 
 def test_changelog_begins_with_this_version_or_the_next() -> None:
-    """In the form of REP 132, which the tools that make a release read."""
+    """The form is that of REP 132, which ROS's release tools read."""
     text = (ROOT / 'CHANGELOG.rst').read_text()
     sections = re.findall(r'^(\S.*)\n-+$', text, re.M)
     released = re.compile(r'(\d+\.\d+\.\d+) \(\d{4}-\d\d-\d\d\)')
@@ -89,6 +89,6 @@ def test_module_imports_by_itself(module: str) -> None:
 
 @pytest.mark.parametrize('part', [part for part in BARE if f'{PACKAGE}.{part}' in MODULES])
 def test_core_imports_in_a_bare_python(part: str) -> None:
-    """Not isolated from the standard library, but from everything installed beside it."""
+    """With the standard library, but without installed packages."""
     run_python('-ISc', f'import sys; sys.path.insert(0, {str(ROOT)!r}); '
                        f'from {PACKAGE} import {part}')

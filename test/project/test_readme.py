@@ -1,10 +1,8 @@
-"""What the README says is what the code does."""
-
-from pathlib import Path
+"""The README agrees with the code."""
 
 from create_oi_ros.ros.reference import rewritten, TABLES
+from support.source import ROOT
 
-ROOT = Path(__file__).parents[2]
 README = (ROOT / 'README.md').read_text()
 
 

@@ -1,9 +1,9 @@
 """
-`docs/tutorial.md`, done as a newcomer does it: real processes, in order, in one ROS domain.
+Runs the blocks of `docs/tutorial.md` in order, as processes in one ROS domain.
 
-A block marked `terminal 1` runs on, `until: TEXT; then Ctrl-C` ends one that does not end by
-itself, and what stands in a `text` block has to appear, whatever the numbers are. What is not run
-is marked `not run:` with one of the reasons below.
+A block marked `terminal 1` keeps running. One marked `until: TEXT; then Ctrl-C` is ended when TEXT
+was printed. The lines of a `text` block must appear in the output; numbers may differ. A block
+that is not run is marked `not run:` and one of the REASONS.
 """
 
 import os
@@ -23,13 +23,13 @@ PAGE = ROOT / 'docs' / 'tutorial.md'
 BLOCKS = blocks(PAGE)
 REASONS = {'ros2': {'ros2'}, 'sudo': {'sudo'}, 'build': {'make'}, 'robot': {'create_run',
            'create_node', 'python'}}
-"""Why a block is not run, and what its commands may be then."""
+"""Reasons for not running a block, and the programs that such a block may name."""
 VARYING = re.compile(r'\b(left|right)$|\b(True|False)\b|[+-]?\d+(\.\d+)?(e-?\d+)?')
-"""What may differ from run to run: a number, yes or no, the half of the bumper."""
+"""Parts of a line that may differ from run to run: numbers, booleans, left or right."""
 
 
 class Terminal:
-    """A shell of the newcomer's; Ctrl-C reaches all that runs in it."""
+    """A shell that runs a block; Ctrl-C reaches every process in it."""
 
     def __init__(self, text: str, folder: Path, environment: dict[str, str]) -> None:
         self.process = subprocess.Popen(
@@ -38,7 +38,7 @@ class Terminal:
         self.printed: list[str] = []
 
     def shows(self, expected: str) -> None:
-        """Check that a line of this shape was printed, or wait for it."""
+        """Wait for a line like this one, unless it was printed before."""
         assert self.process.stdout is not None
         if shape(expected) in map(shape, self.printed):
             return
@@ -46,27 +46,27 @@ class Terminal:
             self.printed.append(line)
             if shape(line) == shape(expected):
                 return
-        raise AssertionError(f'{expected!r} did not come: {"".join(self.printed)}')
+        raise AssertionError(f'{expected!r} was not printed: {"".join(self.printed)}')
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""
         os.killpg(self.process.pid, signal.SIGINT)
 
     def ended(self) -> int:
-        """Wait for its end; return its exit code."""
+        """Wait for the end of the shell; return its exit code."""
         assert self.process.stdout is not None
         self.printed += self.process.stdout.readlines()
         return self.process.wait()
 
 
 def shape(line: str) -> str:
-    """Return a line without what may differ."""
+    """Return a line with everything replaced that may differ."""
     return ' '.join(VARYING.sub('#', line).split())
 
 
 @pytest.fixture
 def folder(tmp_path):
-    """Return the clone, as far as the newcomer writes to it."""
+    """Return a folder with the files of the clone that the page uses."""
     (tmp_path / 'env.sh').write_text(f'source {ROOT}/env.sh\n')
     (tmp_path / 'examples').symlink_to(ROOT / 'examples')
     return tmp_path
@@ -83,9 +83,9 @@ def run(
     block: Block, folder: Path, environment: dict[str, str], *, again: bool = False,
 ) -> Terminal:
     """
-    Run a block to its end; once more when a reply was lost, as the page says.
+    Run a block to its end; repeat it once if the reply of a service was lost.
 
-    That happens to a client that asks before the service knows where to reply to.
+    The page says so, too: a client can call before the service knows where to send the reply.
     """
     terminal = Terminal(block.text, folder, environment)
     until = re.fullmatch(r'until: (.*); then Ctrl-C', block.mark)
@@ -101,7 +101,7 @@ def run(
 
 
 @pytest.mark.timeout(300)
-def test_the_hour_goes_as_the_page_says(folder, environment):
+def test_the_tutorial_works(folder, environment):
     pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
     first: Terminal | None = None
     latest: Terminal | None = None
@@ -111,7 +111,7 @@ def test_the_hour_goes_as_the_page_says(folder, environment):
                 case 'bash', 'terminal 1':
                     first = latest = Terminal(block.text, folder, environment)
                 case 'bash', _:
-                    if 'create_demo' in block.text:  # the page has ended the first one before
+                    if 'create_demo' in block.text:  # the page ends the first one before
                         first.interrupt()
                         assert first.ended() == 0
                     latest = run(block, folder, environment)
@@ -127,7 +127,7 @@ def test_the_hour_goes_as_the_page_says(folder, environment):
     assert (folder / 'first_demo' / 'page.html').stat().st_size > 100_000
 
 
-def test_what_is_not_run_has_a_reason():
+def test_a_block_that_is_not_run_has_a_reason():
     for block in BLOCKS:
         if block.language in ('bash', 'python', 'text'):
             continue

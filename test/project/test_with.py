@@ -1,9 +1,9 @@
 """
-What is given to other packages says of this robot what is so.
+Files and pages for other packages (config/with, docs/with) are true of this robot.
 
-ROS's own parser reads the parameter files; frames, speeds and sizes are compared with the
-driver's parameters and the model, topics and fields with what is published. None of the packages
-is needed.
+ROS's own parser reads the parameter files. Frames, speeds and sizes are compared with the driver's
+parameters and the model; topics and fields with what the driver publishes. None of the packages is
+needed.
 """
 
 from configparser import ConfigParser
@@ -41,20 +41,20 @@ NODES = {
                   '/behavior_server', '/velocity_smoother', '/collision_monitor',
                   '/docking_server'],
 }
-"""The nodes that each parameter file is for; no other names stand in it."""
+"""The nodes in each parameter file."""
 FOREIGN = {'/scan', '/imu/data', '/cmd_vel_smoothed', '/joy', '/diagnostics_toplevel_state',
            '/robot_description'}
-"""Topics of others that files and pages may name: lidar, IMU, Nav2, joy, aggregator, model."""
+"""Topics of other packages that files and pages may name."""
 MAP = 'map'
-"""The frame that the others add."""
-BROUGHT = {'tf2_ros'}
+"""The frame that other packages add."""
+INSTALLED = {'tf2_ros'}
 """Packages that come with robot_state_publisher, which the launch file starts."""
 TYPES = {topic.name.lstrip('/'): topic.type for topic in PUBLISHED} | {'cmd_vel': Twist}
 
 
 @cache
 def parameters(file: str, node: str) -> dict[str, Any]:
-    """Return what a node of this full name gets from a file, as ROS reads it."""
+    """Return the parameters that a node with this full name gets from a file."""
     namespace, _, name = node.rpartition('/')
     context = Context()
     rclpy.init(args=['--ros-args', '--params-file', str(FILES / file)], context=context)
@@ -131,7 +131,7 @@ def wheel(speed: float, turn: float) -> float:
     return abs(speed) + abs(turn) * Parameters.wheel_separation / 2
 
 
-def test_nav2_asks_for_nothing_that_the_wheels_cannot_do():
+def test_nav2_stays_within_the_speed_of_the_wheels():
     smoother = nav2('/velocity_smoother')
     for limit in ('max_velocity', 'min_velocity'):
         speed, sideways, turn = smoother[limit]
@@ -144,7 +144,7 @@ def test_nav2_asks_for_nothing_that_the_wheels_cannot_do():
     assert nav2('/behavior_server')['max_rotational_vel'] <= smoother['max_velocity'][2]
 
 
-def test_nav2_says_the_commands_that_the_driver_takes():
+def test_nav2_publishes_the_commands_that_the_driver_takes():
     commanding = [node for node in NODES['nav2.yaml']
                   if 'enable_stamped_cmd_vel' in nav2(node)]
     assert set(commanding) == {'/controller_server', '/behavior_server', '/velocity_smoother',
@@ -154,7 +154,7 @@ def test_nav2_says_the_commands_that_the_driver_takes():
     assert f'/{nav2("/collision_monitor")["cmd_vel_out_topic"]}' in OURS
 
 
-def test_a_stick_asks_for_nothing_that_the_wheels_cannot_do_and_often_enough():
+def test_a_joystick_stays_within_the_speed_of_the_wheels_and_repeats_often_enough():
     stick = parameters('teleop_twist_joy.yaml', '/teleop_twist_joy_node')
     assert stick['publish_stamped_twist'] is Parameters.enable_stamped_cmd_vel
     assert stick['scale_linear.x'] < stick['scale_linear_turbo.x'] <= Parameters.max_wheel_speed
@@ -168,7 +168,7 @@ def test_the_filter_takes_speeds_from_the_driver():
     filtered = parameters('ekf.yaml', '/ekf_filter_node')
     assert filtered['odom0'] == ODOM.name and ODOM.type is Odometry
     taken = [place for place, used in enumerate(filtered['odom0_config']) if used]
-    assert taken == [6, 7, 11]  # forward, sideways, turning: of fifteen
+    assert taken == [6, 7, 11]  # of fifteen: forward and sideways speed, turning speed
     assert len(filtered['odom0_config']) == len(filtered['imu0_config']) == 15
     assert 'publish_tf:=false' in (PAGES / 'robot_localization.md').read_text('utf-8')
 
@@ -192,7 +192,7 @@ def kind_of(path: str) -> str:
     return value.get_fields_and_field_types()[fields[-1]]
 
 
-def test_the_foxglove_layout_shows_what_there_is():
+def test_the_foxglove_layout_shows_topics_that_exist():
     layout = json.loads((FILES / 'foxglove.json').read_text('utf-8'))
     panels = layout['configById']
     assert shown(layout['layout']) == set(panels)
@@ -224,14 +224,14 @@ def test_the_drive_pad_is_within_the_limits_and_fast_enough():
 
 
 def service() -> ConfigParser:
-    """Return the unit as it is read; of a key that comes twice the last."""
+    """Return the systemd unit; of a key that appears twice, the last value."""
     unit = ConfigParser(strict=False, interpolation=None)
     unit.optionxform = str
     unit.read(FILES / 'create.service')
     return unit
 
 
-def test_the_service_starts_what_there_is():
+def test_the_service_starts_a_launch_file_that_exists():
     shell, option, line = shlex.split(service()['Service']['ExecStart'])
     assert (shell, option) == ('/bin/bash', '-c')
     assert 'SIGINT' == service()['Service']['KillSignal']
@@ -266,7 +266,7 @@ def test_names_in_a_pages_commands_exist(page):
                 for line in words if 'apt-get' in line for name in line}
     for line in words:
         if line[0] == 'ros2':
-            check_ros2(line, frozenset(packages | BROUGHT | FOREIGN))
+            check_ros2(line, frozenset(packages | INSTALLED | FOREIGN))
     links = {link.get('name') for link in MODEL.iter('link')}
     for frame in re.findall(r'--frame-id (\S+)', page.read_text('utf-8')):
         assert frame in links

@@ -1,4 +1,4 @@
-"""What lies beside the code: model, launch files, parameter file, RViz and udev settings."""
+"""Files beside the code: model, launch files, parameter file, RViz and udev settings."""
 
 import importlib.util
 import math
@@ -28,7 +28,7 @@ def ends(joint: ElementTree.Element) -> tuple[str, str]:
 
 
 def is_package(name: str) -> bool:
-    """Tell whether Python can import a package; a mere folder of that name is none."""
+    """Return whether Python can import a package; a folder without code does not count."""
     spec = importlib.util.find_spec(name)
     return spec is not None and spec.origin is not None
 

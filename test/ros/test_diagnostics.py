@@ -1,4 +1,4 @@
-"""Levels that an operator would agree with: the driver against the simulated robot in memory."""
+"""Diagnostics of the driver with a simulated robot in memory: levels and messages."""
 
 from copy import copy
 from itertools import cycle
@@ -18,14 +18,14 @@ ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
 
 @pytest.fixture
 def loop() -> Loop:
-    """Return a robot and a driver that have met."""
+    """Return a loop in which the driver is connected to the robot."""
     met = Loop()
     met.run(0.3)
     return met
 
 
 def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, DiagnosticStatus]:
-    """Return what the node would publish, by the last word of the name."""
+    """Return the statuses that the node would publish, by the last word of their name."""
     health = loop.driver.health(loop.now)
     made = [
         diagnostics.serial_link(
@@ -37,11 +37,11 @@ def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, Diagnostic
 
 
 def levels(loop: Loop) -> dict[str, bytes]:
-    """Return the levels by the last word of the name."""
+    """Return the levels, by the last word of the status name."""
     return {name: status.level for name, status in all_of(loop, copy(loop.driver.counts)).items()}
 
 
-def test_a_healthy_robot_is_ok_all_over(loop):
+def test_a_healthy_robot_is_ok_everywhere(loop):
     assert set(levels(loop).values()) == {OK}
     assert set(levels(loop)) == {'serial link', 'mode', 'safety', 'battery', 'driver'}
 
@@ -53,13 +53,13 @@ def test_without_a_robot_the_link_is_the_error_and_the_rest_is_old(loop):
                             'battery': STALE, 'driver': OK}
 
 
-def test_before_the_first_frame_nothing_is_claimed():
+def test_before_the_first_frame_the_link_is_an_error_and_the_rest_is_stale():
     loop = Loop()
     assert levels(loop)['serial link'] == ERROR
     assert levels(loop)['battery'] == STALE
 
 
-def test_faults_of_the_line_are_told_for_one_interval(loop):
+def test_line_errors_are_reported_for_one_interval(loop):
     before = copy(loop.driver.counts)
     loop.driver.receive(b'nonsense' * 20, loop.now)
     loop.run(0.1)
@@ -91,7 +91,7 @@ def test_what_happens_has_its_level(loop, happen, name, level, says):
     assert (status.level, says in status.message) == (level, True), status.message
 
 
-def test_on_the_dock_in_full_it_is_said_that_nothing_is_charged():
+def test_on_the_dock_in_full_mode_a_message_says_that_it_does_not_charge():
     loop = Loop(Settings(mode_on_start=oi.Mode.FULL))
     loop.run(0.3)
     loop.body.force(home_base=1)

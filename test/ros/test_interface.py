@@ -1,4 +1,4 @@
-"""Every topic and service through ROS, by what a user would see; the node is a real process."""
+"""Every topic and service as a user sees it: through ROS, with the node as a process."""
 
 from create_oi_msgs.msg import (
     Buttons,
@@ -49,7 +49,7 @@ def stage(tmp_path):
 
 
 class Ready:
-    """A robot and its node, in Safe."""
+    """A robot and its node, in Safe mode."""
 
     def __init__(self, stage: Scene, **parameters: object) -> None:
         self.ros = stage.ros
@@ -59,7 +59,7 @@ class Ready:
         self.until_mode(Mode.SAFE)
 
     def until_mode(self, mode: int) -> None:
-        """Wait until the newest word on the mode is this one."""
+        """Wait until the newest `mode` message has this mode."""
         self.ros.until(lambda: self.modes and self.modes[-1].mode == mode, f'mode {mode}')
 
     def ask(self, type_: type, name: str, **fields: object) -> str:
@@ -78,7 +78,7 @@ class Ready:
 
 @pytest.fixture
 def ready(stage):
-    """Return a robot and its node, in Safe."""
+    """Return a robot and its node, in Safe mode."""
     return Ready(stage)
 
 
@@ -112,7 +112,7 @@ def test_what_the_robot_senses_is_published(ready):
     assert len(buttons) == 2, 'only changes are published'
 
 
-def test_songs_play_and_say_so(ready):
+def test_songs_play_and_are_published(ready):
     songs = ready.ros.listen(Song, 'song', LATCHED)
     ready.ros.until(lambda: songs)
     said = ready.ask(DefineSong, 'define_song', number=5, pitches=[72, 0, 76], seconds=[1.0] * 3)
@@ -203,8 +203,8 @@ def test_without_a_robot_every_service_answers_with_what_to_do(stage):
         assert reply.success == (service.name == 'reset_odometry'), service.name
 
 
-def test_others_see_it_at_the_promised_rates_and_as_they_are_used_to(ready):
-    """As rviz2 and Nav2 (best effort or reliable, volatile) and a late recorder subscribe."""
+def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready):
+    """The QoS is that of rviz2 and Nav2 (best effort or reliable) and of a late recorder."""
     listen = ready.ros.listen
     odom, walls = listen(Odometry, 'odom', BEST_EFFORT), listen(Wall, 'wall', BEST_EFFORT)
     joints, frames = listen(JointState, 'joint_states'), listen(TFMessage, '/tf', BEST_EFFORT)

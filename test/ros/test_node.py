@@ -1,4 +1,4 @@
-"""The node as a real process on a simulated serial port, seen by a real subscriber."""
+"""The node as a process on a simulated serial port, with a subscriber in the test."""
 
 from math import atan2, nan, pi
 import signal
@@ -29,12 +29,12 @@ def stage(tmp_path):
 
 
 def in_mode(modes: list[Mode], mode: int) -> bool:
-    """Tell whether the newest word on the mode is this one."""
+    """Return whether the newest `mode` message has this mode."""
     return bool(modes) and modes[-1].mode == mode
 
 
 def drive(stage: Scene, linear: float, angular: float, done) -> None:
-    """Send a velocity ten times a second until something is true."""
+    """Publish a velocity ten times a second until a condition is true."""
     velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     command = Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
     timer = stage.ros.node.create_timer(0.1, lambda: velocity.publish(command))
@@ -200,7 +200,7 @@ def test_stop_and_reset_odometry(stage):
     odom = stage.ros.listen(Odometry, 'odom')
     drive(stage, 0.2, 0.0, lambda: odom and odom[-1].pose.pose.position.x > 0.1)
     assert stage.ros.call(Trigger, 'stop').success
-    # The odometry believes in some braking after that; what is left of it would follow the reset.
+    # The odometry predicts braking after a stop; the rest of it would come after the reset.
     stage.ros.until(lambda: odom[-1].twist.twist.linear.x == 0)
     assert stage.ros.call(Trigger, 'reset_odometry').success
     stage.ros.until(lambda: odom[-1].pose.pose.position.x == 0)

@@ -1,7 +1,7 @@
 """
-A bag that is played into a graph is heard, recorded and reported on as the robot was.
+A bag that is played gives the same messages, recording and report as the robot did.
 
-It is played by `player.py`, for there is no `ros2 bag play` here.
+`support/player.py` plays it, because the ROS from wheels has no `ros2 bag play`.
 """
 
 from collections import defaultdict
@@ -33,18 +33,18 @@ from support.ros import scene
 LATCHING = {f'/{topic.name}' for topic in PUBLISHED if topic.qos is LATCHED}
 DESCRIBED = '/robot_description'
 LATE = 1.0
-"""Seconds by which a replay may lag: the paces of two recorders are compared, not clocks."""
+"""Seconds by which a replay may lag: time stamps of two recorders are compared."""
 SECONDS = re.compile(r'\b(\d+:)?\d+(:\d+)?\.\d s\b')
 FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 OFFERED = {
     'history': 'keep_last', 'reliability': 'reliable', 'durability': 'volatile',
     'deadline': FOREVER, 'lifespan': FOREVER, 'liveliness': 'automatic',
     'liveliness_lease_duration': FOREVER, 'avoid_ros_namespace_conventions': False}
-"""What rosbag2 of Jazzy parses (its convert<rclcpp::QoS>), for most topics but for the depth."""
+"""QoS as rosbag2 of Jazzy parses it (convert<rclcpp::QoS>), without the depth."""
 
 
 def drive(pilot: Pilot, body) -> None:
-    """Let the robot do something of everything that a report tells."""
+    """Make the robot do everything that a report shows."""
     tour.hello(pilot)
     pilot.go_to(0.2, 0.0)
     body.force(bump_left=1, play=1)
@@ -58,7 +58,7 @@ def drive(pilot: Pilot, body) -> None:
 
 @pytest.fixture(scope='module')
 def first(tmp_path_factory) -> Path:
-    """Return a bag of the real driver."""
+    """Return a bag that was recorded from the driver."""
     folder = tmp_path_factory.mktemp('first')
     with scene(folder) as made:
         robot = made.robot()
@@ -73,7 +73,7 @@ def first(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope='module')
 def second(first, tmp_path_factory) -> Path:
-    """Return a bag of the first one as it was played by another process."""
+    """Return a bag that was recorded while another process played the first one."""
     folder = tmp_path_factory.mktemp('second')
     with scene(folder) as made:
         recorder = Recorder(made.ros.node, folder / 'walk')
@@ -86,19 +86,19 @@ def second(first, tmp_path_factory) -> Path:
 
 
 def by_topic(played: list[player.Played]) -> dict[str, list[bytes]]:
-    """Return the bytes of each topic, in their order."""
+    """Return the messages of each topic as bytes, in order."""
     found = defaultdict(list)
     for each in played:
         found[each.topic].append(each.raw)
     return dict(found)
 
 
-def test_every_message_is_heard_again_byte_for_byte_and_in_order(first, second):
+def test_every_message_is_played_byte_for_byte_and_in_order(first, second):
     before, after = by_topic(player.messages(first)), by_topic(player.messages(second))
     assert min(len(before[topic]) for topic in ('/odom', '/tf', '/joint_states')) > 200
     assert LATCHING | {DESCRIBED, '/cmd_vel', '/diagnostics'} <= set(before)
     assert len(before['/mode']) >= 3 and len(before['/song']) >= 3
-    # The recorder itself has written the model, which so was not padded as on the wire.
+    # The recorder wrote the model itself, so it lacks the padding that it has on the wire.
     models = [deserialize_message(raw, String).data
               for raw in (*before.pop(DESCRIBED), *after.pop(DESCRIBED))]
     assert models[0].startswith('<?xml') and models[1:] == models[:1]
@@ -106,13 +106,13 @@ def test_every_message_is_heard_again_byte_for_byte_and_in_order(first, second):
 
 
 def told(recording: Recording) -> dict[str, object]:
-    """Return all that a report tells but when, and how long: times, durations, gaps, date."""
+    """Return what a report shows, without times, durations, gaps and date."""
     curves = {'odom': ('x', 'y', 'yaw', 'speed', 'turn'), 'commands': ('speed', 'turn'),
               'battery': ('volts', 'amperes', 'charge'), 'link': ('frames', 'damaged', 'garbage')}
     words = defaultdict(list)
     for each in (*happenings(recording), *complaints(recording)):
         words[each.kind].append(SECONDS.sub('#', each.text))
-    # Which of two kinds comes first is a matter of milliseconds, and so is a gap's being one.
+    # Milliseconds decide the order of two kinds of entry, and whether a pause counts as a gap.
     words.pop('gap', None)
     dated, *sentences = (SECONDS.sub('#', line) for line in summary(recording))
     return {
@@ -125,14 +125,14 @@ def told(recording: Recording) -> dict[str, object]:
 
 
 def test_the_report_is_the_same_but_for_times(first, second, monkeypatch):
-    # Else one of two messages that were recorded in the same moment may be left out.
+    # Else one of two messages that were recorded at the same time may be left out.
     monkeypatch.setattr(reading, 'POINTS', 10**9)
     before, after = (reading.read(bag, lambda part: None) for bag in (first, second))
     said = told(before)
     assert len(said['odom', 'x']) > 200 and len(said['sentences']) >= 5
     assert {'mode', 'song', 'bumper', 'buttons'} <= set(said['words'])
     assert len(said['settings']) > 10
-    assert repr(told(after)) == repr(said)  # a battery's charge may be nan
+    assert repr(told(after)) == repr(said)  # the charge of a battery may be NaN
     assert after.seconds == pytest.approx(before.seconds, abs=LATE)
     for curve in ('odom', 'commands', 'battery', 'link'):
         assert list(getattr(after, curve).times) == pytest.approx(
@@ -142,10 +142,10 @@ def test_the_report_is_the_same_but_for_times(first, second, monkeypatch):
             assert (is_now.start, is_now.end) == pytest.approx((was.start, was.end), abs=LATE)
 
 
-def test_who_comes_late_gets_the_present_state_of_what_is_latched(first, tmp_path):
+def test_a_late_subscriber_gets_the_present_state_of_latched_topics(first, tmp_path):
     every = player.messages(first)
     songs = [place for place, each in enumerate(every) if each.topic == '/song']
-    # In the middle of the second change, so that the present state is not the first one.
+    # At the second change, so that the present state is not the first one.
     middle = songs[1] + 1
     present = {each.topic: each.raw for each in every[:middle] if each.topic in
                LATCHING | {DESCRIBED}}
@@ -165,7 +165,7 @@ def test_who_comes_late_gets_the_present_state_of_what_is_latched(first, tmp_pat
             playing.close()
 
 
-def test_what_is_not_latched_is_not_told_again(first, tmp_path):
+def test_a_late_subscriber_gets_no_old_messages_of_other_topics(first, tmp_path):
     odometry = [each for each in player.messages(first) if each.topic == '/odom'][:20]
     with scene(tmp_path) as made:
         playing = player.Player(first, made.domain)
@@ -208,8 +208,8 @@ def test_the_metadata_is_what_rosbag2_of_jazzy_parses(first):
     assert not depths
 
 
-def test_the_file_alone_says_the_same_of_its_topics(first):
-    """`ros2 bag play` takes a .mcap file as well, and then has no metadata.yaml."""
+def test_the_file_alone_has_the_same_metadata_of_its_topics(first):
+    """`ros2 bag play` also takes a single .mcap file, without metadata.yaml."""
     with Reader(first) as reader, Reader(first / 'walk.mcap') as alone:
         folder, file = (
             {each.topic: (each.msgtype, each.msgcount, each.ext) for each in bag.connections}

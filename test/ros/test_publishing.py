@@ -1,4 +1,4 @@
-"""What is published with a frame, and in which order: news first."""
+"""Which messages are published for a frame, and in which order: changes first."""
 
 from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
@@ -18,7 +18,7 @@ PERIOD = 0.2
 
 
 class Frames:
-    """Frames that are published one by one, a slot apart, and what each of them told of."""
+    """Publishes frames one by one, a slot apart, and collects the topics of each."""
 
     def __init__(self, stage, monkeypatch) -> None:
         for topic in (Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'):
@@ -35,7 +35,7 @@ class Frames:
         stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
 
     def next(self, **readings: int) -> list[str]:
-        """Return what a frame tells of, in order, when its readings are these and else zero."""
+        """Return the topics of a frame, in order; readings that are not given are zero."""
         self._told.clear()
         self._slot += 1
         self._publisher.publish(Moved(
@@ -43,14 +43,14 @@ class Frames:
         return self._told
 
     def quiet(self) -> None:
-        """Let frames pass until the sensors have just been published again."""
+        """Publish frames until the periodic sensor topics have just been published."""
         while 'Bumper' not in self.next():
             pass
 
 
 @pytest.fixture
 def frames(tmp_path, monkeypatch):
-    """Return frames of a robot that has told all."""
+    """Return frames after one in which every topic was published."""
     with scene(tmp_path) as stage:
         yield Frames(stage, monkeypatch)
 

@@ -1,4 +1,4 @@
-"""All that the node publishes can be recorded, and read back by one who has only the bag."""
+"""Everything that the node publishes can be recorded, and read with the bag alone."""
 
 from pathlib import Path
 
@@ -18,13 +18,13 @@ Recording = dict[str, list[bytes]]
 
 
 def full_name(topic: Topic) -> str:
-    """Return the type of a topic as a bag has it."""
+    """Return the type name of a topic as a bag has it."""
     package, name = type_name(topic.type).split('/')
     return f'{package}/msg/{name}'
 
 
 def typestore():
-    """Return ROS 2 Jazzy's definitions and ours, from the files that ours are built from."""
+    """Return the message definitions of ROS 2 Jazzy, and ours from their source files."""
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     for path in sorted((ROOT / 'msg_defs' / 'msg').glob('*.msg')):
         store.register(typesys.get_types_from_msg(
@@ -42,7 +42,7 @@ def stage(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def recording(stage: Scene) -> Recording:
-    """Return serialized messages of every topic, taken as a recorder takes them."""
+    """Return serialized messages of every topic, received as a recorder does."""
     taken: Recording = {topic.name: [] for topic in PUBLISHED}
     for topic in PUBLISHED:
         stage.ros.node.create_subscription(

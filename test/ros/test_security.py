@@ -1,4 +1,4 @@
-"""The SROS 2 policy allows what the nodes have, and nothing else; keys keep others out."""
+"""The SROS 2 policy allows what the nodes use and nothing else; keys keep others out."""
 
 from collections.abc import Callable
 from contextlib import closing
@@ -45,13 +45,13 @@ def allowed(enclave: str, what: str) -> set[str]:
 
 
 def full(names: list[str]) -> set[str]:
-    """Return names as they are without a namespace."""
+    """Return names without their namespace."""
     return {name if name.startswith('/') else f'/{name}' for name in names}
 
 
 @pytest.fixture(scope='module')
 def node():
-    """Return the real node, in a domain of its own, beside a view that has found it."""
+    """Return the node, in a domain of its own, with a view that has discovered it."""
     with domain_coordinator.domain_id() as domain:
         rclpy.init(args=[], domain_id=domain)
         made, view = CreateNode(Future()), Graph(State())
@@ -97,7 +97,7 @@ def test_every_enclave_has_its_keys_made():
 
 
 def drive(who: Listener, until: Callable[[], object]) -> None:
-    """Command a velocity until something has happened."""
+    """Publish a velocity until a condition is true."""
     velocity = who.node.create_publisher(Twist, 'cmd_vel', 1)
 
     def commanded() -> object:
