@@ -22,7 +22,7 @@ soak: build ; @$(ENTER) python test soak $(ARGS)
 fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
 docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
-clean: ; @rm -rf .venv build install log .mypy_cache .ruff_cache .pytest_cache .hypothesis
+clean: ; @rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 # Variables of another ROS, or of env.sh, must not reach the wheels.
 ifeq ($(KIND),wheels)

@@ -16,7 +16,7 @@ from create_oi_ros.link.port import holder, lasting_name, Port, PortError
 from create_oi_ros.link.session import Session
 from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.world import shipped
-from support.ros import PATIENCE, Robot
+from support.ros import Robot, TIMEOUT
 
 HOLDER = """
 import os, sys
@@ -196,7 +196,7 @@ class Heard:
         """Wait until some words have been said so often."""
         with self._told:
             assert self._told.wait_for(
-                lambda: sum(words in text for text in self.texts) >= times, PATIENCE), self.texts
+                lambda: sum(words in text for text in self.texts) >= times, TIMEOUT), self.texts
 
 
 @contextmanager
@@ -235,7 +235,7 @@ def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypa
         with robot_on(tmp_path / 'ttyUSB0'):
             name.symlink_to(tmp_path / 'ttyUSB0')
             heard.wait_for('robot answers')
-            named.wait(PATIENCE)
+            named.wait(TIMEOUT)
         heard.wait_for('does not exist')
         with robot_on(tmp_path / 'ttyUSB1'):
             (tmp_path / 'beside').symlink_to(tmp_path / 'ttyUSB1')

@@ -24,7 +24,7 @@ from create_oi_ros.apps.view.robot_state import State
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
-from support.ros import Listener, PATIENCE, scene
+from support.ros import Listener, scene, TIMEOUT
 
 ROOT = Path(__file__).parents[2]
 POLICY = ElementTree.parse(ROOT / 'config' / 'sros2_policy.xml').getroot()
@@ -55,7 +55,7 @@ def node():
     with domain_coordinator.domain_id() as domain:
         rclpy.init(args=[], domain_id=domain)
         made, view = CreateNode(Future()), Graph(State())
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while not view.state.listened:
             assert time.monotonic() < deadline
             view.look_around(time.monotonic())

@@ -23,7 +23,7 @@ from create_oi_ros.oi.tools.capture_format import (
     records_of,
 )
 from create_oi_ros.sim.server.replay import Replay
-from support.ros import PATIENCE, Scene, scene
+from support.ros import Scene, scene, TIMEOUT
 from support.simulator import opened, receive, simulator
 
 SECOND = 1_000_000
@@ -241,7 +241,7 @@ def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
     file, path = new_file(str(tmp_path / 'c'))
     capture = Capture(file, {}, print)
     name = os.ttyname(host)
-    port = CapturedPort(capture, name, 57600, timeout=PATIENCE)
+    port = CapturedPort(capture, name, 57600, timeout=TIMEOUT)
     os.close(host)
     port.baud = 19200
     port.write(b'\x80')
@@ -280,7 +280,7 @@ def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
     os.dup2(disk, file)
     os.close(disk)
     capture.add_text(Kind.NOTE, 'too much')
-    assert full.wait(PATIENCE)
+    assert full.wait(TIMEOUT)
     capture.add(Kind.FROM_ROBOT, b'\0')
     capture.close()
     assert told == ['No space left on device; nothing more is captured, the driver goes on']

@@ -27,7 +27,7 @@ from create_oi_ros.sim.server.faults import Faults
 from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped, World
 
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """Seconds to wait for an event before a test fails."""
 
 
@@ -94,7 +94,7 @@ class Program:
 
     def ended(self) -> int:
         """Wait for the end of the process; return its exit code."""
-        code = self._process.wait(PATIENCE)
+        code = self._process.wait(TIMEOUT)
         self._reader.join()
         return code
 
@@ -125,8 +125,8 @@ class Listener:
         return received
 
     def until(self, happened: Callable[[], Any], what: str = '') -> Any:
-        """Spin until a condition is true and return its value; fail after PATIENCE."""
-        deadline = time.monotonic() + PATIENCE
+        """Spin until a condition is true and return its value; fail after TIMEOUT."""
+        deadline = time.monotonic() + TIMEOUT
         while not (result := happened()):
             assert time.monotonic() < deadline, f'{what or happened} did not happen'
             self._executor.spin_once(timeout_sec=0.1)
@@ -144,7 +144,7 @@ class Listener:
         client = self._clients[name]
         self.until(client.service_is_ready, f'service {name}')
         futures = [client.call_async(type_.Request(**fields))]
-        repeat_at = time.monotonic() + PATIENCE / 3
+        repeat_at = time.monotonic() + TIMEOUT / 3
 
         def answered() -> bool:
             if time.monotonic() > repeat_at and len(futures) == 1:
