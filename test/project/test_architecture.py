@@ -7,22 +7,29 @@ import re
 
 import pytest
 
+from create_oi_ros.driver.state import Activity, Event, OWNERS, TRANSITIONS
 from support.source import PACKAGE, ROOT
 
 PAGE = (ROOT / 'docs' / 'architecture.md').read_text('utf-8')
 HOMES = (ROOT / PACKAGE, ROOT)
 """Where the paths of the page begin."""
 SPANS = sorted(set(re.findall(r'`([^`\n]+)`', PAGE)))
-FILES = [span for span in SPANS if re.match(r'[\w/]+(\.\w+(: [\w.]+)?|/)$', span)]
+FILES = [span for span in SPANS if re.match(r'[\w/]+(\.(py|md|xml)(: [\w.]+)?|/)$', span)]
 """Folders, files, and names in files: `oi/`, `robot.py`, `driver/machine.py: Driver.poll`."""
 DEPTH = 2
 """How deep in the package a folder is still a room."""
 
 
-def rows(mark: str) -> list[str]:
-    """Return the first cells of the table after a mark."""
+def rows(mark: str) -> list[list[str]]:
+    """Return the cells of the table after a mark, without its head."""
     table = PAGE.partition(f'<!-- {mark} -->\n')[2].partition('<!-- end -->')[0]
-    return re.findall(r'^\| `([^`]+)` \|', table, re.M)
+    return [line.strip('|').split('|') for line in table.splitlines()[2:]]
+
+
+def quoted(cell: str) -> str:
+    """Return the only code span in a cell."""
+    span, = re.findall('`([^`]+)`', cell)
+    return str(span)
 
 
 def packages() -> set[str]:
@@ -59,7 +66,8 @@ def defined(body: list[ast.stmt], prefix: str) -> set[str]:
 
 
 def test_the_rooms_are_those_of_the_tree():
-    assert {room for room in rows('rooms') if room.endswith('/')} == packages()
+    named = {quoted(room) for room, *_ in rows('rooms')}
+    assert {room for room in named if room.endswith('/')} == packages()
 
 
 def test_the_page_names_files_and_functions():
@@ -74,9 +82,19 @@ def test_what_the_page_names_exists(span):
     assert not name or name in names_in(path), f'{file} defines no {name}'
 
 
-def test_the_activities_are_those_of_the_driver():
-    from create_oi_ros.driver.state import Activity
-    assert rows('activities') == [activity.name for activity in Activity]
+def test_the_activities_and_their_owners_are_those_of_the_driver():
+    shown = {quoted(activity): quoted(owner) for activity, _, owner, _ in rows('activities')}
+    assert shown == {activity.name: OWNERS[activity].name for activity in Activity}
+
+
+def test_the_transitions_are_those_of_the_driver():
+    everywhere = {(Event.PORT_CLOSED.name, Activity.CLOSED.name),
+                  (Event.NO_ANSWER.name, Activity.CALLING.name)}
+    for activity, *_, leads in rows('activities'):
+        shown = set(re.findall(r'`(\w+)` → `(\w+)`', leads))
+        row = TRANSITIONS[Activity[quoted(activity)]]
+        actual = {(event.name, after.name) for event, after in row.items()}
+        assert shown == actual - everywhere, activity
 
 
 def test_the_readme_links_here():
