@@ -60,7 +60,7 @@ class CreateNode(Node):
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._stale = 0
         self._declare_topics()
-        self.served = Services(self, self.session)
+        Services(self, self.session)  # the node keeps it: its methods are the callbacks
         self._counts = LinkCounts()
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
         self._publish_mode(self.session.driver.status)
