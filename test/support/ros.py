@@ -110,10 +110,10 @@ class Program:
 class Listener:
     """A ROS node in the test's process, with a context of its own."""
 
-    def __init__(self, domain: int) -> None:
+    def __init__(self, domain: int, name: str = 'listener') -> None:
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
-        self.node = rclpy.create_node('listener', context=self._context)
+        self.node = rclpy.create_node(name, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
@@ -175,6 +175,12 @@ class Scene:
     ) -> Robot:
         """Start a simulated robot; its port is `folder / name`."""
         made = Robot(self.folder / name, world or shipped('empty'), rounding)
+        self._closing.append(made.close)
+        return made
+
+    def listener(self, name: str) -> Listener:
+        """Add another node to the graph, in a context of its own."""
+        made = Listener(self.domain, name)
         self._closing.append(made.close)
         return made
 
