@@ -17,7 +17,7 @@ from ..driver import Driver, DriverEvent, ModeChanged, ModeStatus, Moved, Notice
 from ..link.capture import begin, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
-from ..oi.tools.capture_format import Kind
+from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, parameters, topics
 from . import messages as convert
 from .process import call_on_signal, spin_until
@@ -120,7 +120,7 @@ class CreateNode(Node):
 
     def _log(self, notice: Notice) -> None:
         if self.capture is not None:
-            self.capture.tell(Kind.NOTE, f'{notice.severity.name.lower()}: {notice.text}')
+            self.capture.tell(RecordKind.NOTE, f'{notice.severity.name.lower()}: {notice.text}')
         match notice.severity:
             case Severity.INFO:
                 self.get_logger().info(notice.text)

@@ -7,11 +7,11 @@ It begins with text, the fact of a line each, up to an empty line:
     started 2026-01-31T09:30:00.000000+00:00
     port /dev/ttyUSB0
 
-Then records follow. A record is two numbers and so many bytes as the second of them says: the
-first is the time since the record before, in microseconds, times eight, plus the `Kind`. Numbers
-have seven bits in a byte, the low ones first; all bytes but a number's last have the high bit
-set. So a frame costs four bytes more than it has. The last record is an END; where it is
-missing, all whole records before the cut are good.
+Then records follow. A record is two numbers and then as many bytes as the second number says.
+The first number is the time since the record before, in microseconds, times eight, plus the
+`RecordKind`. A number has seven bits in each byte, the low bits first; every byte but its last
+has the high bit set. So a frame takes four bytes more than its own. The last record is an END;
+without it the capture was cut short, and all whole records before the cut are good.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -33,7 +33,7 @@ MORE = 1 << NUMBER_BITS
 MICROSECONDS = 1_000_000
 
 
-class Kind(IntEnum):
+class RecordKind(IntEnum):
     """What a record tells."""
 
     FROM_ROBOT = 0
@@ -50,14 +50,14 @@ class Kind(IntEnum):
     """The capture was ended in order."""
 
 
-BYTES = (Kind.FROM_ROBOT, Kind.TO_ROBOT)
+BYTES = (RecordKind.FROM_ROBOT, RecordKind.TO_ROBOT)
 
 
 class Record(NamedTuple):
     """Something that happened on the line, microseconds after the capture was started."""
 
     time: int
-    kind: Kind
+    kind: RecordKind
     data: bytes = b''
 
     @property
@@ -80,7 +80,7 @@ def encode_head(facts: Mapping[str, str]) -> bytes:
     return FIRST_LINE + b''.join(lines) + b'\n'
 
 
-def encode_record(pause: int, kind: Kind, data: bytes = b'') -> bytes:
+def encode_record(pause: int, kind: RecordKind, data: bytes = b'') -> bytes:
     """Return a record that comes so many microseconds after the one before it."""
     if pause < 0 or len(data) > RECORD_LIMIT:
         raise ValueError(f'a pause of {pause} us and {len(data)} bytes: 0 or more and at most '
@@ -128,14 +128,14 @@ class CaptureReader:
         pause, at = self._number(at)
         size, at = self._number(at)
         kind = pause & (1 << KIND_BITS) - 1
-        if size > RECORD_LIMIT or kind > Kind.END:
+        if size > RECORD_LIMIT or kind > RecordKind.END:
             raise CaptureError(f'damaged at byte {self._place}')
         if at < 0 or len(self._buffer) < at + size:
             return None
         self.time += pause >> KIND_BITS
-        self.ended = kind == Kind.END
+        self.ended = kind == RecordKind.END
         self._at = at + size
-        return Record(self.time, Kind(kind), bytes(self._buffer[at:at + size]))
+        return Record(self.time, RecordKind(kind), bytes(self._buffer[at:at + size]))
 
     @property
     def _place(self) -> int:

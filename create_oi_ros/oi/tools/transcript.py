@@ -14,7 +14,7 @@ from ..declaration import Command
 from ..packets import PACKET_IDS, PacketList
 from ..readings import NUMBERS, PACKETS
 from ..stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
-from .capture_format import Kind, MICROSECONDS, Record
+from .capture_format import MICROSECONDS, Record, RecordKind
 from .explain import CONVENTIONS, decimal, explain_command, explain_frame, explain_reading
 
 SUM_AFTER = 10 * MICROSECONDS
@@ -30,8 +30,9 @@ HELD = (Drive, DriveDirect, Stream)
 """Commands that change nothing where they are repeated."""
 FROM_ROBOT, TO_ROBOT, BESIDE = '<-', '->', '--'
 WORDS = {
-    Kind.OPENED: 'port opened: ', Kind.LOST: 'port lost: ', Kind.BAUD: 'host speaks at baud rate ',
-    Kind.NOTE: 'driver says ', Kind.END: 'end of the capture',
+    RecordKind.OPENED: 'port opened: ', RecordKind.LOST: 'port lost: ',
+    RecordKind.BAUD: 'host speaks at baud rate ',
+    RecordKind.NOTE: 'driver says ', RecordKind.END: 'end of the capture',
 }
 TELLING = {
     name: PACKETS[number] for name, number in NUMBERS.items()
@@ -100,15 +101,15 @@ class Transcript:
             yield from self._add_up(self._now)
         self._now = record.time
         match record.kind:
-            case Kind.FROM_ROBOT:
+            case RecordKind.FROM_ROBOT:
                 yield from self._from_robot(record)
-            case Kind.TO_ROBOT:
+            case RecordKind.TO_ROBOT:
                 self._host.feed(record.data)
                 yield from self._commands()
             case _:
-                if record.kind is not Kind.NOTE:
+                if record.kind is not RecordKind.NOTE:
                     yield from self.finish()
-                if record.kind is Kind.OPENED:
+                if record.kind is RecordKind.OPENED:
                     self._begin()
                 yield self._line(BESIDE, WORDS[record.kind] + record.text)
 
