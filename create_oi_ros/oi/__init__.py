@@ -6,6 +6,7 @@ class of `commands`, every packet a field of `readings.Readings`; `stream` reads
 Quantities are in the manual's units (mm, mm/s, degrees, mV, mA, mAh).
 """
 
+from ..robot import SLOT
 from .codes import (
     BaudCode,
     BumpsAndWheelDrops,
@@ -75,7 +76,6 @@ from .packets import (
     PacketList,
     singles,
     size_of,
-    SLOT,
 )
 from .readings import NAMES, NUMBERS, Packet, PACKETS, Readings
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode

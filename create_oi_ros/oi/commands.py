@@ -21,6 +21,7 @@ from .codes import (
 )
 from .declaration import Command
 from .packets import PACKET_ID, PACKET_IDS
+from .readings import SPEED
 from .wire import bits, choice, Counted, signed_choice, Wire
 
 STARTED = frozenset({Mode.PASSIVE, Mode.SAFE, Mode.FULL})
@@ -37,7 +38,6 @@ INPUTS = 'Input Commands'
 SCRIPTS = 'Script Commands'
 WAITS = 'Wait Commands'
 
-SPEED = Wire('h', -500, 500, 'mm/s')
 BYTE = Wire('B', 0, 255)
 SIGNED_WORD = (-32768, 32767)
 DUTY = Wire('B', 0, 128, '1/128')

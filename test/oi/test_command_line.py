@@ -198,6 +198,8 @@ def test_it_runs_as_a_module(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
     with pytest.raises(SystemExit) as ended:
         runpy.run_module('create_oi_ros.oi', run_name='__main__')
     assert ended.value.code == 0 and capsys.readouterr().out == 'Start\n'
+    import_module('create_oi_ros.oi.__main__')
+    assert capsys.readouterr().out == '', 'importing it does not run it'
 
 
 @pytest.mark.parametrize('raised, status', [(BrokenPipeError, 141), (KeyboardInterrupt, 130)])

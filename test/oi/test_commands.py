@@ -1,6 +1,7 @@
 """Commands against the manual: bytes, ranges, modes, and that no row lacks a witness."""
 
 from collections.abc import Iterable
+from inspect import signature
 import struct
 from typing import Annotated
 
@@ -219,15 +220,27 @@ def test_nothing_out_of_range_leaves(velocity: int, radius: int) -> None:
         assert not fine
 
 
-@pytest.mark.parametrize('fields', [{}, {'right': 1}, {'right': 1, 'left': 2, 'up': 3}])
-def test_a_field_that_is_missing_or_unknown_is_refused(fields: dict[str, int]) -> None:
-    with pytest.raises(TypeError, match='needs right, left'):
+@pytest.mark.parametrize('fields, named', [
+    ({}, "'right' and 'left'"), ({'right': 1}, "'left'"),
+    ({'right': 1, 'left': 2, 'up': 3}, "'up'"),
+])
+def test_a_field_that_is_missing_or_unknown_is_refused(
+        fields: dict[str, int], named: str) -> None:
+    with pytest.raises(TypeError, match=f'argument.* {named}$'):
         oi.DriveDirect(**fields)
+
+
+def test_the_signature_of_a_command_shows_its_fields_with_their_types() -> None:
+    parameters = signature(oi.DriveDirect).parameters
+    assert list(parameters) == ['right', 'left']
+    for parameter in parameters.values():
+        assert parameter.kind is parameter.KEYWORD_ONLY
+        assert parameter.annotation == Annotated[int, Wire('h', -500, 500, 'mm/s')]
 
 
 def test_a_command_is_a_value_that_cannot_be_changed() -> None:
     command = oi.DriveDirect(right=1, left=2)
-    with pytest.raises(AttributeError, match='cannot be changed'):
+    with pytest.raises(AttributeError, match="cannot assign to field 'right'"):
         command.right = 3  # type: ignore[misc]
     assert command == oi.DriveDirect(left=2, right=1)
     assert hash(command) == hash(oi.DriveDirect(left=2, right=1))

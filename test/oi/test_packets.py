@@ -162,7 +162,7 @@ def test_the_longest_query_list_has_a_reply() -> None:
 def test_readings_hold_only_what_arrived() -> None:
     readings = oi.PacketList.named('distance').unpack_reply(b'\xff\x38')
     assert readings.has('distance') and not readings.has('distance', 'angle')
-    with pytest.raises(AttributeError):
+    with pytest.raises(AttributeError, match='angle has not arrived'):
         _ = readings.angle
     readings = readings.updated(
         oi.PacketList.named('angle', 'oi_mode').unpack_reply(b'\0\1\2'))
@@ -193,6 +193,20 @@ def test_a_packet_asked_for_twice_counts_as_it_came_last() -> None:
         'wall': True, 'cliff_left': True, 'distance': 3}
     late = oi.Readings({'cliff_left': 0}).updated(twice)
     assert late == twice
+
+
+def test_a_reading_of_no_packet_is_refused() -> None:
+    with pytest.raises(KeyError, match='speed'):
+        oi.Readings({'distance': 1, 'speed': 1})
+
+
+def test_readings_cannot_be_changed() -> None:
+    readings = oi.Readings({'distance': 1})
+    with pytest.raises(AttributeError):
+        readings.distance = 2
+    with pytest.raises(AttributeError):
+        readings.speed = 2  # type: ignore[attr-defined]
+    assert readings.distance == 1
 
 
 def test_readings_are_values() -> None:
