@@ -7,17 +7,13 @@ tells which of them came last. So a script is followed if it uses only one of th
 
 from .. import oi
 from ..oi.script import commands_of
+from ..oi.steering import wheel_speeds
+from ..robot import TOP_SPEED
 from .motion import MM
 from .stream_plan import ECHOES
 
-TOP_SPEED = 0.5
-"""m/s, of either wheel (manual)."""
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays, for an echo may be left from the one before."""
-STRAIGHT = (oi.Radius.STRAIGHT, oi.Radius.STRAIGHT_7FFF, 0)
-IN_PLACE: dict[int, int] = {
-    oi.Radius.IN_PLACE_CLOCKWISE: -1, oi.Radius.IN_PLACE_COUNTER_CLOCKWISE: 1,
-}
 
 Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
@@ -32,7 +28,7 @@ class Echoes:
         """Follow this script, if it is known; the separation is in metres."""
         commands = commands_of(script) if script else []
         used: set[type[oi.Command]] = {type(command) for command in commands}
-        self._half = wheel_separation * MM / 2
+        self._separation = wheel_separation * MM
         self._drive = oi.Drive in used
         mixed = self._drive and oi.DriveDirect in used
         self.tell = cleared and script is not None and not mixed and oi.Script not in used
@@ -47,13 +43,9 @@ class Echoes:
             return asked_directly(readings)
         if not readings.has(*ECHOES):
             return 0.0, 0.0
-        velocity, radius = float(readings.requested_velocity), readings.requested_radius
-        if radius in IN_PLACE:
-            forward, outward = 0.0, velocity * IN_PLACE[radius]
-        else:
-            forward = velocity
-            outward = velocity * self._half / radius if radius not in STRAIGHT else 0.0
-        return _possible(forward + outward), _possible(forward - outward)
+        right, left = wheel_speeds(
+            readings.requested_velocity, readings.requested_radius, self._separation)
+        return _possible(right), _possible(left)
 
 
 def asked_directly(readings: oi.Readings) -> Speeds:
