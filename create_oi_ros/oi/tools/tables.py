@@ -6,7 +6,6 @@ The declarations as tables, for people: on a terminal and in `docs/open_interfac
 
 from collections.abc import Iterable, Sequence
 from enum import IntEnum, IntFlag
-import re
 
 from ..codes import BaudCode
 from ..commands import COMMANDS
@@ -14,8 +13,8 @@ from ..declaration import Command
 from ..packets import GROUPS, PacketList, size_of
 from ..readings import NAMES, PACKETS
 from ..wire import Wire
+from .markdown import rewritten, Row, table
 
-Row = Sequence[str]
 KINDS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}
 """A word is two bytes, high byte first."""
 BAUDS = (BaudCode.B57600, BaudCode.B19200)
@@ -102,23 +101,18 @@ def columns(rows: Sequence[Row]) -> str:
         '  '.join(map(str.ljust, row, widths)).rstrip() + '\n' for row in rows)
 
 
-def markdown(rows: Sequence[Row]) -> str:
-    """Lay a table out for Markdown."""
-    head, *body = rows
-    rule = ['---'] * len(head)
-    return ''.join(f'| {" | ".join(row)} |\n' for row in (head, rule, *body))
-
-
 TABLES = {
     'commands': commands_table, 'packets': packets_table, 'groups': groups_table,
     'codes': codes_table,
 }
-PLACE = re.compile(
-    r'(?P<start><!-- table: (?P<name>\w+) -->\n).*?(?P<end><!-- end -->)', re.DOTALL)
+LABEL = 'table: '
 
 
 def document(page: str) -> str:
-    """Return a Markdown page with its tables written anew; KeyError where a name is unknown."""
-    return PLACE.sub(
-        lambda found: f'{found["start"]}\n{markdown(TABLES[found["name"]]())}\n{found["end"]}',
-        page)
+    """Return a Markdown page with its tables made again; KeyError names an unknown table."""
+    return rewritten(page, LABEL + r'\w+', _block)
+
+
+def _block(label: str) -> str:
+    heading, *rows = TABLES[label.removeprefix(LABEL)]()
+    return f'\n{table(heading, rows)}\n'
