@@ -2,7 +2,8 @@
 The iRobot Create Open Interface (2006), as data and pure functions.
 
 No ROS, no serial port, no clock: bytes and values in, values and bytes out. Every command is a
-class of `commands`, every packet a field of `readings.Readings`; `stream` reads bytes in flight.
+class in `commands`, every packet a field of `readings.Readings`; `stream` finds frames and
+commands in a stream of bytes.
 Quantities are in the manual's units (mm, mm/s, degrees, mV, mA, mAh).
 """
 

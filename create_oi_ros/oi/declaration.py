@@ -126,7 +126,8 @@ class Command:
         ValueError if they belong to another command or are too few or too many.
         """
         if not encoded or encoded[0] != cls.opcode or cls.size(encoded) != len(encoded):
-            raise ValueError(f'{bytes(encoded)!r} is no whole {cls.title} ({cls.opcode})')
+            raise ValueError(
+                f'{bytes(encoded)!r} is not one whole {cls.title} command (opcode {cls.opcode})')
         _, *values = cls._head.unpack_from(encoded)
         arguments: dict[str, Any] = {
             field.name: field.wire.named(value) for field, value in zip(cls.fields, values)}

@@ -62,7 +62,7 @@ class Wire:
 
     @cached_property
     def mask(self) -> int:
-        """All bits that have a name; 0 where bits have none."""
+        """All bits that have a name; 0 if bits have no names."""
         if self.names is None or not issubclass(self.names, IntFlag):
             return 0
         return sum(self._values)

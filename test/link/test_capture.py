@@ -27,7 +27,7 @@ from create_oi_ros.oi.tools.transcript import (
     explain_capture,
     GARBAGE_SHOWN,
     LISTS_KEPT,
-    SUM_AFTER,
+    SUMMARY_INTERVAL,
 )
 
 LINE = st.text(st.characters(exclude_characters='\n', exclude_categories=['Cs']))
@@ -179,7 +179,7 @@ def test_everything_can_be_told() -> None:
 def test_a_long_time_is_summed_up_in_pieces() -> None:
     hour = [(at * 0.1, RecordKind.FROM_ROBOT, frame(distance=1)) for at in range(36000)]
     told = story((0.0, RecordKind.TO_ROBOT, ASK), *hour, (3600.0, RecordKind.LOST, b'unplugged'))
-    assert len(told) < 5 + 3600 * SECOND / SUM_AFTER
+    assert len(told) < 5 + 3600 * SECOND / SUMMARY_INTERVAL
     assert told[3:5] == [
         '10.000 -- 101 frames in 10.0 s, Distance = 101 mm, Voltage = 15000 mV',
         '20.000 -- 100 frames in 10.0 s, Distance = 100 mm, Voltage = 15000 mV']
