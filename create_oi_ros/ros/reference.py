@@ -15,7 +15,7 @@ from typing import Any
 
 from ..oi.tools import markdown
 from .parameters import Parameters
-from .service_table import SERVICES
+from .services import SERVICES
 from .topics import PUBLISHED
 
 CONFIG_WIDTH = 93
