@@ -43,8 +43,8 @@ class Readings:
     Only packets that have arrived have a value: reading any other field raises AttributeError.
     Values out of the manual's range are kept unchanged; `implausible` names them.
 
-    The numbers are stored as they came. A field turns its number into a truth value or a named
-    member when it is read, as most fields of most frames are not.
+    The numbers are stored as they came. A number becomes a truth value or a named member only
+    when its field is read, because most values are never read.
     """
 
     __slots__ = ('_numbers',)
@@ -97,14 +97,14 @@ class Readings:
     requested_left_velocity: Annotated[int, Packet(42, 'Requested Left Velocity', SPEED)]
 
     def __init__(self, values: Mapping[str, int] | None = None) -> None:
-        """Store values by field name; KeyError names a field that no packet has."""
+        """Store values by field name; KeyError names a field that does not exist."""
         self._numbers = dict(values or {})
         for name in self._numbers:
-            NUMBERS[name]
+            NUMBERS[name]  # raises KeyError
 
     @classmethod
     def of_fields(cls, numbers: dict[str, int]) -> 'Readings':
-        """Store a dictionary whose keys are known to be fields, without a copy."""
+        """Store a dictionary without copying it; its keys must be field names."""
         readings = cls.__new__(cls)
         readings._numbers = numbers
         return readings
@@ -149,7 +149,7 @@ def _field(name: str, wire: Wire) -> property:
     return property(look_up)
 
 
-# The declarations above, by number and by field name.
+# The declarations above: packets and field names by number; numbers and allowed values by name.
 PACKETS: dict[int, Packet] = {}
 NAMES: dict[int, str] = {}
 NUMBERS: dict[str, int] = {}
