@@ -27,7 +27,7 @@ from ..driver import (
 from ..link.capture import begin, Capture, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
-from ..oi.tools.capture_format import Kind
+from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameter_checks, topics
 from .graph_watch import GraphWatch
 from .process import call_on_signal, spin_until
@@ -150,7 +150,8 @@ class CreateNode(Node):
 
     def _log(self, notice: Notice) -> None:
         if self.capture is not None:
-            self.capture.add_text(Kind.NOTE, f'{notice.severity.name.lower()}: {notice.text}')
+            severity = notice.severity.name.lower()
+            self.capture.add_text(RecordKind.NOTE, f'{severity}: {notice.text}')
         match notice.severity:
             case Severity.INFO:
                 self.get_logger().info(notice.text)

@@ -18,8 +18,8 @@ from create_oi_ros.oi.tools.capture_format import (
     CaptureReader,
     encode_head,
     encode_record,
-    Kind,
     Record,
+    RecordKind,
     records_of,
 )
 from create_oi_ros.sim.server.replay import Replay
@@ -44,12 +44,12 @@ def read(path: Path) -> tuple[list[Record], str]:
     return records, ''
 
 
-def said(records: list[Record], kind: Kind = Kind.FROM_ROBOT) -> bytes:
+def said(records: list[Record], kind: RecordKind = RecordKind.FROM_ROBOT) -> bytes:
     """Return all bytes of one direction."""
     return b''.join(record.data for record in records if record.kind is kind)
 
 
-def written(path: Path, *records: tuple[float, Kind, bytes]) -> Path:
+def written(path: Path, *records: tuple[float, RecordKind, bytes]) -> Path:
     """Write a capture of records with times in seconds."""
     before, data = 0, encode_head({'port': '/dev/create'})
     for time, kind, content in records:
@@ -62,7 +62,7 @@ def written(path: Path, *records: tuple[float, Kind, bytes]) -> Path:
 
 # The robot's side, without a clock.
 
-def replay(*records: tuple[float, Kind, bytes]) -> Replay:
+def replay(*records: tuple[float, RecordKind, bytes]) -> Replay:
     """Return a replay of records with times in seconds."""
     return Replay(Record(round(time * SECOND), kind, data) for time, kind, data in records)
 
@@ -75,8 +75,9 @@ def at(robot: Replay, now: float) -> bytes:
 
 def test_it_begins_when_the_host_speaks_as_the_captured_one_did() -> None:
     robot = replay(
-        (1, Kind.OPENED, b''), (2, Kind.FROM_ROBOT, b'before'), (3, Kind.TO_ROBOT, b'\x80'),
-        (3.5, Kind.FROM_ROBOT, b'after'), (4, Kind.END, b''))
+        (1, RecordKind.OPENED, b''), (2, RecordKind.FROM_ROBOT, b'before'),
+        (3, RecordKind.TO_ROBOT, b'\x80'),
+        (3.5, RecordKind.FROM_ROBOT, b'after'), (4, RecordKind.END, b''))
     assert at(robot, 100) == b''
     robot.receive(b'', 100)
     assert at(robot, 200) == b''
@@ -92,8 +93,10 @@ def test_it_begins_when_the_host_speaks_as_the_captured_one_did() -> None:
 
 def test_a_port_that_was_lost_comes_back_and_waits_for_the_host() -> None:
     robot = replay(
-        (0, Kind.TO_ROBOT, b'\x80'), (1, Kind.FROM_ROBOT, b'a'), (2, Kind.LOST, b'gone'),
-        (7, Kind.OPENED, b''), (7.1, Kind.TO_ROBOT, b'\x80'), (7.2, Kind.FROM_ROBOT, b'b'))
+        (0, RecordKind.TO_ROBOT, b'\x80'), (1, RecordKind.FROM_ROBOT, b'a'),
+        (2, RecordKind.LOST, b'gone'),
+        (7, RecordKind.OPENED, b''), (7.1, RecordKind.TO_ROBOT, b'\x80'),
+        (7.2, RecordKind.FROM_ROBOT, b'b'))
     robot.receive(b'\x80', 10)
     assert at(robot, 11) == b'a' and robot.plugged
     assert at(robot, 12) == b'' and not robot.plugged
@@ -107,8 +110,9 @@ def test_a_port_that_was_lost_comes_back_and_waits_for_the_host() -> None:
 # `create_sim --replay`.
 
 def test_a_capture_is_played_and_its_end_told(tmp_path: Path) -> None:
-    path = written(tmp_path / 'c', (0, Kind.TO_ROBOT, b'\x80'), (0.2, Kind.FROM_ROBOT, b'hello'),
-                   (0.3, Kind.FROM_ROBOT, bytes(20_000)), (0.4, Kind.END, b''))
+    path = written(tmp_path / 'c', (0, RecordKind.TO_ROBOT, b'\x80'),
+                   (0.2, RecordKind.FROM_ROBOT, b'hello'),
+                   (0.3, RecordKind.FROM_ROBOT, bytes(20_000)), (0.4, RecordKind.END, b''))
     with simulator('--link', tmp_path / 'create', '--replay', path) as sim:
         assert '/dev/create' in sim.said
         with opened(tmp_path / 'create') as host:
@@ -121,7 +125,8 @@ def test_a_capture_is_played_and_its_end_told(tmp_path: Path) -> None:
 
 
 def test_a_capture_that_is_cut_short_is_played_up_to_the_cut(tmp_path: Path) -> None:
-    path = written(tmp_path / 'c', (0, Kind.TO_ROBOT, b'\x80'), (0.1, Kind.FROM_ROBOT, b'hello'))
+    path = written(tmp_path / 'c', (0, RecordKind.TO_ROBOT, b'\x80'),
+                   (0.1, RecordKind.FROM_ROBOT, b'hello'))
     with simulator('--link', tmp_path / 'create', '--replay', path) as sim:
         with opened(tmp_path / 'create') as host:
             os.write(host, b'\x80')
@@ -188,7 +193,8 @@ def test_a_captured_run_is_played_to_another_node(stage: Scene) -> None:
     records, wrong = read(first)
     assert not wrong and f'written to {first}' in node.output
     assert {record.kind for record in records} >= {
-        Kind.OPENED, Kind.FROM_ROBOT, Kind.TO_ROBOT, Kind.NOTE, Kind.END}
+        RecordKind.OPENED, RecordKind.FROM_ROBOT, RecordKind.TO_ROBOT, RecordKind.NOTE,
+        RecordKind.END}
     then, odom[:] = list(odom), []
     again = stage.folder / 'again'
     sim = stage.program('create_sim', '--link', str(again), '--replay', str(first))
@@ -257,15 +263,15 @@ def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
     with pytest.raises(PortError):
         port.write(b'\x83')
     capture.close()
-    capture.add_text(Kind.NOTE, 'too late')
+    capture.add_text(RecordKind.NOTE, 'too late')
     records, wrong = read(path)
     assert not wrong
     told = [(record.kind, record.text) for record in records if record.kind in (
-        Kind.OPENED, Kind.BAUD)]
-    assert told == [(Kind.OPENED, f'{name} at 57600 baud'), (Kind.BAUD, '19200')]
-    assert said(records) == b'hello' and said(records, Kind.TO_ROBOT) == b'\x80\x83'
-    assert [record.kind for record in records].count(Kind.LOST) == 1
-    assert records[-1].kind is Kind.END
+        RecordKind.OPENED, RecordKind.BAUD)]
+    assert told == [(RecordKind.OPENED, f'{name} at 57600 baud'), (RecordKind.BAUD, '19200')]
+    assert said(records) == b'hello' and said(records, RecordKind.TO_ROBOT) == b'\x80\x83'
+    assert [record.kind for record in records].count(RecordKind.LOST) == 1
+    assert records[-1].kind is RecordKind.END
 
 
 def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
@@ -279,9 +285,9 @@ def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
     disk = os.open('/dev/full', os.O_WRONLY)
     os.dup2(disk, file)
     os.close(disk)
-    capture.add_text(Kind.NOTE, 'too much')
+    capture.add_text(RecordKind.NOTE, 'too much')
     assert full.wait(PATIENCE)
-    capture.add(Kind.FROM_ROBOT, b'\0')
+    capture.add(RecordKind.FROM_ROBOT, b'\0')
     capture.close()
     assert told == ['No space left on device; nothing more is captured, the driver goes on']
 

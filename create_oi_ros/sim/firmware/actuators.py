@@ -6,13 +6,12 @@ from collections import deque
 from typing import NamedTuple
 
 from ... import oi
-from ...oi import DriverBits, LedBits, OutputBits, Radius
+from ...oi import DriverBits, LedBits, OutputBits
 from ...oi.commands import DUTY
+from ...oi.steering import wheel_speeds
 from ..body import Body
 
 MM = 1000.0
-_STRAIGHT = (0, Radius.STRAIGHT, Radius.STRAIGHT_7FFF)
-"""A radius of 0 is in the manual's range but says nothing; it is taken as straight (guess)."""
 
 
 class Lights(NamedTuple):
@@ -41,18 +40,6 @@ class Wheels(NamedTuple):
         """Return the radius of the circle that the centre follows; all in mm, straight is inf."""
         turn = abs(self.right - self.left)
         return abs(self.forward) * separation / turn if turn else float('inf')
-
-
-def steer(velocity: int, radius: int, separation: float) -> Wheels:
-    """Return the wheel speeds of a Drive command (manual: Drive); mm/s and mm."""
-    if radius in _STRAIGHT:
-        return Wheels(velocity, velocity)
-    if radius == Radius.IN_PLACE_CLOCKWISE:
-        return Wheels(-velocity, velocity)
-    if radius == Radius.IN_PLACE_COUNTER_CLOCKWISE:
-        return Wheels(velocity, -velocity)
-    outward = velocity * separation / 2 / radius
-    return Wheels(velocity + outward, velocity - outward)
 
 
 class Actuators:
@@ -97,7 +84,7 @@ class Actuators:
     def drive(self, velocity: int, radius: int) -> None:
         """Obey Drive: packets 39 and 40 change, 41 and 42 stay."""
         self.velocity, self.radius = velocity, radius
-        self.turn_wheels(steer(velocity, radius, self._separation))
+        self.turn_wheels(Wheels(*wheel_speeds(velocity, radius, self._separation)))
 
     def drive_direct(self, right: int, left: int) -> None:
         """Obey Drive Direct: packets 41 and 42 change, 39 and 40 stay."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...oi import Command
-from ...oi.commands import SPEED
 from ...oi.declaration import Tail
+from ...oi.readings import SPEED
 
 
 def obeyable(command: Command) -> Command | None:

@@ -13,9 +13,9 @@ from collections import deque
 from collections.abc import Iterator
 from math import inf
 
-from ...oi.tools.capture_format import Kind, MICROSECONDS, Record
+from ...oi.tools.capture_format import MICROSECONDS, Record, RecordKind
 
-_BEFORE_THE_HOST = (Kind.FROM_ROBOT, Kind.OPENED, Kind.BAUD, Kind.NOTE)
+_BEFORE_THE_HOST = (RecordKind.FROM_ROBOT, RecordKind.OPENED, RecordKind.BAUD, RecordKind.NOTE)
 
 
 class Replay:
@@ -57,14 +57,14 @@ class Replay:
             record = self._ahead.popleft()
             self.time = record.time / MICROSECONDS
             match record.kind:
-                case Kind.FROM_ROBOT:
+                case RecordKind.FROM_ROBOT:
                     self._said += record.data
                     self.said += len(record.data)
-                case Kind.TO_ROBOT:
+                case RecordKind.TO_ROBOT:
                     self.heard_then += len(record.data)
-                case Kind.LOST:
+                case RecordKind.LOST:
                     self.plugged = False
-                case Kind.OPENED if not self.plugged:
+                case RecordKind.OPENED if not self.plugged:
                     self.plugged = True
                     self._origin = None
 
