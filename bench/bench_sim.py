@@ -47,7 +47,7 @@ def times_real_time(world: str, seconds: float = 60.0) -> float:
     create.receive(begun(ALL), 0.0)
     begin = perf_counter()
     for slot in range(1, round(seconds / oi.SLOT)):
-        create.step(slot * oi.SLOT)
+        create.poll(slot * oi.SLOT)
         create.data_to_send()
     return seconds / (perf_counter() - begin)
 

@@ -340,6 +340,6 @@ def test_it_does_not_matter_how_often_one_steps(cuts: list[float]) -> None:
     parts = b''.join(cut.run(each) for each in cuts)
     whole.now += sum(cuts) - whole.now
     whole.now = cut.now
-    whole.create.step(whole.now)
+    whole.create.poll(whole.now)
     assert whole.create.data_to_send() == parts
     assert whole.body.truth() == cut.body.truth()

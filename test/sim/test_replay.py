@@ -69,7 +69,7 @@ def replay(*records: tuple[float, Kind, bytes]) -> Replay:
 
 def at(robot: Replay, now: float) -> bytes:
     """Return what is said until then."""
-    robot.step(now)
+    robot.poll(now)
     return robot.data_to_send()
 
 

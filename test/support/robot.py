@@ -22,7 +22,7 @@ class Robot:
         self.body = Body(world or World(), rounding=rounding, seed=seed)
         self.create = Create(self.body, checksum=checksum, guesses=guesses, seed=seed)
         self.now = 0.0
-        self.create.step(0.0)
+        self.create.poll(0.0)
         if mode is not oi.Mode.OFF:
             self.say(oi.Start(), MODES[mode])
             assert self.create.mode is mode
@@ -36,7 +36,7 @@ class Robot:
     def run(self, seconds: float) -> bytes:
         """Let time pass; return what the robot said meanwhile."""
         self.now += seconds
-        self.create.step(self.now)
+        self.create.poll(self.now)
         return self.create.data_to_send()
 
     def slots(self, count: int = 1) -> bytes:

@@ -1,14 +1,14 @@
 """
 What the Create does with each byte, by the manual.
 
-`Create` is the mirror image of the host's driver, with the same verbs: `receive` bytes, `step` to
+`Create` is the mirror image of the host's driver, with the same verbs: `receive` bytes, `poll` to
 a time, fetch `data_to_send`.  Time is what the caller says it is, in seconds; inside, everything
 happens in the slots of 15 ms in which a Create updates its values, so it does not matter how
-often one steps.  Bytes take effect as they arrive, between two slots.  No bytes raise.
+often one polls.  Bytes take effect as they arrive, between two slots.  No bytes raise.
 
     create = Create(Body(world))
     create.receive(oi.Start().encode(), 0.0)
-    create.step(1.0)
+    create.poll(1.0)
     sent = create.data_to_send()
 """
 
@@ -86,7 +86,7 @@ class Create:
 
         `baud` is the rate the host is set to; where it is not the robot's, both hear garbage.
         """
-        self.step(now)
+        self.poll(now)
         self._uart.host_baud = baud
         for start in range(0, len(data), _CHUNK):
             self._hear(data[start:start + _CHUNK])
@@ -161,7 +161,7 @@ class Create:
         """Seconds of the robot's own clock: whole slots since the first time it was told."""
         return self._slots * oi.SLOT
 
-    def step(self, now: float) -> None:
+    def poll(self, now: float) -> None:
         """Live on until `now`, in seconds; the first call tells where time begins."""
         if self._epoch is None:
             self._epoch = now
@@ -221,7 +221,7 @@ class Create:
 
     def power(self, on: bool, now: float) -> None:
         """Switch the robot on or off with its power button; a flat battery switches nothing on."""
-        self.step(now)
+        self.poll(now)
         if on and not self._power.on and not self.body.battery_flat:
             self._boot()
         elif not on and self._power.on:
@@ -238,7 +238,7 @@ class Create:
 
     def lose_battery(self, now: float) -> None:
         """Take the battery out and put it back in: on as before, with nothing remembered."""
-        self.step(now)
+        self.poll(now)
         self._power.default_baud = DEFAULT_BAUD
         if self._power.on:
             self._boot()

@@ -36,15 +36,15 @@ class Player:
         """Serve until the capture is over, or until `stop`; CaptureError where it is cut short."""
         try:
             while not self._stopping and not self._replay.over:
-                self._turn(self._replay.step)
+                self._turn(self._replay.poll)
         finally:
             until = time.monotonic() + LINGER
             while not self._stopping and time.monotonic() < until:
                 self._turn(lambda now: None)
 
-    def _turn(self, step: Callable[[float], None]) -> None:
+    def _turn(self, poll: Callable[[float], None]) -> None:
         replay = self._replay
-        step(self._now())
+        poll(self._now())
         self._say()
         if replay.plugged:
             self._line.plug()

@@ -51,7 +51,7 @@ class Replay:
                 break
         return self._ahead[-1].time / MICROSECONDS if self._ahead else 0.0
 
-    def step(self, now: float) -> None:
+    def poll(self, now: float) -> None:
         """Say what it is time to say; CaptureError where the capture is cut short."""
         while now >= self.due():
             record = self._ahead.popleft()

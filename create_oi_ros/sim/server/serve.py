@@ -51,7 +51,7 @@ class Server:
         """Serve until `stop`; the robot's time begins now."""
         self._origin = time.monotonic()
         # The robot's slots are to begin with ours.
-        self._create.step(0.0)
+        self._create.poll(0.0)
         while not self._stopping:
             now = self._now()
             if now >= (self._slots + 1) * SLOT - _EARLY:
@@ -76,7 +76,7 @@ class Server:
     def _slot(self, now: float) -> None:
         self._go_wrong(now)
         self._create.host_baud(self._line.baud())
-        self._create.step(now)
+        self._create.poll(now)
         self._say(now)
         for watch in self.watchers:
             watch()
