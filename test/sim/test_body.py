@@ -10,7 +10,7 @@ import pytest
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, Contact, EncoderSign
 from create_oi_ros.sim.body.encoders import Rounding
-from create_oi_ros.sim.body.sensed import checked, RANGES, Readings
+from create_oi_ros.sim.body.sensed import checked, RANGES, Sensed
 from create_oi_ros.sim.world import parse, Pose, shipped, World
 
 B = BodyConfig().wheel_separation
@@ -519,7 +519,7 @@ def test_readings_stay_in_the_manuals_ranges(forced, charge, temperature, loads,
         body.step(0.4)
         for field, value in body.sense()._asdict().items():
             assert checked(field, value) == value
-            assert isinstance(value, type(Readings._field_defaults[field]))
+            assert isinstance(value, type(Sensed._field_defaults[field]))
 
 
 # Determinism.

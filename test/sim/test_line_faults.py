@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.server.faults import Fault, Faults, Kind, MOST_GARBAGE
+from create_oi_ros.sim.server.faults import Fault, FaultKind, Faults, MOST_GARBAGE
 from create_oi_ros.sim.server.pacing import Pacer
 
 FRAME = bytes(range(100, 150))
@@ -18,7 +18,7 @@ def faults(*specs: str, seed: int = 1) -> Faults:
     return Faults([Fault.parse(spec) for spec in specs], seed)
 
 
-def going_on(specs: str, kind: Kind, seconds: float) -> list[float]:
+def going_on(specs: str, kind: FaultKind, seconds: float) -> list[float]:
     """Return the times, to a slot, at which a fault goes on."""
     some = faults(specs)
     times = []
@@ -81,18 +81,18 @@ def test_the_same_seed_gives_the_same_faults() -> None:
 # What lasts.
 
 def test_a_time_alone_is_once_for_a_second() -> None:
-    times = going_on('silence@1', Kind.SILENCE, 5)
+    times = going_on('silence@1', FaultKind.SILENCE, 5)
     assert (times[0], times[-1]) == (1.005, 1.995)
 
 
 def test_a_period_repeats() -> None:
-    times = going_on('cut@1+0.5~2', Kind.CUT, 6)
+    times = going_on('cut@1+0.5~2', FaultKind.CUT, 6)
     assert Counter(int(time) for time in times).keys() == {1, 3, 5}
 
 
 def test_a_rate_is_times_a_second() -> None:
     some = faults('unplug:0.1+0.5')
-    begun = sum(Kind.UNPLUG in some.step(slot * SLOT) for slot in range(200_000))
+    begun = sum(FaultKind.UNPLUG in some.step(slot * SLOT) for slot in range(200_000))
     assert 200 < begun < 340
 
 
@@ -101,7 +101,7 @@ def test_a_rate_is_times_a_second() -> None:
     ('unplug', False, False), ('brownout', True, True)])
 def test_which_way_bytes_are_lost(kind: str, out: bool, into: bool) -> None:
     some = faults(f'{kind}@0')
-    assert some.step(0) == {Kind(kind)}
+    assert some.step(0) == {FaultKind(kind)}
     assert (some.from_robot(FRAME, 0) == FRAME) is out
     assert (some.to_robot(FRAME, 0) == FRAME) is into
 

@@ -7,7 +7,7 @@ import pytest
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
-from create_oi_ros.sim.world.geometry import Disc, Polygon, Segment
+from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon
 
 FRAME = 0.015
 
@@ -85,21 +85,21 @@ def test_a_world_cannot_be_changed_by_a_typo():
 @pytest.mark.parametrize(('point', 'gap'), [
     ((1, 1), 1), ((-3, 4), 5), ((2, 0), 0), ((5, 0), 3)])
 def test_the_gap_to_a_segment(point, gap):
-    assert Segment((0, 0), (2, 0)).gap(*point) == pytest.approx(gap)
+    assert LineSegment((0, 0), (2, 0)).gap(*point) == pytest.approx(gap)
 
 
 def test_a_ray_meets_what_is_in_its_way():
-    assert Segment((1, -1), (1, 1)).hit(0, 0, 1, 0) == pytest.approx(1)
-    assert Segment((1, 2), (1, 3)).hit(0, 0, 1, 0) == math.inf
-    assert Segment((0, 1), (1, 1)).hit(0, 0, 1, 0) == math.inf
-    assert Segment((-1, -1), (-1, 1)).hit(0, 0, 1, 0) == math.inf
+    assert LineSegment((1, -1), (1, 1)).hit(0, 0, 1, 0) == pytest.approx(1)
+    assert LineSegment((1, 2), (1, 3)).hit(0, 0, 1, 0) == math.inf
+    assert LineSegment((0, 1), (1, 1)).hit(0, 0, 1, 0) == math.inf
+    assert LineSegment((-1, -1), (-1, 1)).hit(0, 0, 1, 0) == math.inf
     assert Disc(2, 0, 0.5).hit(0, 0, 1, 0) == pytest.approx(1.5)
     assert Disc(-2, 0, 0.5).hit(0, 0, 1, 0) == math.inf
     assert Disc(2, 1, 0.5).hit(0, 0, 1, 0) == math.inf
 
 
 def test_a_segment_knows_its_ends():
-    assert Segment((1, 2), (4, 6)).ends == ((1, 2), pytest.approx((4, 6)))
+    assert LineSegment((1, 2), (4, 6)).ends == ((1, 2), pytest.approx((4, 6)))
 
 
 def test_a_polygon_needs_three_points():

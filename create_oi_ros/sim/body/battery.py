@@ -17,9 +17,9 @@ import math
 
 from .sensed import Charging
 
-_LONGEST_PIECE = 1.0
+LONGEST_PIECE = 1.0
 """Seconds."""
-_CURVE = ((0.0, 12.0), (0.05, 13.8), (0.2, 14.6), (0.8, 15.3), (0.95, 15.8), (1.0, 16.4))
+CURVE = ((0.0, 12.0), (0.05, 13.8), (0.2, 14.6), (0.8, 15.3), (0.95, 15.8), (1.0, 16.4))
 """Volts at rest by fraction of capacity, straight lines between (guess)."""
 
 
@@ -92,7 +92,7 @@ class Battery:
     def step(self, dt: float, drawn: float, charger: bool) -> None:
         """Let dt seconds pass with `drawn` amperes used and, perhaps, a charger connected."""
         while dt > 0:
-            piece = min(dt, _LONGEST_PIECE)
+            piece = min(dt, LONGEST_PIECE)
             self._piece(piece, drawn, charger)
             dt -= piece
 
@@ -139,7 +139,7 @@ class Battery:
 
 def _at_rest(level: float) -> float:
     """Return the volts without load at a fraction of the capacity, 0 to 1."""
-    for (low, bottom), (high, top) in pairwise(_CURVE):
+    for (low, bottom), (high, top) in pairwise(CURVE):
         if level <= high:
             return bottom + (top - bottom) * (level - low) / (high - low)
-    return _CURVE[-1][1]
+    return CURVE[-1][1]

@@ -7,7 +7,7 @@ with `step(dt)`; look with `sense()`, `take_distance()`, `take_angle()`.
 
     body.drive(right=0.2, left=0.2)
     body.step(0.015)
-    readings = body.sense()          # a `Readings`, cached until something changes
+    sensed = body.sense()          # a `Sensed`, cached until something changes
     millimetres = body.take_distance()
 
 For script waits note `distance_total` or `angle_total` at the start, call `take_distance` or
@@ -18,7 +18,7 @@ The outside's side (a test, a teacher, the control channel): `force` and `unforc
 `drop`, `hold`, `slip`, `plug_charger`, `power_home_base`, `set_battery`, `load`, and `truth`.
 
 Nothing here knows a clock: the same calls with the same seed give the same robot.
-SI units, x forward, yaw counter-clockwise; only `Readings` speaks the manual's units.
+SI units, x forward, yaw counter-clockwise; only `Sensed` speaks the manual's units.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from .electrics import Electrics
 from .encoders import Rounding
 from .mechanics import Mechanics, Truth
 from .overlay import Overlay
-from .sensed import clamped, Readings
+from .sensed import clamped, Sensed
 from .surroundings import beams, CLIFF_BELOW, WALL_SEEN
 
-_MOMENT = 1e-9
+MOMENT = 1e-9
 """Seconds by which a sum of times may miss a deadline."""
 
 
@@ -53,7 +53,7 @@ class Body:
         self._mechanics = Mechanics(world, config, rounding)
         self._electrics = Electrics(config.battery)
         self._overlay = Overlay()
-        self._sensed: Readings | None = None
+        self._sensed: Sensed | None = None
         self._random = Random(seed)
         self._push_end = self._slip_end = math.inf
         self.place(world.start)
@@ -91,7 +91,7 @@ class Body:
 
     # What the firmware reads.
 
-    def sense(self) -> Readings:
+    def sense(self) -> Sensed:
         """Return all sensors as they are now, forced values over them; cached until a change."""
         if self._sensed is None:
             self._sensed = self._overlay.over(self._look())
@@ -128,7 +128,7 @@ class Body:
 
     def force(self, *, seconds: float = math.inf, **values: int) -> None:
         """
-        Hold sensors of `Readings` at values, for some seconds or until `unforce`.
+        Hold sensors of `Sensed` at values, for some seconds or until `unforce`.
 
         force(bump_left=True), force(seconds=0.2, play=True), force(infrared=130), ...
         ValueError names a field that is not there or a value out of its range; then none is held.
@@ -221,7 +221,7 @@ class Body:
     def _piece(self, longest: float) -> float:
         """Let pass the longest time in which nothing changes its nature; return its seconds."""
         h = min(longest, self._deadline - self._time)
-        if h > _MOMENT or h == longest:
+        if h > MOMENT or h == longest:
             mechanics = self._mechanics
             h = mechanics.horizon(h)
             mechanics.advance(h)
@@ -229,7 +229,7 @@ class Body:
             self._electrics.step(h, mechanics.drawn())
             self._time += h
             self._sensed = None
-        if self._time >= self._deadline - _MOMENT:
+        if self._time >= self._deadline - MOMENT:
             self._expire()
         return max(h, 0.0)
 
@@ -238,7 +238,7 @@ class Body:
 
     def _expire(self) -> None:
         """End what was to last until now."""
-        now = self._time + _MOMENT
+        now = self._time + MOMENT
         if self._push_end <= now:
             self._push_end = math.inf
             self._mechanics.pushed = None
@@ -253,7 +253,7 @@ class Body:
 
     # Sensors.
 
-    def _look(self) -> Readings:
+    def _look(self) -> Sensed:
         """Work out what the physics says."""
         mechanics, electrics, battery = self._mechanics, self._electrics, self._electrics.battery
         bumps, wall, floors = mechanics.feel()
@@ -263,7 +263,7 @@ class Body:
         virtual_wall, infrared = beams(self.world, mechanics.pose, electrics.base_powered)
         overloads = electrics.overloads()
         right, left = mechanics.wheels.right, mechanics.wheels.left
-        return Readings(
+        return Sensed(
             bump_left=bumps[0], bump_right=bumps[1], drop_left=not left.grounded,
             drop_right=not right.grounded, drop_caster=not mechanics.caster_grounded,
             wall=wall >= WALL_SEEN, wall_signal=wall,

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .sensed import checked, Readings
+from .sensed import checked, Sensed
 
 
 class Overlay:
-    """Values by field of `Readings`, each until its time (seconds) is over."""
+    """Values by field of `Sensed`, each until its time (seconds) is over."""
 
     __slots__ = ('_values', '_ends')
 
@@ -46,6 +46,6 @@ class Overlay:
         """Release what has come to its end."""
         self.release(tuple(name for name, end in self._ends.items() if end <= now))
 
-    def over(self, readings: Readings) -> Readings:
-        """Return the readings with the held values in their place."""
-        return readings._replace(**self._values) if self._values else readings
+    def over(self, sensed: Sensed) -> Sensed:
+        """Return the sensor values with the held ones in their place."""
+        return sensed._replace(**self._values) if self._values else sensed

@@ -21,7 +21,7 @@ class Charging(IntEnum):
     FAULT = 5
 
 
-class Readings(NamedTuple):
+class Sensed(NamedTuple):
     """
     Every sensor of the body at one moment, in the manual's units and always in its ranges.
 
@@ -78,16 +78,16 @@ class Readings(NamedTuple):
     """0 to 1023 for 0 to 5 V."""
 
 
-_WORD, _SIGNAL = (0, 65535), (0, 4095)
-_WIDE = {
-    'wall_signal': _SIGNAL, 'cliff_left_signal': _SIGNAL, 'cliff_front_left_signal': _SIGNAL,
-    'cliff_front_right_signal': _SIGNAL, 'cliff_right_signal': _SIGNAL, 'infrared': (0, 255),
-    'charging_state': (0, 5), 'voltage': _WORD, 'current': (-32768, 32767),
-    'temperature': (-128, 127), 'charge': _WORD, 'capacity': _WORD, 'analog': (0, 1023),
+WORD, SIGNAL = (0, 65535), (0, 4095)
+WIDE = {
+    'wall_signal': SIGNAL, 'cliff_left_signal': SIGNAL, 'cliff_front_left_signal': SIGNAL,
+    'cliff_front_right_signal': SIGNAL, 'cliff_right_signal': SIGNAL, 'infrared': (0, 255),
+    'charging_state': (0, 5), 'voltage': WORD, 'current': (-32768, 32767),
+    'temperature': (-128, 127), 'charge': WORD, 'capacity': WORD, 'analog': (0, 1023),
 }
 RANGES: dict[str, tuple[int, int]] = {
-    name: _WIDE.get(name, (0, 1)) for name in Readings._fields}
-"""Lowest and highest value of each field of `Readings`, by the manual."""
+    name: WIDE.get(name, (0, 1)) for name in Sensed._fields}
+"""Lowest and highest value of each field of `Sensed`, by the manual."""
 
 
 def checked(name: str, value: int) -> int:
@@ -97,7 +97,7 @@ def checked(name: str, value: int) -> int:
     low, high = RANGES[name]
     if not isinstance(value, int) or not low <= value <= high:
         raise ValueError(f'{name} is {value!r}: a whole number within {low} to {high} is wanted')
-    kind: Callable[[int], int] = type(Readings._field_defaults[name])
+    kind: Callable[[int], int] = type(Sensed._field_defaults[name])
     return kind(value)
 
 

@@ -36,7 +36,7 @@ CLIFF_BEARINGS = tuple(map(math.radians, (60, 15, -15, -60)))
 """Left, front left, front right, right."""
 CLIFF_FORWARD = 0.15
 """Distance of the cliff sensors from the robot's centre, metres."""
-_CLIFF_PLACES = tuple((CLIFF_FORWARD * math.cos(bearing), CLIFF_FORWARD * math.sin(bearing))
+CLIFF_PLACES = tuple((CLIFF_FORWARD * math.cos(bearing), CLIFF_FORWARD * math.sin(bearing))
                       for bearing in CLIFF_BEARINGS)
 FLOOR_PEAK = 2500
 """Cliff signal over a floor that reflects all."""
@@ -51,9 +51,9 @@ RED_BUOY, GREEN_BUOY, FORCE_FIELD, BEAMS = 8, 4, 2, 240
 DOCK_GAP, DOCK_ASIDE, DOCK_ASKEW = 0.01, 0.03, math.radians(15)
 """Contacts touch within these of the perfect docked pose: metres, metres, radians."""
 
-_MARGIN = 0.25
+MARGIN = 0.25
 """Metres the robot may move before it looks around anew."""
-_ROUNDS = 6
+ROUNDS = 6
 """Obstacles that may push a robot out of each other before it is stuck between them."""
 
 
@@ -73,14 +73,14 @@ class Surroundings:
     def move_to(self, x: float, y: float) -> None:
         """Look around anew if the last look was too far from here."""
         # Written so that the first time, from nowhere, counts as far.
-        if not (x - self._x) ** 2 + (y - self._y) ** 2 < _MARGIN ** 2:
+        if not (x - self._x) ** 2 + (y - self._y) ** 2 < MARGIN ** 2:
             self._look_around(x, y)
 
     def _look_around(self, x: float, y: float) -> None:
         self._x, self._y = x, y
-        near = self._radius + WALL_REACH + _MARGIN
+        near = self._radius + WALL_REACH + MARGIN
         self.obstacles = tuple(each for each in self._world.obstacles if each.gap(x, y) < near)
-        near = self._radius + _MARGIN
+        near = self._radius + MARGIN
         self._even = all(each.edge_gap(x, y) > near for each in self._world.borders)
         self._floor = self._world.floor(x, y)
 
@@ -100,7 +100,7 @@ class Surroundings:
         Where they leave no room at all (a wedge), the way is `back`.
         """
         free = True
-        for _ in range(_ROUNDS):
+        for _ in range(ROUNDS):
             depth, nx, ny = self._deepest(x, y)
             if depth <= 1e-9:
                 return None if free else (x, y)
@@ -142,7 +142,7 @@ class Surroundings:
         if self._even:
             return (int(FLOOR_PEAK * (self._floor or 0.0)),) * 4
         return tuple(int(FLOOR_PEAK * (self.floor(pose.ahead(*place)) or 0.0))
-                     for place in _CLIFF_PLACES)
+                     for place in CLIFF_PLACES)
 
 
 def beams(world: World, pose: Pose, powered: bool) -> tuple[bool, int]:

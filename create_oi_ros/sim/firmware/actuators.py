@@ -11,7 +11,7 @@ from ...oi.commands import DUTY
 from ..body import Body
 
 MM = 1000.0
-_STRAIGHT = (0, Radius.STRAIGHT, Radius.STRAIGHT_7FFF)
+STRAIGHT = (0, Radius.STRAIGHT, Radius.STRAIGHT_7FFF)
 """A radius of 0 is in the manual's range but says nothing; it is taken as straight (guess)."""
 
 
@@ -45,7 +45,7 @@ class Wheels(NamedTuple):
 
 def steer(velocity: int, radius: int, separation: float) -> Wheels:
     """Return the wheel speeds of a Drive command (manual: Drive); mm/s and mm."""
-    if radius in _STRAIGHT:
+    if radius in STRAIGHT:
         return Wheels(velocity, velocity)
     if radius == Radius.IN_PLACE_CLOCKWISE:
         return Wheels(-velocity, velocity)
@@ -55,7 +55,7 @@ def steer(velocity: int, radius: int, separation: float) -> Wheels:
     return Wheels(velocity + outward, velocity - outward)
 
 
-class Actuators:
+class ActuatorState:
     """What was asked for last, handed on to the body."""
 
     __slots__ = ('velocity', 'radius', 'right', 'left', 'wheels', 'lights', 'outputs', 'duties',

@@ -21,10 +21,10 @@ from ... import oi
 from ...oi import Mode
 from ...oi.commands import ACTUATORS, INPUTS, WAITS
 from ..body import Body
-from ..body.sensed import Readings
+from ..body.sensed import Sensed
 from . import script_waits as scripts
 from . import sensing
-from .actuators import Actuators, DARK, Lights, Wheels
+from .actuators import ActuatorState, DARK, Lights, Wheels
 from .demo_behaviors import Controls, Demo, DEMOS
 from .guesses import Guesses, LIKELY
 from .limits import obeyable
@@ -32,12 +32,12 @@ from .power import BANNER, Power
 from .songs import BEEP, DESCENDING, Speaker
 from .uart import DEFAULT_BAUD, SLOW_BAUD, Uart
 
-_RESET_OPCODE = b'\x07'
+RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""
-_CHUNK = 256
+CHUNK = 256
 """Bytes read at once, so that a flood costs no more for being long."""
-_EARLY = 1e-6
-_ENDED = object()
+EARLY = 1e-6
+ENDED = object()
 
 
 class Create:
@@ -48,7 +48,7 @@ class Create:
         self.body = body
         self.guesses = guesses
         self.mode = Mode.OFF
-        self.actuators = Actuators(body)
+        self.actuators = ActuatorState(body)
         self.speaker = Speaker()
         self.demo: oi.DemoNumber | None = None
         """The demo that runs."""
@@ -88,8 +88,8 @@ class Create:
         """
         self.poll(now)
         self._uart.host_baud = baud
-        for start in range(0, len(data), _CHUNK):
-            self._hear(data[start:start + _CHUNK])
+        for start in range(0, len(data), CHUNK):
+            self._hear(data[start:start + CHUNK])
 
     def data_to_send(self) -> bytes:
         """Return what the robot has said since the last call."""
@@ -135,7 +135,7 @@ class Create:
                     self._script_plays = False
                     return put_off
                 case oi.UnknownOpcode(byte):
-                    if byte == _RESET_OPCODE and self.guesses.opcode_7_resets:
+                    if byte == RESET_OPCODE and self.guesses.opcode_7_resets:
                         self._boot()
                 case oi.PlayScript() if self.mode in oi.PlayScript.modes and self.script:
                     put_off = self._load_script() or put_off
@@ -165,7 +165,7 @@ class Create:
         """Live on until `now`, in seconds; the first call tells where time begins."""
         if self._epoch is None:
             self._epoch = now
-        due = int((now - self._epoch) / oi.SLOT + _EARLY)
+        due = int((now - self._epoch) / oi.SLOT + EARLY)
         while self._slots < due:
             self._slot()
 
@@ -178,13 +178,13 @@ class Create:
             self._switch_off()
         if not self._power.on:
             return
-        readings = self.body.sense()
-        self._watch_baud(readings)
+        sensed = self.body.sense()
+        self._watch_baud(sensed)
         if not self._running:
             return
-        self._stay_safe(readings)
+        self._stay_safe(sensed)
         if self._wait is None:
-            self._watch_buttons(readings)
+            self._watch_buttons(sensed)
         self._go_on()
         if self._telemetry.streaming and (
                 self._wait is None or self.guesses.stream_while_waiting):
@@ -192,22 +192,22 @@ class Create:
 
     def _go_on(self) -> None:
         """Let the demo and the script do their next thing."""
-        if self._behaviour is not None and next(self._behaviour, _ENDED) is _ENDED:
+        if self._behaviour is not None and next(self._behaviour, ENDED) is ENDED:
             self._run_demo(None)
         if self._wait is not None and self._wait():
             self._wait = None
             self._obey_queue()
 
-    def _stay_safe(self, readings: Readings) -> None:
+    def _stay_safe(self, sensed: Sensed) -> None:
         """Manual: Safe Mode.  A demo heeds a wheel drop and the charger too (guess)."""
         guarded = self.mode is Mode.SAFE or self.demo is not None
         if not guarded:
             return
-        charger = readings.internal_charger or (
-            self.guesses.dock_ends_safe and readings.home_base)
-        edge = (self.mode is Mode.SAFE and scripts.cliff(readings)
+        charger = sensed.internal_charger or (
+            self.guesses.dock_ends_safe and sensed.home_base)
+        edge = (self.mode is Mode.SAFE and scripts.cliff(sensed)
                 and self.actuators.moves_into_cliff())
-        if charger or edge or scripts.wheel_drop(readings):
+        if charger or edge or scripts.wheel_drop(sensed):
             if self.mode is Mode.SAFE:
                 self._enter(Mode.PASSIVE)
             self._run_demo(None)
@@ -251,22 +251,22 @@ class Create:
         if self.guesses.banner:
             self._uart.reply(BANNER, self.time)
 
-    def _watch_baud(self, readings: Readings) -> None:
-        if self._power.play_held(readings.play, self.time):
+    def _watch_baud(self, sensed: Sensed) -> None:
+        if self._power.play_held(sensed.play, self.time):
             self._uart.baud = SLOW_BAUD
             self._sound(DESCENDING)
-        if self._power.pin_pulsed(readings.device_detect, self.time):
+        if self._power.pin_pulsed(sensed.device_detect, self.time):
             self._uart.baud = SLOW_BAUD
 
-    def _watch_buttons(self, readings: Readings) -> None:
+    def _watch_buttons(self, sensed: Sensed) -> None:
         """Without a host's control, Advance chooses a demo and Play plays and stops it."""
-        before, self._pressed = self._pressed, (readings.play, readings.advance)
+        before, self._pressed = self._pressed, (sensed.play, sensed.advance)
         if self.mode in oi.ACTUATE:
             return
-        if readings.advance and not before[1]:
+        if sensed.advance and not before[1]:
             numbers = list(DEMOS)
             self._selected = numbers[(numbers.index(self._selected) + 1) % len(numbers)]
-        if readings.play and not before[0]:
+        if sensed.play and not before[0]:
             self._run_demo(self._selected if self.demo is None else None)
 
     # Modes and demos.
@@ -297,8 +297,8 @@ class Create:
         """The LEDs as they shine: the host's in Safe and Full, else the robot's own (guess)."""
         if not self._power.on or self.mode in oi.ACTUATE:
             return self.actuators.lights if self._power.on else DARK
-        readings = self.body.sense()
-        level = min(1.0, readings.charge / readings.capacity) if readings.capacity else 0.0
+        sensed = self.body.sense()
+        level = min(1.0, sensed.charge / sensed.capacity) if sensed.capacity else 0.0
         playing = oi.LedBits.PLAY if self.demo is not None else oi.LedBits(0)
         return Lights(playing, round(255 * (1 - level)), 255)
 

@@ -14,15 +14,15 @@ from random import Random
 
 from ...oi import DemoNumber, Infrared, Note, SLOT
 from ..body import Body
-from ..body.sensed import Readings
-from .actuators import Actuators, MM, Wheels
+from ..body.sensed import Sensed
+from .actuators import ActuatorState, MM, Wheels
 from .script_waits import cliff
 
 Demo = Iterator[None]
 
-_BEAMS = Infrared.HOME_BASE_RESERVED
-RED = Infrared.HOME_BASE_RED_BUOY - _BEAMS
-GREEN = Infrared.HOME_BASE_GREEN_BUOY - _BEAMS
+BEAMS = Infrared.HOME_BASE_RESERVED
+RED = Infrared.HOME_BASE_RED_BUOY - BEAMS
+GREEN = Infrared.HOME_BASE_GREEN_BUOY - BEAMS
 """Bits of the Home Base's characters; red is on the right of a robot that comes in."""
 
 CRUISE, TURNING, CREEP = 140.0, 120.0, 100.0
@@ -31,9 +31,9 @@ PACHELBEL = (78, 76, 74, 73, 71, 69, 71, 73, 74, 73, 71, 69, 67, 66, 67, 64)
 """The Canon's first violin, its first sixteen notes (MIDI numbers)."""
 G_MAJOR, D_MAJOR_7, C_MAJOR = (55, 59, 62, 67), (62, 66, 69, 73), (60, 64, 67, 72)
 """Banjo's chords, one note for each cliff sensor from left to right."""
-_PATIENCE = 400
+PATIENCE = 400
 """Slots without a beam after which a Home Base is given up."""
-_ASKEW = 4.0
+ASKEW = 4.0
 """Degrees off the seam that are let pass."""
 NOTE_LENGTH = 20
 """64ths of a second."""
@@ -42,7 +42,7 @@ NOTE_LENGTH = 20
 class Controls:
     """What a demo may touch."""
 
-    def __init__(self, body: Body, actuators: Actuators, random: Random,
+    def __init__(self, body: Body, actuators: ActuatorState, random: Random,
                  sound: Callable[[Sequence[Note]], None]) -> None:
         self._body, self._actuators = body, actuators
         self._separation = body.config.encoder_separation * MM
@@ -50,7 +50,7 @@ class Controls:
         self.sound = sound
 
     @property
-    def sense(self) -> Readings:
+    def sense(self) -> Sensed:
         """The sensors as they are in this slot."""
         return self._body.sense()
 
@@ -64,7 +64,7 @@ class Controls:
     def beams(self) -> int:
         """The buoys of a Home Base that are seen: a sum of RED and GREEN."""
         seen = self.sense.infrared
-        return seen & (RED | GREEN) if _BEAMS < seen < Infrared.NONE else 0
+        return seen & (RED | GREEN) if BEAMS < seen < Infrared.NONE else 0
 
     @property
     def angle(self) -> float:
@@ -188,7 +188,7 @@ def dock(controls: Controls) -> Demo:
     a circle leaves and meets a line again, the line's direction is the mean of both headings.
     """
     lost, left_at = 0, controls.angle
-    while lost < _PATIENCE and not controls.sense.home_base:
+    while lost < PATIENCE and not controls.sense.home_base:
         beams = controls.beams
         lost = 0 if beams else lost + 1
         if _bumped(controls):
@@ -197,7 +197,7 @@ def dock(controls: Controls) -> Demo:
                 yield from back_off(controls, 60, 170)
                 yield from roll(controls, 300)
         elif beams == RED | GREEN:
-            if abs(left_at - controls.angle) > _ASKEW:
+            if abs(left_at - controls.angle) > ASKEW:
                 yield from turn(controls, (left_at - controls.angle) / 2, CREEP)
             left_at = controls.angle
             controls.drive(CREEP, CREEP)

@@ -14,7 +14,7 @@ BANNER = (
 """What is said at power-on (reported: about 140 bytes, in this vein; the words are a guess)."""
 PLAY_HELD = 4.0
 """Seconds (manual: Serial Port Settings, Method 1)."""
-_EARLY = 1e-6
+EARLY = 1e-6
 
 
 class Power:
@@ -39,13 +39,13 @@ class Power:
 
     def booting(self, time: float) -> bool:
         """Tell whether the boot loader still runs."""
-        return time < self._boot_end - _EARLY
+        return time < self._boot_end - EARLY
 
     def play_held(self, play: bool, time: float) -> bool:
         """Look at the Play button; True once, when it was held from power-on for 4 s."""
         if not play:
             self._play_since = None
-        if self._play_since is None or time < self._play_since + PLAY_HELD - _EARLY:
+        if self._play_since is None or time < self._play_since + PLAY_HELD - EARLY:
             return False
         self._play_since = None
         return True

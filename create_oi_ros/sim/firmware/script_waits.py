@@ -8,14 +8,14 @@ import math
 from ... import oi
 from ...oi import Event, SLOT
 from ..body import Body
-from ..body.sensed import Readings
+from ..body.sensed import Sensed
 
 Over = Callable[[], bool]
 """Whether a wait is over."""
-_REACHED = 1e-6
+REACHED = 1e-6
 """Millimetres or degrees by which a sum of floats may miss what it means to be."""
 
-_SENSORS: dict[Event, tuple[str, ...]] = {
+SENSORS: dict[Event, tuple[str, ...]] = {
     Event.WHEEL_DROP: ('drop_caster', 'drop_left', 'drop_right'),
     Event.FRONT_WHEEL_DROP: ('drop_caster',),
     Event.LEFT_WHEEL_DROP: ('drop_left',),
@@ -40,14 +40,14 @@ _SENSORS: dict[Event, tuple[str, ...]] = {
 }
 
 
-def cliff(readings: Readings) -> bool:
+def cliff(sensed: Sensed) -> bool:
     """Tell whether any of the four cliff sensors sees one."""
-    return any(getattr(readings, name) for name in _SENSORS[Event.CLIFF])
+    return any(getattr(sensed, name) for name in SENSORS[Event.CLIFF])
 
 
-def wheel_drop(readings: Readings) -> bool:
+def wheel_drop(sensed: Sensed) -> bool:
     """Tell whether any of the three wheels has dropped."""
-    return any(getattr(readings, name) for name in _SENSORS[Event.WHEEL_DROP])
+    return any(getattr(sensed, name) for name in SENSORS[Event.WHEEL_DROP])
 
 
 def waiting(command: oi.Command, body: Body, slots: Callable[[], int],
@@ -73,7 +73,7 @@ def until_slot(slots: Callable[[], int], count: int) -> Over:
 
 def slots_of(tenths: int) -> int:
     """Return the slots that Wait Time takes: 'with a resolution of 15 ms'."""
-    return math.ceil(tenths / 10 / SLOT - _REACHED)
+    return math.ceil(tenths / 10 / SLOT - REACHED)
 
 
 def until_travelled(body: Body, distance: int) -> Over:
@@ -91,7 +91,7 @@ def until_turned(body: Body, angle: int) -> Over:
 
 
 def _reached(value: float, goal: int) -> bool:
-    return value >= goal - _REACHED if goal >= 0 else value <= goal + _REACHED
+    return value >= goal - REACHED if goal >= 0 else value <= goal + REACHED
 
 
 def until_event(body: Body, passive: Callable[[], bool], event: int) -> Over:
@@ -100,5 +100,5 @@ def until_event(body: Body, passive: Callable[[], bool], event: int) -> Over:
     number = Event(abs(event))
     if number is Event.OI_MODE_PASSIVE:
         return lambda: passive() is wanted
-    names = _SENSORS[number]
+    names = SENSORS[number]
     return lambda: any(getattr(body.sense(), name) for name in names) is wanted

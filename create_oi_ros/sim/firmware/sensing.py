@@ -17,13 +17,13 @@ from ...oi import (
     PacketList,
 )
 from ..body import Body
-from ..body.sensed import Readings
+from ..body.sensed import Sensed
 
 
-def _flags(places: dict[str, IntFlag]) -> Callable[[Readings], int]:
+def _flags(places: dict[str, IntFlag]) -> Callable[[Sensed], int]:
     """Return a function that gathers sensors into one byte; mostly in C, for it runs often."""
     get, weights = attrgetter(*places), tuple(map(int, places.values()))
-    return lambda readings: sum(map(mul, get(readings), weights))
+    return lambda sensed: sum(map(mul, get(sensed), weights))
 
 
 bumps_and_wheel_drops = _flags({
@@ -54,9 +54,9 @@ _charging_sources = _flags({
 })
 
 
-def sensed(readings: Readings) -> dict[str, int]:
+def packet_values(sensed: Sensed) -> dict[str, int]:
     """Return the values that come from the body, by the packets' names, but 19 and 20."""
-    r = readings
+    r = sensed
     return {
         'bumps_and_wheel_drops': bumps_and_wheel_drops(r),
         'wall': r.wall,
@@ -96,7 +96,7 @@ def packet_list(ids: tuple[int, ...]) -> PacketList:
 class Telemetry:
     """What the host wants to know, and the stream that tells it without being asked."""
 
-    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_sensed', '_take')
+    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_from_body', '_take')
 
     def __init__(self, body: Body, checksum: oi.Checksum) -> None:
         self._body = body
@@ -111,11 +111,11 @@ class Telemetry:
         self.streaming = False
         """Whether a frame is due in every slot."""
         self._list = PacketList(())
-        self._sensed: dict[str, int] | None = None
+        self._from_body: dict[str, int] | None = None
 
     def refresh(self) -> None:
         """Look anew; values are updated every 15 ms (manual: Input Commands)."""
-        self._sensed = None
+        self._from_body = None
 
     def answer(self, command: oi.Command, own: dict[str, int]) -> bytes:
         """Return the reply to an input command; `own` has the packets that the body lacks."""
@@ -147,8 +147,8 @@ class Telemetry:
 
     def _values(self, packets: PacketList, own: dict[str, int]) -> list[int]:
         """Return values in the order of a list; asking for distance and angle resets them."""
-        if self._sensed is None:
-            self._sensed = sensed(self._body.sense())
-        known = {**self._sensed, **own, 'stream_packets': len(self._list.ids)}
+        if self._from_body is None:
+            self._from_body = packet_values(self._body.sense())
+        known = {**self._from_body, **own, 'stream_packets': len(self._list.ids)}
         take = self._take
         return [take[name]() if name in take else known[name] for name in packets.names]

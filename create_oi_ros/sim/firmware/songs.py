@@ -10,7 +10,7 @@ BEEP = (Note(84, 10),)
 """What Start sounds like when the interface was off (manual: Start, 'beeps once'; pitch guess)."""
 DESCENDING = tuple(Note(number, 12) for number in (84, 79, 76, 72))
 """The tune that tells of 19200 baud (manual: Serial Port Settings, 'descending pitches')."""
-_EARLY = 1e-6
+EARLY = 1e-6
 
 
 class Speaker:
@@ -54,16 +54,16 @@ class Speaker:
 
     def song_playing(self, time: float) -> bool:
         """Packet 37."""
-        return self._is_song and time < self._end - _EARLY
+        return self._is_song and time < self._end - EARLY
 
     def note(self, time: float) -> int:
         """Return the MIDI number of the note that sounds now; REST when all is quiet."""
-        if time >= self._end - _EARLY:
+        if time >= self._end - EARLY:
             return REST
         end = self._begun
         for note in self._notes:
             end += note.duration / NOTES_PER_SECOND
-            if time < end - _EARLY:
+            if time < end - EARLY:
                 return note.number if note.number in SOUNDING else REST
         return REST
 

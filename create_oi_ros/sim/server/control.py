@@ -23,12 +23,12 @@ PRESS = 0.2
 """Seconds a button is pressed where nothing else is said."""
 PATIENCE = 10.0
 """Seconds after which `wait` gives up where nothing else is said."""
-_EARLY = 1e-6
-_COMPARE: dict[str, Callable[[Any, Any], bool]] = {
+EARLY = 1e-6
+COMPARE: dict[str, Callable[[Any, Any], bool]] = {
     '>=': operator.ge, '<=': operator.le, '!=': operator.ne,
     '=': operator.eq, '>': operator.gt, '<': operator.lt,
 }
-_CONDITION = re.compile(r'(\w+)(>=|<=|!=|=|>|<)(.+)')
+CONDITION = re.compile(r'(\w+)(>=|<=|!=|=|>|<)(.+)')
 
 
 class Waiting:
@@ -54,7 +54,7 @@ class Waiting:
         return None
 
 
-class Control:
+class Interpreter:
     """Obeys lines.  It is told the time of the robot's clock, in seconds."""
 
     def __init__(self, create: Create, line: Line, faults: Faults,
@@ -113,13 +113,13 @@ class Control:
     def _wait(self, words: list[str]) -> Waiting:
         conditions, timeout = [], PATIENCE
         for word in words:
-            match = _CONDITION.fullmatch(word)
+            match = CONDITION.fullmatch(word)
             if match is None:
                 raise ValueError(f'{word!r} is no condition such as mode=SAFE or x>0.5')
             if match[1] == 'timeout':
                 timeout = _number(match[3])
             else:
-                conditions.append((match[1], _COMPARE[match[2]], _value(match[3])))
+                conditions.append((match[1], COMPARE[match[2]], _value(match[3])))
         return self._waiting(conditions, timeout, ' '.join(words))
 
     def _waiting(self, conditions: list[tuple[str, Callable[[Any, Any], bool], Any]],
@@ -144,7 +144,7 @@ class Control:
     def _after(self, words: list[str]) -> Waiting:
         seconds, = _numbers(words, 1)
         time = self._create.time
-        end = time + seconds - _EARLY
+        end = time + seconds - EARLY
         return Waiting(lambda: self._create.time >= end, time, math.inf,
                        lambda: self._truth([]), f'{seconds} s')
 
@@ -292,55 +292,63 @@ def _value(text: str) -> Any:
         return text
 
 
-class _Word(NamedTuple):
+class ControlWord(NamedTuple):
     """What a word does, its form and its meaning."""
 
-    obey: Callable[[Control, list[str]], str | Waiting | None]
+    obey: Callable[[Interpreter, list[str]], str | Waiting | None]
     form: str
     meaning: str
 
 
 WORDS = {
-    'help': _Word(Control._help, '', 'list the words'),
-    'truth': _Word(
-        Control._truth, '',
+    'help': ControlWord(Interpreter._help, '', 'list the words'),
+    'truth': ControlWord(
+        Interpreter._truth, '',
         'pose, velocities (m, rad, s), mode, wheels (mm/s), all else, as JSON'),
-    'sense': _Word(Control._sense, '', 'what the sensors see, as JSON'),
-    'wait': _Word(
-        Control._wait, 'NAME=VALUE ... [timeout=S]',
+    'sense': ControlWord(Interpreter._sense, '', 'what the sensors see, as JSON'),
+    'wait': ControlWord(
+        Interpreter._wait, 'NAME=VALUE ... [timeout=S]',
         'until truth or sense say so (also != < > <= >=)'),
-    'after': _Word(Control._after, 'SECONDS', "answer so much later on the robot's clock"),
-    'bump': _Word(Control._bump, 'left|right|both|off [SECONDS]', 'press the bumper'),
-    'button': _Word(Control._button, 'play|advance [SECONDS]', 'press a button'),
-    'force': _Word(
-        Control._force, 'NAME=VALUE ... [seconds=S]',
+    'after': ControlWord(
+        Interpreter._after, 'SECONDS',
+        "answer so much later on the robot's clock"),
+    'bump': ControlWord(Interpreter._bump, 'left|right|both|off [SECONDS]', 'press the bumper'),
+    'button': ControlWord(Interpreter._button, 'play|advance [SECONDS]', 'press a button'),
+    'force': ControlWord(
+        Interpreter._force, 'NAME=VALUE ... [seconds=S]',
         'hold sensors (the names of sense) at values'),
-    'unforce': _Word(Control._unforce, '[NAME ...]', 'give sensors back to the physics'),
-    'lift': _Word(Control._lift, '', 'take the robot off the floor'),
-    'down': _Word(Control._down, '', 'put it on the floor again'),
-    'drop': _Word(
-        Control._drop, '[right] [left] [caster]',
+    'unforce': ControlWord(Interpreter._unforce, '[NAME ...]', 'give sensors back to the physics'),
+    'lift': ControlWord(Interpreter._lift, '', 'take the robot off the floor'),
+    'down': ControlWord(Interpreter._down, '', 'put it on the floor again'),
+    'drop': ControlWord(
+        Interpreter._drop, '[right] [left] [caster]',
         'let these wheels hang, and no others'),
-    'hold': _Word(Control._hold, '[right] [left]', 'hold these wheels, and no others'),
-    'push': _Word(Control._push, 'SPEED RATE SECONDS', 'roll the robot by hand (m/s, rad/s)'),
-    'slip': _Word(
-        Control._slip, 'RIGHT LEFT SECONDS',
+    'hold': ControlWord(Interpreter._hold, '[right] [left]', 'hold these wheels, and no others'),
+    'push': ControlWord(
+        Interpreter._push, 'SPEED RATE SECONDS',
+        'roll the robot by hand (m/s, rad/s)'),
+    'slip': ControlWord(
+        Interpreter._slip, 'RIGHT LEFT SECONDS',
         'let the wheels lose these parts (0 to 1) of their travel'),
-    'place': _Word(Control._place, 'X Y YAW', 'put the robot elsewhere (metres, degrees)'),
-    'load': _Word(
-        Control._load, '[ld0=A] [ld1=A] [ld2=A]',
+    'place': ControlWord(
+        Interpreter._place, 'X Y YAW',
+        'put the robot elsewhere (metres, degrees)'),
+    'load': ControlWord(
+        Interpreter._load, '[ld0=A] [ld1=A] [ld2=A]',
         'hang loads (amperes) on the low side drivers'),
-    'charger': _Word(Control._charger, 'on|off', 'plug in the internal charger'),
-    'dock': _Word(Control._dock, 'on|off', 'give mains to the Home Bases, or take it'),
-    'battery': _Word(Control._battery, '[charge=0..1] [temperature=C] [fault=0|1]', 'set it'),
-    'power': _Word(
-        Control._power, 'on|off|toggle|fail',
+    'charger': ControlWord(Interpreter._charger, 'on|off', 'plug in the internal charger'),
+    'dock': ControlWord(Interpreter._dock, 'on|off', 'give mains to the Home Bases, or take it'),
+    'battery': ControlWord(
+        Interpreter._battery, '[charge=0..1] [temperature=C] [fault=0|1]',
+        'set it'),
+    'power': ControlWord(
+        Interpreter._power, 'on|off|toggle|fail',
         'the power button; fail: the battery out and in again'),
-    'cable': _Word(
-        Control._cable, 'cut|mend|unplug|plug',
+    'cable': ControlWord(
+        Interpreter._cable, 'cut|mend|unplug|plug',
         'lose all bytes; let the port vanish; and undo it'),
-    'fault': _Word(
-        Control._fault, 'SPEC ...|off',
+    'fault': ControlWord(
+        Interpreter._fault, 'SPEC ...|off',
         'let go wrong what --fault can, instead of what did; or nothing'),
-    'quit': _Word(Control._quit, '', 'end the simulator'),
+    'quit': ControlWord(Interpreter._quit, '', 'end the simulator'),
 }

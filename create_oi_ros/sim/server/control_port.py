@@ -1,4 +1,4 @@
-"""The Unix socket on which `Control` is spoken with."""
+"""The Unix socket on which `Interpreter` is spoken with."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import socket
 import stat
 
-from .control import Control, Waiting
+from .control import Interpreter, Waiting
 
 LONGEST_LINE = 4096
 """Bytes; who sends more without an end of line is hung up on."""
@@ -28,7 +28,7 @@ class _Visitor:
 class ControlPort:
     """Serves any number of visitors; whoever waits holds up only himself."""
 
-    def __init__(self, path: Path, control: Control) -> None:
+    def __init__(self, path: Path, control: Interpreter) -> None:
         """Listen; OSError: the path cannot be had, or is no socket."""
         self._path, self._control = path, control
         if path.exists() or path.is_symlink():

@@ -31,10 +31,10 @@ from ...oi import SLOT
 
 MOST_GARBAGE = 20
 """Bytes at once."""
-_EARLY = 1e-6
+EARLY = 1e-6
 
 
-class Kind(Enum):
+class FaultKind(Enum):
     """What can go wrong."""
 
     FLIP = 'flip'
@@ -50,17 +50,18 @@ class Kind(Enum):
     BROWNOUT = 'brownout'
 
 
-_DAMAGE = (Kind.FLIP, Kind.DROP, Kind.GARBAGE, Kind.FLIP_IN, Kind.DROP_IN, Kind.GARBAGE_IN)
-_NUMBER = r'(\d+\.?\d*|\.\d+)'
-_SPEC = re.compile(
-    rf'([a-z.]+)(?::{_NUMBER})?(?:@{_NUMBER})?(?:\+{_NUMBER})?(?:~{_NUMBER})?')
+DAMAGE = (FaultKind.FLIP, FaultKind.DROP, FaultKind.GARBAGE,
+          FaultKind.FLIP_IN, FaultKind.DROP_IN, FaultKind.GARBAGE_IN)
+NUMBER = r'(\d+\.?\d*|\.\d+)'
+SPEC = re.compile(
+    rf'([a-z.]+)(?::{NUMBER})?(?:@{NUMBER})?(?:\+{NUMBER})?(?:~{NUMBER})?')
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
     """One thing that goes wrong at a rate, at times, or both; see above."""
 
-    kind: Kind
+    kind: FaultKind
     rate: float | None = None
     start: float | None = None
     duration: float = math.inf
@@ -69,15 +70,15 @@ class Fault:
     @classmethod
     def parse(cls, spec: str) -> Fault:
         """Read a SPEC; ValueError says what is wrong with it."""
-        match = _SPEC.fullmatch(spec)
-        kinds = {kind.value: kind for kind in Kind}
+        match = SPEC.fullmatch(spec)
+        kinds = {kind.value: kind for kind in FaultKind}
         if match is None or match[1] not in kinds:
             raise ValueError(f'fault {spec!r}: KIND[:RATE][@START][+DURATION][~PERIOD] is wanted, '
                              f'with a kind of {", ".join(kinds)}')
         kind = kinds[match[1]]
         rate, start, duration, period = (
             None if text is None else float(text) for text in match.groups()[1:])
-        damage = kind in _DAMAGE
+        damage = kind in DAMAGE
         if rate is None and (damage or start is None):
             raise ValueError(f'fault {spec!r}: a rate (":0.1") '
                              f'{"" if damage else "or a start (@10) "}is wanted')
@@ -90,7 +91,7 @@ class Fault:
         """Tell whether a time, in seconds, is one at which it is to happen."""
         if self.start is None:
             return True
-        since = time - self.start + _EARLY
+        since = time - self.start + EARLY
         return since >= 0 and (since % self.period) < self.duration
 
 
@@ -101,18 +102,18 @@ class Faults:
         self.faults = faults
         self._random = Random(seed)
         self._until: dict[Fault, float] = {}
-        self._active: set[Kind] = set()
+        self._active: set[FaultKind] = set()
         self.cable_cut = False
         """Whether somebody has cut the cable, until it is mended."""
 
-    def step(self, time: float) -> set[Kind]:
+    def step(self, time: float) -> set[FaultKind]:
         """Tell what has begun in the slot that ends at `time`; `active` tells what goes on."""
         before = self._active
         self._active = {fault.kind for fault in self.faults
-                        if fault.kind not in _DAMAGE and self._goes_on(fault, time)}
+                        if fault.kind not in DAMAGE and self._goes_on(fault, time)}
         return self._active - before
 
-    def active(self, kind: Kind) -> bool:
+    def active(self, kind: FaultKind) -> bool:
         """Tell whether something goes on that lasts."""
         return kind in self._active
 
@@ -125,20 +126,22 @@ class Faults:
 
     def from_robot(self, data: bytes, time: float) -> bytes:
         """Return what becomes of bytes on their way to the host."""
-        if self.cable_cut or self._active & {Kind.SILENCE, Kind.CUT, Kind.UNPLUG}:
+        if self.cable_cut or self._active & {FaultKind.SILENCE, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
         return self._damaged(data, time, {
-            Kind.FLIP: self._flip, Kind.DROP: self._drop, Kind.GARBAGE: self._garbage})
+            FaultKind.FLIP: self._flip, FaultKind.DROP: self._drop,
+            FaultKind.GARBAGE: self._garbage})
 
     def to_robot(self, data: bytes, time: float) -> bytes:
         """Return what becomes of bytes on their way to the robot."""
-        if self.cable_cut or self._active & {Kind.DEAF, Kind.CUT, Kind.UNPLUG}:
+        if self.cable_cut or self._active & {FaultKind.DEAF, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
         return self._damaged(data, time, {
-            Kind.FLIP_IN: self._flip, Kind.DROP_IN: self._drop, Kind.GARBAGE_IN: self._garbage})
+            FaultKind.FLIP_IN: self._flip, FaultKind.DROP_IN: self._drop,
+            FaultKind.GARBAGE_IN: self._garbage})
 
     def _damaged(self, data: bytes, time: float,
-                 kinds: dict[Kind, Callable[[bytes], bytes]]) -> bytes:
+                 kinds: dict[FaultKind, Callable[[bytes], bytes]]) -> bytes:
         for fault in self.faults:
             damage = kinds.get(fault.kind)
             if (data and damage is not None and fault.within(time)

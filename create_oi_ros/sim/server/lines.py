@@ -21,10 +21,10 @@ from typing import Protocol
 
 from ..firmware.uart import DEFAULT_BAUD
 
-_AT_ONCE = 4096
+AT_ONCE = 4096
 """Bytes."""
-_TCGETS2 = 0x802C542A
-_TERMIOS2 = struct.Struct('4I B 19s 2I')
+TCGETS2 = 0x802C542A
+TERMIOS2 = struct.Struct('4I B 19s 2I')
 """Linux's own structure: the portable one cannot tell 14400 baud."""
 
 
@@ -133,7 +133,7 @@ class PtyLine:
         if not self._present:
             return b''
         try:
-            return os.read(self._master, _AT_ONCE)
+            return os.read(self._master, AT_ONCE)
         except BlockingIOError:
             return b''
         except OSError as error:
@@ -165,7 +165,7 @@ class PtyLine:
         """Return what the host has set the terminal to."""
         if self._master < 0:
             return None
-        settings = _TERMIOS2.unpack(fcntl.ioctl(self._master, _TCGETS2, bytes(_TERMIOS2.size)))
+        settings = TERMIOS2.unpack(fcntl.ioctl(self._master, TCGETS2, bytes(TERMIOS2.size)))
         return int(settings[-1])
 
 
@@ -217,7 +217,7 @@ class TcpLine:
         if self._client is None:
             return b''
         try:
-            data = self._client.recv(_AT_ONCE)
+            data = self._client.recv(AT_ONCE)
         except BlockingIOError:
             return b''
         except OSError:

@@ -6,7 +6,7 @@ from ...oi import BITS_PER_BYTE
 
 PIECE = 0.001
 """Seconds: bytes are handed on in pieces as long as this, as a USB adapter does."""
-_EARLY = 1e-6
+EARLY = 1e-6
 
 
 class Pacer:
@@ -38,9 +38,9 @@ class Pacer:
 
     def take(self, now: float) -> bytes:
         """Return what has arrived."""
-        if not self._waiting or now < self._next - _EARLY:
+        if not self._waiting or now < self._next - EARLY:
             return b''
-        count = 1 + int((now - self._next + _EARLY) / self._byte_time)
+        count = 1 + int((now - self._next + EARLY) / self._byte_time)
         arrived = bytes(self._waiting[:count])
         del self._waiting[:count]
         self._next += len(arrived) * self._byte_time

@@ -15,7 +15,7 @@ from math import inf
 
 from ...oi.tools.capture_format import Kind, MICROSECONDS, Record
 
-_BEFORE_THE_HOST = (Kind.FROM_ROBOT, Kind.OPENED, Kind.BAUD, Kind.NOTE)
+BEFORE_THE_HOST = (Kind.FROM_ROBOT, Kind.OPENED, Kind.BAUD, Kind.NOTE)
 
 
 class Replay:
@@ -47,7 +47,7 @@ class Replay:
         """Return when the host of the capture spoke first, since the port was opened."""
         for record in self._records:
             self._ahead.append(record)
-            if record.kind not in _BEFORE_THE_HOST:
+            if record.kind not in BEFORE_THE_HOST:
                 break
         return self._ahead[-1].time / MICROSECONDS if self._ahead else 0.0
 

@@ -15,15 +15,15 @@ import time
 
 from ...oi import SLOT
 from ..firmware import Create
-from .control import Control
+from .control import Interpreter
 from .control_port import ControlPort
-from .faults import Faults, Kind
+from .faults import FaultKind, Faults
 from .lines import Line
 from .pacing import Pacer
 
 LONGEST_STALL = 0.25
 """Seconds on the computer's clock."""
-_EARLY = 1e-6
+EARLY = 1e-6
 
 
 class Server:
@@ -35,7 +35,7 @@ class Server:
         self._faults = faults or Faults([])
         self._to_host = Pacer() if wire_time else None
         self._to_robot = Pacer() if wire_time else None
-        self.control = Control(create, line, self._faults, self.stop)
+        self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
         self.watchers: list[Callable[[], None]] = []
         """Called after every slot."""
@@ -54,7 +54,7 @@ class Server:
         self._create.poll(0.0)
         while not self._stopping:
             now = self._now()
-            if now >= (self._slots + 1) * SLOT - _EARLY:
+            if now >= (self._slots + 1) * SLOT - EARLY:
                 # One at a time, however late, so that watchers see the end of every slot.
                 self._slots += 1
                 self._slot(self._slots * SLOT)
@@ -84,13 +84,13 @@ class Server:
             self.control_port.serve(self._create.time)
 
     def _go_wrong(self, now: float) -> None:
-        unplugged = self._faults.active(Kind.UNPLUG)
+        unplugged = self._faults.active(FaultKind.UNPLUG)
         begun = self._faults.step(now)
-        if Kind.BROWNOUT in begun:
+        if FaultKind.BROWNOUT in begun:
             self._create.lose_battery(now)
-        if Kind.UNPLUG in begun:
+        if FaultKind.UNPLUG in begun:
             self._line.unplug()
-        elif unplugged and not self._faults.active(Kind.UNPLUG):
+        elif unplugged and not self._faults.active(FaultKind.UNPLUG):
             self._line.plug()
 
     def _hear(self, now: float) -> None:

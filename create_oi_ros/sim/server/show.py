@@ -7,7 +7,7 @@ import math
 
 from ..firmware import Create
 from ..world import World
-from ..world.geometry import Disc, Point, Segment
+from ..world.geometry import Disc, LineSegment, Point
 
 COLUMNS, ROWS = 80, 24
 STATUS_ROWS = 3
@@ -19,25 +19,25 @@ ARROWS = '→↗↑↖←↙↓↘'
 HOME_CURSOR, CLEAR, CLEAR_REST = '\x1b[H', '\x1b[2J', '\x1b[K'
 
 
-def outline(world: World) -> Iterator[tuple[str, Segment]]:
+def outline(world: World) -> Iterator[tuple[str, LineSegment]]:
     """Yield what is drawn of a room: a character and a line."""
     for polygon in (*world.ground, *world.cliffs):
         yield from (('~', edge) for edge in polygon.edges)
     for wall in world.virtual_walls:
-        yield ':', Segment((wall.pose.x, wall.pose.y), wall.pose.ahead(wall.reach))
+        yield ':', LineSegment((wall.pose.x, wall.pose.y), wall.pose.ahead(wall.reach))
     for each in world.obstacles:
         match each:
-            case Segment():
+            case LineSegment():
                 yield '#', each
             case Disc(x=x, y=y, radius=radius):
                 ring = [(x + radius * math.cos(turn * math.tau / 12),
                          y + radius * math.sin(turn * math.tau / 12)) for turn in range(13)]
-                yield from (('O', Segment(a, b)) for a, b in zip(ring, ring[1:], strict=False))
+                yield from (('O', LineSegment(a, b)) for a, b in zip(ring, ring[1:], strict=False))
     for base in world.home_bases:
         yield 'H', base.plate
 
 
-class View:
+class RoomMap:
     """Where the points of a room lie on a sheet of characters."""
 
     def __init__(self, points: list[Point], columns: int, rows: int) -> None:
@@ -56,7 +56,7 @@ class View:
         if 0 <= column < self._columns and 0 <= row < self._rows:
             self._sheet[row][column] = character
 
-    def line(self, character: str, segment: Segment) -> None:
+    def line(self, character: str, segment: LineSegment) -> None:
         """Draw a line."""
         (ax, ay), (bx, by) = segment.ends
         steps = max(1, math.ceil(segment.length / self._cell))
@@ -90,13 +90,13 @@ class Show:
             self._track = [*self._track[-self.LONGEST_TRACK:], here]
         points = [end for _, segment in self._outline for end in segment.ends] or [
             (x + side, y + side) for x, y in self._track for side in (-AROUND, AROUND)]
-        view = View(points, COLUMNS, ROWS - STATUS_ROWS)
+        room_map = RoomMap(points, COLUMNS, ROWS - STATUS_ROWS)
         for x, y in self._track:
-            view.put('·', x, y)
+            room_map.put('·', x, y)
         for character, segment in self._outline:
-            view.line(character, segment)
-        view.put(ARROWS[round(pose.yaw / (math.tau / 8)) % 8], *here)
-        return view.text()
+            room_map.line(character, segment)
+        room_map.put(ARROWS[round(pose.yaw / (math.tau / 8)) % 8], *here)
+        return room_map.text()
 
     def _status(self) -> list[str]:
         create, truth = self._create, self._create.body.truth()

@@ -9,7 +9,7 @@ import math
 Point = tuple[float, float]
 
 
-class Segment:
+class LineSegment:
     """A straight piece of wall without thickness."""
 
     __slots__ = ('ax', 'ay', 'ux', 'uy', 'length')
@@ -83,7 +83,7 @@ class Disc:
         return ray if ray >= 0 else math.inf
 
 
-Obstacle = Segment | Disc
+Obstacle = LineSegment | Disc
 
 
 class Polygon:
@@ -112,9 +112,9 @@ class Polygon:
         return min(edge.gap(x, y) for edge in self.edges)
 
 
-def chain(points: Sequence[Point]) -> tuple[Segment, ...]:
+def chain(points: Sequence[Point]) -> tuple[LineSegment, ...]:
     """Return the segments that join the points in their order."""
-    return tuple(Segment(a, b) for a, b in pairwise(points))
+    return tuple(LineSegment(a, b) for a, b in pairwise(points))
 
 
 def reach(obstacles: Iterable[Obstacle], x: float, y: float, dx: float, dy: float) -> float:

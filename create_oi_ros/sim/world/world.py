@@ -26,9 +26,9 @@ from importlib import resources
 import math
 from typing import NamedTuple
 
-from .geometry import chain, Disc, Obstacle, Point, Polygon, Segment
+from .geometry import chain, Disc, LineSegment, Obstacle, Point, Polygon
 
-_PLATE = 0.1
+PLATE = 0.1
 """Half the width of a Home Base's front, metres (guess)."""
 BUOY_REACH = 2.4
 """Metres at which a Home Base's two buoy beams are still seen (reported: 8 feet)."""
@@ -89,11 +89,11 @@ class HomeBase:
     """
 
     pose: Pose
-    plate: Segment = field(init=False, compare=False)
+    plate: LineSegment = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, 'plate', Segment(self.pose.ahead(0, -_PLATE),
-                                                  self.pose.ahead(0, _PLATE)))
+        object.__setattr__(self, 'plate', LineSegment(self.pose.ahead(0, -PLATE),
+                                                  self.pose.ahead(0, PLATE)))
 
     def beams_on(self, point: Point) -> tuple[bool, bool, bool]:
         """Return whether red buoy, green buoy and force field cover the point."""
@@ -196,7 +196,7 @@ class _Draft:
                      home_bases=tuple(self.home_bases))
 
 
-class _Word(NamedTuple):
+class Keyword(NamedTuple):
     """How a line is read: its method, its form for messages, how many numbers it wants."""
 
     read: Callable[[_Draft, Sequence[float]], None]
@@ -210,17 +210,17 @@ class _Word(NamedTuple):
             self.most < math.inf or (count - self.least) % 2 == 0)
 
 
-_WORDS = {
-    'start': _Word(_Draft.set_start, 'X Y YAW', 3, 3),
-    'floor': _Word(_Draft.set_floor, 'R', 1, 1),
-    'patch': _Word(_Draft.add_patch, 'R X Y X Y X Y ...', 7, math.inf),
-    'ground': _Word(_Draft.add_ground, 'X Y X Y X Y ...', 6, math.inf),
-    'cliff': _Word(_Draft.add_cliff, 'X Y X Y X Y ...', 6, math.inf),
-    'wall': _Word(_Draft.add_wall, 'X Y X Y ...', 4, math.inf),
-    'box': _Word(_Draft.add_box, 'X Y X Y', 4, 4),
-    'post': _Word(_Draft.add_post, 'X Y R', 3, 3),
-    'virtual_wall': _Word(_Draft.add_virtual_wall, 'X Y YAW L', 4, 4),
-    'home_base': _Word(_Draft.add_home_base, 'X Y YAW', 3, 3),
+KEYWORDS = {
+    'start': Keyword(_Draft.set_start, 'X Y YAW', 3, 3),
+    'floor': Keyword(_Draft.set_floor, 'R', 1, 1),
+    'patch': Keyword(_Draft.add_patch, 'R X Y X Y X Y ...', 7, math.inf),
+    'ground': Keyword(_Draft.add_ground, 'X Y X Y X Y ...', 6, math.inf),
+    'cliff': Keyword(_Draft.add_cliff, 'X Y X Y X Y ...', 6, math.inf),
+    'wall': Keyword(_Draft.add_wall, 'X Y X Y ...', 4, math.inf),
+    'box': Keyword(_Draft.add_box, 'X Y X Y', 4, 4),
+    'post': Keyword(_Draft.add_post, 'X Y R', 3, 3),
+    'virtual_wall': Keyword(_Draft.add_virtual_wall, 'X Y YAW L', 4, 4),
+    'home_base': Keyword(_Draft.add_home_base, 'X Y YAW', 3, 3),
 }
 
 
@@ -238,9 +238,9 @@ def parse(text: str, name: str) -> World:
 
 
 def _read(draft: _Draft, words: Sequence[str]) -> None:
-    word = _WORDS.get(words[0])
+    word = KEYWORDS.get(words[0])
     if word is None:
-        raise ValueError(f'{words[0]!r} is not known: one of {", ".join(_WORDS)}')
+        raise ValueError(f'{words[0]!r} is not known: one of {", ".join(KEYWORDS)}')
     numbers = [_number(each) for each in words[1:]]
     if not word.fits(len(numbers)):
         raise ValueError(f'{len(numbers)} numbers after {words[0]!r}: '
