@@ -40,7 +40,7 @@ def test_an_unknown_shipped_world_is_refused_with_the_known():
         shipped('rom')
 
 
-def test_comments_and_blank_lines_say_nothing():
+def test_comments_and_blank_lines_are_ignored():
     assert parse('# nothing\n\n   \nwall 0 0 1 0  # a wall\n', 'x').obstacles
 
 
@@ -49,24 +49,24 @@ def test_angles_are_degrees_in_the_text_and_radians_in_the_world():
 
 
 @pytest.mark.parametrize(('line', 'message'), [
-    ('wal 0 0 1 1', "'wal' is not known: one of start, floor, patch, ground, cliff, wall"),
-    ('wall 0 0 1', "3 numbers after 'wall': \"wall X Y X Y ...\" is wanted"),
+    ('wal 0 0 1 1', "unknown 'wal'; allowed: start, floor, patch, ground, cliff, wall"),
+    ('wall 0 0 1', "3 numbers after 'wall'; allowed: \"wall X Y X Y ...\""),
     ('wall 0 0', "2 numbers after 'wall'"),
     ('wall 0 0 0 0', 'has no length'),
-    ('box 0 0 1', "3 numbers after 'box': \"box X Y X Y\" is wanted"),
+    ('box 0 0 1', "3 numbers after 'box'; allowed: \"box X Y X Y\""),
     ('box 1 1 1 2', 'has no length'),
     ('start 0 zero 0', "'zero' is not a number"),
     ('start 0 nan 0', "'nan' is not a number"),
-    ('floor 1.5', 'a reflectance of 1.5 is not within 0 to 1'),
-    ('patch 2 0 0 1 0 1 1', 'a reflectance of 2.0'),
+    ('floor 1.5', 'reflectance 1.5; allowed: 0 to 1'),
+    ('patch 2 0 0 1 0 1 1', 'reflectance 2.0'),
     ('patch 0.5 0 0 1 0', "5 numbers after 'patch'"),
-    ('post 0 0 0', 'a radius of 0.0 must be above 0'),
+    ('post 0 0 0', 'radius 0.0; allowed: above 0'),
     ('cliff 0 0 1 0', "4 numbers after 'cliff'"),
     ('virtual_wall 0 0 0 0', 'a beam of 0.0 metres'),
     ('virtual_wall 0 0 0', "3 numbers after 'virtual_wall'"),
     ('home_base 0 0', "2 numbers after 'home_base'"),
 ])
-def test_a_wrong_line_is_refused_with_name_line_and_what_is_wanted(line, message):
+def test_a_wrong_line_is_refused_with_name_line_and_what_is_allowed(line, message):
     with pytest.raises(WorldError) as caught:
         parse(f'# first\n{line}\n', 'den')
     assert str(caught.value).startswith('den, line 2: ')
