@@ -1,10 +1,10 @@
 """
 What the Create does with each byte, by the manual.
 
-`Create` is the mirror image of the host's driver, with the same verbs: `receive` bytes, `poll` to
-a time, fetch `data_to_send`.  Time is what the caller says it is, in seconds; inside, everything
-happens in the slots of 15 ms in which a Create updates its values, so it does not matter how
-often one polls.  Bytes take effect as they arrive, between two slots.  No bytes raise.
+`Create` is the mirror image of the host's driver and has the same verbs: `receive` bytes, `poll`
+up to a time, fetch `data_to_send`. The caller says what time it is, in seconds. Everything but
+the bytes happens in the slots of 15 ms in which a Create updates its values, so it does not matter
+how often `poll` is called. Bytes take effect when they arrive, between two slots. No bytes raise.
 
     create = Create(Body(world))
     create.receive(oi.Start().encode(), 0.0)
@@ -12,16 +12,16 @@ often one polls.  Bytes take effect as they arrive, between two slots.  No bytes
     sent = create.data_to_send()
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from random import Random
 
 from ... import oi
 from ...oi import Mode
 from ...oi.commands import ACTUATORS, INPUTS, WAITS
+from ...robot import SLOT
 from ..body import Body
 from ..body.sensed import Sensed
+from ..timing import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
 from .actuators import ActuatorState, DARK, Lights, Wheels
@@ -35,13 +35,13 @@ from .uart import DEFAULT_BAUD, SLOW_BAUD, Uart
 RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""
 CHUNK = 256
-"""Bytes read at once, so that a flood costs no more for being long."""
-EARLY = 1e-6
+"""Bytes that are interpreted at once, so that the cost of a flood only grows with its length."""
 ENDED = object()
+"""Returned by `next` when a demo has ended."""
 
 
 class Create:
-    """A Create's electronics: on, booted long ago, its Open Interface off."""
+    """A Create's electronics: switched on, boot loader finished, Open Interface off."""
 
     def __init__(self, body: Body, *, checksum: oi.Checksum = oi.Checksum.HARDWARE,
                  guesses: Guesses = LIKELY, seed: int = 0) -> None:
@@ -54,7 +54,7 @@ class Create:
         """The demo that runs."""
         self.script = b''
         self.commands = 0
-        """Commands that were whole so far, obeyed or not."""
+        """Complete commands received so far, obeyed or not."""
         self._slots = 0
         self._epoch: float | None = None
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
@@ -64,7 +64,7 @@ class Create:
         self._forget()
 
     def _forget(self) -> None:
-        """Be as after power-on."""
+        """Return to the state after power-on."""
         self.mode = Mode.OFF
         self.script = b''
         self._queue = oi.CommandReader()
@@ -78,21 +78,21 @@ class Create:
         self.speaker = Speaker()
         self.body.allow_charging(True)
 
-    # The line.
+    # The serial line.
 
     def receive(self, data: bytes, now: float, baud: int | None = None) -> None:
         """
-        Hear bytes that the host sent, at `now` seconds.
+        Take bytes that the host sent, at `now` seconds.
 
-        `baud` is the rate the host is set to; where it is not the robot's, both hear garbage.
+        `baud` is the host's rate; if it is not the robot's, both sides receive garbage.
         """
         self.poll(now)
         self._uart.host_baud = baud
         for start in range(0, len(data), CHUNK):
-            self._hear(data[start:start + CHUNK])
+            self._read(data[start:start + CHUNK])
 
     def data_to_send(self) -> bytes:
-        """Return what the robot has said since the last call."""
+        """Return the bytes that the robot has sent since the last call."""
         return self._uart.take()
 
     @property
@@ -101,10 +101,10 @@ class Create:
         return self._uart.baud
 
     def host_baud(self, baud: int | None) -> None:
-        """Learn of the rate the host is set to before it says anything; None: the right one."""
+        """Set the host's rate before it sends anything; None: the same as the robot's."""
         self._uart.host_baud = baud
 
-    def _hear(self, data: bytes) -> None:
+    def _read(self, data: bytes) -> None:
         if not self._listening:
             return
         data = self._uart.receive(data, self.time)
@@ -114,12 +114,12 @@ class Create:
 
     @property
     def _listening(self) -> bool:
-        """Manual: Wait Commands, 'nor does it react to any inputs, serial or otherwise'."""
+        """Whether bytes are read (manual: Wait Commands, 'nor does it react to any inputs')."""
         return self._running and self._wait is None and not self._script_plays
 
     @property
     def waiting(self) -> bool:
-        """Tell whether a wait command makes the robot deaf."""
+        """Whether a wait command keeps the robot from reading bytes."""
         return self._wait is not None
 
     @property
@@ -127,28 +127,28 @@ class Create:
         return self._power.on and not self._power.booting(self.time)
 
     def _obey_queue(self) -> bytes:
-        """Obey what is in the input queue until it waits; return what a played script put off."""
-        put_off = b''
+        """Obey the input queue up to a wait; return the bytes that a played script delays."""
+        delayed = b''
         while self._wait is None and self._running:
             match self._queue.next_event():
                 case None:
                     self._script_plays = False
-                    return put_off
+                    return delayed
                 case oi.UnknownOpcode(byte):
                     if byte == RESET_OPCODE and self.guesses.opcode_7_resets:
                         self._boot()
                 case oi.PlayScript() if self.mode in oi.PlayScript.modes and self.script:
-                    put_off = self._load_script() or put_off
+                    delayed = self._load_script() or delayed
                 case oi.Command() as command:
                     self._obey(command)
         return b''
 
     def _load_script(self) -> bytes:
-        """Put the script into the input queue; return the host's bytes that were behind it."""
+        """Put the script into the input queue; return the host's bytes that it replaces."""
         behind = self._queue.clear()
         self._queue.feed(self.script)
         if self._script_plays:
-            # A script that plays itself again takes at least one slot for a round.
+            # A script that plays itself takes at least one slot for each round.
             self._wait = scripts.until_slot(lambda: self._slots, 1)
             return b''
         self._script_plays = True
@@ -158,19 +158,19 @@ class Create:
 
     @property
     def time(self) -> float:
-        """Seconds of the robot's own clock: whole slots since the first time it was told."""
-        return self._slots * oi.SLOT
+        """Seconds on the robot's clock: whole slots since the first `poll` or `receive`."""
+        return self._slots * SLOT
 
     def poll(self, now: float) -> None:
-        """Live on until `now`, in seconds; the first call tells where time begins."""
+        """Advance to `now`, in seconds; the first call sets the start of the robot's clock."""
         if self._epoch is None:
             self._epoch = now
-        due = int((now - self._epoch) / oi.SLOT + EARLY)
+        due = int((now - self._epoch) / SLOT + TOLERANCE)
         while self._slots < due:
             self._slot()
 
     def _slot(self) -> None:
-        self.body.step(oi.SLOT)
+        self.body.step(SLOT)
         self._slots += 1
         self._telemetry.refresh()
         if self._power.on and self.body.battery_flat:
@@ -191,7 +191,7 @@ class Create:
             self._uart.stream(self._telemetry.frame(self._own_values()), self.time)
 
     def _go_on(self) -> None:
-        """Let the demo and the script do their next thing."""
+        """Advance the demo and the script by a slot."""
         if self._behaviour is not None and next(self._behaviour, ENDED) is ENDED:
             self._run_demo(None)
         if self._wait is not None and self._wait():
@@ -199,7 +199,7 @@ class Create:
             self._obey_queue()
 
     def _stay_safe(self, sensed: Sensed) -> None:
-        """Manual: Safe Mode.  A demo heeds a wheel drop and the charger too (guess)."""
+        """Stop for hazards in Safe mode (manual); drop and charger end a demo too (guess)."""
         guarded = self.mode is Mode.SAFE or self.demo is not None
         if not guarded:
             return
@@ -216,11 +216,11 @@ class Create:
 
     @property
     def powered(self) -> bool:
-        """Tell whether the robot is on."""
+        """Whether the robot is switched on."""
         return self._power.on
 
     def power(self, on: bool, now: float) -> None:
-        """Switch the robot on or off with its power button; a flat battery switches nothing on."""
+        """Switch the robot on or off; with an empty battery it stays off."""
         self.poll(now)
         if on and not self._power.on and not self.body.battery_flat:
             self._boot()
@@ -237,7 +237,7 @@ class Create:
         self.power(not self._power.on, now)
 
     def lose_battery(self, now: float) -> None:
-        """Take the battery out and put it back in: on as before, with nothing remembered."""
+        """Take the battery out and put it back: the robot restarts if it was on."""
         self.poll(now)
         self._power.default_baud = DEFAULT_BAUD
         if self._power.on:
@@ -259,7 +259,7 @@ class Create:
             self._uart.baud = SLOW_BAUD
 
     def _watch_buttons(self, sensed: Sensed) -> None:
-        """Without a host's control, Advance chooses a demo and Play plays and stops it."""
+        """In Off and Passive, Advance selects a demo, Play starts and stops it."""
         before, self._pressed = self._pressed, (sensed.play, sensed.advance)
         if self.mode in oi.ACTUATE:
             return
@@ -283,7 +283,7 @@ class Create:
         self.body.allow_charging(mode is Mode.PASSIVE)
 
     def _run_demo(self, demo: oi.DemoNumber | None) -> None:
-        """Begin a demo, or end the one that runs."""
+        """Start a demo; None ends the one that runs."""
         if self.demo is not None:
             self.actuators.turn_wheels(Wheels())
         self.demo = demo
@@ -294,7 +294,7 @@ class Create:
 
     @property
     def lights(self) -> Lights:
-        """The LEDs as they shine: the host's in Safe and Full, else the robot's own (guess)."""
+        """The LEDs as they are lit: by the host in Safe and Full, else by the robot (guess)."""
         if not self._power.on or self.mode in oi.ACTUATE:
             return self.actuators.lights if self._power.on else DARK
         sensed = self.body.sense()
@@ -311,7 +311,7 @@ class Create:
 
     @property
     def note(self) -> int:
-        """The MIDI number of the note that sounds now; 0 when all is quiet."""
+        """The MIDI number of the note that sounds now; 0 for silence."""
         return self.speaker.note(self.time)
 
     # Commands.
@@ -377,7 +377,7 @@ class Create:
             self._queue.clear()
 
     def _own_values(self) -> dict[str, int]:
-        """Return the values of the packets that are no sensors of the body."""
+        """Return the values of the packets that do not come from the body."""
         return {
             'oi_mode': self.mode, 'song_number': self.speaker.number,
             'song_playing': self.speaker.song_playing(self.time), **self.actuators.requested,
