@@ -1,4 +1,4 @@
-"""The battery and what hangs on it: drain, the charger's stages, temperature, overcurrent."""
+"""The battery: drain, charging states, temperature, overcurrent of the drivers."""
 
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""The simulated robot's motion, encoders and what somebody can do to it by hand."""
+"""The simulated robot's motion and encoders, and what somebody can do to it by hand."""
 
 import math
 from random import Random
@@ -188,7 +188,7 @@ def test_reading_in_every_frame_a_slow_drive_never_shows_under_truncation():
 @pytest.mark.parametrize(('rounding', 'total'), [
     (Rounding.TRUNCATE, 200), (Rounding.ROUND, 400), (Rounding.CARRY, 300)])
 def test_reading_in_every_frame_adds_up_by_the_rounding(rounding, total):
-    # 1.5 mm a frame, less or more by a grain that settles which way the halves go.
+    # Slightly more than 1.5 mm a frame, so that halves are rounded up.
     body = body_at_speed(0.1001, 0.1001, rounding=rounding)
     read = sum((body.step(FRAME), body.take_distance())[1] for _ in range(200))
     assert read == pytest.approx(total, abs=1)
@@ -456,7 +456,7 @@ def test_the_outside_cannot_break_the_physics(act):
 
 # Forced sensors.
 
-def test_a_forced_sensor_lies_over_the_physics_until_it_is_given_back():
+def test_a_forced_sensor_replaces_the_physics_until_it_is_released():
     body = Body(World())
     body.force(bump_left=True, analog=700)
     run(body, 1)
@@ -504,7 +504,7 @@ def test_a_sensor_that_is_not_there_is_refused():
        st.lists(st.floats(0, 50), min_size=3, max_size=3), st.booleans(),
        st.sampled_from(['room', 'apartment', 'table', 'empty']))
 @settings(max_examples=80, deadline=None)
-def test_readings_stay_in_the_manuals_ranges(forced, charge, temperature, loads, lifted, name):
+def test_sensors_stay_in_the_manuals_ranges(forced, charge, temperature, loads, lifted, name):
     body = Body(shipped(name), seed=3)
     for field, value in forced.items():
         low, high = RANGES[field]
@@ -539,12 +539,12 @@ def test_the_same_seed_gives_the_same_robot():
     assert story(5) != story(6)
 
 
-def test_looking_twice_at_one_moment_shows_the_same():
+def test_sense_is_cached_until_something_changes():
     body = Body(World())
     assert body.sense() is body.sense()
 
 
-def test_looking_does_not_change_the_motion():
+def test_reading_the_sensors_does_not_change_the_motion():
     blind, seeing = Body(shipped('room')), Body(shipped('room'))
     for body in (blind, seeing):
         body.drive(right=0.3, left=0.2)

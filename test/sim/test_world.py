@@ -1,4 +1,4 @@
-"""Rooms as text, and what a robot senses in them."""
+"""Room files, and what a robot senses in rooms."""
 
 import math
 

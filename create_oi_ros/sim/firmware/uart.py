@@ -22,19 +22,19 @@ LONGEST_REPLY = 1 << 14
 """Bytes; more than any reply has, so only a host that never stops asking loses some."""
 
 
-def heard(data: bytes, sent_at: int, heard_at: int) -> bytes:
+def resampled(data: bytes, sent_at: int, read_at: int) -> bytes:
     """
     Return the bytes that a receiver at one rate reads from bytes sent at another (bits/s).
 
     The line is sampled as a UART does it: a falling edge, then eight bits, each in its middle.
     """
-    if sent_at == heard_at:
+    if sent_at == read_at:
         return data
     levels: list[int] = []
     for byte in data:
         levels += [0, *(byte >> place & 1 for place in range(8)), 1]
-    line, end = levels + [1] * (BITS_PER_BYTE * (1 + sent_at // heard_at)), len(levels)
-    ratio = sent_at / heard_at
+    line, end = levels + [1] * (BITS_PER_BYTE * (1 + sent_at // read_at)), len(levels)
+    ratio = sent_at / read_at
     received = bytearray()
     at = 0.0
     while at < end:
@@ -80,7 +80,7 @@ class Uart:
         if self.paused(time):
             return b''
         if self.host_baud not in (None, self.baud):
-            data = heard(data, self.host_baud or self.baud, self.baud)
+            data = resampled(data, self.host_baud or self.baud, self.baud)
         return self._without_overrun(data, time) if self._overrun else data
 
     def _without_overrun(self, data: bytes, time: float) -> bytes:
@@ -111,7 +111,7 @@ class Uart:
         data = data[:max(0, room - int((start - time) / byte_time))]
         self._wire_free = start + len(data) * byte_time
         if self.host_baud not in (None, self.baud):
-            data = heard(data, self.baud, self.host_baud or self.baud)
+            data = resampled(data, self.baud, self.host_baud or self.baud)
         self._out += data
 
     def take(self) -> bytes:
