@@ -25,7 +25,8 @@ from ..timing import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
 from .actuators import ActuatorState, DARK, Lights, Wheels
-from .demo_behaviors import Controls, Demo, DEMOS
+from .demo_behaviors import Controls
+from .demo_player import DemoPlayer
 from .guesses import Guesses, LIKELY
 from .limits import obeyable
 from .power import BANNER, Power
@@ -36,8 +37,6 @@ RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""
 CHUNK = 256
 """Bytes that are interpreted at once, so that the cost of a flood only grows with its length."""
-ENDED = object()
-"""Returned by `next` when a demo has ended."""
 
 
 class Create:
@@ -50,8 +49,6 @@ class Create:
         self.mode = Mode.OFF
         self.actuators = ActuatorState(body)
         self.speaker = Speaker()
-        self.demo: oi.DemoNumber | None = None
-        """The demo that runs."""
         self.script = b''
         self.commands = 0
         """Complete commands received so far, obeyed or not."""
@@ -60,20 +57,18 @@ class Create:
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
         self._power = Power()
         self._telemetry = sensing.Telemetry(body, checksum)
-        self._controls = Controls(body, self.actuators, Random(seed), self._sound)
-        self._forget()
+        self._demos = DemoPlayer(Controls(body, self.actuators, Random(seed), self._sound))
+        self._reset()
 
-    def _forget(self) -> None:
+    def _reset(self) -> None:
         """Return to the state after power-on."""
         self.mode = Mode.OFF
         self.script = b''
         self._queue = oi.CommandReader()
         self._script_plays = False
         self._wait: scripts.Over | None = None
-        self._telemetry.forget()
-        self._selected = oi.DemoNumber.COVER
-        self._pressed = (False, False)
-        self._run_demo(None)
+        self._telemetry.reset()
+        self._demos.reset()
         self.actuators.reset()
         self.speaker = Speaker()
         self.body.allow_charging(True)
@@ -184,7 +179,7 @@ class Create:
             return
         self._stay_safe(sensed)
         if self._wait is None:
-            self._watch_buttons(sensed)
+            self._demos.watch_buttons(sensed, enabled=self.mode not in oi.ACTUATE)
         self._go_on()
         if self._telemetry.streaming and (
                 self._wait is None or self.guesses.stream_while_waiting):
@@ -192,8 +187,7 @@ class Create:
 
     def _go_on(self) -> None:
         """Advance the demo and the script by a slot."""
-        if self._behaviour is not None and next(self._behaviour, ENDED) is ENDED:
-            self._run_demo(None)
+        self._demos.step()
         if self._wait is not None and self._wait():
             self._wait = None
             self._obey_queue()
@@ -210,7 +204,7 @@ class Create:
         if charger or edge or scripts.wheel_drop(sensed):
             if self.mode is Mode.SAFE:
                 self._enter(Mode.PASSIVE)
-            self._run_demo(None)
+            self._demos.stop()
 
     # Power and buttons.
 
@@ -229,7 +223,7 @@ class Create:
 
     def _switch_off(self) -> None:
         self._power.on = False
-        self._forget()
+        self._reset()
         self.body.power(False)
 
     def toggle_power(self, now: float) -> None:
@@ -244,7 +238,7 @@ class Create:
             self._boot()
 
     def _boot(self) -> None:
-        self._forget()
+        self._reset()
         self.body.power(True)
         self._power.switch_on(self.time, self.guesses.boot_seconds, self.body.sense().play)
         self._uart.reset(self._power.default_baud, self.time)
@@ -258,21 +252,10 @@ class Create:
         if self._power.pin_pulsed(sensed.device_detect, self.time):
             self._uart.baud = SLOW_BAUD
 
-    def _watch_buttons(self, sensed: Sensed) -> None:
-        """In Off and Passive, Advance selects a demo, Play starts and stops it."""
-        before, self._pressed = self._pressed, (sensed.play, sensed.advance)
-        if self.mode in oi.ACTUATE:
-            return
-        if sensed.advance and not before[1]:
-            numbers = list(DEMOS)
-            self._selected = numbers[(numbers.index(self._selected) + 1) % len(numbers)]
-        if sensed.play and not before[0]:
-            self._run_demo(self._selected if self.demo is None else None)
-
     # Modes and demos.
 
     def _enter(self, mode: Mode) -> None:
-        self._run_demo(None)
+        self._demos.stop()
         if mode is Mode.PASSIVE:
             self.actuators.turn_wheels(Wheels())
             if self.guesses.passive_stops_drivers:
@@ -282,12 +265,10 @@ class Create:
         self.mode = mode
         self.body.allow_charging(mode is Mode.PASSIVE)
 
-    def _run_demo(self, demo: oi.DemoNumber | None) -> None:
-        """Start a demo; None ends the one that runs."""
-        if self.demo is not None:
-            self.actuators.turn_wheels(Wheels())
-        self.demo = demo
-        self._behaviour: Demo | None = DEMOS[demo](self._controls) if demo is not None else None
+    @property
+    def demo(self) -> oi.DemoNumber | None:
+        """The demo that runs."""
+        return self._demos.demo
 
     def _sound(self, notes: Sequence[oi.Note]) -> None:
         self.speaker.sound(notes, self.time)
@@ -347,14 +328,16 @@ class Create:
         match command:
             case oi.Baud(code=code):
                 self._change_baud(oi.BaudCode(code).rate)
+            case oi.Demo(demo=oi.DemoNumber.ABORT):
+                self._demos.stop()
             case oi.Demo(demo=demo):
-                self._run_demo(None if demo == oi.DemoNumber.ABORT else oi.DemoNumber(demo))
+                self._demos.start(oi.DemoNumber(demo))
             case oi.Cover():
-                self._run_demo(oi.DemoNumber.COVER)
+                self._demos.start(oi.DemoNumber.COVER)
             case oi.CoverAndDock():
-                self._run_demo(oi.DemoNumber.COVER_AND_DOCK)
+                self._demos.start(oi.DemoNumber.COVER_AND_DOCK)
             case oi.Spot():
-                self._run_demo(oi.DemoNumber.SPOT_COVER)
+                self._demos.start(oi.DemoNumber.SPOT_COVER)
             case oi.Script(script=script):
                 self.script = script
             case oi.ShowScript():

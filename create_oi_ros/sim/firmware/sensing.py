@@ -102,9 +102,9 @@ class Telemetry:
         self._take = {'distance': body.take_distance, 'angle': body.take_angle}
         self.frames = 0
         """Frames made so far."""
-        self.forget()
+        self.reset()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Return to the state after power-on."""
         self.streaming = False
         """Whether a frame is sent in every slot."""
