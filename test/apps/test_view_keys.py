@@ -9,7 +9,7 @@ import pytest
 
 from create_oi_ros.apps.view.keys import action_of, Ask, BINDINGS, Drive, Keyboard, Own, SONG, STOP
 from create_oi_ros.apps.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
-from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.services import SERVICES
 
 ROOT = Path(__file__).parents[2]
 TYPES = {service.name: service.type for service in SERVICES}
