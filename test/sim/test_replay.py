@@ -87,7 +87,7 @@ def test_it_starts_when_the_host_sends_as_the_captured_one_did() -> None:
     assert robot.due() == pytest.approx(200.5)
     assert at(robot, 200.6) == b'after' and not robot.over
     assert at(robot, 202) == b'' and robot.over and robot.due() > 1e9
-    assert (robot.said, robot.heard, robot.heard_then, robot.time) == (11, 3, 1, 4.0)
+    assert (robot.sent, robot.received, robot.received_then, robot.time) == (11, 3, 1, 4.0)
 
 
 def test_a_port_that_was_lost_comes_back_and_waits_for_the_host() -> None:

@@ -139,13 +139,13 @@ class BaudPin:
     SLACK = SLOT - TOLERANCE
     """Error of a measured pulse, seconds: the pin is read once in a slot."""
 
-    __slots__ = ('_count', '_high', '_since', '_deaf_until')
+    __slots__ = ('_count', '_high', '_since', '_ignored_until')
 
     def __init__(self, power_on: float) -> None:
         self._count = 0
         self._high = True
         self._since = power_on
-        self._deaf_until = power_on + self.AFTER_POWER_ON
+        self._ignored_until = power_on + self.AFTER_POWER_ON
 
     def see(self, high: bool, time: float) -> bool:
         """Look at the pin; True when the third pulse has just ended."""
@@ -158,7 +158,7 @@ class BaudPin:
                 self._count = 0
             return False
         right = self.SHORTEST - self.SLACK <= lasted <= self.LONGEST + self.SLACK
-        begun = time - lasted >= self._deaf_until
+        begun = time - lasted >= self._ignored_until
         self._count = self._count + 1 if right and begun else 0
         if self._count < self.PULSES:
             return False

@@ -128,7 +128,7 @@ class Interpreter:
                 raise ValueError(f'no {name!r}; allowed: {", ".join(known)}')
             if compare not in (operator.eq, operator.ne) and not (
                     isinstance(value, float) and isinstance(known[name], int | float)):
-                raise ValueError(f'{name} is not compared with a number; allowed: = and !=')
+                raise ValueError(f'{name} and {value!r} are not both numbers; allowed: = and !=')
 
         def met() -> bool:
             facts = self._known()

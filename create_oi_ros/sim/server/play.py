@@ -93,5 +93,5 @@ def play(
         try:
             player.serve()
         finally:
-            print(f'Played {replay.time:.1f} s: {replay.said} bytes to the host, {replay.heard} '
-                  f'bytes from it ({replay.heard_then} when it was captured).', flush=True)
+            print(f'Played {replay.time:.1f} s: {replay.sent} bytes to the host, {replay.received} '
+                  f'bytes from it ({replay.received_then} when it was captured).', flush=True)

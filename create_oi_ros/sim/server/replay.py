@@ -25,19 +25,19 @@ class Replay:
         self._ahead: deque[Record] = deque()
         self._origin: float | None = None
         """When the capture started, on the host's clock; None until the host sends a byte."""
-        self._said = bytearray()
+        self._unsent = bytearray()
         self.plugged = True
         """Whether the port is present."""
         self.over = False
         """Whether all records were replayed."""
         self.time = 0.0
         """Time of the capture up to which it was replayed."""
-        self.said = self.heard = self.heard_then = 0
+        self.sent = self.received = self.received_then = 0
         """Bytes sent to the host, received from it, and received then from the captured host."""
 
     def receive(self, data: bytes, now: float) -> None:
         """Take bytes from the host; the first ones start the replay."""
-        self.heard += len(data)
+        self.received += len(data)
         if data and self._origin is None:
             self._origin = now - self._host_started_at()
 
@@ -56,10 +56,10 @@ class Replay:
             self.time = record.time / MICROSECONDS
             match record.kind:
                 case Kind.FROM_ROBOT:
-                    self._said += record.data
-                    self.said += len(record.data)
+                    self._unsent += record.data
+                    self.sent += len(record.data)
                 case Kind.TO_ROBOT:
-                    self.heard_then += len(record.data)
+                    self.received_then += len(record.data)
                 case Kind.LOST:
                     self.plugged = False
                 case Kind.OPENED if not self.plugged:
@@ -80,6 +80,6 @@ class Replay:
 
     def data_to_send(self) -> bytes:
         """Return the bytes sent since the last call."""
-        said = bytes(self._said)
-        self._said.clear()
-        return said
+        sent = bytes(self._unsent)
+        self._unsent.clear()
+        return sent
