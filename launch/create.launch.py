@@ -1,5 +1,5 @@
 """
-One Create: its driver, its model, and, as wished, a simulated robot and RViz.
+One Create: its driver and model, and on request a simulated robot and RViz.
 
     ros2 launch create_oi_ros create.launch.py port:=/dev/ttyUSB0
     ros2 launch create_oi_ros create.launch.py simulated:=true rviz:=true
@@ -30,7 +30,7 @@ ARGUMENTS = {
 
 
 def nodes(context):
-    """Return what the arguments ask for."""
+    """Return the nodes that the arguments ask for."""
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     asked = {name: value[name].lower() in ('true', '1', 'yes')
              for name in ('simulated', 'description', 'rviz')}
@@ -44,7 +44,7 @@ def nodes(context):
         package='create_oi_ros', executable='create_node', namespace=namespace, output='screen',
         parameters=[value['params'], {
             'port': port, 'odom_frame': f'{prefix}odom', 'base_frame': f'{prefix}base_footprint',
-            # An empty one would be taken for no string at all.
+            # Launch does not pass an empty value on as a string.
             **({'capture': value['capture']} if value['capture'] else {})}],
         on_exit=EmitEvent(event=Shutdown(reason='create_node has ended'))))
     if asked['description']:
@@ -61,7 +61,7 @@ def nodes(context):
 
 
 def simulator(port, world):
-    """Return the process of a simulated robot; it is no ROS node and takes no --ros-args."""
+    """Return the process of a simulated robot, which is no ROS node and takes no --ros-args."""
     program = os.path.join(
         get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
     return ExecuteProcess(cmd=[program, '--link', port, '--world', world], output='screen')
