@@ -93,5 +93,6 @@ def play(
         try:
             player.serve()
         finally:
-            print(f'Played {replay.time:.1f} s: {replay.sent} bytes to the host, {replay.received} '
-                  f'bytes from it ({replay.received_then} when it was captured).', flush=True)
+            print(f'Played {replay.time:.1f} s: {replay.sent} bytes to the host, '
+                  f'{replay.received} bytes from it '
+                  f'({replay.received_then} when it was captured).', flush=True)
