@@ -1,4 +1,4 @@
-"""A run is captured by the real node and played again: the same bytes, the same readings."""
+"""The real node captures a run, `create_sim` replays it: same bytes, same readings."""
 
 from itertools import pairwise
 from math import hypot
@@ -28,13 +28,13 @@ from support.simulator import opened, receive, simulator
 
 SECOND = 1_000_000
 LOSS = 2.0
-"""Seconds of the line that may be missing after kill -9, on a busy computer."""
+"""Seconds of a capture that may be missing after kill -9 on a busy computer."""
 NEAR = 0.01
-"""Metres between two odometries of the same readings at slightly other times."""
+"""Metres by which odometry may differ for the same readings at slightly other times."""
 
 
 def read(path: Path) -> tuple[list[Record], str]:
-    """Return the records of a file, and what is wrong with it."""
+    """Return the records of a file, and the error if there is one."""
     records = []
     try:
         for record in records_of([path.read_bytes()], CaptureReader()):
@@ -68,12 +68,12 @@ def replay(*records: tuple[float, RecordKind, bytes]) -> Replay:
 
 
 def at(robot: Replay, now: float) -> bytes:
-    """Return what is said until then."""
-    robot.step(now)
+    """Return the bytes that are sent up to a time."""
+    robot.poll(now)
     return robot.data_to_send()
 
 
-def test_it_begins_when_the_host_speaks_as_the_captured_one_did() -> None:
+def test_it_starts_when_the_host_sends_as_the_captured_one_did() -> None:
     robot = replay(
         (1, RecordKind.OPENED, b''), (2, RecordKind.FROM_ROBOT, b'before'),
         (3, RecordKind.TO_ROBOT, b'\x80'),
@@ -88,7 +88,7 @@ def test_it_begins_when_the_host_speaks_as_the_captured_one_did() -> None:
     assert robot.due() == pytest.approx(200.5)
     assert at(robot, 200.6) == b'after' and not robot.over
     assert at(robot, 202) == b'' and robot.over and robot.due() > 1e9
-    assert (robot.said, robot.heard, robot.heard_then, robot.time) == (11, 3, 1, 4.0)
+    assert (robot.sent, robot.received, robot.received_then, robot.time) == (11, 3, 1, 4.0)
 
 
 def test_a_port_that_was_lost_comes_back_and_waits_for_the_host() -> None:
@@ -140,7 +140,7 @@ def test_a_capture_that_is_cut_short_is_played_up_to_the_cut(tmp_path: Path) -> 
     (None, 'No such file'), (b'', 'empty'), (b'PK\3\4', 'no capture'),
     (encode_head({}) + b'\7\0', 'damaged'),
 ])
-def test_what_cannot_be_played_gets_a_sentence(
+def test_a_file_that_cannot_be_replayed_is_refused_in_one_line(
         tmp_path: Path, content: bytes | None, words: str) -> None:
     if content is not None:
         (tmp_path / 'c').write_bytes(content)
@@ -151,10 +151,10 @@ def test_what_cannot_be_played_gets_a_sentence(
 
 
 @pytest.mark.parametrize('option', ['--world=room', '--fault=cut:1', '--show', '--wire-time'])
-def test_what_is_simulated_otherwise_is_refused(tmp_path: Path, option: str) -> None:
+def test_an_option_of_the_simulation_is_refused(tmp_path: Path, option: str) -> None:
     with simulator('--replay', tmp_path / 'c', option) as sim:
         code, _, errors = sim.ended()
-    assert code == 2 and f'{option.partition("=")[0]}: with --replay' in errors
+    assert code == 2 and f'{option.partition("=")[0]} does not work with --replay' in errors
 
 
 # The node.
@@ -178,7 +178,7 @@ def drive(stage: Scene, odom: list[Odometry]) -> None:
 
 
 def way(odom: list[Odometry]) -> float:
-    """Return how far a robot has gone."""
+    """Return the distance from the start, metres."""
     places = [each.pose.pose.position for each in odom]
     return sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(places))
 
@@ -242,7 +242,7 @@ def test_a_capture_that_cannot_be_written_is_refused_at_start(
 
 # The port and the file alone.
 
-def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
+def test_bytes_of_both_directions_are_captured_in_order(tmp_path: Path) -> None:
     robot, host = os.openpty()
     file, path = new_file(str(tmp_path / 'c'))
     capture = Capture(file, {}, print)
