@@ -5,15 +5,15 @@ The ROS interface as Markdown tables and as a parameter file, made from the decl
 their markers, a parameter file as a whole.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 import json
 from pathlib import Path
-import re
 import sys
 from textwrap import wrap
 from typing import Any
 
+from ..oi.tools import markdown
 from .parameters import Parameters
 from .services import SERVICES
 from .topics import PUBLISHED
@@ -28,22 +28,16 @@ def type_name(type_: type) -> str:
     return f'{package}/{type_.__name__}'
 
 
-def table(*columns: str, rows: Iterable[tuple[str, ...]]) -> str:
-    """Lay out a Markdown table."""
-    lines = [columns, tuple('---' for _ in columns), *rows]
-    return '\n'.join(f'| {" | ".join(line)} |' for line in lines)
-
-
 def topics() -> str:
     """Return the published topics."""
-    return table('topic', 'type', 'when', 'what', rows=(
+    return markdown.table(('topic', 'type', 'when', 'what'), (
         (f'`{topic.name}`', type_name(topic.type), topic.when, topic.about)
         for topic in PUBLISHED))
 
 
 def services() -> str:
     """Return the services."""
-    return table('service', 'type', 'what', rows=(
+    return markdown.table(('service', 'type', 'what'), (
         (f'`{service.name}`', type_name(service.type), service.about) for service in SERVICES))
 
 
@@ -60,7 +54,7 @@ def parameters() -> str:
         rows.append((
             f'`{declared.name}`', f'`{default}`', allowed,
             'at start' if facts['fixed'] else 'any time', facts['description']))
-    return table('parameter', 'default', 'allowed', 'set', 'what', rows=rows)
+    return markdown.table(('parameter', 'default', 'allowed', 'set', 'what'), rows)
 
 
 TABLES = {'topics': topics, 'services': services, 'parameters': parameters}
@@ -90,12 +84,8 @@ def _allowed(facts: Mapping[str, Any]) -> str:
 
 
 def rewritten(text: str) -> str:
-    """Return a document with its tables made afresh."""
-    for name, make in TABLES.items():
-        marked = re.compile(f'(<!-- {name} -->\n).*?(<!-- end -->)', re.DOTALL)
-        made = make()
-        text = marked.sub(rf'\1{made}\n\2', text)
-    return text
+    """Return a page with its tables made again."""
+    return markdown.rewritten(text, '|'.join(TABLES), lambda name: TABLES[name]())
 
 
 if __name__ == '__main__':
