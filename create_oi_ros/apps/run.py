@@ -5,65 +5,28 @@ Without `--port` the robot is a simulated one on a pseudo terminal.
 """
 
 import argparse
-from math import atan2, degrees
+from math import degrees
 import os
 from pathlib import Path
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 
 from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
 from .. import oi
-from ..ros.process import call_on_signal, end_with_parent, spin_until
-from ..ros.programs import PROGRAMS
+from ..ros.children import Children
+from ..ros.process import call_on_signal, ros_executor, spin_until
+from ..ros.rotation import yaw_of
 
-GRACE = 1.5
-"""Seconds that a child has to end by itself once it was asked to."""
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MODES = {**{mode.value: mode.name for mode in oi.Mode}, Mode.UNKNOWN: 'NO ROBOT'}
-
-
-class Children:
-    """The processes that were started, in the order in which they are to end."""
-
-    def __init__(self) -> None:
-        self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
-
-    def start(self, program: str, *arguments: str) -> None:
-        """Start one of our executables, out of reach of the terminal's Ctrl-C."""
-        command = [sys.executable, '-c', PROGRAMS[program], *arguments]
-        process = subprocess.Popen(command, start_new_session=True, preexec_fn=end_with_parent)
-        self._processes.insert(0, (program, process))
-
-    def ended(self) -> str | None:
-        """Name a process that has ended, with its exit code."""
-        for program, process in self._processes:
-            if process.poll() is not None:
-                return f'{program} has ended with exit code {process.returncode}'
-        return None
-
-    def end(self) -> None:
-        """End all: the node first, so that it can say goodbye to the robot."""
-        for _, process in self._processes:
-            if process.poll() is None:
-                process.send_signal(signal.SIGINT)
-            try:
-                process.wait(GRACE)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
 
 
 class Status(Node):
@@ -122,7 +85,7 @@ class Status(Node):
         if self._odom is None:
             return 'no odometry yet'
         pose, twist = self._odom.pose.pose, self._odom.twist.twist
-        yaw = degrees(2 * atan2(pose.orientation.z, pose.orientation.w))
+        yaw = degrees(yaw_of(pose.orientation))
         return (f'x {pose.position.x:+.3f} m  y {pose.position.y:+.3f} m  yaw {yaw:+6.1f} deg  '
                 f'{twist.linear.x:+.2f} m/s  {twist.angular.z:+.2f} rad/s')
 
@@ -152,16 +115,11 @@ def introduction(port: str, simulated: bool) -> str:
 
 
 def _watch(children: Children, ended: Future) -> int:
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    status = Status(children, ended)
-    executor = SingleThreadedExecutor()
-    executor.add_node(status)
-    spin_until(executor, ended)
-    # Ending the children comes before tearing down: the robot may be moving.
-    children.end()
-    executor.shutdown()
-    status.destroy_node()
-    rclpy.shutdown()
+    with ros_executor() as executor:
+        executor.add_node(Status(children, ended))
+        spin_until(executor, ended)
+        # Before ROS shuts down: the robot may be moving.
+        children.end()
     return int(ended.result())
 
 

@@ -6,7 +6,7 @@ more than sending it. Publishing copies, so nobody sees a message change.
 """
 
 from collections.abc import Callable
-from math import cos, nan, sin
+from math import nan
 
 from builtin_interfaces.msg import Time
 from create_oi_msgs.msg import (
@@ -22,7 +22,6 @@ from create_oi_msgs.msg import (
     Wall,
     WheelDrop,
 )
-from geometry_msgs.msg import Quaternion
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 from std_msgs.msg import Header
@@ -46,8 +45,9 @@ from ..oi import (
 )
 from ..oi.script import commands_of
 from ..oi.tools.text import format_commands, parse_script
+from ..robot import MILLI
+from .rotation import set_yaw
 
-MILLI = 0.001
 VOLTS_PER_STEP = 5 / 1023
 """Of the analog input (manual: Cargo Bay Analog Signal)."""
 NANOSECONDS = 1_000_000_000
@@ -79,12 +79,6 @@ def header(frame: str, stamp: Time) -> Header:
     return Header(frame_id=frame, stamp=stamp)
 
 
-def turn(rotation: Quaternion, yaw: float) -> None:
-    """Make it a rotation about the vertical."""
-    rotation.z = sin(yaw / 2)
-    rotation.w = cos(yaw / 2)
-
-
 def unmeasured() -> list[float]:
     """Return a covariance over the six axes of ROS that knows none of them."""
     return [NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
@@ -104,7 +98,7 @@ def odometry(message: Odometry) -> Callable[[Estimate], None]:
 
     def fill(estimate: Estimate) -> None:
         position.x, position.y = estimate.x, estimate.y
-        turn(orientation, estimate.yaw)
+        set_yaw(orientation, estimate.yaw)
         for place, known in zip(POSE_PLACES, estimate.pose_covariance):
             of_pose[place] = known
         linear.x, angular.z = estimate.linear, estimate.angular
@@ -120,7 +114,7 @@ def transforms(message: TFMessage) -> Callable[[Estimate], None]:
 
     def fill(estimate: Estimate) -> None:
         translation.x, translation.y = estimate.x, estimate.y
-        turn(rotation, estimate.yaw)
+        set_yaw(rotation, estimate.yaw)
     return fill
 
 

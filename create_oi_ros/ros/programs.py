@@ -13,7 +13,7 @@ MODULES = {
     'create_calibrate': 'apps.calibrate.create_calibrate',
     'create_demo': 'apps.demo.create_demo',
     'create_node': 'ros.node',
-    'create_record': 'apps.record.create_record',
+    'create_record': 'apps.record',
     'create_report': 'apps.report.create_report',
     'create_run': 'apps.run',
     'create_sim': 'sim.server.create_sim',

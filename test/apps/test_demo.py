@@ -17,9 +17,9 @@ pytest.importorskip('matplotlib')
 
 from create_oi_ros.apps.demo import tour
 from create_oi_ros.apps.demo.pilot import Pilot, Stopped, TourError
-from create_oi_ros.apps.record.recorder import written
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.recorder import written
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.world import shipped
 from support.ros import scene

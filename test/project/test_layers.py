@@ -41,6 +41,7 @@ RULES = {
     'ros': Rule(ours=('link', 'driver', 'odometry', 'oi', 'robot', '__version__'),
                 others=rf'{ROS}|{BAGS}', pure=False),
     'ros.messages': Rule(ours=('driver', 'odometry', 'oi', 'robot'), others=MESSAGES),
+    'ros.rotation': Rule(),
     'apps': Rule(ours=('ros', 'link', 'driver', 'odometry', 'oi', 'robot'),
                  others=rf'{ROS}|{BAGS}|matplotlib', pure=False),
 }

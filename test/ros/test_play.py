@@ -22,10 +22,10 @@ from rosbags.rosbag2 import Reader
 
 from create_oi_ros.apps.demo import tour
 from create_oi_ros.apps.demo.pilot import Pilot
-from create_oi_ros.apps.record.recorder import Recorder
 from create_oi_ros.apps.report import bag_reader as reading
 from create_oi_ros.apps.report.recording import Recording
 from create_oi_ros.apps.report.story import complaints, happenings, summary
+from create_oi_ros.ros.recorder import Recorder
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support import player
 from support.ros import scene

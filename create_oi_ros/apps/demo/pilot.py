@@ -14,6 +14,7 @@ from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from ...ros.rotation import yaw_of
 from ...ros.topics import LATCHED
 
 PERIOD = 0.05
@@ -88,8 +89,7 @@ class Pilot:
         """Where the robot looks, radians."""
         if self.odom is None:
             return 0.0
-        heading = self.odom.pose.pose.orientation
-        return 2 * atan2(heading.z, heading.w)
+        return yaw_of(self.odom.pose.pose.orientation)
 
     @property
     def standing(self) -> bool:

@@ -8,12 +8,13 @@ decoded only where it may tell something new: a sensor topic repeats itself 20 t
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import atan2, inf
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TYPE_CHECKING
 
 from ...ros.bags import BagError, DamageError, definitions, guarded, reading
+from ...ros.rotation import yaw_of
 from .recording import Curve, Recording, Span, Spans
 from .rescue import files_of, rescue, UNFINISHED, unfinished
 
@@ -91,9 +92,9 @@ class Taker:
 
     def _take_odom(self, time: float, message: Any) -> None:
         pose, twist = message.pose.pose, message.twist.twist
-        yaw = 2 * atan2(pose.orientation.z, pose.orientation.w)
         self.recording.odom.add(
-            time, pose.position.x, pose.position.y, yaw, twist.linear.x, twist.angular.z)
+            time, pose.position.x, pose.position.y, yaw_of(pose.orientation),
+            twist.linear.x, twist.angular.z)
 
     def _take_twist(self, time: float, message: Any) -> None:
         self.recording.commands.add(time, message.linear.x, message.angular.z)

@@ -11,12 +11,10 @@ import socket
 import sys
 import time
 
-import rclpy
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from ...ros.process import call_on_signal
+from ...ros.process import call_on_signal, ros_executor
 from .graph import Graph, take_in
 from .keys import action_of, Ask, Drive, Keyboard, Own, STOP
 from .picture import picture
@@ -113,17 +111,11 @@ def _view(ros_arguments: list[str], *, plain: bool) -> None:
         with suppress(OSError):  # it may be over already
             end.send(b'.')
     call_on_signal(ended)
-    rclpy.init(args=ros_arguments, signal_handler_options=SignalHandlerOptions.NO)
-    graph = Graph(State())
-    executor = SingleThreadedExecutor()
-    executor.add_node(graph)
-    try:
+    with ros_executor(ros_arguments) as executor:
+        graph = Graph(State())
+        executor.add_node(graph)
         with opened() as terminal:
             View(graph, terminal, plain=plain).run(executor, ending)
-    finally:
-        executor.shutdown()
-        graph.destroy_node()
-        rclpy.shutdown()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import atan2, hypot, inf, isfinite
+from math import hypot, inf, isfinite
 from typing import Any, NamedTuple
 
 from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
+
+from ...ros.rotation import yaw_of
 
 MOST_POINTS, MOST_MARKS = 2000, 100
 STEP = 0.02
@@ -143,8 +145,8 @@ class State:
         odom = self.get(Odometry)
         if odom is None:
             return None
-        at, turned = odom.pose.pose.position, odom.pose.pose.orientation
-        return Pose(at.x, at.y, 2 * atan2(turned.z, turned.w))
+        pose = odom.pose.pose
+        return Pose(pose.position.x, pose.position.y, yaw_of(pose.orientation))
 
     @property
     def silent(self) -> bool:

@@ -17,9 +17,9 @@ from std_msgs.msg import String
 
 from tf2_msgs.msg import TFMessage
 
-from ...ros.bags import definitions
-from ...ros.reference import type_name
-from ...ros.topics import LATCHED, PUBLISHED
+from .bags import definitions
+from .reference import type_name
+from .topics import LATCHED, PUBLISHED
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos
