@@ -15,7 +15,13 @@ from create_oi_ros.apps.view import panels
 from create_oi_ros.apps.view.canvas import Canvas
 from create_oi_ros.apps.view.keys import BINDINGS
 from create_oi_ros.apps.view.picture import KEYS, LEAST_COLUMNS, LEAST_ROWS, picture
-from create_oi_ros.apps.view.robot_state import MOST_POINTS, Note, Pose, State, Track
+from create_oi_ros.apps.view.robot_state import (
+    CallStatus,
+    MOST_POINTS,
+    OdomPose,
+    RobotState,
+    Trail,
+)
 from create_oi_ros.ros import messages as convert
 from create_oi_ros.ros import topics
 from support.anything import anything
@@ -40,24 +46,24 @@ def status(name: str, level: bytes, message: str, **values: object) -> Diagnosti
         KeyValue(key=key.replace('_', ' '), value=str(value)) for key, value in values.items()])
 
 
-def heard(*messages: object, at: float = 0.0) -> State:
+def heard(*messages: object, at: float = 0.0) -> RobotState:
     """Return a state in which these were heard."""
-    state = State(title='create_view  /create', listened=True)
+    state = RobotState(title='create_view  /create', driver_listens=True)
     for message in messages:
-        state.take(message, at)
+        state.update(message, at)
     return state
 
 
-def shown(state: State, columns: int = 80, rows: int = 24, now: float = 0.0, *,
+def shown(state: RobotState, columns: int = 80, rows: int = 24, now: float = 0.0, *,
           plain: bool = False) -> str:
     """Return what is on the screen."""
     return '\n'.join(picture(state, now, columns, rows, plain=plain).lines())
 
 
-def panel(state: State, about: str, now: float = 0.0) -> tuple[str, bool]:
-    """Return a line of the panel, and whether any of it is loud."""
+def panel(state: RobotState, about: str, now: float = 0.0) -> tuple[str, bool]:
+    """Return a line of the panel, and whether any of it is highlighted."""
     line = dict(panels.lines(state, now))[about]
-    return ' '.join(piece.text.strip() for piece in line), any(piece.loud for piece in line)
+    return ' '.join(piece.text.strip() for piece in line), any(piece.highlighted for piece in line)
 
 
 def exact(canvas: Canvas) -> bool:
@@ -70,11 +76,12 @@ def exact(canvas: Canvas) -> bool:
 
 @settings(max_examples=150, suppress_health_check=list(HealthCheck))
 @given(st.data(), SIZES, st.booleans(), st.booleans(), st.floats(0, 1e9))
-def test_any_state_fits_any_terminal(data, size, plain, helping, now):
-    state = State(title=data.draw(st.text(max_size=300)), helping=helping,
-                  note=Note(data.draw(st.text(max_size=300)), loud=True))
+def test_any_state_fits_any_terminal(data, size, plain, help_shown, now):
+    state = RobotState(
+        title=data.draw(st.text(max_size=300)), help_shown=help_shown,
+        call_status=CallStatus(data.draw(st.text(max_size=300)), highlighted=True))
     for type_ in data.draw(st.lists(st.sampled_from(HEARD), max_size=5)):
-        state.take(data.draw(anything(type_)), data.draw(st.floats(0, 1e9)))
+        state.update(data.draw(anything(type_)), data.draw(st.floats(0, 1e9)))
     state.diagnostics = {name: status(name, level, text) for name, level, text in data.draw(
         st.lists(st.tuples(st.text(), st.binary(min_size=1, max_size=1), st.text(max_size=200))))}
     state.periods = {topic.type: (topic.name, 0.05) for topic in topics.PUBLISHED}
@@ -110,7 +117,7 @@ def test_the_least_terminal_has_all_that_is_essential(about):
 def test_a_large_terminal_gives_a_large_map():
     state = heard(odom(4.0))
     for step in range(40):
-        state.take(odom(4.0 - step / 10, 0.0), step / 10)
+        state.update(odom(4.0 - step / 10, 0.0), step / 10)
 
     def dots(columns: int, rows: int) -> int:
         return sum(0x2800 <= ord(character) < 0x2900
@@ -129,7 +136,7 @@ def test_the_robot_looks_where_it_goes(eighths, arrow):
 def test_a_way_is_drawn_the_right_way_up():
     state = heard()
     for step in range(100):
-        state.take(odom(0.02 * step, 0.01 * step), 0.1 * step)
+        state.update(odom(0.02 * step, 0.01 * step), 0.1 * step)
     lines = shown(state, now=10.0).split('\n')
     row, column = next((row, line.index('→')) for row, line in enumerate(lines) if '→' in line)
     dots = [(r, c) for r, line in enumerate(lines) for c, character in enumerate(line)
@@ -140,13 +147,13 @@ def test_a_way_is_drawn_the_right_way_up():
 
 def test_bumps_and_cliffs_are_marked_where_they_happened_once():
     state = heard(odom(0.0, 0.0))
-    state.take(Bumper(left=True), 0.0)
-    state.take(Bumper(left=True, right=True), 0.1)
+    state.update(Bumper(left=True), 0.0)
+    state.update(Bumper(left=True, right=True), 0.1)
     for step in range(100):
-        state.take(odom(0.02 * step, 0.0), 0.1 * step)
-    state.take(Cliff(front_left=True), 10.0)
-    assert [(mark.sign, mark.x > 1) for mark in state.track.marks] == [('x', False), ('!', True)]
-    state.take(odom(1.0, 0.5), 12.0)
+        state.update(odom(0.02 * step, 0.0), 0.1 * step)
+    state.update(Cliff(front_left=True), 10.0)
+    assert [(mark.sign, mark.x > 1) for mark in state.trail.marks] == [('x', False), ('!', True)]
+    state.update(odom(1.0, 0.5), 12.0)
     chart = '\n'.join(line.split('│')[0] for line in shown(state, now=12.0).split('\n')[1:-4])
     assert 'x' in chart
     assert '!' in chart
@@ -156,7 +163,7 @@ def test_bumps_and_cliffs_are_marked_where_they_happened_once():
 def test_a_place_that_is_none_is_said_and_not_drawn(place):
     state = heard(odom(*place))
     assert 'no place on a map' in shown(state)
-    assert not state.track.points
+    assert not state.trail.points
 
 
 def test_a_turn_that_is_none_is_not_drawn():
@@ -166,26 +173,26 @@ def test_a_turn_that_is_none_is_not_drawn():
 
 
 def test_a_long_way_is_kept_in_few_points():
-    track = Track()
+    trail = Trail()
     for step in range(100_000):
-        track.add(Pose(0.01 * step, 0.0, 0.0), 0.1 * step)
-    assert len(track.points) <= MOST_POINTS
-    assert track.points[0] == (0.0, 0.0)
-    assert track.points[-1][0] > 990
+        trail.add(OdomPose(0.01 * step, 0.0, 0.0), 0.1 * step)
+    assert len(trail.points) <= MOST_POINTS
+    assert trail.points[0] == (0.0, 0.0)
+    assert trail.points[-1][0] > 990
 
 
 @given(st.lists(st.tuples(st.floats(-100, 100), st.floats(-100, 100)), max_size=50))
 def test_a_way_begins_again_where_the_robot_cannot_have_driven(places):
-    track = Track()
+    trail = Trail()
     for second, (x, y) in enumerate(places):
-        track.add(Pose(x, y, 0.0), second)
-    for (x0, y0), (x1, y1) in zip(track.points, track.points[1:], strict=False):
+        trail.add(OdomPose(x, y, 0.0), second)
+    for (x0, y0), (x1, y1) in zip(trail.points, trail.points[1:], strict=False):
         # Between two points lie at least a second, and those that were too near to be kept.
         assert hypot(x1 - x0, y1 - y0) <= 1.3 + 0.02
 
 
 def test_nothing_heard_is_said():
-    assert 'Nothing heard yet. Is a driver running' in shown(State(), 120)
+    assert 'Nothing heard yet. Is a driver running' in shown(RobotState(), 120)
 
 
 def test_a_text_from_outside_cannot_command_the_terminal():
@@ -197,7 +204,7 @@ def test_a_text_from_outside_cannot_command_the_terminal():
 BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage=0.9)
 
 
-@pytest.mark.parametrize(('message', 'about', 'text', 'loud'), [
+@pytest.mark.parametrize(('message', 'about', 'text', 'highlighted'), [
     (odom(1.0, -2.0), 'pose', 'x +1.000 y -2.000 m', False),
     (odom(1e5, 0.0), 'pose', 'x +1.0e+05 y +0.000 m', False),
     (odom(nan, 0.0), 'pose', 'x +nan y +0.000 m', False),
@@ -228,8 +235,8 @@ BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage
     (IrOmni(character=255), 'ir', 'none', False),
     (IrOmni(character=248, name='home_base_red_buoy'), 'ir', '248 red buoy', False),
 ])
-def test_what_the_panel_says(message, about, text, loud):
-    assert panel(heard(message), about) == (text, loud)
+def test_what_the_panel_says(message, about, text, highlighted):
+    assert panel(heard(message), about) == (text, highlighted)
 
 
 def test_an_old_command_is_not_shown_as_one():
@@ -237,7 +244,7 @@ def test_an_old_command_is_not_shown_as_one():
 
 
 def test_that_nobody_listens_is_seen():
-    assert panel(State(), 'cmd_vel') == ('nobody listens', True)
+    assert panel(RobotState(), 'cmd_vel') == ('nobody listens', True)
 
 
 def test_the_volts_stand_below_the_charge():
@@ -260,8 +267,8 @@ def test_the_link_is_told_by_the_diagnostics():
 ])
 def test_silence_is_an_alarm(wall, mode, alarms):
     state = heard(odom())
-    state.take(Wall(), wall)
-    state.take(Mode(mode=2, wanted=2), mode)
+    state.update(Wall(), wall)
+    state.update(Mode(mode=2, wanted=2), mode)
     state.periods = {Odometry: ('odom', 0.0), Wall: ('wall', 0.05), Mode: ('mode', inf)}
     assert panels.alarms(state, 1.0) == []
     assert panels.alarms(state, 10.0) == alarms
@@ -288,20 +295,21 @@ def test_who_drives_in_passive_is_told_what_to_do():
 
 def test_two_drivers_in_one_place_are_an_alarm():
     state = heard(odom())
-    state.drivers = 2
+    state.driver_count = 2
     assert '2 drivers publish here' in shown(state)
 
 
 def test_an_answer_and_a_wait_are_seen():
     state = heard(odom())
-    state.note = Note('set_mode: refused, the robot is on a charger', loud=True)
+    state.call_status = CallStatus(
+        'set_mode: refused, the robot is on a charger', highlighted=True)
     assert 'refused, the robot is on a charger' in shown(state)
-    state.note = Note('set_mode', waiting_since=1.0)
+    state.call_status = CallStatus('set_mode', waiting_since=1.0)
     assert 'set_mode ... 4 s' in shown(state, now=5.0)
 
 
 def test_the_help_names_every_key_whole():
     state = heard(odom())
-    state.helping = True
+    state.help_shown = True
     drawn = shown(state)
     assert all(each.shown in drawn and each.about in drawn for each in BINDINGS)
