@@ -13,9 +13,9 @@ pytest.importorskip('matplotlib')
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from create_oi_ros.apps.report import create_report as command
-from create_oi_ros.apps.report.bag_reader import POINTS, read, Taker
+from create_oi_ros.apps.report.bag_reader import POINTS, read, RecordingBuilder
 from create_oi_ros.apps.report.recording import Curve, Spans
-from create_oi_ros.apps.report.story import clock, complaints, happenings, summary, travelled
+from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
 from create_oi_ros.ros.bags import BagError, missing
 from create_oi_ros.ros.programs import PROGRAMS
 from support import bags
@@ -59,7 +59,7 @@ def test_curves_are_those_of_the_bag(recording):
 
 
 def test_happenings_come_with_their_time_and_cause(recording):
-    told = {(each.kind, each.text): each.time for each in happenings(recording)}
+    told = {(each.kind, each.text): each.time for each in events(recording)}
     assert told['bumper', 'Bump left and right, 0.5 s'] == pytest.approx(3.0, abs=0.05)
     assert told['cliff', 'Cliff front left, 1.0 s'] == pytest.approx(8.0, abs=0.05)
     gap = told['gap', 'Gap, 1.0 s: no odometry: the robot was not heard']
@@ -76,7 +76,7 @@ def test_the_robot_is_placed_where_it_was(recording):
 
 def test_version_parameters_and_warnings_are_told(recording):
     assert recording.settings == {'version': '9.8.7', 'port': '/dev/robot'}
-    warned, = complaints(recording)
+    warned, = warnings(recording)
     assert warned.text.startswith('warning: bytes arrive damaged')
     assert '6 damaged frames' in ' '.join(summary(recording))
 
@@ -192,7 +192,7 @@ def test_values_that_cannot_be_are_left_out(tmp_path, monkeypatch, value):
 def test_a_fault_of_ours_is_not_told_as_damage(bag, monkeypatch):
     def fail(*_):
         raise ZeroDivisionError
-    monkeypatch.setattr(Taker, '_take_odom', fail)
+    monkeypatch.setattr(RecordingBuilder, '_add_odom', fail)
     with pytest.raises(ZeroDivisionError):
         read(bag, quiet)
 
@@ -208,7 +208,7 @@ def test_a_long_bag_is_thinned_out():
 def test_touches_that_follow_without_a_pause_are_one():
     spans = Spans()
     for time, names in ((1, ['left']), (2, ['left', 'right']), (3, ['right']), (4, [])):
-        spans.touch(time, names)
+        spans.contact(time, names)
     span, = spans.all
     assert (span.start, span.end, span.text) == (1, 4, 'left and right')
 
