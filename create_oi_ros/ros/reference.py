@@ -1,8 +1,8 @@
 """
-The ROS interface as Markdown tables and as a parameter file, made from the declarations.
+Writes the ROS interface as Markdown tables and as a parameter file, from the declarations.
 
-`python -m create_oi_ros.ros.reference README.md config/create.yaml` writes them: tables between
-their markers, a parameter file as a whole.
+`python -m create_oi_ros.ros.reference README.md config/create.yaml` replaces the tables between
+their markers in the first, and all of the second.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ from .service_table import SERVICES
 from .topics import PUBLISHED
 
 CONFIG_WIDTH = 93
-"""Characters of a comment line."""
+"""Characters of a comment line at most."""
 
 
 def type_name(type_: type) -> str:
@@ -29,36 +29,32 @@ def type_name(type_: type) -> str:
 
 
 def table(*columns: str, rows: Iterable[tuple[str, ...]]) -> str:
-    """Lay out a Markdown table."""
+    """Return a Markdown table."""
     lines = [columns, tuple('---' for _ in columns), *rows]
     return '\n'.join(f'| {" | ".join(line)} |' for line in lines)
 
 
 def topics() -> str:
-    """Return the published topics."""
+    """Return the table of published topics."""
     return table('topic', 'type', 'when', 'what', rows=(
         (f'`{topic.name}`', type_name(topic.type), topic.when, topic.about)
         for topic in PUBLISHED))
 
 
 def services() -> str:
-    """Return the services."""
+    """Return the table of services."""
     return table('service', 'type', 'what', rows=(
         (f'`{service.name}`', type_name(service.type), service.about) for service in SERVICES))
 
 
 def parameters() -> str:
-    """Return the parameters."""
+    """Return the table of parameters."""
     rows = []
     for declared in fields(Parameters):
-        facts = declared.metadata
-        allowed = ', '.join(str(choice) for choice in facts['choices'])
-        if facts['low'] is not None:
-            allowed = f'{facts["low"]} to {facts["high"]}'
-        value = declared.default
+        facts, value = declared.metadata, declared.default
         default = str(value).lower() if isinstance(value, bool) else str(value) or "''"
         rows.append((
-            f'`{declared.name}`', f'`{default}`', allowed,
+            f'`{declared.name}`', f'`{default}`', _allowed(facts),
             'at start' if facts['fixed'] else 'any time', facts['description']))
     return table('parameter', 'default', 'allowed', 'set', 'what', rows=rows)
 
@@ -77,24 +73,24 @@ def config() -> str:
     """Return a parameter file with all defaults."""
     lines = []
     for declared in fields(Parameters):
-        about = declared.metadata['description'] + _allowed(declared.metadata)
+        about, allowed = declared.metadata['description'], _allowed(declared.metadata)
+        about += f' ({allowed})' if allowed else ''
         lines += [f'    # {line}' for line in wrap(about, CONFIG_WIDTH)]
         lines.append(f'    {declared.name}: {json.dumps(declared.default)}')
     return CONFIG_HEAD + '\n'.join(lines) + '\n'
 
 
 def _allowed(facts: Mapping[str, Any]) -> str:
-    if facts['choices']:
-        return f' ({", ".join(str(choice) for choice in facts["choices"])})'
-    return '' if facts['low'] is None else f' ({facts["low"]} to {facts["high"]})'
+    if facts['low'] is not None:
+        return f'{facts["low"]} to {facts["high"]}'
+    return ', '.join(str(choice) for choice in facts['choices'])
 
 
 def rewritten(text: str) -> str:
-    """Return a document with its tables made afresh."""
+    """Return a document with its tables replaced by new ones."""
     for name, make in TABLES.items():
         marked = re.compile(f'(<!-- {name} -->\n).*?(<!-- end -->)', re.DOTALL)
-        made = make()
-        text = marked.sub(rf'\1{made}\n\2', text)
+        text = marked.sub(rf'\1{make()}\n\2', text)
     return text
 
 

@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 import pytest
 import yaml
 
-from create_oi_ros.apps.calibrate.calibration import Calibration, line, Return, Run, square, turns
+from create_oi_ros.apps.calibrate.calibration import (
+    Calibration,
+    EndOffset,
+    line,
+    Run,
+    square,
+    turns,
+)
 from create_oi_ros.apps.calibrate.create_calibrate import main
 from create_oi_ros.apps.calibrate.listen import Tally
 from create_oi_ros.driver import Settings
@@ -68,14 +75,14 @@ def test_a_square_finds_a_wrong_separation(share):
     Each corner turns by 90/share degrees instead of 90 (Borenstein and Feng, type A).
     """
     side, alpha = 2.0, pi / 2 - pi / 2 / share
-    ends = [Return(-2 * side * alpha, 0.0)]
+    ends = [EndOffset(-2 * side * alpha, 0.0)]
     found = square(ends, ends, side, Calibration())
     assert found.calibration.wheel_separation == pytest.approx(0.258 * share, rel=0.002)
     assert found.wheel_ratio == pytest.approx(1.0)
 
 
 def test_a_square_tells_of_unequal_wheels():
-    found = square([Return(0.1, 0)], [Return(-0.1, 0)], 2.0, Calibration())
+    found = square([EndOffset(0.1, 0)], [EndOffset(-0.1, 0)], 2.0, Calibration())
     assert found.calibration == Calibration()
     assert found.wheel_ratio != 1
     assert found.worst == pytest.approx(0.1)

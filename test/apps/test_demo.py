@@ -19,7 +19,7 @@ from create_oi_ros.apps.demo import tour
 from create_oi_ros.apps.demo.pilot import Pilot, Stopped, TourError
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
-from create_oi_ros.ros.recorder import written
+from create_oi_ros.ros.recorder import bag_qos
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.world import shipped
 from support.ros import scene
@@ -91,8 +91,8 @@ def test_whoever_asks_for_the_end_gets_it(stage):
 
 
 def test_latched_topics_are_latched_in_the_bag():
-    assert written(LATCHED).durability.name == 'TRANSIENT_LOCAL'
-    assert written(QoSProfile(depth=7)).depth == 7
+    assert bag_qos(LATCHED).durability.name == 'TRANSIENT_LOCAL'
+    assert bag_qos(QoSProfile(depth=7)).depth == 7
 
 
 def demo(folder: Path, domain: int, *arguments: str) -> subprocess.Popen[str]:

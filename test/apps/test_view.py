@@ -22,8 +22,7 @@ from create_oi_ros.apps.view.robot_state import (
     RobotState,
     Trail,
 )
-from create_oi_ros.ros import messages as convert
-from create_oi_ros.ros import topics
+from create_oi_ros.ros import messages, topics
 from support.anything import anything
 
 HEARD = [topic.type for topic in topics.PUBLISHED
@@ -211,10 +210,10 @@ BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage
     (odom(yaw=pi / 2), 'yaw', '+90.0 degrees', False),
     (odom(linear=0.2), 'speed', '+0.200 m/s +0.00 rad/s', False),
     (Twist(linear=Vector3(x=0.3)), 'cmd_vel', '+0.300 m/s +0.00 rad/s', False),
-    (JointState(name=convert.WHEEL_JOINTS, velocity=[1.0, -2.0]), 'wheels',
+    (JointState(name=messages.WHEEL_JOINTS, velocity=[1.0, -2.0]), 'wheels',
      'L +1.00 R -2.00 rad/s', False),
     (JointState(name=['elbow'], velocity=[1.0]), 'wheels', '-', False),
-    (JointState(name=convert.WHEEL_JOINTS), 'wheels', '-', False),
+    (JointState(name=messages.WHEEL_JOINTS), 'wheels', '-', False),
     (Bumper(), 'bumper', 'left right', False),
     (Bumper(left=True), 'bumper', 'LEFT right', True),
     (WheelDrop(caster=True), 'drops', 'left right CASTER', True),

@@ -1,4 +1,4 @@
-"""`create_calibrate listen`: how far and how much the robot has moved, as `odom` reports it."""
+"""`create_calibrate listen`: distance and angle since the start, as `odom` reports them."""
 
 from math import degrees, pi
 
@@ -11,7 +11,7 @@ from ...ros.rotation import yaw_of
 
 
 class Tally:
-    """Adds up distance along the way and turning, without limit."""
+    """Adds up distance and angle; the angle may exceed a full turn."""
 
     def __init__(self) -> None:
         self.distance = 0.0
@@ -21,7 +21,7 @@ class Tally:
         self._before: tuple[float, float, float] | None = None
 
     def add(self, x: float, y: float, yaw: float, *, forward: bool) -> None:
-        """Take a pose in."""
+        """Add the motion since the last pose."""
         if self._before is not None:
             x0, y0, yaw0 = self._before
             step = ((x - x0) ** 2 + (y - y0) ** 2) ** 0.5

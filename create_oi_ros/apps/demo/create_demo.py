@@ -1,4 +1,4 @@
-"""The command `create_demo`: a simulated robot, the node, a tour, a bag, a report."""
+"""The command `create_demo`: a simulated robot, its node, a tour, a bag, a report."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ from .tour import SHORT, Step, TOUR, WORLD
 
 BAG = 'create_demo'
 STOPPED = 130
-"""The exit code of a program that Ctrl-C has ended."""
+"""Exit code of a program that Ctrl-C has ended."""
 
 
-def go_private() -> None:
-    """Keep to this computer and to a ROS domain of our own: no other robot is to obey."""
+def isolate() -> None:
+    """Use this computer only, and a ROS domain of our own, so that no other robot obeys."""
     os.environ.setdefault('ROS_DOMAIN_ID', str(40 + os.getpid() % 60))
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
 
 def say(text: str) -> None:
-    """Print a line at once, to be read by who watches."""
+    """Print a line and flush it."""
     print(f'create_demo: {text}', flush=True)
 
 
 def tour(steps: Sequence[Step], pilot: Pilot) -> None:
-    """Show everything, saying what is shown."""
+    """Do all steps, and print each one."""
     began = time.monotonic()
     for number, step in enumerate(steps, 1):
-        say(f'{time.monotonic() - began:5.1f} s  {number} of {len(steps)}: {step.what}')
+        say(f'{time.monotonic() - began:5.1f} s  {number} of {len(steps)}: {step.title}')
         step.do(pilot)
 
 
@@ -96,8 +96,8 @@ def report(folder: Path) -> int:
 
 def _arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='create_demo', description='Let a simulated Create show itself for two minutes, '
-        'record everything to a bag and make a report of it.')
+        prog='create_demo', description='Drive a simulated Create through a tour of two minutes, '
+        'record everything to a bag, and make a report of it.')
     parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
                         default=Path(f'demo-{datetime.now():%Y%m%d-%H%M%S}'),
                         help='a new folder for bag and report (default: demo-DATE-TIME)')
@@ -106,14 +106,14 @@ def _arguments() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_demo`; 1: something did not happen, 2: there is no report."""
+    """Run `create_demo`; 1: the tour failed, 2: no bag or no report could be made."""
     parser = _arguments()
     options = parser.parse_args(arguments)
     if options.folder.exists():
         parser.error(f'{options.folder} is there already')
     stop, code = threading.Event(), 0
     call_on_signal(stop.set)
-    go_private()
+    isolate()
     try:
         record(SHORT if options.short else TOUR, options.folder / BAG, stop)
     except TourError as error:

@@ -24,13 +24,11 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 
-from ... import oi
-from ...ros.messages import WHEEL_JOINTS
+from ...ros.messages import charging_name, mode_name, WHEEL_JOINTS
 from .robot_state import RobotState
 
 NOTHING = '-'
 """Shown until the first message."""
-MODES = {mode.value: mode.name for mode in oi.Mode}
 LARGEST = 9999
 """Larger numbers are written with an exponent, so that they fit their column."""
 BAR = 14
@@ -72,11 +70,6 @@ def flags(*named: tuple[str, bool], width: int = 7) -> Line:
     """Return names in columns; one that is set is highlighted and in capitals."""
     return [Piece(index * width, name.upper() if is_set else name, is_set)
             for index, (name, is_set) in enumerate(named)]
-
-
-def mode_name(value: int) -> str:
-    """Return the name of a mode of the message Mode."""
-    return MODES.get(value, 'NO ROBOT')
 
 
 def velocity(linear: float, angular: float) -> str:
@@ -162,13 +155,10 @@ def _volts(battery: Any) -> Line:
 
 
 def _charging(charging: Any) -> Line:
-    try:
-        state = oi.ChargingState(charging.state).name.lower().replace('_', ' ')
-    except ValueError:
-        state = f'state {charging.state}'
     where = [name for name, here in (
         ('home base', charging.home_base), ('charger', charging.internal_charger)) if here]
-    return [Piece(0, ', '.join([state, *where]), charging.state == Charging.FAULT)]
+    text = ', '.join([charging_name(charging.state), *where])
+    return [Piece(0, text, charging.state == Charging.FAULT)]
 
 
 def _mode(mode: Any) -> Line:
