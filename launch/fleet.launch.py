@@ -1,5 +1,5 @@
 """
-Several simulated Creates, each in a namespace and with frames of its own: robot1, robot2, ...
+Starts several simulated Creates, each with its own namespace and frames: robot1, robot2, ...
 
     ros2 launch create_oi_ros fleet.launch.py count:=3
     ros2 topic pub -r 10 /robot2/cmd_vel geometry_msgs/msg/Twist '{linear: {x: 0.1}}'
@@ -17,7 +17,7 @@ SHARE = get_package_share_directory('create_oi_ros')
 
 
 def robots(context):
-    """Return one launch of a simulated robot for each."""
+    """Return one launch file for each simulated robot."""
     count = int(LaunchConfiguration('count').perform(context))
     one = os.path.join(SHARE, 'launch', 'create.launch.py')
     names = [f'robot{number}' for number in range(1, count + 1)]

@@ -146,7 +146,3 @@ def main() -> int:
             return _watch(children, ended)
         finally:
             children.end()
-
-
-if __name__ == '__main__':
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""The picture of `create_view`: any state fits any terminal, and what matters is to be seen."""
+"""The picture of `create_view`: any state fits any terminal, and alarms are visible."""
 
 from math import cos, hypot, inf, nan, pi, sin
 
@@ -46,7 +46,7 @@ def status(name: str, level: bytes, message: str, **values: object) -> Diagnosti
 
 
 def heard(*messages: object, at: float = 0.0) -> RobotState:
-    """Return a state in which these were heard."""
+    """Return a state that has received these messages."""
     state = RobotState(title='create_view  /create', driver_listens=True)
     for message in messages:
         state.update(message, at)
@@ -55,7 +55,7 @@ def heard(*messages: object, at: float = 0.0) -> RobotState:
 
 def shown(state: RobotState, columns: int = 80, rows: int = 24, now: float = 0.0, *,
           plain: bool = False) -> str:
-    """Return what is on the screen."""
+    """Return the text on the screen."""
     return '\n'.join(picture(state, now, columns, rows, plain=plain).lines())
 
 
@@ -66,7 +66,7 @@ def panel(state: RobotState, about: str, now: float = 0.0) -> tuple[str, bool]:
 
 
 def exact(canvas: Canvas) -> bool:
-    """Tell whether a sheet is as large as asked, and has nothing that a terminal obeys."""
+    """Return whether a canvas has its size, and no character that a terminal obeys."""
     lines = canvas.lines()
     return (len(lines) == canvas.rows and all(len(line) == canvas.columns for line in lines)
             and all(line.isprintable() for line in lines)
@@ -109,7 +109,7 @@ def test_a_small_terminal_gets_a_sentence(columns, rows):
 
 
 @pytest.mark.parametrize('about', [about for about, _ in panels.ROWS if about != 'cargo'])
-def test_the_least_terminal_has_all_that_is_essential(about):
+def test_the_smallest_terminal_shows_every_line(about):
     assert f'│{about:8}' in shown(heard(odom()))
 
 
@@ -132,7 +132,7 @@ def test_the_robot_looks_where_it_goes(eighths, arrow):
     assert arrow in shown(heard(odom(1.0, 1.0, eighths * pi / 4)))
 
 
-def test_a_way_is_drawn_the_right_way_up():
+def test_the_trail_is_drawn_the_right_way_up():
     state = heard()
     for step in range(100):
         state.update(odom(0.02 * step, 0.01 * step), 0.1 * step)
@@ -159,19 +159,19 @@ def test_bumps_and_cliffs_are_marked_where_they_happened_once():
 
 
 @pytest.mark.parametrize('place', [(nan, 0.0), (inf, 0.0), (1e300, 0.0), (0.0, -1e7)])
-def test_a_place_that_is_none_is_said_and_not_drawn(place):
+def test_an_impossible_position_is_named_and_not_drawn(place):
     state = heard(odom(*place))
     assert 'no place on a map' in shown(state)
     assert not state.trail.points
 
 
-def test_a_turn_that_is_none_is_not_drawn():
+def test_an_impossible_heading_is_not_drawn():
     lost = odom()
     lost.pose.pose.orientation = Quaternion(z=nan, w=nan)
     assert 'no place on a map' in shown(heard(lost))
 
 
-def test_a_long_way_is_kept_in_few_points():
+def test_a_long_trail_keeps_few_points():
     trail = Trail()
     for step in range(100_000):
         trail.add(OdomPose(0.01 * step, 0.0, 0.0), 0.1 * step)
@@ -181,7 +181,7 @@ def test_a_long_way_is_kept_in_few_points():
 
 
 @given(st.lists(st.tuples(st.floats(-100, 100), st.floats(-100, 100)), max_size=50))
-def test_a_way_begins_again_where_the_robot_cannot_have_driven(places):
+def test_a_jump_starts_a_new_trail(places):
     trail = Trail()
     for second, (x, y) in enumerate(places):
         trail.add(OdomPose(x, y, 0.0), second)
@@ -190,7 +190,7 @@ def test_a_way_begins_again_where_the_robot_cannot_have_driven(places):
         assert hypot(x1 - x0, y1 - y0) <= 1.3 + 0.02
 
 
-def test_nothing_heard_is_said():
+def test_without_messages_it_says_so():
     assert 'Nothing heard yet. Is a driver running' in shown(RobotState(), 120)
 
 
@@ -242,7 +242,7 @@ def test_an_old_command_is_not_shown_as_one():
     assert panel(heard(Twist(linear=Vector3(x=0.3))), 'cmd_vel', 3.0) == ('none for 3 s', False)
 
 
-def test_that_nobody_listens_is_seen():
+def test_a_missing_driver_is_shown():
     assert panel(RobotState(), 'cmd_vel') == ('nobody listens', True)
 
 
@@ -250,7 +250,7 @@ def test_the_volts_stand_below_the_charge():
     assert '15.50 V -0.48 A 24 C' in shown(heard(BATTERY))
 
 
-def test_the_link_is_told_by_the_diagnostics():
+def test_the_link_is_shown_from_the_diagnostics():
     state = heard()
     state.diagnostics = {'serial link': status(
         'serial link', DiagnosticStatus.WARN, 'bytes arrive damaged', frames_per_second=66.7,
@@ -285,7 +285,7 @@ def test_alarms_come_the_worst_first_and_the_mode_once():
         'battery: low: charge it soon']
 
 
-def test_who_drives_in_passive_is_told_what_to_do():
+def test_driving_in_passive_shows_what_to_do():
     state = heard(Mode(mode=1, wanted=1))
     assert panels.alarms(state, 0.0) == []
     state.driving = True
@@ -298,7 +298,7 @@ def test_two_drivers_in_one_place_are_an_alarm():
     assert '2 drivers publish here' in shown(state)
 
 
-def test_an_answer_and_a_wait_are_seen():
+def test_a_reply_and_a_wait_are_shown():
     state = heard(odom())
     state.call_status = CallStatus(
         'set_mode: refused, the robot is on a charger', highlighted=True)
@@ -307,7 +307,7 @@ def test_an_answer_and_a_wait_are_seen():
     assert 'set_mode ... 4 s' in shown(state, now=5.0)
 
 
-def test_the_help_names_every_key_whole():
+def test_the_help_names_every_key():
     state = heard(odom())
     state.help_shown = True
     drawn = shown(state)
