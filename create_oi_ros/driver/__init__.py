@@ -1,16 +1,18 @@
 """The host's machine: wanted mode, watchdog, limits, stream plan. Pure: no clock, no I/O."""
 
 from .battery_watch import BatteryLevel, BatteryLimits, LowBatteryAction
-from .baud_search import LAST_WORDS
-from .events import DriverEvent, Link, LinkCounts, ModeChanged, Moved, Notice, Severity
+from .events import DriverEvent, LinkCounts, ModeChanged, Moved, Notice, Severity
+from .health import Health
 from .machine import Driver
 from .motion import MotionLimits, wheel_speeds
-from .requests import Reply
+from .pending import Outcome, Pending
 from .settings import Settings
+from .state import Activity
+from .stopping import LAST_WORDS
 from .supervision import Cause, ModeStatus
 
 __all__ = [
-    'BatteryLevel', 'BatteryLimits', 'Cause', 'Driver', 'DriverEvent', 'LAST_WORDS', 'Link',
-    'LinkCounts', 'LowBatteryAction', 'ModeChanged', 'ModeStatus', 'MotionLimits', 'Moved',
-    'Notice', 'Reply', 'Settings', 'Severity', 'wheel_speeds',
+    'Activity', 'BatteryLevel', 'BatteryLimits', 'Cause', 'Driver', 'DriverEvent', 'Health',
+    'LAST_WORDS', 'LinkCounts', 'LowBatteryAction', 'ModeChanged', 'ModeStatus', 'MotionLimits',
+    'Moved', 'Notice', 'Outcome', 'Pending', 'Settings', 'Severity', 'wheel_speeds',
 ]

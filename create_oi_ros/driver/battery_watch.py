@@ -1,15 +1,15 @@
-"""Watches the battery, so that it is not run flat."""
+"""Watches the battery's voltage, so that the robot does not run it flat."""
 
 from dataclasses import dataclass
 from enum import Enum
 
 from .. import oi
+from ..robot import MILLI
 
-MILLI = 0.001
 SETTLE = 5.0
-"""Seconds that the voltage must stay below a level: motors that start pull it down."""
+"""Seconds that the voltage must stay below a level: starting motors pull it down."""
 RISE = 0.3
-"""Volts above a level at which it is left again."""
+"""Volts above a level at which the battery counts as better again."""
 
 
 class LowBatteryAction(Enum):
@@ -21,7 +21,7 @@ class LowBatteryAction(Enum):
 
 
 class BatteryLevel(Enum):
-    """How the battery is."""
+    """State of the battery by its voltage."""
 
     FINE = 'fine'
     LOW = 'low'
@@ -38,7 +38,7 @@ class BatteryLimits:
 
 
 class BatteryWatch:
-    """Turns voltages into a level that does not flicker."""
+    """Turns voltages into a level, with a delay and a hysteresis."""
 
     def __init__(self, limits: BatteryLimits) -> None:
         self.limits = limits

@@ -1,48 +1,48 @@
 """
-Whether the robot hears what it is told.
+Whether the robot takes the commands that it is sent.
 
-The line towards the robot has no checksum and no acknowledgement, and a Wait (a damaged byte may
-become one) makes the robot deaf while its stream goes on. What it must do when it hears is seen:
-it streams another list of packets when it is asked to, and reports the speeds that it was sent.
+The line to the robot has no checksum and no acknowledgement, and a Wait (a damaged byte may
+become one) makes the robot ignore commands while its stream goes on. Two things show that it took
+them: it streams another list of packets when asked to, and it reports the speeds that it was sent.
 """
 
 from enum import auto, Enum
 
-from ..oi import SLOT
+from ..robot import SLOT
 
-MISSES_DOUBTED, MISSES_TOLD = 4, 14
-"""Speeds in a row that the robot missed: 0.6 s and 2 s of them."""
-UNSEEN_DOUBTED, UNSEEN_TOLD = 0.6, 1.5
-"""Seconds for which a list was asked for in vain."""
-DEAF = ('the robot does not do what it is told, not even stop: damaged bytes may have told it to '
-        'wait; lift it, switch it off and on')
+MISSES_SUSPECTED, MISSES_REPORTED = 4, 14
+"""Speeds in a row that the robot did not take: after 0.6 s and after 2 s."""
+UNSEEN_SUSPECTED, UNSEEN_REPORTED = 0.6, 1.5
+"""Seconds without frames of the list that was asked for."""
+IGNORES = ('the robot does not do what it is told, not even stop: damaged bytes may have told it '
+           'to wait; lift it, switch it off and on')
 
 
-class Turn(Enum):
-    """What is new about the robot's hearing."""
+class Obedience(Enum):
+    """What has just become known about whether the robot takes commands."""
 
-    DOUBTED = auto()
+    SUSPECT = auto()
     """It may be in the middle of a command."""
-    DEAF = auto()
-    HEARS_AGAIN = auto()
+    IGNORES = auto()
+    OBEYS_AGAIN = auto()
 
 
-class Hearing:
+class CommandWatch:
     """Compares what the robot does with what it was asked for."""
 
     def __init__(self) -> None:
         self._list: tuple[int, ...] | None = None
         """The packets of the newest frame."""
         self._unseen_since: float | None = None
-        self._last: Turn | None = None
+        self._last: Obedience | None = None
 
     @property
-    def deaf(self) -> bool:
-        """Whether the user has reason to be told."""
-        return self._last is Turn.DEAF
+    def ignores(self) -> bool:
+        """Whether the robot ignores commands, and the user was told."""
+        return self._last is Obedience.IGNORES
 
     def restart(self) -> None:
-        """Forget all: the robot was away, or is not expected to hear."""
+        """Start anew: the robot was away, or cannot be expected to take commands."""
         self._list = self._unseen_since = self._last = None
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
@@ -51,20 +51,21 @@ class Hearing:
             self._unseen_since = now
 
     def seen(self, packets: tuple[int, ...]) -> None:
-        """Note the packets of a frame; where they change, the robot has heard."""
+        """Note the packets of a frame; where they change, the robot took a command."""
         if packets != self._list:
             self._list, self._unseen_since = packets, None
 
-    def turn(self, missed: int, now: float) -> Turn | None:
-        """Judge, `missed` being how many speeds in a row the robot did not take; what is new."""
+    def judge(self, missed: int, now: float) -> Obedience | None:
+        """Return what is new; `missed` is how many speeds in a row the robot did not take."""
         unseen = 0.0 if self._unseen_since is None else now - self._unseen_since
         before = self._last
-        if missed >= MISSES_TOLD or unseen > UNSEEN_TOLD:
-            self._last = Turn.DEAF
-        elif before is not Turn.DEAF and (missed >= MISSES_DOUBTED or unseen > UNSEEN_DOUBTED):
-            self._last = Turn.DOUBTED
+        if missed >= MISSES_REPORTED or unseen > UNSEEN_REPORTED:
+            self._last = Obedience.IGNORES
+        elif before is not Obedience.IGNORES and (
+                missed >= MISSES_SUSPECTED or unseen > UNSEEN_SUSPECTED):
+            self._last = Obedience.SUSPECT
         elif not missed and unseen <= 2 * SLOT:
             self._last = None
         if self._last is before:
             return None
-        return self._last or Turn.HEARS_AGAIN
+        return self._last or Obedience.OBEYS_AGAIN

@@ -1,12 +1,15 @@
-"""The robot's own demos: it plays them in Passive, where it does not obey velocities."""
+"""The robot's built-in demos: it plays them in Passive, where it follows no velocity commands."""
+
+from collections.abc import Callable
 
 from .. import oi
-from .motion import Motion
 from .outbox import Outbox
-from .requests import Reply, Requests
+from .pending import done, Pending, refused
+from .requests import Requests
+from .state import Event
+from .stopping import END_DEMO
 from .supervision import Supervision
 
-END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
 DOCK_PAUSE = 1.0
 """Seconds that the robot is to be in Passive before it is sent to its dock (reported)."""
 
@@ -15,36 +18,39 @@ class Demos:
     """Starts and ends demos; Passive is the wanted mode from then on."""
 
     def __init__(
-        self, outbox: Outbox, requests: Requests, supervision: Supervision, motion: Motion,
+        self, outbox: Outbox, requests: Requests, supervision: Supervision,
+        take: Callable[[Event], None],
     ) -> None:
+        """`take` changes the driver's activity."""
         self._outbox = outbox
         self._requests = requests
         self._supervision = supervision
-        self._motion = motion
+        self._take = take
 
-    def start(self, demo: oi.DemoNumber, reply: Reply) -> None:
-        """Let the robot play a demo; the reply comes when it has been told."""
-        refusal = self._requests.refusal(oi.Demo)
+    def start(self, demo: oi.DemoNumber) -> Pending:
+        """Let the robot play a demo; the request ends when the command is written."""
         if demo is oi.DemoNumber.ABORT:
-            refusal = 'no demo: call stop_demo to end one'
-        if refusal:
-            reply(False, refusal)
-            return
-        self._motion.stop()
+            return refused('no demo: call stop_demo to end one')
+        why = self._requests.refusal(oi.Demo)
+        if why is not None:
+            return refused(why)
+        follows_commands = self._follows_commands
+        self._take(Event.DEMO_STARTED)
         self._supervision.want(oi.Mode.PASSIVE)
-        if demo is oi.DemoNumber.COVER_AND_DOCK and self._drives:
+        if demo is oi.DemoNumber.COVER_AND_DOCK and follows_commands:
             self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
-        self._requests.send(
-            oi.Demo(demo=demo), reply, f'demo {demo.name} runs; call stop_demo to end it')
+        return self._requests.send(
+            oi.Demo(demo=demo), f'demo {demo.name} runs; call stop_demo to end it')
 
-    def stop(self, reply: Reply) -> None:
+    def stop(self) -> Pending:
         """End the demo that runs, if any; the robot stays in Passive."""
-        if self._drives and not self._requests.refusal(oi.Demo):
-            reply(True, 'no demo runs: the robot obeys cmd_vel')
-        else:
-            self._requests.send(
-                END_DEMO, reply, 'demo ended; call set_mode with SAFE to drive again')
+        if self._follows_commands and self._requests.refusal(oi.Demo) is None:
+            return done('no demo runs: the robot obeys cmd_vel')
+        request = self._requests.send(
+            END_DEMO, 'demo ended; call set_mode with SAFE to drive again')
+        self._take(Event.DEMO_ENDED)
+        return request
 
     @property
-    def _drives(self) -> bool:
+    def _follows_commands(self) -> bool:
         return self._supervision.status.actual in oi.ACTUATE

@@ -1,5 +1,6 @@
-"""What the driver tells of: what happened, and how the line is."""
+"""What the driver reports: frames, mode changes, notices, and counts of the line."""
 
+from collections import deque
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -10,7 +11,7 @@ from .supervision import ModeStatus
 
 
 class Severity(Enum):
-    """How loud a notice is."""
+    """How serious a notice is."""
 
     INFO = 'info'
     WARNING = 'warning'
@@ -18,7 +19,7 @@ class Severity(Enum):
 
 
 class Notice(NamedTuple):
-    """Something a person should read, said once."""
+    """Something a person should read, reported once."""
 
     severity: Severity
     text: str
@@ -30,12 +31,12 @@ class Moved(NamedTuple):
     stamp: float
     """When the frame left the robot, in the clock of `now`."""
     readings: oi.Readings
-    """The newest of every packet that has arrived so far."""
+    """The newest value of every packet that has arrived so far."""
     estimate: Estimate
 
 
 class ModeChanged(NamedTuple):
-    """The robot's mode, the wanted one, or why they differ is another than before."""
+    """The robot's mode, the wanted one, or the reason why they differ has changed."""
 
     status: ModeStatus
 
@@ -43,12 +44,23 @@ class ModeChanged(NamedTuple):
 DriverEvent = Notice | Moved | ModeChanged
 
 
-class Link(Enum):
-    """State of the line to the robot."""
+class EventQueue:
+    """Events on their way to whoever uses the driver, oldest first."""
 
-    CLOSED = 'port closed'
-    WAKING = 'no answer yet'
-    UP = 'robot answers'
+    def __init__(self) -> None:
+        self._events: deque[DriverEvent] = deque()
+
+    def add(self, event: DriverEvent) -> None:
+        """Append an event."""
+        self._events.append(event)
+
+    def notice(self, severity: Severity, text: str) -> None:
+        """Append a notice."""
+        self._events.append(Notice(severity, text))
+
+    def next(self) -> DriverEvent | None:
+        """Remove and return the oldest event; None where there is none."""
+        return self._events.popleft() if self._events else None
 
 
 @dataclass

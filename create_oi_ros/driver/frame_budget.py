@@ -1,13 +1,14 @@
 """
-Whether a whole frame arrives every 15 ms.
+Whether a whole frame arrives in every slot.
 
 A frame that does not fit into its slot waits in the robot until its buffer is full, and is cut
-then (manual: Stream). An adapter or a network may carry less than its baud rate says, too. So
+then (manual: Stream). An adapter or a network may also carry less than its baud rate says. So
 frames and bytes are counted over a few seconds.
 """
 
 from .. import oi
-from . import baud_search as calling
+from ..robot import SLOT
+from .baud_search import USUAL
 
 WINDOW = 3.0
 """Seconds over which frames are counted."""
@@ -17,35 +18,35 @@ CARRIED = 0.95
 """Part of the bytes wanted that arrives though frames do not: then they are damaged, not cut."""
 
 
-def too_slow(longest: oi.Budget, baud: int) -> str:
-    """Say that a rate is too slow for the stream; '' if it is not."""
+def too_slow(longest: oi.Budget, baud: int) -> str | None:
+    """Say that a rate is too slow for the stream; None if it is not."""
     if longest.fits:
-        return ''
+        return None
     return (f'{baud} baud is too slow: a frame of {longest.size} bytes does not fit into '
-            f'{oi.SLOT * 1000:.0f} ms; use 19200 or more')
+            f'{SLOT * 1000:.0f} ms; use 19200 or more')
 
 
 class FrameBudget:
-    """Counts what arrives; `complaint` says what is wrong, '' while nothing is."""
+    """Counts what arrives; `problem` says what is wrong, None while nothing is."""
 
     def __init__(self) -> None:
-        self.complaint = ''
+        self.problem: str | None = None
         self._begun: float | None = None
         self._frames = self._whole = self._bytes = 0
         self.since_frame = 0
         """Bytes that have come since the last whole frame."""
 
     def restart(self) -> None:
-        """Count anew: the robot was away, or does not stream."""
+        """Start counting again: the robot was away, or does not stream."""
         self._begun = None
         self.since_frame = 0
 
-    def heard(self, size: int) -> None:
+    def add_bytes(self, size: int) -> None:
         """Count bytes that have arrived."""
         self._bytes += size
         self.since_frame += size
 
-    def frame(self, size: int) -> None:
+    def add_frame(self, size: int) -> None:
         """Count a frame that has arrived whole, of so many bytes."""
         self._frames += 1
         self._whole += size
@@ -55,7 +56,7 @@ class FrameBudget:
         """Say why no whole frame has come for a while."""
         if not longest.fits:
             return (f'frame budget exceeded: {baud} baud carries {longest.capacity} bytes in '
-                    f'{oi.SLOT * 1000:.0f} ms, and longer frames are cut')
+                    f'{SLOT * 1000:.0f} ms, and longer frames are cut')
         if self.since_frame > longest.size:
             return (f'{self.since_frame} bytes came, but no frame among them: is the line '
                     'disturbed, or the robot at another baud rate')
@@ -63,34 +64,34 @@ class FrameBudget:
 
     def judge(self, baud: int, now: float, *, fits: bool) -> bool:
         """
-        Look at what has arrived up to now; True when the complaint has begun or ended.
+        Look at what has arrived up to now; True when the problem has begun or ended.
 
         `fits` is whether the frames that were asked for fit into their slots at this rate.
         """
         if self._begun is not None and now - self._begun < WINDOW:
             return False
-        before = self.complaint
+        before = self.problem
         if self._begun is not None:
-            self._weigh(baud, now - self._begun, fits=fits)
+            self._assess(baud, now - self._begun, fits=fits)
         self._begun = now
         self._frames = self._whole = self._bytes = 0
-        return bool(before) != bool(self.complaint)
+        return bool(before) != bool(self.problem)
 
-    def _weigh(self, baud: int, seconds: float, *, fits: bool) -> None:
-        part = self._frames * oi.SLOT / seconds
+    def _assess(self, baud: int, seconds: float, *, fits: bool) -> None:
+        part = self._frames * SLOT / seconds
         if part >= ENOUGH:
-            self.complaint = ''
+            self.problem = None
         if part >= TOO_FEW or not self._frames:
             return
         size = round(self._whole / self._frames)
-        wanted, came = size / oi.SLOT, self._bytes / seconds
-        arrive = f'only {self._frames / seconds:.0f} of {1 / oi.SLOT:.0f} frames a second arrive'
+        wanted, came = size / SLOT, self._bytes / seconds
+        arrive = f'only {self._frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
         if fits and came > CARRIED * wanted:
-            self.complaint = (f'{arrive} whole, the others are damaged: is the plug loose, does '
-                              'a motor disturb the line?')
+            self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
+                            'a motor disturb the line?')
         else:
-            faster = '' if baud >= calling.USUAL[0] else f'use {calling.USUAL[0]} baud, and '
-            self.complaint = (
+            faster = '' if baud >= USUAL[0] else f'use {USUAL[0]} baud, and '
+            self.problem = (
                 f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
-                f'{oi.SLOT * 1000:.0f} ms is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
+                f'{SLOT * 1000:.0f} ms is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
                 f'baud: {faster}look at adapter, network and cable')

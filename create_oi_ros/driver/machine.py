@@ -2,37 +2,45 @@
 The host's side of the line, as a machine without clock, thread or I/O.
 
 It mirrors the robot's: `receive(bytes, now)`, `poll(now)`, `data_to_send()`. Call `receive` when
-bytes have come, `poll` whenever time has passed, and write what `data_to_send` returns; take
+bytes have come, `poll` whenever time has passed, and write what `data_to_send` returns; fetch
 what happened with `next_event`. `now` is in seconds on any clock that does not go backwards.
-Requests (drive, set_mode, ...) only change what is wanted; `poll` sends.
+
+What the driver is doing is one value, `state`. This file passes what happens to the parts and
+events to the state: `_take` is the only place where the state changes, and where what follows
+from a change for wheels and parts is done. A request (set_mode, outputs.set_leds, ...) returns a
+`Pending`; `poll` sends.
 """
 
 from collections import deque
+from copy import copy
+from math import isfinite
 
 from .. import oi
-from .battery_watch import BatteryLevel, BatteryWatch, LowBatteryAction
-from .baud_search import CALL_AGAIN, Calling, DRAIN
-from .command_watch import DEAF, Hearing, Turn
-from .demos import Demos, END_DEMO
-from .events import DriverEvent, Link, LinkCounts, ModeChanged, Moved, Notice, Severity
-from .frame_budget import FrameBudget, too_slow
+from .battery_guard import BatteryGuard
+from .command_watch import IGNORES
+from .connection import Connection
+from .demos import Demos
+from .events import DriverEvent, EventQueue, LinkCounts, ModeChanged, Moved, Severity
+from .health import Health
+from .modes import Modes
 from .motion import Motion, MotionLimits
 from .outbox import Outbox
-from .outputs import Actuators
+from .outputs import Outputs
+from .pending import done, Pending, refused
 from .plausibility import TurnCheck
-from .requests import mode_refusal, ModeRequest, Reply, Requests
-from .scripts import Scripts
+from .requests import Requests
+from .script_control import ScriptControl
 from .settings import Settings
+from .state import Activity, Event, Owner, State
+from .stopping import END_DEMO, farewell, HALT
 from .stream_plan import StreamPlan
-from .supervision import Cause, causes_in, MODE_COMMANDS, ModeStatus, Supervision
+from .supervision import causes_in, ModeStatus, Supervision
 from .tracking import Taken, Tracking
 
-SILENCE = 0.5
-"""Seconds without a frame after which the robot is taken to be away, and called again."""
-STANDSTILL = 1.0
-"""Seconds between two calls after which this process is taken to have been stopped."""
-STALE = 0.05
-"""Seconds after that in which the system still hands out what came long ago."""
+NO_ROBOT = (Event.OPENED, Event.NO_ANSWER, Event.PORT_CLOSED)
+"""Events after which nothing is known of the robot."""
+SAME_SPEEDS = (Event.VELOCITY, Event.HALTED)
+"""Events after which the wheels still run as they were told last."""
 
 
 class Driver:
@@ -40,104 +48,110 @@ class Driver:
 
     def __init__(self, settings: Settings | None = None) -> None:
         self.settings = settings = settings or Settings()
-        self.link = Link.CLOSED
+        self.state = State()
         self.counts = LinkCounts()
-        self._tracking = Tracking(settings, self.counts)
-        self.odometry = self._tracking.odometry
-        self.battery = BatteryWatch(settings.battery)
-        self.turning = TurnCheck(settings.limits.wheel_separation)
-        self.hearing = Hearing()
-        self.frame_budget = FrameBudget()
-        self._calling = Calling(settings.baud)
-        self.plan = StreamPlan(self._calling.baud)
+        self._events = EventQueue()
+        self._outbox = Outbox()
         self._motion = Motion(settings.limits)
         self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
-        self._outbox = Outbox()
-        self._reader = oi.StreamReader(self.plan.lists)
-        self._events: deque[DriverEvent] = deque()
+        self._tracking = Tracking(settings, self.counts)
+        self._turn_check = TurnCheck(settings.limits.wheel_separation)
+        self._connection = Connection(
+            settings.baud, self.state, self._outbox, self._events, self.counts, self._take)
+        requests = Requests(self._outbox, self.state, self._supervision)
+        self._requests = requests
+        self.outputs = Outputs(self._outbox, requests, self._tracking)
+        self.demos = Demos(self._outbox, requests, self._supervision, self._take)
+        self.scripts = ScriptControl(
+            self._outbox, requests, self.state, self._connection.plan,
+            settings.limits.wheel_separation, self._take)
+        self._modes = Modes(self._supervision, self.state, self._outbox, requests, self.outputs,
+                            self._events, self._take)
+        self._battery = BatteryGuard(settings.battery, self.demos, self._modes, self._events)
         self._unjudged: deque[tuple[Taken, Moved]] = deque()
+        """Frames that were published, and whose consequences `poll` still has to draw."""
         self._status_told = self.status
-        self._mode_request = ModeRequest()
-        self._requests = Requests(self._outbox, self._refusal)
-        self.actuators = Actuators(self._outbox, self._requests, lambda: self.readings)
-        self.demos = Demos(self._outbox, self._requests, self._supervision, self._motion)
-        self.scripts = Scripts(
-            self._outbox, self._requests, self._motion, lambda: self.plan)
-        self.heard_at = 0.0
-        """When the last frame came, in the clock of `now`."""
-        self._refusal_said = False
-        self._slow_told = ''
-        self._called_at: float | None = None
-        self._stale_until = 0.0
+        self._refusal_told = False
 
-    # What the line says.
+    def _take(self, event: Event) -> None:
+        """Let an event change the state, and do what follows from it for wheels and parts."""
+        self.state.take(event)
+        if event in NO_ROBOT:
+            self._outbox.clear()
+            self._connection.forget()
+            self._tracking.restart()
+            self._supervision.lost()
+            self.scripts.forget()
+            self._unjudged.clear()
+        if not self.state.moving:
+            self._motion.stop()
+        if event not in SAME_SPEEDS:
+            self._motion.forget_sent()
+
+    # What arrives and leaves, and what happened.
 
     def connected(self, now: float) -> None:
-        """Begin to talk: the port has been opened."""
-        self._calling.begin()
-        self._called_at = now
-        self._judge_rate()
-        self._wake(now)
+        """Start to call the robot: the port has been opened."""
+        self._connection.opened(now)
 
     def disconnected(self, why: str) -> None:
         """Stop talking: the port is gone."""
-        self.link = Link.CLOSED
-        self._reader.flush()
-        self._lose()
-        self._mode_request.answer(False, f'port lost: {why}')
+        self._connection.reader.flush()
+        self._take(Event.PORT_CLOSED)
+        self._modes.fail(f'port lost: {why}')
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
-        self._mind_standstill(now)
-        if now < self._stale_until or self.scripts.take(data):
+        self._connection.check_standstill(now)
+        if self.scripts.receive(data) or not self._connection.feed(data, now):
             return
-        self.frame_budget.heard(len(data))
-        self._reader.feed(data)
-        while (event := self._reader.next_event()) is not None:
+        reader = self._connection.reader
+        while (event := reader.next_event()) is not None:
             match event:
                 case oi.Frame():
                     self._take_frame(event, now)
                 case oi.Garbage():
-                    self.counts.garbage_bytes += len(event.data)
-                    self._calling.overheard(event.data)
+                    self._connection.add_garbage(event.data)
                     self._tracking.clock.suspect()
-        self.counts.checksum_failures = self._reader.checksum_failures
+        self.counts.checksum_failures = reader.checksum_failures
 
     def poll(self, now: float) -> None:
-        """Do what time asks for."""
+        """Advance timers, draw conclusions from frames, and make ready what is to be sent."""
         self._outbox.confirm()
-        if self.link is Link.CLOSED:
+        if self.state.activity is Activity.CLOSED:
             return
-        self._mind_standstill(now)
+        self._connection.check_standstill(now)
         while self._unjudged:
             self._judge(*self._unjudged.popleft(), now)
         if self.scripts.reading:
-            self.heard_at = now
-        if now - self.heard_at > (SILENCE if self.link is Link.UP else CALL_AGAIN):
-            self._miss(now)
-        overdue = self._mode_request.expired(now)
-        if overdue is not None:
-            self._refuse_mode_request(overdue)
+            self._connection.heard_at = now
+        self._connection.check_silence(now)
+        self._modes.check_timeout(now)
         self.scripts.poll(now)
         if self._motion.expired(now):
             self._supervision.commands_paused()
-        self._stream_and_drive(now)
+            self._take(Event.HALTED)
+        self._send_speeds(now)
+        if self.state.takes_commands:
+            stream = self._connection.plan.next_stream(
+                now, motion_due=self._tracking.odometry.reading_due)
+            if stream is not None:
+                self._connection.ask(stream, now)
         self._outbox.release(now)
 
     def data_to_send(self) -> bytes:
         """Return the bytes to write now; the next `poll` takes them as written."""
-        return self._outbox.take()
+        return self._outbox.take_ready()
 
     def next_event(self) -> DriverEvent | None:
-        """Take out what has happened, oldest first."""
-        if self._events:
-            return self._events.popleft()
-        if self.status != self._status_told:
+        """Remove and return what has happened, oldest first."""
+        event = self._events.next()
+        if event is None and self.status != self._status_told:
             self._status_told = self.status
             return ModeChanged(self.status)
-        return None
+        return event
 
-    # What the user wants.
+    # What is known.
 
     @property
     def status(self) -> ModeStatus:
@@ -145,321 +159,153 @@ class Driver:
         return self._supervision.status
 
     @property
-    def readings(self) -> oi.Readings:
-        """The newest of every packet that has arrived so far."""
-        return self._tracking.readings
-
-    @property
     def baud(self) -> int:
-        """Bits per second at which the robot is spoken to; the port has to follow."""
-        return self._calling.baud
+        """Bits per second at which the robot is called; the port has to follow."""
+        return self._connection.baud
 
     @property
-    def hazards(self) -> tuple[Cause, ...]:
-        """What would take the robot out of Safe mode now; empty before the first frame."""
-        return tuple(causes_in(self.readings)) if self.readings.has('oi_mode') else ()
+    def plan(self) -> StreamPlan:
+        """The lists of packets that the robot is asked to stream."""
+        return self._connection.plan
 
-    @property
-    def moving(self) -> bool:
-        """Whether wheels are wanted to turn."""
-        return self._motion.moving
+    def health(self, now: float) -> Health:
+        """Return what is known of driver, line and robot."""
+        readings, connection = self._tracking.readings, self._connection
+        return Health(
+            activity=self.state.activity, answered=self.state.answered, busy=self.state.refusal,
+            mode=self.status,
+            hazards=tuple(causes_in(readings)) if readings.has('oi_mode') else (),
+            readings=readings, counts=copy(self.counts),
+            line_problem=connection.frame_budget.problem,
+            frame_age=now - connection.heard_at if self.counts.frames else None,
+            spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
+            ignores_commands=connection.ignores_commands, angle_stuck=self._turn_check.stuck,
+            battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
 
-    @property
-    def checksum(self) -> oi.Checksum | None:
-        """The convention of checksums that the robot follows, once it is known."""
-        return self._reader.checksum
+    # What is requested.
 
     def drive(self, linear: float, angular: float, now: float) -> None:
         """Want a velocity, m/s and rad/s, until it is replaced or expires."""
-        if not self._motion.command(linear, angular, now):
-            self._say(Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
-                      'stopped; send finite numbers')
-        if self.scripts.playing:
+        if not (isfinite(linear) and isfinite(angular)):
+            self._events.notice(
+                Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
+                'stopped; send finite numbers')
             self._motion.stop()
-            self._say_refusal(self.scripts.refusal)
-        elif not self._motion.moving:
+            linear = angular = 0.0
+        if not self._motion.command(linear, angular, now):
             self._supervision.commands_paused()
-        elif self.status.actual not in oi.DriveDirect.modes:
-            self._drive_when_not_allowed(now)
-        self._tell_speeds(now)
+        elif self.state.owner is Owner.NOBODY:
+            self._take(Event.HALTED)
+        elif why := self.state.drive_refusal or self._modes.allow_driving(now):
+            self._take(Event.HALTED)
+            self._tell_refusal(why)
+        else:
+            self._refusal_told = False
+            self._take(Event.VELOCITY)
+        self._send_speeds(now)
 
-    def stop(self, now: float) -> tuple[bool, str]:
-        """Stop the wheels, and a demo, before anything else; says whether the robot hears it."""
-        self._motion.stop()
-        self._motion.forget()
+    def stop(self, now: float) -> Pending:
+        """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
+        self._take(Event.STOPPED)
         self._supervision.commands_paused()
-        if self.link is not Link.CLOSED:
-            self._outbox.send_at_once(oi.DriveDirect(right=0, left=0), now)
+        if self.state.activity is not Activity.CLOSED:
+            self._outbox.send_at_once(HALT, now)
         if self.status.actual is oi.Mode.PASSIVE:
             self._outbox.send_at_once(END_DEMO, now)
         if self.status.wanted is oi.Mode.PASSIVE and self._outbox.busy:
             self._outbox.send(END_DEMO)  # one may be about to begin
-        refusal = DEAF if self.hearing.deaf else self._refusal(oi.Demo)
-        return not refusal, refusal or 'wheels stopped'
+        why = IGNORES if self._connection.ignores_commands else self._requests.refusal(oi.Demo)
+        return done('wheels stopped') if why is None else refused(why)
 
     def set_limits(self, limits: MotionLimits) -> None:
-        """Bound the motion otherwise from the next command on."""
+        """Limit the motion differently from the next command on."""
         self._motion.limits = limits
 
-    def set_mode(self, mode: oi.Mode, now: float, reply: Reply) -> None:
-        """Want a mode; the reply comes when the robot reports it, or does not."""
-        if mode not in MODE_COMMANDS:
-            allowed = ', '.join(f'{m.value} {m.name}' for m in MODE_COMMANDS)
-            reply(False, f'mode {mode.name} cannot be set; allowed: {allowed}')
-        elif refusal := self._refusal(MODE_COMMANDS[mode]):
-            reply(False, refusal)
-        else:
-            self._mode_request.begin(mode, now + SILENCE, reply)
-            self._supervision.want(mode)
-            self._enter(mode, now)
+    def set_mode(self, mode: oi.Mode, now: float) -> Pending:
+        """Want a mode; the request ends when the robot reports it, or does not."""
+        return self._modes.set(mode, now)
 
-    def reset_odometry(self) -> None:
+    def reset_odometry(self) -> Pending:
         """Put the origin of the odometry frame where the robot is."""
-        self.odometry.reset()
+        self._tracking.odometry.reset()
+        return done('odom starts again where the robot is')
 
     def shut_down(self, now: float) -> None:
-        """Say goodbye: all that moves stopped, stream halted, the mode asked for on exit."""
-        self._mode_request.answer(False, 'driver is shutting down')
-        if self.link is Link.CLOSED:
+        """Stop all that moves, pause the stream, and leave the robot in the mode for exit."""
+        self._modes.fail('driver is shutting down')
+        if self.state.activity is Activity.CLOSED:
             return
-        self._outbox.clear()
-        for command in (
-            oi.DriveDirect(right=0, left=0),
-            oi.PwmLowSideDrivers(driver_0=0, driver_1=0, driver_2=0),
-            *((END_DEMO,) if self.status.actual is oi.Mode.PASSIVE else ()),
-            oi.PauseResumeStream(state=oi.StreamState.PAUSE),
-            MODE_COMMANDS[self.settings.mode_on_exit](),
-        ):
+        mode = self.status.actual
+        self._take(Event.PORT_CLOSED)
+        for command in farewell(mode, self.settings.mode_on_exit):
             self._outbox.send_at_once(command, now)
-        self.link = Link.CLOSED
 
     # How it is done.
 
-    def _wake(self, now: float) -> None:
-        """Call the robot, whatever state it is in, and stop it."""
-        self.link = Link.WAKING
-        self.heard_at = now
-        self._lose()
-        self._tune(self._calling.call())
-        self._outbox.send_raw(DRAIN)
-        self._outbox.send(oi.DriveDirect(right=0, left=0))
-        self._outbox.send(oi.Start())
-        stream = self.plan.next_stream(now, motion_due=True)
-        if stream is not None:
-            self._outbox.send(stream)
-
-    def _tune(self, baud: int) -> None:
-        """Plan for a baud rate; whoever holds the port follows `baud`."""
-        if baud != self.plan.baud:
-            self.plan = StreamPlan(baud)
-            self._reader.expect(self.plan.lists)
-
-    def _lose(self) -> None:
-        self._outbox.clear()
-        self.scripts.lost()
-        self._motion.stop()
-        self._motion.forget()
-        self._supervision.lost()
-        self.plan.restart()
-        self._tracking.restart()
-        self._unjudged.clear()
-        self.hearing.restart()
-        self.frame_budget.restart()
-
-    def _miss(self, now: float) -> None:
-        if self.link is Link.UP:
-            self.counts.silences += 1
-            self._calling.begin()
-            why = self.frame_budget.why_silent(self.plan.budget, self.baud)
-            self._say(Severity.ERROR, f'no frame for {SILENCE} s: {why}; calling it until it '
-                      'answers')
-        rest = self._reader.flush()
-        if rest is not None:
-            self._calling.overheard(rest.data)
-        complaint = self._calling.complaint()
-        if complaint is not None:
-            self._events.append(complaint)
-        self._wake(now)
-
-    def _judge_rate(self) -> None:
-        slow = too_slow(self.plan.budget, self.baud)
-        if slow and slow != self._slow_told:
-            self._say(Severity.ERROR, slow)
-        self._slow_told = slow
-
-    def _mind_standstill(self, now: float) -> None:
-        """Begin anew after this process has been stopped: the dead-man may have acted."""
-        still = 0.0 if self._called_at is None else now - self._called_at
-        self._called_at = now
-        if self.link is Link.UP and still > STANDSTILL:
-            self._say(Severity.WARNING, f'the driver stood still for {still:.1f} s (Ctrl-Z, a '
-                      'debugger, a computer that slept or was too busy); calling the robot anew')
-            self._reader.flush()
-            self._calling.begin()
-            self._lose()
-            self._outbox.send_at_once(oi.DriveDirect(right=0, left=0), now)
-            # Called only when the rest is over, or the answer, with distance and angle, is lost.
-            self.link, self._stale_until = Link.WAKING, now + STALE
-            self.heard_at = self._stale_until - CALL_AGAIN
-
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
-        """Tell what a frame says; what follows from it is left to `poll`, for news are urgent."""
+        """Report what a frame says; `poll` draws the conclusions, for news are urgent."""
         taken = self._tracking.take(frame, self.baud, now)
-        self.frame_budget.frame(frame.packets.frame_size)
-        self.hearing.seen(frame.packets.ids)
+        self._connection.add_frame(frame.packets)
         if taken is None:
             return
-        self.heard_at = now
-        if self.link is Link.WAKING:
+        self._connection.heard_at = now
+        if self.state.activity is Activity.CALLING:
             self._found(now)
-        if self.scripts.heard(frame.packets):
-            self._script_ended()
+        if self.scripts.ended(frame.packets):
+            self._after_script()
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
-        self._events.append(moved)
+        self._events.add(moved)
         self._unjudged.append((taken, moved))
+
+    def _found(self, now: float) -> None:
+        self._connection.answered()
+        wanted = self.status.wanted
+        self._events.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
+        self.outputs.restore_songs()
+        self._modes.enter(wanted, now)
+
+    def _after_script(self) -> None:
+        if self.scripts.resets_accumulators:
+            self._tracking.odometry.recounted()
+        self._events.notice(Severity.INFO, 'the script has ended; wheels stopped')
+        if self._tracking.readings.oi_mode in oi.ACTUATE:
+            self.outputs.restore()
 
     def _judge(self, taken: Taken, moved: Moved, now: float) -> None:
         """Draw the conclusions from a frame."""
-        self._supervise(moved.readings, now)
-        if self.turning.observe(taken.readings, taken.dt):
-            self._say(Severity.WARNING, 'the angle does not change though the robot was told to '
-                      'turn: are the wheels blocked, or does odometry_window: 0 hide slow turns? '
-                      'Some firmware before 3.4.1 is reported to send a constant 0')
-        if self.battery.observe(moved.readings, now):
-            self._mind_battery(now)
-
-    def _mind_battery(self, now: float) -> None:
-        level, action = self.battery.level, self.battery.limits.action
-        volts = f'{self.readings.voltage / 1000:.1f} V'
-        self._say(Severity.WARNING, f'battery {level.value} ({volts}): charge it')
-        if level is not BatteryLevel.EMPTY or action is LowBatteryAction.NONE:
-            return
-        if action is LowBatteryAction.DOCK:
-            self.demos.start(oi.DemoNumber.COVER_AND_DOCK, lambda *_: None)
-        else:
-            self._motion.stop()
-            self._supervision.want(oi.Mode.PASSIVE)
-            self._enter(oi.Mode.PASSIVE, now)
-        self._say(Severity.ERROR, f'battery {level.value}: low_battery_action {action.value}')
-
-    def _found(self, now: float) -> None:
-        self.link = Link.UP
-        wanted = self.status.wanted
-        self._judge_rate()
-        self._say(Severity.INFO, f'robot answers; entering {wanted.name}')
-        self.actuators.restore_songs()
-        self._enter(wanted, now)
-
-    def _enter(self, mode: oi.Mode, now: float) -> None:
-        self._supervision.entering(now)
-        self._motion.forget()
-        self._outbox.send(MODE_COMMANDS[mode]())
-        if mode in oi.ACTUATE:
-            self.actuators.restore()
-
-    def _script_ended(self) -> None:
-        self._motion.forget()
-        if self.scripts.recounts:
-            self.odometry.recounted()
-        self._say(Severity.INFO, 'the script has ended; wheels stopped')
-        if self.readings.oi_mode in oi.ACTUATE:
-            self.actuators.restore()
-
-    def _refusal(self, command: type[oi.Command]) -> str:
-        """Say why a command cannot be sent now, and what to do; '' if it can."""
-        if self.link is not Link.UP:
-            return f'{self.link.value}: check cable and power, the driver keeps trying'
-        return self.scripts.refusal or mode_refusal(command, self.status.actual)
-
-    def _supervise(self, readings: oi.Readings, now: float) -> None:
-        dropped = self._supervision.observe(readings, now)
-        status = self.status
-        if dropped:
-            self._refusal_said = False
-            self._motion.stop()
-            self._motion.forget()
-            self._say(Severity.WARNING, f'robot left {status.wanted.name} for '
-                      f'{readings.oi_mode.name}: {status.reason}')
-            if status.causes == (Cause.UNKNOWN,):
-                self._outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
-        self._mode_request.observe(status.actual)
-        if status.actual in oi.DriveDirect.modes and not self.scripts.refusal:
+        readings = moved.readings
+        if self._modes.observe(readings, now):
+            self._refusal_told = False
+        drives = self.status.actual in oi.DriveDirect.modes
+        if drives and self.state.takes_commands:
             self._motion.reported(
                 readings.requested_right_velocity, readings.requested_left_velocity, now)
-        self._mind_line(now)
-        if self._supervision.must_enter_again(now) and not self.scripts.refusal:
-            self._enter(status.wanted, now)
+        if self._connection.judge(self._motion.missed if drives else 0, now):
+            self._send_again()
+        self._modes.retry(now)
+        if self._turn_check.observe(taken.readings, taken.dt):
+            self._events.notice(
+                Severity.WARNING, 'the angle does not change though the robot was told to '
+                'turn: are the wheels blocked, or does odometry_window: 0 hide slow turns? '
+                'Some firmware before 3.4.1 is reported to send a constant 0')
+        self._battery.observe(readings, now)
 
-    def _mind_line(self, now: float) -> None:
-        """Do something about a robot that does not hear, tell of one that is not heard well."""
-        if self.scripts.refusal:
-            self.hearing.restart()
-            self.frame_budget.restart()
-            return
-        drives = self.status.actual in oi.DriveDirect.modes
-        match self.hearing.turn(self._motion.missed if drives else 0, now):
-            case Turn.DOUBTED:
-                self._outbox.send_raw(DRAIN)
-            case Turn.DEAF:
-                self._say(Severity.ERROR, DEAF)
-            case Turn.HEARS_AGAIN:
-                self._hears_again()
-        if self.frame_budget.judge(self.baud, now, fits=self.plan.budget.fits):
-            complaint = self.frame_budget.complaint
-            self._say(Severity.WARNING if complaint else Severity.INFO,
-                      complaint or 'frames arrive in time again')
-
-    def _hears_again(self) -> None:
-        """Say all again that the robot may have missed."""
-        self._motion.forget()
-        self.actuators.restore_songs()
+    def _send_again(self) -> None:
+        """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
+        self._motion.forget_sent()
+        self.outputs.restore_songs()
         if self.status.actual in oi.ACTUATE:
-            self.actuators.restore()
+            self.outputs.restore()
 
-    def _drive_when_not_allowed(self, now: float) -> None:
-        """Bring the wanted mode back for a fresh command, or say why it is not obeyed."""
-        status = self.status
-        if self._supervision.may_recover(now):
-            if not self._outbox.busy:
-                self._say(Severity.INFO, f'{status.reason} is gone: entering '
-                          f'{status.wanted.name} again')
-                self._enter(status.wanted, now)
-            return
-        self._motion.stop()
-        if status.actual is not None:
-            why = f' ({status.reason})' if status.reason else ''
-            self._say_refusal(f'robot is in {status.actual.name}{why}; let commands pause and '
-                              'send again, or call set_mode with SAFE')
+    def _tell_refusal(self, why: str) -> None:
+        if not self._refusal_told:
+            self._refusal_told = True
+            self._events.notice(Severity.WARNING, f'not driving: {why}')
 
-    def _say_refusal(self, why: str) -> None:
-        if not self._refusal_said:
-            self._refusal_said = True
-            self._say(Severity.WARNING, f'not driving: {why}')
-
-    def _tell_speeds(self, now: float) -> None:
-        if (self.link is Link.UP and self.status.actual in oi.DriveDirect.modes
-                and not self.scripts.refusal):
+    def _send_speeds(self, now: float) -> None:
+        if self.state.takes_commands and self.status.actual in oi.DriveDirect.modes:
             drive = self._motion.next_drive(now)
             if drive is not None:
                 self._outbox.send_at_once(drive, now)
-
-    def _stream_and_drive(self, now: float) -> None:
-        if self.link is not Link.UP or self.scripts.refusal:
-            return
-        self._tell_speeds(now)
-        stream = self.plan.next_stream(now, motion_due=self.odometry.reading_due)
-        if stream is not None:
-            self._outbox.send(stream)
-            self.hearing.asked(tuple(stream.packets), now)
-
-    def _refuse_mode_request(self, mode: oi.Mode) -> None:
-        actual = self.status.actual
-        stays = 'does not answer' if actual is None else f'stays in {actual.name}'
-        causes = self._supervision.status.reason
-        why = f' ({causes})' if causes else ''
-        self._mode_request.answer(
-            False, f'robot {stays}{why} instead of entering {mode.name}: in SAFE it needs all '
-            'wheels down, no cliff under it and no charger plugged in')
-
-    def _say(self, severity: Severity, text: str) -> None:
-        self._events.append(Notice(severity, text))
+        if self.state.moving and self._motion.at_rest:
+            self._take(Event.HALTED)

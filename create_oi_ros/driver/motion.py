@@ -1,38 +1,36 @@
 """
-From a wanted velocity to wheel speeds that the robot may be sent.
+From a commanded velocity to the wheel speeds that the robot is sent.
 
-The watchdog lives here too: the Open Interface has no timeout, the last Drive holds for ever.
+The watchdog is here too: the Open Interface has no timeout, the last Drive holds for ever.
 """
 
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf
 
 from .. import oi
-
-MM = 1000
-"""Millimetres in a metre."""
+from ..robot import MM_PER_M, SLOT, TOP_SPEED, WHEEL_SEPARATION
 
 
 @dataclass(frozen=True)
 class MotionLimits:
-    """What may be asked of the wheels."""
+    """Limits of what the wheels are told."""
 
-    wheel_separation: float = 0.258
+    wheel_separation: float = WHEEL_SEPARATION
     """Metres between the wheels' contact points."""
-    max_wheel_speed: float = 0.5
+    max_wheel_speed: float = TOP_SPEED
     """m/s for either wheel."""
     timeout: float = 0.5
     """Seconds that a command holds."""
     linear_acceleration: float = 0.0
-    """m/s2, faster and slower; 0 is no limit. A stop and the end of commands know none."""
+    """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it."""
     angular_acceleration: float = 0.0
-    """rad/s2, likewise."""
+    """rad/s², likewise."""
 
 
-UNHEARD = 10 * oi.SLOT
+REPORT_TIMEOUT = 10 * SLOT
 """Seconds after which the robot should report the speeds that it was sent."""
-RAMP_STEP = 2 * oi.SLOT
-"""Seconds of acceleration at once, at most: nobody asked between two drives far apart."""
+RAMP_STEP = 2 * SLOT
+"""Most seconds of acceleration between two commands, however far apart they are."""
 WheelSpeeds = tuple[float, float]
 """Right and left, mm/s."""
 STOPPED = (0.0, 0.0)
@@ -45,12 +43,12 @@ def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> WheelSp
     Too fast a command is slowed down as a whole, both wheels by one factor, so that the curve is
     kept.
     """
-    # Reckoned by halves, whose sum a float can hold whatever was asked for.
+    # Calculated by halves: their sum fits into a float whatever was commanded.
     half, turn = linear / 2, angular * limits.wheel_separation / 4
     right, left = half + turn, half - turn
     fastest = max(abs(right), abs(left))
     scale = min(1.0, limits.max_wheel_speed / 2 / fastest) if fastest else 1.0
-    return right * scale * 2 * MM, left * scale * 2 * MM
+    return right * scale * 2 * MM_PER_M, left * scale * 2 * MM_PER_M
 
 
 def next_speeds(
@@ -59,12 +57,12 @@ def next_speeds(
     """
     Return what comes after some seconds on the way from one pair of wheel speeds to another.
 
-    Both accelerations are cut by one factor, so that the way is straight: from a stand, the
-    curve is the wanted one from the beginning.
+    Both accelerations are reduced by one factor: from a stand, the curve is the commanded one
+    from the start.
     """
     right, left = wanted[0] - before[0], wanted[1] - before[1]
-    linear = abs(right + left) / 2 / MM
-    angular = abs(right - left) / limits.wheel_separation / MM
+    linear = abs(right + left) / 2 / MM_PER_M
+    angular = abs(right - left) / limits.wheel_separation / MM_PER_M
     part = 1.0
     for change, limit in ((linear, limits.linear_acceleration),
                           (angular, limits.angular_acceleration)):
@@ -76,7 +74,7 @@ def next_speeds(
 
 
 class Motion:
-    """The newest command, how long it holds, and what of it the robot knows."""
+    """The newest velocity command, how long it holds, and what the robot was told of it."""
 
     def __init__(self, limits: MotionLimits) -> None:
         self.limits = limits
@@ -91,23 +89,14 @@ class Motion:
         """How many speeds in a row the robot did not take."""
 
     def command(self, linear: float, angular: float, now: float) -> bool:
-        """Take a command in; False when it is not finite, which stops the robot."""
+        """Take a command, m/s and rad/s; True when it asks for motion."""
         self._commanded_at = now
-        finite = isfinite(linear) and isfinite(angular)
-        if finite:
-            self._wanted = wheel_speeds(linear, angular, self.limits)
-        else:
-            self.stop()
-        return finite
+        self._wanted = wheel_speeds(linear, angular, self.limits)
+        return self._wanted != STOPPED
 
     def stop(self) -> None:
         """Want the wheels to stand, at once."""
         self._wanted = self._speeds = STOPPED
-
-    @property
-    def moving(self) -> bool:
-        """Whether wheels are wanted to turn."""
-        return self._wanted != STOPPED
 
     @property
     def at_rest(self) -> bool:
@@ -118,31 +107,29 @@ class Motion:
         """Tell whether the newest command is too old to hold."""
         return now - self._commanded_at > self.limits.timeout
 
-    def forget(self) -> None:
-        """Assume nothing about what the robot's wheels were told last."""
+    def forget_sent(self) -> None:
+        """Assume nothing about what the robot's wheels were told last: send it again."""
         self._sent = None
 
     def reported(self, right: int, left: int, now: float) -> None:
-        """Note what the robot says it was told, mm/s; what it missed is sent again."""
+        """Note the requested speeds that the robot reports, mm/s; what it missed is sent again."""
         if self._sent == (right, left):
             self.missed = 0
-        elif self._sent is not None and now - self._sent_at > UNHEARD:
-            self.forget()
+        elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
+            self.forget_sent()
             self.missed += 1
 
     def next_drive(self, now: float) -> oi.DriveDirect | None:
         """
         Return the command to send, if the robot must be told something new.
 
-        No more often than the robot listens (one slot), except that a stop never waits.
+        At most one a slot, since the robot takes no more; but a stop never waits.
         """
-        if self.expired(now):
-            self.stop()
         since = min(now - self._ramped_at, RAMP_STEP)
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
         self._ramped_at = now
-        told = round(self._speeds[0]), round(self._speeds[1])
-        if told == self._sent or told != (0, 0) and now - self._sent_at < oi.SLOT:
+        speeds = round(self._speeds[0]), round(self._speeds[1])
+        if speeds == self._sent or speeds != (0, 0) and now - self._sent_at < SLOT:
             return None
-        self._sent, self._sent_at = told, now
-        return oi.DriveDirect(right=told[0], left=told[1])
+        self._sent, self._sent_at = speeds, now
+        return oi.DriveDirect(right=speeds[0], left=speeds[1])

@@ -1,84 +1,93 @@
-"""Bytes on their way to the robot, with the pauses that it needs between commands."""
+"""The queue of bytes to the robot, with the pauses that it needs between commands."""
 
 from collections import deque
-from collections.abc import Callable
 from typing import NamedTuple
 
 from .. import oi
+from .pending import Pending
 
 MODE_PAUSE = 0.02
 """Seconds to leave after a command that changes the mode, before the next one."""
+LOST = 'the robot was lost before the command was written: try again when it answers'
 
 
-class _Outgoing(NamedTuple):
+class _Queued(NamedTuple):
     encoded: bytes
     pause: float
-    told: Callable[[bool], None] | None
+    request: Pending | None
+    done: str
 
 
 class Outbox:
-    """A queue that lets a command out when the robot can take it."""
+    """Releases commands when the robot can take them."""
 
     def __init__(self) -> None:
-        self._queue: deque[_Outgoing] = deque()
+        self._queue: deque[_Queued] = deque()
         self._free_at = -float('inf')
         self._ready = bytearray()
-        self._unconfirmed: list[Callable[[bool], None]] = []
+        self._unconfirmed: list[_Queued] = []
 
-    def send(
-        self, command: oi.Command, *, pause: float = 0.0,
-        told: Callable[[bool], None] | None = None,
+    def send(self, command: oi.Command, *, pause: float = 0.0) -> None:
+        """Queue a command; ValueError, and nothing queued, where it is out of range."""
+        self._append(command, pause, None, '')
+
+    def request(self, command: oi.Command, done: str, *, pause: float = 0.0) -> Pending:
+        """Queue a command like `send`; the request ends with `done` when it is written."""
+        request = Pending()
+        self._append(command, pause, request, done)
+        return request
+
+    def _append(
+        self, command: oi.Command, pause: float, request: Pending | None, done: str,
     ) -> None:
-        """
-        Queue a command; ValueError, and nothing queued, where it is out of range.
-
-        `told` is called once, with whether the command was written.
-        """
         if command.enters is not None:
             pause = max(pause, MODE_PAUSE)
-        self._queue.append(_Outgoing(command.encode(), pause, told))
+        self._queue.append(_Queued(command.encode(), pause, request, done))
 
     def send_raw(self, encoded: bytes) -> None:
         """Queue bytes that are no command."""
-        self._queue.append(_Outgoing(encoded, 0.0, None))
+        self._queue.append(_Queued(encoded, 0.0, None, ''))
 
     def send_at_once(self, command: oi.Command, now: float) -> None:
-        """Let a command out before all that is queued; for stopping."""
+        """Release a command ahead of the queue; for stopping."""
         self._ready += command.encode()
         self._free_at = max(self._free_at, now)
 
     @property
     def busy(self) -> bool:
-        """Whether commands are waiting for their turn."""
+        """Whether commands are queued."""
         return bool(self._queue)
 
     def clear(self) -> None:
-        """Drop all that has not been let out."""
-        waiting = [told for *_, told in self._queue if told is not None] + self._unconfirmed
+        """Drop everything that has not been written; its requests end as lost."""
+        dropped = [*self._queue, *self._unconfirmed]
         self._queue.clear()
         self._ready.clear()
         self._unconfirmed = []
         self._free_at = -float('inf')
-        for told in waiting:
-            told(False)
+        for queued in dropped:
+            if queued.request is not None:
+                queued.request.end(False, LOST)
 
     def release(self, now: float) -> None:
-        """Let out what is due."""
+        """Make ready what is due."""
         while self._queue and now >= self._free_at:
-            outgoing = self._queue.popleft()
-            self._ready += outgoing.encoded
-            self._free_at = now + outgoing.pause
-            if outgoing.told is not None:
-                self._unconfirmed.append(outgoing.told)
+            queued = self._queue.popleft()
+            self._ready += queued.encoded
+            self._free_at = now + queued.pause
+            if queued.request is not None:
+                self._unconfirmed.append(queued)
 
-    def take(self) -> bytes:
-        """Return what was let out."""
+    def take_ready(self) -> bytes:
+        """Return the bytes to write now, once."""
         ready = bytes(self._ready)
         self._ready.clear()
         return ready
 
     def confirm(self) -> None:
-        """Tell those who wait that the bytes taken have been written."""
-        confirmed, self._unconfirmed = self._unconfirmed, []
-        for told in confirmed:
-            told(True)
+        """End the requests whose bytes have been written."""
+        if self._unconfirmed:
+            written, self._unconfirmed = self._unconfirmed, []
+            for queued in written:
+                if queued.request is not None:
+                    queued.request.end(True, queued.done)

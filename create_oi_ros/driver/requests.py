@@ -1,86 +1,44 @@
 """
-What is asked for by service: checked before it is sent, answered when it is written.
+Commands that somebody asked for: checked before they are sent, answered when they are written.
 
-A command that the robot would ignore, for its mode or for lack of a robot, is refused in words
-that say what to do.
+A command that the robot would ignore, because of its mode or because no robot answers, is
+refused in words that say what to do.
 """
-
-from collections.abc import Callable
-from typing import NamedTuple
 
 from .. import oi
 from .outbox import Outbox
+from .pending import Pending, refused
+from .state import State
+from .supervision import Supervision
 
-Reply = Callable[[bool, str], None]
-"""Takes whether a request succeeded, and if not why and what to do."""
-LOST = 'the robot was lost before the command was written: try again when it answers'
-
-
-def mode_refusal(command: type[oi.Command], mode: oi.Mode | None) -> str:
-    """Say why the robot would not obey a command in a mode, and what to do; '' if it would."""
-    if mode is None:
-        return 'no robot answers: check cable and power, the driver keeps trying'
-    if mode in command.modes:
-        return ''
-    return f'robot is in {mode.name}: call set_mode with SAFE first'
+NO_ROBOT = 'no robot answers: check cable and power, the driver keeps trying'
 
 
 class Requests:
-    """Sends commands that somebody waits for."""
+    """Sends requested commands, or refuses them."""
 
-    def __init__(self, outbox: Outbox, refusal: Callable[[type[oi.Command]], str]) -> None:
-        """Take where commands go, and what says why a kind of command cannot be sent now."""
+    def __init__(self, outbox: Outbox, state: State, supervision: Supervision) -> None:
         self._outbox = outbox
-        self.refusal = refusal
+        self._state = state
+        self._supervision = supervision
 
-    def send(
-        self, command: oi.Command, reply: Reply, done: str, *, pause: float = 0.0,
-    ) -> bool:
-        """Send a command, or refuse it; `done` is said when it is written. Tells if it is sent."""
-        refusal = self.refusal(type(command))
-        if refusal:
-            reply(False, refusal)
-            return False
+    def refusal(self, command: type[oi.Command]) -> str | None:
+        """Say why a command cannot be sent now, and what to do; None where it can."""
+        mode = self._supervision.status.actual
+        if self._state.refusal is not None:
+            return self._state.refusal
+        if mode is None:
+            return NO_ROBOT
+        if mode in command.modes:
+            return None
+        return f'robot is in {mode.name}: call set_mode with SAFE first'
 
-        def told(written: bool) -> None:
-            reply(written, done if written else LOST)
+    def send(self, command: oi.Command, done: str, *, pause: float = 0.0) -> Pending:
+        """Send a command, or refuse it; the outcome's text is `done` once it is written."""
+        why = self.refusal(type(command))
+        if why is not None:
+            return refused(why)
         try:
-            self._outbox.send(command, pause=pause, told=told)
+            return self._outbox.request(command, done, pause=pause)
         except ValueError as error:
-            reply(False, str(error))
-            return False
-        return True
-
-
-class _Awaited(NamedTuple):
-    mode: oi.Mode
-    deadline: float
-    reply: Reply
-
-
-class ModeRequest:
-    """The mode that somebody waits for the robot to report."""
-
-    def __init__(self) -> None:
-        self._awaited: _Awaited | None = None
-
-    def begin(self, mode: oi.Mode, deadline: float, reply: Reply) -> None:
-        """Wait for a mode until a time; whoever waited before is told that he waits in vain."""
-        self.answer(False, 'another request came before the robot answered')
-        self._awaited = _Awaited(mode, deadline, reply)
-
-    def expired(self, now: float) -> oi.Mode | None:
-        """Return the mode that has been waited for too long."""
-        awaited = self._awaited
-        return awaited.mode if awaited is not None and now > awaited.deadline else None
-
-    def observe(self, actual: oi.Mode | None) -> None:
-        """Answer if this is the mode that is waited for."""
-        if self._awaited is not None and actual == self._awaited.mode:
-            self.answer(True, f'robot is in {self._awaited.mode.name}')
-
-    def answer(self, success: bool, message: str) -> None:
-        """Answer, if somebody waits."""
-        awaited, self._awaited = self._awaited, None
-        if awaited is not None:
-            awaited.reply(success, message)
+            return refused(str(error))

@@ -1,19 +1,17 @@
 """
-How fast a script lets the wheels run, as the robot's echoes tell.
+Wheel speeds during a script, from the requested speeds that the robot reports.
 
-The last Drive has its echo in packets 39 and 40, the last Drive Direct in 41 and 42, and neither
+The last Drive is reported in packets 39 and 40, the last Drive Direct in 41 and 42, and nothing
 tells which of them came last. So a script is followed if it uses only one of them.
 """
 
 from .. import oi
 from ..oi.script import commands_of
-from .motion import MM
-from .stream_plan import ECHOES
+from ..robot import MM_PER_M, TOP_SPEED
+from .stream_plan import DRIVE_REQUEST
 
-TOP_SPEED = 0.5
-"""m/s, of either wheel (manual)."""
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
-"""Sent before a script plays, for an echo may be left from the one before."""
+"""Sent before a script plays, since packets 39 and 40 may still hold an earlier Drive."""
 STRAIGHT = (oi.Radius.STRAIGHT, oi.Radius.STRAIGHT_7FFF, 0)
 IN_PLACE: dict[int, int] = {
     oi.Radius.IN_PLACE_CLOCKWISE: -1, oi.Radius.IN_PLACE_COUNTER_CLOCKWISE: 1,
@@ -23,8 +21,8 @@ Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
 
 
-class Echoes:
-    """Reads the speeds of the wheels from the echoes that tell them for one script."""
+class ScriptSpeeds:
+    """Reads the wheel speeds from the packets that report them for one script."""
 
     def __init__(
         self, script: oi.Script | None, wheel_separation: float, *, cleared: bool,
@@ -32,20 +30,21 @@ class Echoes:
         """Follow this script, if it is known; the separation is in metres."""
         commands = commands_of(script) if script else []
         used: set[type[oi.Command]] = {type(command) for command in commands}
-        self._half = wheel_separation * MM / 2
+        self._half = wheel_separation * MM_PER_M / 2
         self._drive = oi.Drive in used
         mixed = self._drive and oi.DriveDirect in used
-        self.tell = cleared and script is not None and not mixed and oi.Script not in used
-        """Whether they tell how the wheels run."""
-        self.recounts = self.tell and not used.isdisjoint((oi.WaitDistance, oi.WaitAngle))
-        """Whether the script sets distance and angle to zero as it waits for them (manual), so
-        that they tell less than the echoes. Where these tell nothing, a part is better."""
+        self.known = cleared and script is not None and not mixed and oi.Script not in used
+        """Whether the packets tell how the wheels run."""
+        self.resets_accumulators = self.known and not used.isdisjoint(
+            (oi.WaitDistance, oi.WaitAngle))
+        """Whether the script sets distance and angle to zero as it waits for them (manual). They
+        say less than the requested speeds then. Where those are not known, a part is better."""
 
     def speeds(self, readings: oi.Readings) -> Speeds:
-        """Return what the wheels are to do by a frame's echoes."""
+        """Return how fast the wheels are to run by a frame's packets."""
         if not self._drive:
-            return asked_directly(readings)
-        if not readings.has(*ECHOES):
+            return requested_directly(readings)
+        if not readings.has(*DRIVE_REQUEST):
             return 0.0, 0.0
         velocity, radius = float(readings.requested_velocity), readings.requested_radius
         if radius in IN_PLACE:
@@ -53,14 +52,15 @@ class Echoes:
         else:
             forward = velocity
             outward = velocity * self._half / radius if radius not in STRAIGHT else 0.0
-        return _possible(forward + outward), _possible(forward - outward)
+        return _limited(forward + outward), _limited(forward - outward)
 
 
-def asked_directly(readings: oi.Readings) -> Speeds:
+def requested_directly(readings: oi.Readings) -> Speeds:
     """Return what the last Drive Direct asked for."""
-    return readings.requested_right_velocity / MM, readings.requested_left_velocity / MM
+    return (readings.requested_right_velocity / MM_PER_M,
+            readings.requested_left_velocity / MM_PER_M)
 
 
-def _possible(speed: float) -> float:
+def _limited(speed: float) -> float:
     """Return in m/s how fast a wheel runs that is asked to run so many mm/s."""
-    return max(-TOP_SPEED, min(TOP_SPEED, speed / MM))
+    return max(-TOP_SPEED, min(TOP_SPEED, speed / MM_PER_M))

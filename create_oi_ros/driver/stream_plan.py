@@ -1,17 +1,18 @@
 """
 Which packets the driver asks for, and when it changes the list.
 
-The robot sends one list of packets every 15 ms, and the list must fit into that slot. What must
-be seen at once (mode, bumps, cliffs, requested speeds) is in every list; distance and angle only
-when the odometry asks, because reading them costs precision; the rest as often as there is room.
-A frame of the list that is asked for may arrive late, so frames of the lists before it are
-accepted too.
+The robot sends one list of packets in every slot, and the list must fit into it. What must be
+known at once (mode, bumps, cliffs, requested speeds) is in every list. Distance and angle are in
+it only when the odometry asks, because reading them costs precision. The rest comes as often as
+there is room. A frame of the list that is asked for may arrive late, so frames of earlier lists
+are accepted too.
 """
 
 from collections.abc import Iterator
 from itertools import cycle
 
 from .. import oi
+from ..robot import SLOT
 
 ESSENTIAL = (
     'bumps_and_wheel_drops', 'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right',
@@ -27,10 +28,10 @@ SLOW = (
     'charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
     'battery_capacity',
 )
-ECHOES = ('requested_velocity', 'requested_radius')
-"""Of Drive, which only scripts use."""
+DRIVE_REQUEST = ('requested_velocity', 'requested_radius')
+"""What the last Drive asked for; only scripts use Drive."""
 ALL = ESSENTIAL + FREQUENT + MOTION + SLOW
-"""Every reading that the driver keeps; unused bytes and echoes of Drive are not among them."""
+"""Every packet that the driver keeps; unused bytes and the requests of Drive are left out."""
 
 
 def _lists(baud: int) -> tuple[oi.PacketList, list[oi.PacketList], oi.PacketList]:
@@ -53,19 +54,25 @@ class StreamPlan:
 
     def __init__(self, baud: int) -> None:
         """Plan for a baud rate."""
+        self._asked: oi.PacketList | None = None
+        self._asked_at = 0.0
+        self.tune(baud)
+
+    def tune(self, baud: int) -> None:
+        """Plan for another baud rate, from the start."""
+        self.restart()
         self.short, self._parts, self.full = _lists(baud)
         self.marker = oi.PacketList.named(*ESSENTIAL)
-        """Asked for only to see whether the robot hears."""
-        self.script = oi.PacketList.named(*ESSENTIAL, *ECHOES)
+        """Asked for only to see whether the robot takes commands."""
+        self.script = oi.PacketList.named(*ESSENTIAL, *DRIVE_REQUEST)
         """While a script plays. A waiting robot cannot be asked for another list, and to read
         distance and angle in every frame would lose most of them."""
-        if (longer := oi.PacketList.named(*ESSENTIAL, *FREQUENT, *ECHOES)).budget(baud).fits:
+        longer = oi.PacketList.named(*ESSENTIAL, *FREQUENT, *DRIVE_REQUEST)
+        if longer.budget(baud).fits:
             self.script = longer
         self.baud = baud
         self.budget = self.full.budget(baud)
         self._rotation: Iterator[oi.PacketList] = cycle(self._parts or [self.short])
-        self._asked: oi.PacketList | None = None
-        self._asked_at = 0.0
 
     @property
     def lists(self) -> tuple[oi.PacketList, ...]:
@@ -80,12 +87,12 @@ class StreamPlan:
         """
         Return the command that changes the list, when it is time for one.
 
-        The list with motion is taken back after one slot, without waiting for a reply, so that
-        normally one frame carries it however late the line is.
+        The list with motion is replaced after one slot, without waiting for its frame, so that
+        normally one frame carries it, however slow the line is.
         """
         if self._asked is None:
             return self._ask(self.full, now)
-        if now - self._asked_at < oi.SLOT:
+        if now - self._asked_at < SLOT:
             return None
         if motion_due and self._asked is not self.full:
             return self._ask(self.full, now)

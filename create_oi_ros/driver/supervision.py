@@ -1,8 +1,8 @@
 """
-The wanted mode and the actual one: why it dropped, and when it may come back.
+The wanted mode and the actual one: why the robot left it, and when the driver may enter it again.
 
 In Safe mode the robot itself falls to Passive on a cliff, a wheel drop or a powered charger
-(manual: Safe Mode). This machine notices, names the cause, and decides when a fresh command may
+(manual: Safe Mode). `Supervision` notices, names the cause, and decides when a fresh command may
 bring the wanted mode back.
 """
 
@@ -13,8 +13,8 @@ from enum import Enum
 from .. import oi
 
 CLEAR_FOR = 1.0
-"""Seconds that the cause of a drop must have been gone before the mode may come back."""
-ENTER_AGAIN, ENTRIES = 0.2, 3
+"""Seconds that the cause must have been gone before the wanted mode may be entered again."""
+RETRY_INTERVAL, MOST_TRIES = 0.2, 3
 """Seconds after which a mode should have been entered, and how often it is tried."""
 MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
 LEFT_DROP, RIGHT_DROP, CASTER_DROP = map(int, (
@@ -39,7 +39,7 @@ class Cause(Enum):
 
 def causes_in(readings: oi.Readings) -> Iterator[Cause]:
     """Name what in these readings would take the robot out of Safe mode."""
-    # As numbers, and the causes as pairs: enums are slow to combine and to hash.
+    # As numbers, and the causes in pairs: enums are slow to combine and to hash.
     drops = int(readings.bumps_and_wheel_drops)
     seen = (
         (Cause.CLIFF_LEFT, readings.cliff_left),
@@ -64,7 +64,7 @@ class ModeStatus:
 
     @property
     def reason(self) -> str:
-        """Why the robot is not in the wanted mode, in words; '' where it is."""
+        """Why the robot is not in the wanted mode, in words; empty where it is."""
         if self.actual is None:
             return 'no robot answers'
         return ', '.join(cause.value for cause in self.causes)
@@ -79,32 +79,32 @@ class Supervision:
         self._before: tuple[Cause, ...] = ()
         self._cause_seen_at = -float('inf')
         self._released = False
-        self._entries = 0
+        self._tries = 0
         self._entered_at = -float('inf')
 
     def want(self, mode: oi.Mode) -> None:
-        """Change the wanted mode; what dropped the last one no longer matters."""
+        """Change the wanted mode; why the robot left the last one no longer matters."""
         self.status = ModeStatus(self.status.actual, mode)
-        self._entries = 0
+        self._tries = 0
 
     def lost(self) -> None:
         """Note that no robot answers."""
         self.status = ModeStatus(None, self.status.wanted)
-        self._entries = 0
+        self._tries = 0
 
     def entering(self, now: float) -> None:
         """Note that the wanted mode is being entered."""
-        self._entries += 1
+        self._tries += 1
         self._entered_at = now
 
     def must_enter_again(self, now: float) -> bool:
-        """Tell whether the robot seems not to have heard that it is to enter the wanted mode."""
+        """Tell whether the robot seems to have missed the command to enter the wanted mode."""
         status = self.status
-        if status.actual in (None, status.wanted) or now - self._entered_at <= ENTER_AGAIN:
+        if status.actual in (None, status.wanted) or now - self._entered_at <= RETRY_INTERVAL:
             return False
-        # Full instead of Safe, or Safe instead of Full: no safety stop, but a word misheard.
-        misheard = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
-        return misheard or not status.causes and 0 < self._entries < ENTRIES
+        # Full instead of Safe, or Safe instead of Full: no safety stop, but a damaged command.
+        damaged = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
+        return damaged or not status.causes and 0 < self._tries < MOST_TRIES
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
@@ -113,17 +113,17 @@ class Supervision:
             self._cause_seen_at = now
         before, actual = self.status, readings.oi_mode
         left = before.actual == before.wanted != actual
-        # A frame from before the mode was entered may come late, or speak of the time before.
-        dropped = left and (bool(present) or now - self._entered_at > ENTER_AGAIN)
+        # A frame from before the mode was entered may come late.
+        dropped = left and (bool(present) or now - self._entered_at > RETRY_INTERVAL)
         causes = before.causes
         if dropped:
             causes = present or self._before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
             self._released = False
         elif actual == before.wanted:
-            causes, self._entries = (), 0
+            causes, self._tries = (), 0
         elif left:
-            self._entries = 1
+            self._tries = 1
         elif self._refused(present, now):
             causes = present or (Cause.UNKNOWN,)
         self._before = present
@@ -132,13 +132,13 @@ class Supervision:
         return dropped
 
     def _refused(self, present: tuple[Cause, ...], now: float) -> bool:
-        """Tell whether the robot will not enter the wanted mode, however often it is asked."""
-        return (not self.status.causes and 0 < self._entries
-                and now - self._entered_at > ENTER_AGAIN
-                and (bool(present) or self._entries >= ENTRIES))
+        """Tell whether the robot will not enter the wanted mode, however often it is told to."""
+        return (not self.status.causes and 0 < self._tries
+                and now - self._entered_at > RETRY_INTERVAL
+                and (bool(present) or self._tries >= MOST_TRIES))
 
     def commands_paused(self) -> None:
-        """Note that the commands have paused or been zero: the next one is a fresh wish."""
+        """Note that commands paused or were zero: only then may the next one recover the mode."""
         self._released = True
 
     def may_recover(self, now: float) -> bool:

@@ -1,7 +1,7 @@
 """
-What a frame says, if it can be true: readings, when they were taken, where the robot is.
+What must happen with a frame before it is published: check, time stamp, odometry.
 
-The driver judges later what follows from it; this is all that must happen before it is published.
+What else follows from a frame is worked out afterwards, in `machine`.
 """
 
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from .. import oi
 from ..odometry import Estimate, Increment, Odometry
 from .events import LinkCounts, Moved
 from .frame_clock import FrameClock
-from .plausibility import Jumps
+from .plausibility import JumpCheck
 from .script_speeds import Speeds
 from .settings import Settings
 
@@ -39,17 +39,17 @@ class Tracking:
         """The newest of every packet that has arrived so far."""
         self.clock = FrameClock()
         self._counts = counts
-        self._jumps = Jumps()
+        self._jumps = JumpCheck()
         self._unseen = 0.0
 
     def restart(self) -> None:
-        """Go on from here: frames were missed."""
+        """Continue after frames were missed."""
         self.clock.restart()
         self._jumps.restart()
         self.odometry.interrupted()
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
-        """Take a verified frame in; None where the manual rules its values out."""
+        """Take a verified frame in; None where the manual rules out its values."""
         readings = frame.readings
         stamp, dt = self.clock.stamp(now, frame.packets.wire_time(baud))
         self._unseen += dt
@@ -62,7 +62,7 @@ class Tracking:
         return Taken(readings, stamp, dt)
 
     def moved(self, taken: Taken, speeds: Speeds | None) -> Moved:
-        """Tell how the robot moved; `speeds` were asked of its wheels, None: by a demo."""
+        """Report how the robot moved; `speeds` are the requested ones, None where not known."""
         readings = taken.readings
         asked = readings.has('distance', 'angle')
         if asked and not self._jumps.possible(readings, taken.stamp):

@@ -1,13 +1,12 @@
 """
-The raw line into a file: all bytes of both directions, as they pass, with their times.
+Writes the raw line to a file: all bytes of both directions, as they pass, with their times.
 
-`CapturedPort` is a port that tells a `Capture` what passes. A disk may be slow or full; the line
-must not wait for it. So whoever tells only appends to memory, and a thread of the capture's own
-writes twice a second: that is all that is lost when the process is killed.
+`CapturedPort` is a port that adds what passes to a `Capture`. A disk may be slow or full, and the
+line must not wait for it. So adding only appends to memory, and a thread of the capture's own
+writes twice a second: no more than that is lost when the process is killed.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from datetime import datetime, UTC
 import errno
 from itertools import count
@@ -15,27 +14,24 @@ import os
 from pathlib import Path
 import threading
 import time
-from typing import Any
 
-from .. import __version__
 from ..oi.tools.capture_format import encode_head, encode_record, Kind, RECORD_LIMIT
-from ..ros.parameters import Parameters
 from .port import Port, PortError
 
-WRITE_EVERY = 0.5
-"""Seconds between two writings."""
-LAST_WRITE = 2.0
-"""Seconds that the end waits for a slow disk."""
+WRITE_INTERVAL = 0.5
+"""Seconds between two writes."""
+CLOSE_TIMEOUT = 2.0
+"""Seconds that `close` waits for a slow disk."""
 MICROSECOND = 1000
 """In nanoseconds."""
 
 
-def create(wanted: str) -> tuple[int, Path]:
+def _new_file(wanted: str) -> tuple[int, Path]:
     """
-    Open a new file to write to; return its descriptor and its path. OSError: it cannot be had.
+    Open a new file to write to; return its descriptor and its path, or raise OSError.
 
     A file that exists is kept: a number is added to the name. A driver that is started again, by
-    hand or by an init system, must neither overwrite what it may have died of nor stay away.
+    hand or by an init system, must neither overwrite the record of what ended it nor fail.
     """
     path = first = Path(os.path.expanduser(wanted))
     if first.is_dir():
@@ -49,21 +45,24 @@ def create(wanted: str) -> tuple[int, Path]:
 
 
 class Capture:
-    """A file that grows; what cannot be written ends it, and nothing else."""
+    """A file that grows; a write that fails ends the capture, and nothing else."""
 
     def __init__(
-        self, file: int, facts: Mapping[str, str], on_failure: Callable[[str], None],
+        self, wanted: str, facts: Mapping[str, object], on_failure: Callable[[str], None],
     ) -> None:
         """
-        Begin, on an open file; OSError: it takes nothing.
+        Start a new file; OSError where that is not possible.
 
-        `on_failure` is told once, on a thread of the capture's own, why nothing more is written.
+        `facts` stand in its head. `on_failure` is called once, on a thread of the capture's own,
+        with the reason why nothing more is written.
         """
-        self._file = file
+        self._file, self.path = _new_file(wanted)
         self._on_failure = on_failure
         started = datetime.now(UTC).isoformat(timespec='microseconds')
         self._last = time.monotonic_ns() // MICROSECOND
-        self._pending = bytearray(encode_head({'started': started, **facts}))
+        self._pending = bytearray(encode_head({
+            'started': started,
+            **{name: ' '.join(str(value).splitlines()) for name, value in facts.items()}}))
         self._over = False
         self._lock = threading.Lock()
         self._closing = threading.Event()
@@ -73,7 +72,7 @@ class Capture:
         self._thread.start()
 
     def add(self, kind: Kind, data: bytes = b'') -> None:
-        """Note that something has happened just now; from any thread."""
+        """Add a record of something that happened just now; from any thread."""
         with self._lock:
             if self._over:
                 return
@@ -82,19 +81,19 @@ class Capture:
             self._last = now
             self._over = kind is Kind.END
 
-    def tell(self, kind: Kind, text: str) -> None:
-        """Note something in words."""
+    def add_text(self, kind: Kind, text: str) -> None:
+        """Add a record in words."""
         self.add(kind, text.encode('utf-8', 'backslashreplace')[:RECORD_LIMIT])
 
     def close(self) -> None:
         """Write the end."""
         self.add(Kind.END)
         self._closing.set()
-        self._thread.join(LAST_WRITE)
+        self._thread.join(CLOSE_TIMEOUT)
 
     def _run(self) -> None:
         try:
-            while not self._closing.wait(WRITE_EVERY):
+            while not self._closing.wait(WRITE_INTERVAL):
                 self._write()
             self._write()
         except OSError as error:
@@ -111,23 +110,6 @@ class Capture:
             del unwritten[:os.write(self._file, unwritten)]
 
 
-def begin(values: Parameters, log: Any) -> Capture | None:
-    """Begin what the parameters ask for, and log it; ValueError says why it cannot be had."""
-    if not values.capture:
-        return None
-    facts = {'driver': f'create_oi_ros {__version__}', **asdict(values)}
-    try:
-        file, path = create(values.capture)
-        capture = Capture(
-            file, {name: ' '.join(str(value).splitlines()) for name, value in facts.items()},
-            lambda why: log.error(f'capture {path}: {why}'))
-    except OSError as error:
-        raise ValueError(
-            f'parameter capture: {values.capture} cannot be written: {error.strerror}') from error
-    log.info(f'every byte of the line is written to {path}')
-    return capture
-
-
 class CapturedPort(Port):
     """A port all of whose bytes are captured."""
 
@@ -137,7 +119,7 @@ class CapturedPort(Port):
         self._capture = capture
         self._lost = False
         self._captured_baud = baud
-        capture.tell(Kind.OPENED, f'{url} at {baud} baud')
+        capture.add_text(Kind.OPENED, f'{url} at {baud} baud')
 
     def read(self) -> bytes:
         """Read as `Port` does."""
@@ -154,7 +136,7 @@ class CapturedPort(Port):
         """Write as `Port` does; captured before, so that an answer never comes first."""
         if self.baud != self._captured_baud:
             self._captured_baud = self.baud
-            self._capture.tell(Kind.BAUD, str(self.baud))
+            self._capture.add_text(Kind.BAUD, str(self.baud))
         self._capture.add(Kind.TO_ROBOT, encoded)
         try:
             super().write(encoded)
@@ -166,4 +148,4 @@ class CapturedPort(Port):
         # Reading and writing threads may both find out.
         if not self._lost:
             self._lost = True
-            self._capture.tell(Kind.LOST, str(error))
+            self._capture.add_text(Kind.LOST, str(error))

@@ -1,8 +1,8 @@
 """
-The state of driver and robot as REP 107 diagnostics.
+The health of driver and robot as REP 107 diagnostics.
 
 OK: nothing to do. WARN: look at it soon. ERROR: it does not do its work. STALE: what is known is
-old, for no robot answers.
+old, since no robot answers.
 """
 
 from dataclasses import asdict
@@ -12,8 +12,8 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
-from ..driver import BatteryLevel, Driver, Link, LinkCounts
-from . import messages as convert
+from ..driver import BatteryLevel, Health, LinkCounts
+from . import messages
 from .parameters import Parameters
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
@@ -38,33 +38,34 @@ def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticS
 
 
 def serial_link(
-    name: str, driver: Driver, port: str, before: LinkCounts, seconds: float, now: float,
+    name: str, health: Health, port: str, before: LinkCounts, seconds: float,
 ) -> DiagnosticStatus:
     """Say how well the line works; faults are counted over the last interval."""
-    counts = driver.counts
+    counts = health.counts
     faults = counts.checksum_failures - before.checksum_failures
     faults += counts.implausible_frames - before.implausible_frames
     faults += counts.impossible_jumps - before.impossible_jumps
     garbage = counts.garbage_bytes - before.garbage_bytes
     level, message = OK, 'frames arrive'
-    if driver.link is not Link.UP:
-        level, message = ERROR, driver.link.value
-    elif driver.frame_budget.complaint:
-        level, message = WARN, driver.frame_budget.complaint
+    if not health.answered:
+        level, message = ERROR, health.activity.value
+    elif health.line_problem is not None:
+        level, message = WARN, health.line_problem
     elif faults or garbage:
         level, message = WARN, 'bytes arrive damaged'
+    age = health.frame_age
     return status(f'{name}: serial link', level, message, {
         'port': port, 'frames per second': round((counts.frames - before.frames) / seconds, 1),
         'damaged frames': faults, 'garbage bytes': garbage,
-        'seconds since a frame': round(now - driver.heard_at, 2) if counts.frames else 'never',
+        'seconds since a frame': 'never' if age is None else round(age, 2),
         'silences since start': counts.silences,
-        'checksum': driver.checksum.value if driver.checksum else 'not known yet',
-        'bytes spare in a slot': driver.plan.budget.spare})
+        'checksum': health.checksum.value if health.checksum else 'not known yet',
+        'bytes spare in a slot': health.spare_bytes})
 
 
-def mode(name: str, driver: Driver) -> DiagnosticStatus:
+def mode(name: str, health: Health) -> DiagnosticStatus:
     """Say whether the robot is in the wanted mode, and why not."""
-    known = driver.status
+    known = health.mode
     actual = 'unknown' if known.actual is None else known.actual.name
     level, message = OK, actual
     if known.actual is None:
@@ -75,42 +76,42 @@ def mode(name: str, driver: Driver) -> DiagnosticStatus:
         'mode': actual, 'wanted': known.wanted.name, 'reason': known.reason})
 
 
-def safety(name: str, driver: Driver) -> DiagnosticStatus:
+def safety(name: str, health: Health) -> DiagnosticStatus:
     """Say what touches the robot, or keeps it from driving."""
-    readings = driver.readings
-    if driver.link is not Link.UP or not readings.has(*TOUCHED):
+    readings = health.readings
+    if not health.answered or not readings.has(*TOUCHED):
         return status(f'{name}: safety', STALE, 'no robot answers', {})
     bumps = readings.bumps_and_wheel_drops & (
         oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
-    hazards = [cause.value for cause in driver.hazards]
+    hazards = ', '.join(cause.value for cause in health.hazards)
     overcurrents = [bit.name or '' for bit in oi.Overcurrents if readings.overcurrents & bit]
-    level, message = _safety(driver, hazards, overcurrents)
+    level, message = _safety(health, hazards, overcurrents)
     return status(f'{name}: safety', level, message, {
-        'bumper': 'pressed' if bumps else 'free', 'hazards': ', '.join(hazards) or 'none',
+        'bumper': 'pressed' if bumps else 'free', 'hazards': hazards or 'none',
         'overcurrent': ', '.join(overcurrents).lower() or 'none'})
 
 
-def _safety(driver: Driver, hazards: list[str], overcurrents: list[str]) -> Verdict:
+def _safety(health: Health, hazards: str, overcurrents: list[str]) -> Verdict:
     if any(wheel.endswith('WHEEL') for wheel in overcurrents):
         return ERROR, 'a wheel is blocked: free it'
     if overcurrents:
         return WARN, 'a low side driver draws too much current: switch it off'
     if hazards:
-        return WARN, ', '.join(hazards)
-    if driver.status.actual is oi.Mode.FULL:
+        return WARN, hazards
+    if health.mode.actual is oi.Mode.FULL:
         return OK, 'Full mode: the robot does not stop at cliffs by itself'
     return OK, 'nothing in the way'
 
 
-def battery(name: str, driver: Driver, *, charge_known: bool) -> DiagnosticStatus:
+def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatus:
     """Say whether the battery lasts, and whether it is charged where it could be."""
-    readings = driver.readings
-    if driver.link is not Link.UP or not readings.has(
+    readings = health.readings
+    if not health.answered or not readings.has(
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', STALE, 'no robot answers', {})
     state = BatteryState()
-    convert.battery_state(state, readings, charge_known=charge_known)
-    level, message = _battery(readings, state, driver.battery.level)
+    messages.battery_state(state, readings, charge_known=charge_known)
+    level, message = _battery(readings, state, health.battery)
     return status(f'{name}: battery', level, message, {
         'voltage (V)': round(state.voltage, 3), 'current (A)': round(state.current, 3),
         'charge (%)': 'not known' if isnan(state.percentage) else round(100 * state.percentage),
@@ -136,18 +137,18 @@ def _battery(readings: oi.Readings, state: BatteryState, watched: BatteryLevel) 
     return OK, 'charge not known' if isnan(state.percentage) else 'charged enough'
 
 
-def driver(name: str, driver: Driver, stale_commands: int) -> DiagnosticStatus:
-    """Say what the driver itself is at."""
-    level, message = OK, 'driving' if driver.moving else 'waiting for commands'
-    if driver.hearing.deaf:
+def driver(name: str, health: Health, stale_commands: int) -> DiagnosticStatus:
+    """Say what the driver itself is doing."""
+    level, message = OK, health.activity.value
+    if health.ignores_commands:
         level, message = ERROR, 'the robot does not hear: switch it off and on'
-    elif driver.scripts.refusal:
-        level, message = WARN, driver.scripts.refusal
-    elif driver.turning.stuck:
+    elif health.answered and health.busy is not None:
+        level, message = WARN, health.busy
+    elif health.angle_stuck:
         level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
     return status(f'{name}: driver', level, message, {
         'stale commands dropped': stale_commands,
-        'songs stored': ', '.join(map(str, sorted(driver.actuators.songs))) or 'none'})
+        'songs stored': ', '.join(map(str, health.songs)) or 'none'})
 
 
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:

@@ -1,6 +1,6 @@
 """The ROS node `create`: topics, services and parameters around a session with the robot."""
 
-from copy import copy
+from dataclasses import asdict
 from functools import partial
 import sys
 from typing import Any
@@ -13,20 +13,29 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from ..driver import Driver, DriverEvent, ModeChanged, ModeStatus, Moved, Notice, Severity
-from ..link.capture import begin, CapturedPort
+from .. import __version__
+from ..driver import (
+    Driver,
+    DriverEvent,
+    LinkCounts,
+    ModeChanged,
+    ModeStatus,
+    Moved,
+    Notice,
+    Severity,
+)
+from ..link.capture import Capture, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import Kind
-from . import diagnostics, parameters, topics
-from . import messages as convert
+from . import diagnostics, messages, parameters, topics
 from .process import call_on_signal, spin_until
 from .publishing import FramePublisher, publisher
-from .services import Answers
+from .services import Services
 
 DIAGNOSTICS_PERIOD = 1.0
-STALE_EVERY = 5.0
-"""Seconds between two complaints about stale commands."""
+STALE_WARNING_INTERVAL = 5.0
+"""Seconds between two warnings about stale commands."""
 
 
 class CreateNode(Node):
@@ -43,7 +52,7 @@ class CreateNode(Node):
         self.parameters = parameters.declare(self)
         self.add_on_set_parameters_callback(parameters.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
-        self.capture = begin(self.parameters, self.get_logger())
+        self.capture = self._start_capture()
         self.session = Session(
             Driver(self.parameters.settings()), self.parameters.port,
             on_event=self._on_event, on_failure=lambda: ended.set_result(1),
@@ -51,10 +60,25 @@ class CreateNode(Node):
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._stale = 0
         self._declare_topics()
-        self.answers = Answers(self, self.session)
-        self._counts = copy(self.session.driver.counts)
+        self.served = Services(self, self.session)
+        self._counts = LinkCounts()
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
         self._publish_mode(self.session.driver.status)
+
+    def _start_capture(self) -> Capture | None:
+        """Start the capture that the parameters ask for; ValueError says why it cannot be."""
+        wanted = self.parameters.capture
+        if not wanted:
+            return None
+        facts = {'driver': f'create_oi_ros {__version__}', **asdict(self.parameters)}
+        log = self.get_logger()
+        try:
+            capture = Capture(wanted, facts, lambda why: log.error(f'capture {wanted}: {why}'))
+        except OSError as error:
+            raise ValueError(
+                f'parameter capture: {wanted} cannot be written: {error.strerror}') from error
+        log.info(f'every byte of the line is written to {capture.path}')
+        return capture
 
     def _declare_topics(self) -> None:
         self._charge_known = self.parameters.battery_technology == 'nimh'
@@ -74,14 +98,14 @@ class CreateNode(Node):
             driver.drive(twist.linear.x, twist.angular.z, now)
 
     def _on_stamped_velocity(self, message: TwistStamped) -> None:
-        age = convert.age(message.header.stamp, self.get_clock().now().nanoseconds)
+        age = messages.age(message.header.stamp, self.get_clock().now().nanoseconds)
         if age <= self.parameters.cmd_vel_timeout:
             self._on_velocity(message.twist)
             return
         self._stale += 1
         self.get_logger().warning(
             f'cmd_vel of {age:.1f} s ago is dropped: is the clock of its sender right?',
-            throttle_duration_sec=STALE_EVERY)
+            throttle_duration_sec=STALE_WARNING_INTERVAL)
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
         self.parameters = parameters.changed(self.parameters, changed)
@@ -101,26 +125,27 @@ class CreateNode(Node):
 
     def _publish_mode(self, status: ModeStatus) -> None:
         now = self.get_clock().now().to_msg()
-        header = convert.header(self.parameters.base_frame, now)
-        self._mode.publish(convert.mode(status, header))
+        header = messages.header(self.parameters.base_frame, now)
+        self._mode.publish(messages.mode(status, header))
 
     def _publish_diagnostics(self) -> None:
         name = self.get_fully_qualified_name().lstrip('/')
         with self.session.request() as (driver, now):
-            message = topics.DIAGNOSTICS.type(status=[
-                diagnostics.serial_link(
-                    name, driver, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD, now),
-                diagnostics.mode(name, driver), diagnostics.safety(name, driver),
-                diagnostics.battery(name, driver, charge_known=self._charge_known),
-                diagnostics.driver(name, driver, self._stale),
-                diagnostics.parameters(name, self.parameters)])
-            self._counts = copy(driver.counts)
+            health = driver.health(now)
+        message = topics.DIAGNOSTICS.type(status=[
+            diagnostics.serial_link(
+                name, health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
+            diagnostics.mode(name, health), diagnostics.safety(name, health),
+            diagnostics.battery(name, health, charge_known=self._charge_known),
+            diagnostics.driver(name, health, self._stale),
+            diagnostics.parameters(name, self.parameters)])
+        self._counts = health.counts
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)
 
     def _log(self, notice: Notice) -> None:
         if self.capture is not None:
-            self.capture.tell(Kind.NOTE, f'{notice.severity.name.lower()}: {notice.text}')
+            self.capture.add_text(Kind.NOTE, f'{notice.severity.name.lower()}: {notice.text}')
         match notice.severity:
             case Severity.INFO:
                 self.get_logger().info(notice.text)

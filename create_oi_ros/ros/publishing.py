@@ -25,8 +25,7 @@ from tf2_msgs.msg import TFMessage
 
 from ..driver import Moved
 from ..oi import Readings
-from . import messages as convert
-from . import topics
+from . import messages, topics
 from .parameters import Parameters
 from .topics import EARLY, Edge, SensorTopic, Topic
 
@@ -92,23 +91,23 @@ class FramePublisher:
         self._look()
 
     def _motion_outlets(self, node: Node, parameters: Parameters) -> list[Outlet]:
-        header, base = convert.header(parameters.odom_frame, self._stamp), parameters.base_frame
+        header, base = messages.header(parameters.odom_frame, self._stamp), parameters.base_frame
         odom = Odometry(header=header, child_frame_id=base)
         tf = TFMessage(transforms=[TransformStamped(header=header, child_frame_id=base)])
-        joints = JointState(header=convert.header('', self._stamp))
+        joints = JointState(header=messages.header('', self._stamp))
         return [Outlet(node, topic, message, fill(message)) for topic, message, fill in (
-            (topics.ODOM, odom, convert.odometry),
-            *([(topics.TF, tf, convert.transforms)] if parameters.publish_tf else []),
-            (topics.JOINT_STATES, joints, convert.joint_states))]
+            (topics.ODOM, odom, messages.odometry),
+            *([(topics.TF, tf, messages.transforms)] if parameters.publish_tf else []),
+            (topics.JOINT_STATES, joints, messages.joint_states))]
 
     def _sensor_outlet(self, node: Node, topic: SensorTopic, frame: str) -> Outlet:
-        message = topic.type(header=convert.header(frame, self._stamp))
+        message = topic.type(header=messages.header(frame, self._stamp))
         return Outlet(node, topic, message, partial(topic.fill, message))
 
     def publish(self, moved: Moved, sensor_period: float) -> None:
         """Publish what a frame told; sensors that do not change, once in a period, s."""
-        convert.set_time(
-            self._stamp, self._offset + round(moved.stamp * convert.NANOSECONDS))
+        messages.set_time(
+            self._stamp, self._offset + round(moved.stamp * messages.NANOSECONDS))
         # A bump must not wait for anything; what is only due again can.
         changed = self._changed(moved.readings)
         if changed:
@@ -151,6 +150,6 @@ class FramePublisher:
             before, now = time.monotonic_ns(), self._clock.now().nanoseconds
             after = time.monotonic_ns()
             # On a busy computer much time may pass between two looks at two clocks.
-            if after - before < AT_ONCE * convert.NANOSECONDS:
+            if after - before < AT_ONCE * messages.NANOSECONDS:
                 break
         self._offset = now - (before + after) // 2

@@ -15,7 +15,7 @@ from textwrap import wrap
 from typing import Any
 
 from .parameters import Parameters
-from .service_table import SERVICES
+from .services import SERVICES
 from .topics import PUBLISHED
 
 CONFIG_WIDTH = 93

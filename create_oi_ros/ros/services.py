@@ -1,7 +1,13 @@
-"""The services' answers: a request is checked and handed to the driver, its reply is awaited."""
+"""
+The services: each declared beside the method that serves it.
+
+A method checks the request, hands it to the driver, and waits for the outcome. Waiting keeps
+nobody else waiting: a service is a coroutine, which the executor resumes.
+"""
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from create_oi_msgs.srv import (
     DefineScript,
@@ -23,168 +29,219 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from .. import oi
-from ..driver import Driver, Reply
+from ..driver import Outcome, Pending
 from ..link.session import Session
-from . import messages as convert
-from .service_table import SERVICES
+from . import messages
 
-AT_ONCE = QoSProfile(depth=200)
-"""So many requests may come at once; of ROS's own ten, those beyond are never answered."""
+QUEUE = QoSProfile(depth=200)
+"""How many requests may arrive at once; beyond ROS's default of ten they are never answered."""
 MODES = ', '.join(f'{mode.value} {mode.name}' for mode in oi.Mode)
 DEMOS = ', '.join(f'{demo.value} {demo.name}' for demo in oi.DemoNumber if demo >= 0)
 
-Asked = Callable[[Driver, float, Any], None]
-"""Puts a request to the driver, with the time and the `Reply` or `ShowReply`."""
+
+@dataclass(frozen=True, kw_only=True)
+class Service:
+    """One service; `Services` has a method of the same name."""
+
+    name: str
+    type: type
+    about: str
 
 
-class Answers:
-    """One method for each service of the table, by its name."""
+SERVICES: list[Service] = []
+"""All services, in the order of their methods."""
+Method = TypeVar('Method', bound=Callable[..., Any])
+
+
+def service(type_: type, about: str) -> Callable[[Method], Method]:
+    """Declare a method as the service of its name."""
+    def declare(method: Method) -> Method:
+        SERVICES.append(Service(name=method.__name__, type=type_, about=about))
+        return method
+    return declare
+
+
+class Services:
+    """What serves each service."""
 
     def __init__(self, node: Node, session: Session) -> None:
         """Offer all services."""
         self._node = node
         self._session = session
         # A service that waits for the robot must not keep the other callbacks from running.
-        together = ReentrantCallbackGroup()
-        for service in SERVICES:
-            node.create_service(
-                service.type, service.name, getattr(self, service.name),
-                qos_profile=AT_ONCE, callback_group=together)
+        group = ReentrantCallbackGroup()
+        for each in SERVICES:
+            node.create_service(each.type, each.name, getattr(self, each.name),
+                                qos_profile=QUEUE, callback_group=group)
 
-    async def _ask(self, response: Any, asked: Asked) -> Any:
-        """Put a request to the driver; return the response when the reply has come."""
-        answered = Future()
+    def _ended(self, pending: Pending) -> Future:
+        """Return a future of the outcome; whichever thread ends the request wakes the node."""
+        ended = Future()
 
-        def reply(*answer: Any) -> None:
-            """Resume the service that waits, from whichever thread."""
-            answered.set_result(answer)
+        def end(outcome: Outcome) -> None:
+            ended.set_result(outcome)
             if self._node.executor is not None:
                 self._node.executor.wake()
-        with self._session.request() as (driver, now):
-            asked(driver, now, reply)
-        response.success, response.message, *more = await answered
-        if more:
-            response.code = more[0]
-            response.text = convert.script_text(more[0])
-        return response
+        pending.then(end)
+        return ended
 
+    @service(SetMode, 'enter Passive (1), Safe (2) or Full (3); answers when the robot reports it')
     async def set_mode(
         self, request: SetMode.Request, response: SetMode.Response,
     ) -> SetMode.Response:
-        """Enter a mode, and wait for the robot to report it."""
+        """Enter a mode."""
         if request.mode not in list(oi.Mode):
-            response.message = f'mode {request.mode} is none of {MODES}'
-            return response
-        mode = oi.Mode(request.mode)
-        return await self._ask(
-            response, lambda driver, now, reply: driver.set_mode(mode, now, reply))
+            return refuse(response, f'mode {request.mode} is none of {MODES}')
+        with self._session.request() as (driver, now):
+            ended = self._ended(driver.set_mode(oi.Mode(request.mode), now))
+        return fill(response, await ended)
 
-    def stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    @service(Trigger, 'stop the wheels, and a demo, before anything else is sent')
+    async def stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Stop the wheels at once."""
         with self._session.request() as (driver, now):
-            response.success, response.message = driver.stop(now)
-        return response
+            ended = self._ended(driver.stop(now))
+        return fill(response, await ended)
 
-    def reset_odometry(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    @service(Trigger, 'begin `odom` again where the robot is')
+    async def reset_odometry(
+        self, _: Trigger.Request, response: Trigger.Response,
+    ) -> Trigger.Response:
         """Begin the odometry again."""
         with self._session.request() as (driver, _now):
-            driver.reset_odometry()
-        response.success, response.message = True, 'odom starts again where the robot is'
-        return response
+            ended = self._ended(driver.reset_odometry())
+        return fill(response, await ended)
 
+    @service(DefineSong, 'store a song as MIDI numbers and seconds, and play it if `play` is set')
     async def define_song(
         self, request: DefineSong.Request, response: DefineSong.Response,
     ) -> DefineSong.Response:
         """Store a song, and play it if asked to."""
-        def asked(driver: Driver, _: float, reply: Reply) -> None:
-            songs = driver.actuators
-            define = songs.define_and_play if request.play else songs.define_song
-            define(request.number, list(request.pitches), list(request.seconds), reply)
-        return await self._ask(response, asked)
+        with self._session.request() as (driver, _now):
+            define = (driver.outputs.define_and_play if request.play
+                      else driver.outputs.define_song)
+            ended = self._ended(
+                define(request.number, list(request.pitches), list(request.seconds)))
+        return fill(response, await ended)
 
+    @service(PlaySong, 'play a song that was stored')
     async def play_song(
         self, request: PlaySong.Request, response: PlaySong.Response,
     ) -> PlaySong.Response:
         """Play a song."""
-        return await self._ask(
-            response,
-            lambda driver, _, reply: driver.actuators.play_song(request.number, reply))
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.outputs.play_song(request.number))
+        return fill(response, await ended)
 
+    @service(SetLeds, 'Play and Advance; colour and intensity of Power')
     async def set_leds(
         self, request: SetLeds.Request, response: SetLeds.Response,
     ) -> SetLeds.Response:
         """Set the LEDs."""
-        bits = convert.led_bits(request.play, request.advance)
-        return await self._ask(response, lambda driver, _, reply: driver.actuators.set_leds(
-            bits, request.power_color, request.power_intensity, reply))
+        bits = messages.led_bits(request.play, request.advance)
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.outputs.set_leds(
+                bits, request.power_color, request.power_intensity))
+        return fill(response, await ended)
 
+    @service(SetDigitalOutputs, 'the three digital outputs of the cargo bay')
     async def set_digital_outputs(
         self, request: SetDigitalOutputs.Request, response: SetDigitalOutputs.Response,
     ) -> SetDigitalOutputs.Response:
         """Set the digital outputs."""
-        bits = convert.output_bits(request.output_0, request.output_1, request.output_2)
-        return await self._ask(
-            response, lambda driver, _, reply: driver.actuators.set_outputs(bits, reply))
+        bits = messages.output_bits(request.output_0, request.output_1, request.output_2)
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.outputs.set_outputs(bits))
+        return fill(response, await ended)
 
+    @service(SetLowSideDrivers,
+             'duty cycles of the three low side drivers, 0.0 (off) to 1.0 (on)')
     async def set_low_side_drivers(
         self, request: SetLowSideDrivers.Request, response: SetLowSideDrivers.Response,
     ) -> SetLowSideDrivers.Response:
         """Set the low side drivers."""
         duties = (request.driver_0, request.driver_1, request.driver_2)
-        return await self._ask(
-            response, lambda driver, _, reply: driver.actuators.set_drivers(duties, reply))
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.outputs.set_drivers(duties))
+        return fill(response, await ended)
 
+    @service(SendIr, 'send an infrared character by low side driver 1')
     async def send_ir(
         self, request: SendIr.Request, response: SendIr.Response,
     ) -> SendIr.Response:
         """Send an infrared character."""
-        return await self._ask(
-            response, lambda driver, _, reply: driver.actuators.send_ir(request.character, reply))
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.outputs.send_ir(request.character))
+        return fill(response, await ended)
 
+    @service(StartDemo, 'let the robot play a built-in demo, 0 (Cover) to 9 (Banjo)')
     async def start_demo(
         self, request: StartDemo.Request, response: StartDemo.Response,
     ) -> StartDemo.Response:
         """Start a demo."""
         if request.demo not in list(oi.DemoNumber):
-            response.message = f'demo {request.demo} is none of {DEMOS}'
-            return response
-        demo = oi.DemoNumber(request.demo)
-        return await self._ask(
-            response, lambda driver, _, reply: driver.demos.start(demo, reply))
+            return refuse(response, f'demo {request.demo} is none of {DEMOS}')
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.demos.start(oi.DemoNumber(request.demo)))
+        return fill(response, await ended)
 
+    @service(Trigger, 'end the demo; the robot stays in Passive')
     async def stop_demo(
         self, _: Trigger.Request, response: Trigger.Response,
     ) -> Trigger.Response:
         """End a demo."""
-        return await self._ask(response, lambda driver, _, reply: driver.demos.stop(reply))
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.demos.stop())
+        return fill(response, await ended)
 
+    @service(Trigger, 'look for the Home Base and charge there')
     async def dock(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Look for the Home Base."""
-        return await self._ask(response, lambda driver, _, reply: driver.demos.start(
-            oi.DemoNumber.COVER_AND_DOCK, reply))
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.demos.start(oi.DemoNumber.COVER_AND_DOCK))
+        return fill(response, await ended)
 
+    @service(DefineScript, 'store a script, as lines of text or as bytes')
     async def define_script(
         self, request: DefineScript.Request, response: DefineScript.Response,
     ) -> DefineScript.Response:
         """Store a script."""
         try:
-            script = convert.script(request.text, bytes(request.code))
+            script = messages.script(request.text, bytes(request.code))
         except ValueError as error:
-            response.message = str(error)
-            return response
-        return await self._ask(
-            response, lambda driver, _, reply: driver.scripts.define(script, reply))
+            return refuse(response, str(error))
+        with self._session.request() as (driver, _now):
+            ended = self._ended(driver.scripts.define(script))
+        return fill(response, await ended)
 
+    @service(PlayScript, 'play the stored script; one that cannot end only by `force`')
     async def play_script(
         self, request: PlayScript.Request, response: PlayScript.Response,
     ) -> PlayScript.Response:
         """Play the stored script."""
-        return await self._ask(response, lambda driver, now, reply: driver.scripts.play(
-            now, reply, force=request.force))
+        with self._session.request() as (driver, now):
+            ended = self._ended(driver.scripts.play(now, force=request.force))
+        return fill(response, await ended)
 
+    @service(ShowScript, 'read the stored script back')
     async def show_script(
         self, _: ShowScript.Request, response: ShowScript.Response,
     ) -> ShowScript.Response:
         """Read the stored script back."""
-        return await self._ask(
-            response, lambda driver, now, reply: driver.scripts.show(now, reply))
+        with self._session.request() as (driver, now):
+            ended = self._ended(driver.scripts.show(now))
+        outcome = await ended
+        response.code = outcome.payload
+        response.text = messages.script_text(outcome.payload)
+        return fill(response, outcome)
+
+
+def fill(response: Any, outcome: Outcome) -> Any:
+    """Put how a request ended into a response."""
+    response.success, response.message = outcome.ok, outcome.text
+    return response
+
+
+def refuse(response: Any, why: str) -> Any:
+    """Refuse a request that never reaches the driver."""
+    return fill(response, Outcome(False, why))

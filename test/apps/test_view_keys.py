@@ -18,7 +18,7 @@ from create_oi_ros.apps.view.keys import (
     ViewCommand,
 )
 from create_oi_ros.apps.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
-from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.services import SERVICES
 
 ROOT = Path(__file__).parents[2]
 TYPES = {service.name: service.type for service in SERVICES}

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from random import Random
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Link
 from create_oi_ros.sim.server.faults import Fault, Faults
 from support.loop import Loop
 
@@ -69,7 +68,7 @@ def noise(seed: int, seconds: int, *, rate: float = 0.05,
     """Drive about with sensors that change all the time, on a bad line."""
     loop, chance = Loop(checksum=checksum), Random(seed)
     loop.run(0.5)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
     ears = Ears(loop, rate, seed)
     for _ in range(seconds):
         loop.body.force(

@@ -21,12 +21,11 @@ from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Link, Settings
-from create_oi_ros.driver.baud_search import DRAIN
+from create_oi_ros.driver import Driver, Settings
+from create_oi_ros.driver.stopping import DRAIN
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.parameters import declare, Parameters
-from create_oi_ros.ros.service_table import SERVICES
-from create_oi_ros.ros.services import Answers
+from create_oi_ros.ros.services import SERVICES, Services
 from support.anything import anything
 from support.loop import Loop
 
@@ -52,9 +51,9 @@ class Desk:
         if state == 'away':
             self.loop.cut = True
             self.loop.run(1.0)
-        assert (self.loop.driver.link is Link.UP) == (state != 'away')
+        assert (self.loop.driver.state.answered) == (state != 'away')
         self.loop.heard.clear()
-        self._answers = Answers(
+        self._services = Services(
             SimpleNamespace(create_service=lambda *_, **__: None, executor=None), self)
 
     @contextmanager
@@ -65,7 +64,7 @@ class Desk:
 
     def call(self, service, request):
         """Return the reply, or fail when none comes."""
-        answer = getattr(self._answers, service.name)(request, service.type.Response())
+        answer = getattr(self._services, service.name)(request, service.type.Response())
         if not inspect.iscoroutine(answer):
             return answer
         until = self.loop.now + PATIENCE
@@ -81,7 +80,7 @@ class Desk:
         """Return what a refused request must leave as it is."""
         robot = self.loop.robot
         return (robot.mode, robot.demo, robot.lights, robot.outputs, robot.actuators.wheels,
-                self.loop.body.truth().pose, dict(self.loop.driver.actuators.songs))
+                self.loop.body.truth().pose, dict(self.loop.driver.outputs.songs))
 
 
 def legal_commands(heard: bytes) -> list[oi.Command]:
@@ -148,7 +147,7 @@ def test_a_velocity_drives_within_the_limits_or_not_at_all(node, message):
         assert all(each == STOPPED for each in drives)
     desk.loop.run(1.0)
     assert desk.loop.robot.actuators.wheels == (0, 0)
-    assert desk.loop.driver.link is Link.UP
+    assert desk.loop.driver.state.answered
 
 
 # Parameters.

@@ -9,16 +9,16 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import (
+    Activity,
     Driver,
-    Link,
     MotionLimits,
     Notice,
     Settings,
     Severity,
     wheel_speeds,
 )
-from create_oi_ros.driver.baud_search import DRAIN
-from create_oi_ros.driver.machine import SILENCE
+from create_oi_ros.driver.connection import SILENCE
+from create_oi_ros.driver.stopping import DRAIN
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.world import shipped
 from support.loop import Loop, turn_difference
@@ -51,7 +51,7 @@ def test_connecting_sends_start_then_safe_then_streams():
     assert kinds.index(oi.Start) < kinds.index(oi.Safe)
     assert oi.Stream in kinds
     assert loop.robot.mode is oi.Mode.SAFE
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
 
 
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
@@ -79,7 +79,7 @@ def test_at_19200_baud_every_list_fits_and_all_readings_come():
 def test_either_checksum_is_understood(checksum):
     loop = Loop(checksum=checksum)
     loop.run(0.3)
-    assert loop.driver.checksum is checksum
+    assert loop.driver.health(loop.now).checksum is checksum
     assert loop.driver.counts.checksum_failures == 0
 
 
@@ -97,7 +97,7 @@ def test_a_command_cut_short_is_drained_and_moves_nothing(command):
         loop.run(2.0)
         assert loop.robot.mode is oi.Mode.SAFE, length
         assert loop.robot.baud == 57600
-        assert loop.driver.link is Link.UP
+        assert loop.driver.state.answered
         loop.run(0.5)
         assert loop.body.truth().speed == 0
 
@@ -150,7 +150,7 @@ def test_the_wheels_stop_when_commands_stop(loop):
 def test_stop_stops_at_once(loop):
     loop.drive(0.2, 0.0, 0.2)
     loop.commands()
-    assert loop.driver.stop(loop.now)[0]
+    assert loop.driver.stop(loop.now).outcome.ok
     loop.turn()
     assert loop.commands()[0] == oi.DriveDirect(right=0, left=0)
 
@@ -233,43 +233,31 @@ def test_stop_and_the_end_of_commands_know_no_acceleration_limit():
 # Modes.
 
 
-def answers() -> tuple[list[tuple[bool, str]], object]:
-    """Return a list, and a reply that writes into it."""
-    given: list[tuple[bool, str]] = []
-    return given, lambda success, message: given.append((success, message))
-
-
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
 def test_set_mode_answers_when_the_robot_reports_the_mode(loop, mode):
-    given, reply = answers()
-    loop.driver.set_mode(mode, loop.now, reply)
+    pending = loop.driver.set_mode(mode, loop.now)
     loop.run(0.2)
-    assert [success for success, _ in given] == [True]
+    assert pending.outcome.ok
     assert loop.robot.mode is mode
 
 
 def test_off_cannot_be_set(loop):
-    given, reply = answers()
-    loop.driver.set_mode(oi.Mode.OFF, loop.now, reply)
-    assert given[0][0] is False
-    assert 'allowed' in given[0][1]
+    outcome = loop.driver.set_mode(oi.Mode.OFF, loop.now).outcome
+    assert outcome.ok is False
+    assert 'allowed' in outcome.text
 
 
 def test_set_mode_says_why_the_robot_did_not_follow(loop):
     loop.body.plug_charger(True)
     loop.run(0.1)
-    given, reply = answers()
-    loop.driver.set_mode(oi.Mode.SAFE, loop.now, reply)
+    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
     loop.run(1.0)
-    assert [success for success, _ in given] == [False]
-    assert 'charger' in given[0][1]
+    assert pending.outcome.ok is False
+    assert 'charger' in pending.outcome.text
 
 
 def test_set_mode_without_a_robot_answers_at_once():
-    driver = Driver()
-    given, reply = answers()
-    driver.set_mode(oi.Mode.SAFE, 0.0, reply)
-    assert given[0][0] is False
+    assert Driver().set_mode(oi.Mode.SAFE, 0.0).outcome.ok is False
 
 
 @pytest.mark.parametrize(('lift', 'cause'), [
@@ -361,14 +349,14 @@ def test_silence_is_said_once_and_the_robot_is_called_until_it_answers(loop):
     loop.drive(0.2, 0.0, 0.3)
     loop.cut = True
     loop.run(5 * SILENCE)
-    assert loop.driver.link is Link.WAKING
+    assert loop.driver.state.activity is Activity.CALLING
     assert loop.driver.status.actual is None
     said = [text.partition(':')[0] for text in texts(loop.notices, Severity.ERROR)]
     assert said == [f'no frame for {SILENCE} s', 'no answer at 57600 baud']
     assert loop.body.truth().speed > 0, 'the last Drive holds for ever'
     loop.cut = False
     loop.run(1.0)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
     assert loop.robot.mode is oi.Mode.SAFE
     loop.run(0.5)
     assert loop.body.truth().speed == 0

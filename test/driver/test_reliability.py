@@ -8,16 +8,17 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import (
+    Activity,
     BatteryLevel,
     BatteryLimits,
-    Link,
     LowBatteryAction,
     Settings,
     Severity,
 )
 from create_oi_ros.driver.battery_watch import SETTLE
-from create_oi_ros.driver.baud_search import Calling, LAST_WORDS, SPEECH, USUAL
-from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, Jumps, SLACK
+from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT, USUAL
+from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, JumpCheck, SLACK
+from create_oi_ros.driver.stopping import LAST_WORDS
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.body.encoders import Rounding
@@ -37,7 +38,7 @@ def said(loop: Loop, severity: Severity, words: str) -> int:
 def test_the_robot_is_found_at_its_rate(baud):
     loop = Loop(Settings(baud=0), robot_baud=baud)
     loop.run(10)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
     # Bytes at a wrong rate are garbage, and may happen to be a Baud.
     assert loop.driver.baud == loop.robot.baud
     assert loop.robot.mode is oi.Mode.SAFE
@@ -47,18 +48,18 @@ def test_the_robot_is_found_at_its_rate(baud):
 def test_the_usual_rates_are_found_within_a_second(baud):
     loop = Loop(Settings(baud=0), robot_baud=baud)
     loop.run(1.0)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
 
 
 def test_every_rate_is_tried():
-    calling = Calling(0)
-    tried = {calling.call() for _ in range(100)}
+    search = BaudSearch(0)
+    tried = {search.next_baud() for _ in range(100)}
     assert tried == {code.rate for code in oi.BaudCode}
 
 
 def test_a_fixed_rate_stays():
-    calling = Calling(19200)
-    assert {calling.call() for _ in range(100)} == {19200}
+    search = BaudSearch(19200)
+    assert {search.next_baud() for _ in range(100)} == {19200}
 
 
 def test_a_silent_robot_is_told_of_once_with_what_to_look_at():
@@ -75,7 +76,7 @@ def test_something_else_that_speaks_is_told_of():
         loop.run(0.1)
         loop.driver.receive(b'$GPGGA,123519,4807' * 2, loop.now)
     assert said(loop, Severity.ERROR, 'not like a Create') == 1
-    assert loop.driver.link is Link.WAKING
+    assert loop.driver.state.activity is Activity.CALLING
 
 
 def test_a_rate_that_is_too_slow_is_told_of():
@@ -109,12 +110,12 @@ def test_a_line_that_carries_less_than_its_rate_is_told_of_once_and_when_it_is_w
     every_second_frame(loop, lambda frame: b'')
     loop.run(20)
     assert said(loop, Severity.WARNING, 'frame budget exceeded: only 33 of 67 frames') == 1
-    assert loop.driver.frame_budget.complaint
+    assert loop.driver.health(loop.now).line_problem
     loop.robot.data_to_send = whole
     loop.run(10)
     assert said(loop, Severity.INFO, 'frames arrive in time again') == 1
     assert said(loop, Severity.WARNING, 'frame budget exceeded') == 1
-    assert not loop.driver.frame_budget.complaint
+    assert not loop.driver.health(loop.now).line_problem
 
 
 def test_frames_that_are_damaged_are_not_taken_for_a_slow_line():
@@ -147,10 +148,10 @@ def test_a_robot_that_boots_is_met_when_it_is_done():
     loop.run(1)
     loop.robot.power(False, loop.now)
     loop.run(2)
-    assert loop.driver.link is Link.WAKING
+    assert loop.driver.state.activity is Activity.CALLING
     loop.robot.power(True, loop.now)
     loop.run(4.0)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
     assert loop.robot.mode is oi.Mode.SAFE
 
 
@@ -189,7 +190,7 @@ def test_an_impossible_jump_is_dropped_and_counted():
 
 
 def test_what_is_possible_passes():
-    jumps = Jumps()
+    jumps = JumpCheck()
     reading = oi.Readings({'distance': 30000, 'angle': 0})
     assert jumps.possible(reading, 0.0), 'the first spans an unknown time'
     reading = oi.Readings({'distance': int(FASTEST * 1000) + SLACK, 'angle': -int(FASTEST_TURN)})
@@ -243,7 +244,7 @@ def test_an_angle_that_never_changes_is_told_of():
     loop.drive(0.0, 1.0, 8.0)
     assert said(loop, Severity.WARNING, 'the angle does not change') == 1
     loop.drive(0.0, 3.0, 2.0)
-    assert not loop.driver.turning.stuck
+    assert not loop.driver.health(loop.now).angle_stuck
 
 
 # The battery.
@@ -260,7 +261,7 @@ def drained(action: LowBatteryAction) -> Loop:
 
 def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
     loop = drained(LowBatteryAction.NONE)
-    assert loop.driver.battery.level is BatteryLevel.EMPTY
+    assert loop.driver.health(loop.now).battery is BatteryLevel.EMPTY
     assert said(loop, Severity.WARNING, 'battery') in (1, 2)
     assert loop.robot.mode is oi.Mode.SAFE
 
@@ -284,15 +285,15 @@ def test_a_short_dip_is_no_low_battery():
     loop.run(SETTLE / 2)
     loop.body.set_battery(charge=0.9)
     loop.run(SETTLE)
-    assert loop.driver.battery.level is BatteryLevel.FINE
+    assert loop.driver.health(loop.now).battery is BatteryLevel.FINE
     assert not said(loop, Severity.WARNING, 'battery')
 
 
 def test_speech_is_remembered_within_bounds():
-    calling = Calling(0)
+    search = BaudSearch(0)
     for _ in range(1000):
-        calling.overheard(bytes(500))
-    assert len(calling._heard) <= 2 * SPEECH
+        search.add_garbage(bytes(500))
+    assert len(search._garbage) <= 2 * GARBAGE_LIMIT
 
 
 # Commands that the robot did not hear.
@@ -322,7 +323,7 @@ def test_a_mode_that_the_robot_did_not_hear_of_is_entered_again():
     loop = Loop()
     loop.run(0.5)
     lose_next(loop, oi.Full)
-    loop.driver.set_mode(oi.Mode.FULL, loop.now, lambda *_: None)
+    loop.driver.set_mode(oi.Mode.FULL, loop.now)
     loop.run(0.5)
     assert loop.robot.mode is oi.Mode.FULL
 
@@ -346,7 +347,7 @@ def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(begun):
     loop.driver.stop(loop.now)
     loop.run(1.5)
     assert loop.body.truth().speed == 0
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
 
 
 def test_a_robot_that_waits_for_ever_is_told_of_once():
@@ -361,20 +362,18 @@ def test_a_robot_that_waits_for_ever_is_told_of_once():
 def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
     loop = Loop()
     loop.run(1)
-    done: list[bool] = []
-    loop.driver.actuators.set_leds(
-        oi.LedBits(0), 7, 8, lambda ok, _: done.append(ok))
+    pending = loop.driver.outputs.set_leds(oi.LedBits(0), 7, 8)
     loop.run(0.5)
-    assert done == [True]
+    assert pending.outcome.ok
     loop.robot.receive(oi.WaitTime(time=40).encode(), loop.now)
     loop.run(3.5)
     assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
-    assert not loop.driver.stop(loop.now)[0]
+    assert not loop.driver.stop(loop.now).outcome.ok
     loop.robot.actuators.lights = DARK
     loop.run(2.5)
-    assert not loop.driver.hearing.deaf
+    assert not loop.driver.health(loop.now).ignores_commands
     assert loop.robot.actuators.lights == Lights(oi.LedBits(0), 7, 8)
-    assert loop.driver.stop(loop.now) == (True, 'wheels stopped')
+    assert loop.driver.stop(loop.now).outcome == (True, 'wheels stopped', b'')
 
 
 def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on():
@@ -389,7 +388,7 @@ def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on(
     loop.robot.power(True, loop.now)
     loop.run(5.0)
     assert loop.robot.mode is oi.Mode.SAFE
-    assert not loop.driver.hearing.deaf
+    assert not loop.driver.health(loop.now).ignores_commands
     assert loop.body.truth().speed == 0
 
 
@@ -432,7 +431,7 @@ def test_after_a_standstill_what_came_long_ago_is_dropped_and_the_robot_called_a
     assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.01)
     assert said(loop, Severity.WARNING, 'stood still for 5.0 s') == 1
     assert loop.robot.mode is oi.Mode.SAFE
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
     assert loop.body.truth().speed == 0
 
 

@@ -5,7 +5,7 @@ from math import nan
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Link, Settings
+from create_oi_ros.driver import Driver, Outcome, Settings
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -26,32 +26,17 @@ def loop() -> Loop:
     return met
 
 
-class Answer:
-    """Takes the reply to one request."""
-
-    def __init__(self) -> None:
-        self.success: bool | None = None
-        self.message = ''
-        self.script = b''
-
-    def __call__(self, success: bool, message: str, script: bytes = b'') -> None:
-        """Be told; once only."""
-        assert self.success is None, 'answered twice'
-        self.success, self.message, self.script = success, message, script
-
-
-def ask(loop: Loop, request, *arguments, seconds: float = 0.2, **named) -> Answer:
-    """Make a request and let time pass; it must have been answered then."""
-    answer = Answer()
-    request(*arguments, **named, reply=answer)
+def ask(loop: Loop, request, *arguments, seconds: float = 0.2, **named) -> Outcome:
+    """Make a request, let time pass, and return the outcome, which must be known then."""
+    pending = request(*arguments, **named)
     loop.run(seconds)
-    assert answer.success is not None
-    return answer
+    assert pending.outcome is not None
+    return pending.outcome
 
 
 def in_mode(loop: Loop, mode: oi.Mode) -> None:
     """Have the robot in a mode."""
-    assert ask(loop, loop.driver.set_mode, mode, loop.now).success
+    assert ask(loop, loop.driver.set_mode, mode, loop.now).ok
 
 
 def power_cycle(loop: Loop) -> None:
@@ -60,54 +45,54 @@ def power_cycle(loop: Loop) -> None:
     loop.run(1.0)
     loop.robot.power(True, loop.now)
     loop.run(6.0)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
 
 
 # Actuators.
 
 
 def test_leds_shine(loop):
-    assert ask(loop, loop.driver.actuators.set_leds, BLUE, 10, 200).success
+    assert ask(loop, loop.driver.outputs.set_leds, BLUE, 10, 200).ok
     assert loop.robot.lights == (BLUE, 10, 200)
 
 
 def test_outputs_and_drivers_are_set(loop):
-    assert ask(loop, loop.driver.actuators.set_outputs, HIGH).success
+    assert ask(loop, loop.driver.outputs.set_outputs, HIGH).ok
     assert loop.robot.outputs == HIGH
-    assert ask(loop, loop.driver.actuators.set_drivers, (0.0, 0.5, 1.0)).success
+    assert ask(loop, loop.driver.outputs.set_drivers, (0.0, 0.5, 1.0)).ok
     assert tuple(loop.robot.actuators.duties) == (0, 64, 128)
 
 
 @pytest.mark.parametrize('duty', [-0.1, 1.01, nan])
 def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
-    answer = ask(loop, loop.driver.actuators.set_drivers, (0.0, 0.0, duty))
-    assert not answer.success
-    assert 'driver_2' in answer.message
+    answer = ask(loop, loop.driver.outputs.set_drivers, (0.0, 0.0, duty))
+    assert not answer.ok
+    assert 'driver_2' in answer.text
     assert loop.commands() == []
 
 
 def test_an_infrared_character_is_sent(loop):
-    assert ask(loop, loop.driver.actuators.send_ir, 137).success
+    assert ask(loop, loop.driver.outputs.send_ir, 137).ok
     assert list(loop.robot.actuators.infrared_sent) == [137]
 
 
 def test_a_song_is_stored_and_plays(loop):
-    defined = ask(loop, loop.driver.actuators.define_song, 3, [60, 0, 72], [0.5, 0.25, 0.5])
-    assert defined.success
-    assert '1.250 s' in defined.message
+    defined = ask(loop, loop.driver.outputs.define_song, 3, [60, 0, 72], [0.5, 0.25, 0.5])
+    assert defined.ok
+    assert '1.250 s' in defined.text
     assert loop.robot.speaker.songs[3] == ((60, 32), (0, 16), (72, 32))
-    assert ask(loop, loop.driver.actuators.play_song, 3).success
+    assert ask(loop, loop.driver.outputs.play_song, 3).ok
     assert loop.moved[-1].readings.song_playing
-    again = ask(loop, loop.driver.actuators.play_song, 3)
-    assert not again.success
-    assert 'a song plays' in again.message
+    again = ask(loop, loop.driver.outputs.play_song, 3)
+    assert not again.ok
+    assert 'a song plays' in again.text
 
 
 def test_rounding_is_told(loop):
-    answer = ask(loop, loop.driver.actuators.define_song, 0, [60, 60], [0.1, 0.001])
-    assert answer.success
-    assert 'rounded to 1/64 s' in answer.message
-    assert '1 so short' in answer.message
+    answer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60], [0.1, 0.001])
+    assert answer.ok
+    assert 'rounded to 1/64 s' in answer.text
+    assert '1 so short' in answer.text
 
 
 @pytest.mark.parametrize(('number', 'pitches', 'seconds', 'named'), [
@@ -116,65 +101,62 @@ def test_rounding_is_told(loop):
     (0, [60] * 17, [0.1] * 17, '16 notes'), (0, [256], [0.1], 'notes[0]'),
 ])
 def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, seconds, named):
-    answer = ask(loop, loop.driver.actuators.define_song, number, pitches, seconds)
-    assert not answer.success
-    assert named in answer.message
+    answer = ask(loop, loop.driver.outputs.define_song, number, pitches, seconds)
+    assert not answer.ok
+    assert named in answer.text
     assert loop.commands() == []
 
 
 def test_define_and_play_stores_nothing_that_cannot_be_played(loop):
     in_mode(loop, oi.Mode.PASSIVE)
-    answer = ask(loop, loop.driver.actuators.define_and_play, 0, [60], [0.5])
-    assert not answer.success
-    assert 'set_mode' in answer.message
+    answer = ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5])
+    assert not answer.ok
+    assert 'set_mode' in answer.text
     assert not loop.robot.speaker.songs
     in_mode(loop, oi.Mode.SAFE)
-    assert ask(loop, loop.driver.actuators.define_and_play, 0, [60], [0.5]).success
+    assert ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5]).ok
     assert loop.moved[-1].readings.song_playing
 
 
 def test_a_song_that_was_not_defined_is_refused(loop):
-    assert 'define_song' in ask(loop, loop.driver.actuators.play_song, 7).message
+    assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7).text
 
 
 @pytest.mark.parametrize('request_of', [
-    lambda driver, reply: driver.actuators.set_leds(BLUE, 0, 0, reply),
-    lambda driver, reply: driver.actuators.set_outputs(HIGH, reply),
-    lambda driver, reply: driver.actuators.set_drivers((0, 0, 1), reply),
-    lambda driver, reply: driver.actuators.send_ir(1, reply),
+    lambda driver: driver.outputs.set_leds(BLUE, 0, 0),
+    lambda driver: driver.outputs.set_outputs(HIGH),
+    lambda driver: driver.outputs.set_drivers((0, 0, 1)),
+    lambda driver: driver.outputs.send_ir(1),
 ])
 def test_in_passive_the_reply_says_what_to_do(loop, request_of):
     in_mode(loop, oi.Mode.PASSIVE)
     loop.commands()
-    answer = Answer()
-    request_of(loop.driver, answer)
-    assert answer.success is False
-    assert answer.message == 'robot is in PASSIVE: call set_mode with SAFE first'
+    answer = request_of(loop.driver).outcome
+    assert answer.ok is False
+    assert answer.text == 'robot is in PASSIVE: call set_mode with SAFE first'
     assert loop.commands() == []
 
 
 @pytest.mark.parametrize('request_of', [
-    lambda driver, reply: driver.actuators.define_song(0, [60], [0.5], reply),
-    lambda driver, reply: driver.actuators.set_leds(BLUE, 0, 0, reply),
-    lambda driver, reply: driver.demos.start(oi.DemoNumber.COVER, reply),
-    lambda driver, reply: driver.demos.stop(reply),
-    lambda driver, reply: driver.scripts.define(WAITING, reply),
-    lambda driver, reply: driver.scripts.play(0.0, reply, force=True),
-    lambda driver, reply: driver.scripts.show(0.0, reply),
+    lambda driver: driver.outputs.define_song(0, [60], [0.5]),
+    lambda driver: driver.outputs.set_leds(BLUE, 0, 0),
+    lambda driver: driver.demos.start(oi.DemoNumber.COVER),
+    lambda driver: driver.demos.stop(),
+    lambda driver: driver.scripts.define(WAITING),
+    lambda driver: driver.scripts.play(0.0, force=True),
+    lambda driver: driver.scripts.show(0.0),
 ])
 def test_without_a_robot_every_request_is_refused_at_once(request_of):
-    answer = Answer()
-    request_of(Driver(), answer)
-    assert answer.success is False
-    assert 'port' in answer.message
+    answer = request_of(Driver()).outcome
+    assert answer.ok is False
+    assert 'port' in answer.text
 
 
 def test_a_request_whose_robot_is_lost_is_answered(loop):
-    answer = Answer()
-    loop.driver.actuators.define_song(0, [60], [0.5], answer)
+    pending = loop.driver.outputs.define_song(0, [60], [0.5])
     loop.driver.disconnected('gone')
-    assert answer.success is False
-    assert 'lost' in answer.message
+    assert pending.outcome.ok is False
+    assert 'lost' in pending.outcome.text
 
 
 # Restoring.
@@ -182,10 +164,10 @@ def test_a_request_whose_robot_is_lost_is_answered(loop):
 
 def set_everything(loop: Loop) -> None:
     """Set all that is restored, and a low side driver, which is not."""
-    assert ask(loop, loop.driver.actuators.set_leds, BLUE, 10, 200).success
-    assert ask(loop, loop.driver.actuators.set_outputs, HIGH).success
-    assert ask(loop, loop.driver.actuators.set_drivers, (1.0, 0.0, 0.0)).success
-    assert ask(loop, loop.driver.actuators.define_song, 3, [60], [0.5]).success
+    assert ask(loop, loop.driver.outputs.set_leds, BLUE, 10, 200).ok
+    assert ask(loop, loop.driver.outputs.set_outputs, HIGH).ok
+    assert ask(loop, loop.driver.outputs.set_drivers, (1.0, 0.0, 0.0)).ok
+    assert ask(loop, loop.driver.outputs.define_song, 3, [60], [0.5]).ok
 
 
 def assert_restored(loop: Loop) -> None:
@@ -238,7 +220,7 @@ def test_all_is_restored_after_a_drop(loop):
 def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
     loop = Loop(Settings(mode_on_start=oi.Mode.FULL, mode_on_exit=mode))
     loop.run(0.3)
-    ask(loop, loop.driver.actuators.set_drivers, (1.0, 1.0, 1.0))
+    ask(loop, loop.driver.outputs.set_drivers, (1.0, 1.0, 1.0))
     loop.drive(0.2, 0.0, 0.3)
     loop.driver.shut_down(loop.now)
     loop.turn()
@@ -260,43 +242,42 @@ def test_a_demo_ends_when_the_driver_does(loop):
 
 def test_a_demo_runs_until_it_is_stopped(loop):
     answer = ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
-    assert answer.success
+    assert answer.ok
     assert loop.robot.demo is oi.DemoNumber.DRIVE_FIGURE_EIGHT
     assert loop.driver.status.wanted is oi.Mode.PASSIVE
     assert loop.driver.status.reason == ''
-    assert ask(loop, loop.driver.demos.stop).success
+    assert ask(loop, loop.driver.demos.stop).ok
     assert loop.robot.demo is None
     assert loop.body.truth().speed == pytest.approx(0, abs=0.2)
 
 
 def test_stop_ends_a_demo_too(loop):
     ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
-    assert loop.driver.stop(loop.now)[0]
+    assert loop.driver.stop(loop.now).outcome.ok
     loop.run(0.5)
     assert loop.robot.demo is None
     assert loop.body.truth().speed == 0
 
 
 def test_stopping_no_demo_leaves_the_mode(loop):
-    assert ask(loop, loop.driver.demos.stop).success
+    assert ask(loop, loop.driver.demos.stop).ok
     assert loop.robot.mode is oi.Mode.SAFE
 
 
 def test_before_docking_the_robot_rests_a_second_in_passive(loop):
-    answer = Answer()
-    loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK, answer)
+    pending = loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK)
     loop.run(0.9)
-    assert answer.success is None
+    assert pending.outcome is None
     assert loop.robot.mode is oi.Mode.PASSIVE
     loop.run(0.3)
-    assert answer.success
+    assert pending.outcome.ok
     assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
 
 
 def test_stop_ends_a_demo_that_is_about_to_begin(loop):
-    loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK, Answer())
+    loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK)
     loop.run(0.5)
-    assert loop.driver.stop(loop.now)[0]
+    assert loop.driver.stop(loop.now).outcome.ok
     loop.run(1.0)
     assert loop.robot.demo is None
     assert loop.body.truth().speed == 0
@@ -308,19 +289,18 @@ def test_stop_ends_a_demo_that_is_about_to_begin(loop):
 def test_while_the_robot_drives_no_script_is_played_or_shown(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
     loop.driver.drive(0.2, 0.0, loop.now)
-    played, shown = Answer(), Answer()
-    loop.driver.scripts.play(loop.now, played, force=True)
-    loop.driver.scripts.show(loop.now, shown)
-    for answer in (played, shown):
-        assert answer.success is False
-        assert 'stop it first' in answer.message
+    played = loop.driver.scripts.play(loop.now, force=True)
+    shown = loop.driver.scripts.show(loop.now)
+    for answer in (played.outcome, shown.outcome):
+        assert answer.ok is False
+        assert 'stop it first' in answer.text
 
 
 def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
     defined = ask(loop, loop.driver.scripts.define, WAITING)
-    assert defined.success
-    assert '7 of 100 bytes' in defined.message
-    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).success
+    assert defined.ok
+    assert '7 of 100 bytes' in defined.text
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
     loop.run(1.0)
     assert loop.driver.scripts.playing
     assert loop.body.truth().speed > 0.1
@@ -335,30 +315,30 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
 def test_while_a_script_plays_nothing_is_promised(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
-    for answer in (ask(loop, loop.driver.actuators.set_leds, BLUE, 0, 0),
+    for answer in (ask(loop, loop.driver.outputs.set_leds, BLUE, 0, 0),
                    ask(loop, loop.driver.set_mode, oi.Mode.PASSIVE, loop.now)):
-        assert answer.success is False
-        assert 'script' in answer.message
-    success, message = loop.driver.stop(loop.now)
-    assert not success
-    assert 'script' in message
+        assert answer.ok is False
+        assert 'script' in answer.text
+    stopped = loop.driver.stop(loop.now).outcome
+    assert not stopped.ok
+    assert 'script' in stopped.text
     loop.drive(0.2, 0.0, 0.5)
     assert 'script' in [notice.text for notice in loop.notices][-1]
 
 
 def test_leds_are_restored_after_a_script_that_enters_safe(loop):
-    ask(loop, loop.driver.actuators.set_leds, BLUE, 10, 200)
+    ask(loop, loop.driver.outputs.set_leds, BLUE, 10, 200)
     ask(loop, loop.driver.scripts.define, parse_script('Safe; Wait Time time=2'))
     ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
     assert loop.robot.lights == (BLUE, 10, 200)
 
 
 def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
-    assert 'cannot end' in ask(loop, loop.driver.scripts.define, ENDLESS).message
+    assert 'cannot end' in ask(loop, loop.driver.scripts.define, ENDLESS).text
     refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
-    assert not refused.success
-    assert 'force' in refused.message
-    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).success
+    assert not refused.ok
+    assert 'force' in refused.text
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
     loop.run(5.0)
     assert loop.driver.scripts.playing
     power_cycle(loop)
@@ -368,25 +348,25 @@ def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
 
 def test_a_script_whose_end_is_open_says_so(loop):
     script = parse_script('Wait Event event=bump; Wait Distance distance=100')
-    message = ask(loop, loop.driver.scripts.define, script).message
+    message = ask(loop, loop.driver.scripts.define, script).text
     assert 'Wait Event event=bump, Wait Distance distance=100' in message
 
 
 def test_a_script_that_is_not_known_is_refused_until_it_is_shown(loop):
     loop.robot.script = WAITING.script
-    assert not ask(loop, loop.driver.scripts.play, loop.now, force=False).success
-    assert ask(loop, loop.driver.scripts.show, loop.now, seconds=0.5).script == WAITING.script
-    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).success
+    assert not ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
+    assert ask(loop, loop.driver.scripts.show, loop.now, seconds=0.5).payload == WAITING.script
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
 
 
 def test_an_empty_script_is_refused(loop):
     ask(loop, loop.driver.scripts.define, oi.Script(script=b''))
-    assert 'no script' in ask(loop, loop.driver.scripts.play, loop.now, force=True).message
+    assert 'no script' in ask(loop, loop.driver.scripts.play, loop.now, force=True).text
 
 
 def test_bytes_that_are_no_whole_commands_are_no_script(loop):
     for code in (b'\x91\x00', b'\x05'):
-        assert not ask(loop, loop.driver.scripts.define, oi.Script(script=code)).success
+        assert not ask(loop, loop.driver.scripts.define, oi.Script(script=code)).ok
     assert loop.robot.script == b''
 
 
@@ -398,7 +378,7 @@ def test_the_stored_script_is_read_back_and_the_stream_goes_on(length, delay):
     script = build_script([oi.Safe()] * length)
     ask(loop, loop.driver.scripts.define, script)
     shown = ask(loop, loop.driver.scripts.show, loop.now, seconds=0.6)
-    assert (shown.success, shown.script) == (True, script.script)
+    assert (shown.ok, shown.payload) == (True, script.script)
     frames = loop.driver.counts.frames
     loop.run(1.0)
     assert loop.driver.counts.frames - frames > 60
@@ -406,15 +386,14 @@ def test_the_stored_script_is_read_back_and_the_stream_goes_on(length, delay):
 
 
 def test_a_script_that_does_not_come_is_given_up(loop):
-    answer = Answer()
-    loop.driver.scripts.show(loop.now, answer)
+    pending = loop.driver.scripts.show(loop.now)
     loop.run(0.05)
     loop.cut = True
     loop.run(1.0)
-    assert answer.success is False
+    assert pending.outcome.ok is False
     loop.cut = False
     loop.run(2.0)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
 
 
 def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
@@ -424,6 +403,6 @@ def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
     ask(loop, loop.driver.scripts.define, WAITING)
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
     loop.run(4.0)
-    assert loop.driver.link is Link.UP
+    assert loop.driver.state.answered
     assert not loop.driver.scripts.playing
     assert loop.body.truth().speed == 0

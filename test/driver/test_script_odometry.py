@@ -40,15 +40,14 @@ def seen_from(yaw: float, x: float, y: float) -> tuple[float, float]:
 
 def play(loop: Loop, text: str) -> tuple[float, float, float]:
     """Play a script to its end; return what it missed, m and degrees, and its doubt, m."""
-    answers: list[bool] = []
     before, started = loop.estimate, loop.body.truth()
-    loop.driver.scripts.define(parse_script(text), lambda told, _: answers.append(told))
+    defined = loop.driver.scripts.define(parse_script(text))
     loop.run(0.2)
-    loop.driver.scripts.play(loop.now, lambda told, _: answers.append(told), force=False)
-    while loop.driver.scripts.playing or len(answers) < 2:
+    played = loop.driver.scripts.play(loop.now, force=False)
+    while loop.driver.scripts.playing or played.outcome is None:
         loop.run(0.1)
     loop.run(3.0)
-    assert answers == [True, True]
+    assert defined.outcome.ok and played.outcome.ok
     after, ended = loop.estimate, loop.body.truth()
     assert abs(ended.travelled - started.travelled) + abs(ended.turned - started.turned) > 0.1
     told = seen_from(before.yaw, after.x - before.x, after.y - before.y)
@@ -95,9 +94,7 @@ def test_while_a_script_plays_distance_and_angle_are_not_read() -> None:
 def test_a_script_that_is_refused_leaves_the_stream_as_it_is() -> None:
     loop = learned(Rounding.TRUNCATE)
     loop.commands()
-    answers: list[bool] = []
-    loop.driver.scripts.play(loop.now, lambda told, _: answers.append(told), force=False)
-    assert answers == [False]
+    assert loop.driver.scripts.play(loop.now, force=False).outcome.ok is False
     loop.run(0.1)
     assert not any(isinstance(each, oi.Drive) for each in loop.commands())
 

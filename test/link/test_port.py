@@ -10,7 +10,7 @@ import threading
 
 import pytest
 
-from create_oi_ros.driver import Driver, Link, Notice
+from create_oi_ros.driver import Driver, Notice
 from create_oi_ros.link import port, session
 from create_oi_ros.link.port import holder, lasting_name, Port, PortError
 from create_oi_ros.link.session import Session
@@ -219,7 +219,7 @@ def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypa
             (tmp_path / 'beside').symlink_to(tmp_path / 'ttyUSB1')
             (tmp_path / 'beside').replace(name)
             heard.wait_for('robot answers', times=2)
-            assert ours.driver.link is Link.UP
+            assert ours.driver.state.answered
 
 
 def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):

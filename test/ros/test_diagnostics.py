@@ -26,12 +26,13 @@ def loop() -> Loop:
 
 def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, DiagnosticStatus]:
     """Return what the node would publish, by the last word of the name."""
+    health = loop.driver.health(loop.now)
     made = [
         diagnostics.serial_link(
-            'create', loop.driver, 'port', before or LinkCounts(), 1.0, loop.now),
-        diagnostics.mode('create', loop.driver), diagnostics.safety('create', loop.driver),
-        diagnostics.battery('create', loop.driver, charge_known=True),
-        diagnostics.driver('create', loop.driver, 0)]
+            'create', health, 'port', before or LinkCounts(), 1.0),
+        diagnostics.mode('create', health), diagnostics.safety('create', health),
+        diagnostics.battery('create', health, charge_known=True),
+        diagnostics.driver('create', health, 0)]
     return {status.name.removeprefix('create: '): status for status in made}
 
 
@@ -102,9 +103,9 @@ def test_on_the_dock_in_full_it_is_said_that_nothing_is_charged():
 
 def test_a_script_that_plays_is_a_warning(loop):
     script = parse_script('Wait Time time=50')
-    loop.driver.scripts.define(script, lambda *_: None)
+    loop.driver.scripts.define(script)
     loop.run(0.1)
-    loop.driver.scripts.play(loop.now, lambda *_: None, force=False)
+    loop.driver.scripts.play(loop.now, force=False)
     loop.run(0.1)
     assert levels(loop)['driver'] == WARN
 

@@ -33,7 +33,7 @@ from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
 from create_oi_ros.ros import messages as convert
-from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.ros import Scene, scene
 from tf2_msgs.msg import TFMessage

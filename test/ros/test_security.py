@@ -22,7 +22,7 @@ from rclpy.task import Future
 from create_oi_ros.apps.view.robot_state import RobotState
 from create_oi_ros.apps.view.view_node import ViewNode
 from create_oi_ros.ros.node import CreateNode
-from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.ros import Listener, PATIENCE, scene
 

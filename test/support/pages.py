@@ -12,7 +12,7 @@ import yaml
 
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.programs import PROGRAMS
-from create_oi_ros.ros.service_table import SERVICES
+from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import PUBLISHED
 
 ROOT = Path(__file__).parents[2]

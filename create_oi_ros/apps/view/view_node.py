@@ -21,7 +21,7 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
 from ...ros import topics
-from ...ros.service_table import SERVICES
+from ...ros.services import SERVICES
 from .keys import BINDINGS, ServiceCall, STOP
 from .robot_state import CallStatus, RobotState
 from .teleop import STANDSTILL, Velocity

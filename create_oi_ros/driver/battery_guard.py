@@ -1,0 +1,43 @@
+"""Reports a low battery, and does what the user chose for one that is nearly empty."""
+
+from .. import oi
+from ..robot import MILLI
+from .battery_watch import BatteryLevel, BatteryLimits, BatteryWatch, LowBatteryAction
+from .demos import Demos
+from .events import EventQueue, Severity
+from .modes import Modes
+
+
+class BatteryGuard:
+    """Acts on the battery's level."""
+
+    def __init__(
+        self, limits: BatteryLimits, demos: Demos, modes: Modes, events: EventQueue,
+    ) -> None:
+        self._watch = BatteryWatch(limits)
+        self._action = limits.action
+        self._demos = demos
+        self._modes = modes
+        self._events = events
+
+    @property
+    def level(self) -> BatteryLevel:
+        """State of the battery by its voltage."""
+        return self._watch.level
+
+    def observe(self, readings: oi.Readings, now: float) -> None:
+        """Take readings in; when the level has just become worse, report it and act."""
+        if not self._watch.observe(readings, now):
+            return
+        volts = readings.voltage * MILLI
+        self._events.notice(
+            Severity.WARNING, f'battery {self.level.value} ({volts:.1f} V): charge it')
+        if self.level is not BatteryLevel.EMPTY or self._action is LowBatteryAction.NONE:
+            return
+        if self._action is LowBatteryAction.DOCK:
+            self._demos.start(oi.DemoNumber.COVER_AND_DOCK)
+        else:
+            self._modes.rest(now)
+        self._events.notice(
+            Severity.ERROR, f'battery {self.level.value}: low_battery_action '
+            f'{self._action.value}')

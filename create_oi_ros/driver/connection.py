@@ -1,0 +1,181 @@
+"""
+Finds the robot on an open port, and notices when the line stops carrying what it should.
+
+The driver calls until frames come, and calls again when they stop, when the process itself stood
+still, or when the port was opened again.
+"""
+
+from collections.abc import Callable
+from math import inf
+
+from .. import oi
+from .baud_search import BaudSearch, CALL_INTERVAL
+from .command_watch import CommandWatch, IGNORES, Obedience
+from .events import EventQueue, LinkCounts, Severity
+from .frame_budget import FrameBudget, too_slow
+from .outbox import Outbox
+from .state import Activity, Event, State
+from .stopping import DRAIN, HALT
+from .stream_plan import StreamPlan
+
+SILENCE = 0.5
+"""Seconds without a frame after which the robot counts as away, and is called again."""
+STANDSTILL = 1.0
+"""Seconds between two calls of the driver after which its process must have been stopped."""
+STALE = 0.05
+"""Seconds after a standstill in which the system still delivers old bytes."""
+
+
+class Connection:
+    """The line to the robot: who answers, at which rate, and how well."""
+
+    def __init__(
+        self, baud: int, state: State, outbox: Outbox, events: EventQueue, counts: LinkCounts,
+        take: Callable[[Event], None],
+    ) -> None:
+        """`take` changes the driver's activity."""
+        self._state = state
+        self._outbox = outbox
+        self._events = events
+        self._counts = counts
+        self._take = take
+        self._search = BaudSearch(baud)
+        self._watch = CommandWatch()
+        self.frame_budget = FrameBudget()
+        self.plan = StreamPlan(self._search.baud)
+        self.reader = oi.StreamReader(self.plan.lists)
+        self.heard_at = 0.0
+        """When the last frame came, in the clock of `now`."""
+        self._ran_at: float | None = None
+        self._stale_until = -inf
+        self._slow_notice: str | None = None
+
+    @property
+    def baud(self) -> int:
+        """Bits per second of the next bytes; the port has to follow."""
+        return self._search.baud
+
+    @property
+    def ignores_commands(self) -> bool:
+        """Whether the robot ignores commands, and the user was told."""
+        return self._watch.ignores
+
+    def opened(self, now: float) -> None:
+        """Start to call: the port has been opened."""
+        self._search.restart()
+        self._ran_at = now
+        self._check_rate()
+        self._call(now, Event.OPENED)
+
+    def forget(self) -> None:
+        """Forget how well the line works: no robot answers."""
+        self.plan.restart()
+        self._watch.restart()
+        self.frame_budget.restart()
+
+    def feed(self, data: bytes, now: float) -> bool:
+        """Take bytes in; False where they are too old to be used."""
+        if now < self._stale_until:
+            return False
+        self.frame_budget.add_bytes(len(data))
+        self.reader.feed(data)
+        return True
+
+    def add_frame(self, packets: oi.PacketList) -> None:
+        """Note a verified frame."""
+        self.frame_budget.add_frame(packets.frame_size)
+        self._watch.seen(packets.ids)
+
+    def add_garbage(self, garbage: bytes) -> None:
+        """Note bytes that are no frame."""
+        self._counts.garbage_bytes += len(garbage)
+        self._search.add_garbage(garbage)
+
+    def answered(self) -> None:
+        """Note that the first frame has come."""
+        self._take(Event.ANSWERED)
+        self._check_rate()
+
+    def ask(self, stream: oi.Stream, now: float) -> None:
+        """Ask for another list of packets."""
+        self._outbox.send(stream)
+        self._watch.asked(tuple(stream.packets), now)
+
+    def check_silence(self, now: float) -> None:
+        """Call the robot, or call it again, when it has not been heard for too long."""
+        answered = self._state.answered
+        if now - self.heard_at <= (SILENCE if answered else CALL_INTERVAL):
+            return
+        if answered:
+            self._counts.silences += 1
+            self._search.restart()
+            why = self.frame_budget.why_silent(self.plan.budget, self.baud)
+            self._events.notice(Severity.ERROR, f'no frame for {SILENCE} s: {why}; calling it '
+                                'until it answers')
+        rest = self.reader.flush()
+        if rest is not None:
+            self._search.add_garbage(rest.data)
+        notice = self._search.notice()
+        if notice is not None:
+            self._events.add(notice)
+        self._call(now, Event.NO_ANSWER)
+
+    def check_standstill(self, now: float) -> None:
+        """Start anew after this process has been stopped: the dead-man may have acted."""
+        still = 0.0 if self._ran_at is None else now - self._ran_at
+        self._ran_at = now
+        if not self._state.answered or still <= STANDSTILL:
+            return
+        self._events.notice(
+            Severity.WARNING, f'the driver stood still for {still:.1f} s (Ctrl-Z, a debugger, a '
+            'computer that slept or was too busy); calling the robot again')
+        self.reader.flush()
+        self._search.restart()
+        self._take(Event.NO_ANSWER)
+        self._outbox.send_at_once(HALT, now)
+        # Old bytes are dropped first: an answer among them would be lost, with its distance.
+        self._stale_until = now + STALE
+        self.heard_at = self._stale_until - CALL_INTERVAL
+
+    def judge(self, missed_speeds: int, now: float) -> bool:
+        """
+        React to a robot that ignores commands, and report a line that carries too little.
+
+        True when the robot obeys again, and so must be sent again what it may have missed.
+        """
+        if not self._state.takes_commands:
+            self._watch.restart()
+            self.frame_budget.restart()
+            return False
+        news = self._watch.judge(missed_speeds, now)
+        if news is Obedience.SUSPECT:
+            self._outbox.send_raw(DRAIN)
+        elif news is Obedience.IGNORES:
+            self._events.notice(Severity.ERROR, IGNORES)
+        if self.frame_budget.judge(self.baud, now, fits=self.plan.budget.fits):
+            problem = self.frame_budget.problem
+            self._events.notice(Severity.WARNING if problem else Severity.INFO,
+                                problem or 'frames arrive in time again')
+        return news is Obedience.OBEYS_AGAIN
+
+    def _call(self, now: float, event: Event) -> None:
+        """Call the robot, whatever state it is in, and stop it."""
+        self._take(event)
+        assert self._state.activity is Activity.CALLING
+        self.heard_at = now
+        baud = self._search.next_baud()
+        if baud != self.plan.baud:
+            self.plan.tune(baud)
+            self.reader.expect(self.plan.lists)
+        self._outbox.send_raw(DRAIN)
+        self._outbox.send(HALT)
+        self._outbox.send(oi.Start())
+        stream = self.plan.next_stream(now, motion_due=True)
+        if stream is not None:
+            self._outbox.send(stream)
+
+    def _check_rate(self) -> None:
+        slow = too_slow(self.plan.budget, self.baud)
+        if slow is not None and slow != self._slow_notice:
+            self._events.notice(Severity.ERROR, slow)
+        self._slow_notice = slow

@@ -1,0 +1,115 @@
+"""Enters modes: on request, when the robot missed it, and after what ended the wanted mode."""
+
+from collections.abc import Callable
+
+from .. import oi
+from .events import EventQueue, Severity
+from .outbox import Outbox
+from .outputs import Outputs
+from .pending import done, Pending, refused
+from .requests import Requests
+from .state import Event, State
+from .stopping import END_DEMO
+from .supervision import Cause, MODE_COMMANDS, Supervision
+
+MODE_TIMEOUT = 0.5
+"""Seconds within which the robot must report a requested mode."""
+SETTABLE = ', '.join(f'{mode.value} {mode.name}' for mode in MODE_COMMANDS)
+
+
+class Modes:
+    """Keeps the robot in the wanted mode as far as safety allows."""
+
+    def __init__(
+        self, supervision: Supervision, state: State, outbox: Outbox, requests: Requests,
+        outputs: Outputs, events: EventQueue, take: Callable[[Event], None],
+    ) -> None:
+        """`take` changes the driver's activity."""
+        self._supervision = supervision
+        self._state = state
+        self._outbox = outbox
+        self._requests = requests
+        self._outputs = outputs
+        self._events = events
+        self._take = take
+        self._request = done('no request')
+        self._requested = oi.Mode.OFF
+        self._deadline = 0.0
+
+    def set(self, mode: oi.Mode, now: float) -> Pending:
+        """Want a mode; the request ends when the robot reports it, or does not in time."""
+        if mode not in MODE_COMMANDS:
+            return refused(f'mode {mode.name} cannot be set; allowed: {SETTABLE}')
+        why = self._requests.refusal(MODE_COMMANDS[mode])
+        if why is not None:
+            return refused(why)
+        self.fail('another request came before the robot answered')
+        self._request, self._requested = Pending(), mode
+        self._deadline = now + MODE_TIMEOUT
+        self._supervision.want(mode)
+        self.enter(mode, now)
+        return self._request
+
+    def fail(self, why: str) -> None:
+        """End a request that has not been answered."""
+        self._request.end(False, why)
+
+    def enter(self, mode: oi.Mode, now: float) -> None:
+        """Tell the robot to enter a mode, and set the outputs that this resets."""
+        self._supervision.entering(now)
+        self._take(Event.MODE_ENTERED)
+        self._outbox.send(MODE_COMMANDS[mode]())
+        if mode in oi.ACTUATE:
+            self._outputs.restore()
+
+    def rest(self, now: float) -> None:
+        """Stop, and want Passive from now on."""
+        self._take(Event.STOPPED)
+        self._supervision.want(oi.Mode.PASSIVE)
+        self.enter(oi.Mode.PASSIVE, now)
+
+    def observe(self, readings: oi.Readings, now: float) -> bool:
+        """Take a frame's mode in; True when the robot has just left the wanted mode."""
+        left = self._supervision.observe(readings, now)
+        status = self._supervision.status
+        if left:
+            self._take(Event.STOPPED)
+            self._events.notice(
+                Severity.WARNING, f'robot left {status.wanted.name} for '
+                f'{readings.oi_mode.name}: {status.reason}')
+            if status.causes == (Cause.UNKNOWN,):
+                self._outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
+        if status.actual is self._requested:
+            self._request.end(True, f'robot is in {self._requested.name}')
+        return left
+
+    def retry(self, now: float) -> None:
+        """Enter the wanted mode again where the robot seems to have missed the command."""
+        if self._state.takes_commands and self._supervision.must_enter_again(now):
+            self.enter(self._supervision.status.wanted, now)
+
+    def check_timeout(self, now: float) -> None:
+        """End a request whose mode the robot did not report in time."""
+        if self._request.outcome is not None or now <= self._deadline:
+            return
+        status = self._supervision.status
+        stays = 'does not answer' if status.actual is None else f'stays in {status.actual.name}'
+        why = f' ({status.reason})' if status.reason else ''
+        self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: in SAFE it '
+                  'needs all wheels down, no cliff under it and no charger plugged in')
+
+    def allow_driving(self, now: float) -> str | None:
+        """Enter the wanted mode for a fresh command where that is due; else say why not."""
+        status = self._supervision.status
+        if status.actual in oi.DriveDirect.modes:
+            return None
+        if not self._supervision.may_recover(now):
+            why = f' ({status.reason})' if status.reason else ''
+            actual = 'no known mode' if status.actual is None else status.actual.name
+            return (f'robot is in {actual}{why}; let commands pause and send again, or call '
+                    'set_mode with SAFE')
+        if not self._outbox.busy:
+            self._events.notice(Severity.INFO, f'{status.reason} is gone: entering '
+                                f'{status.wanted.name} again')
+            self.enter(status.wanted, now)
+        return None

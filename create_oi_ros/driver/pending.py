@@ -1,0 +1,54 @@
+"""The outcome of a request: known at once, or when the robot has taken it or answered."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+
+class Outcome(NamedTuple):
+    """How a request ended."""
+
+    ok: bool
+    text: str
+    """For people: what was done; where it was not, why not and what to do."""
+    payload: bytes = b''
+    """What was asked for, where it is bytes: a script."""
+
+
+class Pending:
+    """An outcome that may still be to come. It comes once; what comes later is ignored."""
+
+    __slots__ = ('outcome', '_callbacks')
+
+    def __init__(self) -> None:
+        self.outcome: Outcome | None = None
+        """None until the request has ended."""
+        self._callbacks: list[Callable[[Outcome], None]] = []
+
+    def end(self, ok: bool, text: str, payload: bytes = b'') -> None:
+        """End the request."""
+        if self.outcome is None:
+            self.outcome = Outcome(ok, text, payload)
+            for callback in self._callbacks:
+                callback(self.outcome)
+            self._callbacks.clear()
+
+    def then(self, callback: Callable[[Outcome], None]) -> None:
+        """Call back with the outcome: now if it is known, else as soon as it is."""
+        if self.outcome is None:
+            self._callbacks.append(callback)
+        else:
+            callback(self.outcome)
+
+
+def done(text: str) -> Pending:
+    """Return a request that has succeeded."""
+    pending = Pending()
+    pending.end(True, text)
+    return pending
+
+
+def refused(text: str) -> Pending:
+    """Return a request that is refused; the text says why, and what to do."""
+    pending = Pending()
+    pending.end(False, text)
+    return pending

@@ -1,0 +1,199 @@
+"""
+Scripts in the robot: stored, played, read back.
+
+While a script waits, the robot ignores everything on the line, a stop included, and it does not
+report the end. So the driver polls: every so often it sends a stop and asks for a list of packets
+that it uses for nothing else. A frame with that list shows that the robot listens again and that
+the wheels stand.
+
+A stored script is read back as bare bytes between frames. So the stream is paused, the line falls
+silent, and everything that arrives then is the script.
+"""
+
+from collections.abc import Callable
+
+from .. import oi
+from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
+from ..oi.tools.text import format_command
+from .outbox import Outbox
+from .pending import done, Pending, refused
+from .requests import Requests
+from .script_speeds import CLEARED, requested_directly, ScriptSpeeds, Speeds
+from .state import Activity, Event, State
+from .stopping import HALT
+from .stream_plan import StreamPlan
+
+POLL_INTERVAL = 0.2
+"""Seconds between two polls of a robot that plays a script."""
+SILENCE = 0.1
+"""Seconds after which the line is silent once the stream was paused."""
+REPLY_TIMEOUT = 0.5
+"""Seconds that the robot may take to begin to send its script."""
+DRIVES = 'the robot drives, and could not be told to stop meanwhile: stop it first'
+
+
+class ScriptControl:
+    """The script that the robot stores, as far as it is known."""
+
+    def __init__(
+        self, outbox: Outbox, requests: Requests, state: State, plan: StreamPlan,
+        wheel_separation: float, take: Callable[[Event], None],
+    ) -> None:
+        """Take the wheel separation in metres; `take` changes the driver's activity."""
+        self._outbox = outbox
+        self._requests = requests
+        self._state = state
+        self._plan = plan
+        self._wheel_separation = wheel_separation
+        self._take = take
+        self._stored: oi.Script | None = None
+        self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
+        self._due = 0.0
+        self._reply = bytearray()
+        self._show_request = done('no request')
+
+    @property
+    def playing(self) -> bool:
+        """Whether a script may be playing, so that the robot may ignore commands."""
+        return self._state.activity is Activity.SCRIPT
+
+    @property
+    def resets_accumulators(self) -> bool:
+        """Whether the script that played last has set distance and angle to zero."""
+        return self._speeds.resets_accumulators
+
+    def speeds(self, readings: oi.Readings) -> Speeds | None:
+        """Return the requested wheel speeds, of driver or script; None if not known."""
+        if not self.playing:
+            return requested_directly(readings)
+        return self._speeds.speeds(readings) if self._speeds.known else None
+
+    @property
+    def reading(self) -> bool:
+        """Whether the script is being read back, so that no frames come."""
+        return self._state.activity in (Activity.SILENCING, Activity.READING)
+
+    def define(self, script: oi.Script) -> Pending:
+        """Store a script; an empty one clears it."""
+        try:
+            commands_of(script)
+        except ValueError as error:
+            return refused(str(error))
+        request = self._requests.send(script, _described(script))
+        if request.outcome is None:
+            self._stored = script
+        return request
+
+    def play(self, now: float, *, force: bool) -> Pending:
+        """Play the stored script; one that cannot end, or is not known, only with `force`."""
+        why = self._cannot_play(force=force)
+        if why is not None:
+            return refused(why)
+        self._outbox.send(CLEARED)
+        self._outbox.send(oi.Stream(packets=self._plan.script.ids))
+        request = self._requests.send(oi.PlayScript(), 'script plays')
+        self._speeds = ScriptSpeeds(
+            self._stored, self._wheel_separation,
+            cleared=self._requests.refusal(oi.Drive) is None)
+        self._due = now + POLL_INTERVAL
+        self._take(Event.SCRIPT_STARTED)
+        return request
+
+    def show(self, now: float) -> Pending:
+        """Read the script back; the outcome's payload is the script's bytes."""
+        why = DRIVES if self._state.moving else self._requests.refusal(oi.ShowScript)
+        if why is not None:
+            return refused(why)
+        self._outbox.send(oi.PauseResumeStream(state=oi.StreamState.PAUSE))
+        self._due, self._show_request = now + SILENCE, Pending()
+        self._take(Event.SHOW_STARTED)
+        return self._show_request
+
+    def poll(self, now: float) -> None:
+        """Advance timers: the next poll of a playing robot, silence, the reply's timeout."""
+        activity = self._state.activity
+        if activity is Activity.SILENCING and self._outbox.busy:
+            self._due = now + SILENCE
+        if now < self._due or self._outbox.busy:
+            return
+        if activity is Activity.SCRIPT:
+            self._outbox.send(HALT)
+            self._outbox.send(oi.Stream(packets=self._plan.marker.ids))
+            self._due = now + POLL_INTERVAL
+        elif activity is Activity.SILENCING:
+            self._ask_for_script(now)
+        elif activity is Activity.READING:
+            self._end_show(False, f'the robot sent {len(self._reply)} bytes of its script and '
+                           'then nothing: try again')
+
+    def _ask_for_script(self, now: float) -> None:
+        self._reply.clear()
+        self._outbox.send(oi.ShowScript())
+        slowest = (1 + SCRIPT_LIMIT) * oi.BITS_PER_BYTE / self._plan.baud
+        self._due = now + REPLY_TIMEOUT + slowest
+        self._take(Event.LINE_SILENT)
+
+    def receive(self, received: bytes) -> bool:
+        """Use bytes that belong to the script; False where they belong to frames."""
+        if self._state.activity is not Activity.READING:
+            return False
+        self._reply += received
+        if self._reply and len(self._reply) > self._reply[0]:
+            self._read_reply()
+        return True
+
+    def ended(self, packets: oi.PacketList) -> bool:
+        """Tell whether a frame with these packets shows that the script has ended."""
+        if not self.playing or packets != self._plan.marker:
+            return False
+        self._plan.restart()
+        self._take(Event.SCRIPT_ENDED)
+        return True
+
+    def forget(self) -> None:
+        """Forget the script: no robot answers, it may have been switched off."""
+        self._stored = None
+        self._show_request.end(False, 'the robot was lost while it sent its script')
+
+    def _cannot_play(self, *, force: bool) -> str | None:
+        """Say why the stored script is not played, and what to do; None where it may be."""
+        if self._state.moving:
+            return DRIVES
+        if self._stored == oi.Script(script=b''):
+            return 'no script is stored: call define_script'
+        why = self._requests.refusal(oi.PlayScript)
+        if why is not None or force:
+            return why
+        if self._stored is None:
+            return ('the stored script is not known: call define_script, or show_script to see '
+                    'what it is, or set force')
+        if not can_end(self._stored):
+            return ('the stored script plays itself again and cannot end, nor can the robot be '
+                    'stopped but by its power button: set force to play it')
+        return None
+
+    def _read_reply(self) -> None:
+        try:
+            script = script_of_reply(bytes(self._reply))
+            script.encode()
+        except ValueError as error:
+            self._end_show(False, f'the reply came damaged ({error}): try again')
+            return
+        self._stored = script
+        self._end_show(True, _described(script), script.script)
+
+    def _end_show(self, ok: bool, text: str, script: bytes = b'') -> None:
+        self._plan.restart()
+        self._take(Event.SHOW_ENDED)
+        self._show_request.end(ok, text, script)
+
+
+def _described(script: oi.Script) -> str:
+    """Say what there is to know of a script before it is played."""
+    if not script.script:
+        return 'no script is stored'
+    size = f'{len(script.script)} of {SCRIPT_LIMIT} bytes'
+    waits = ', '.join(format_command(wait) for wait in open_waits(script))
+    if not can_end(script):
+        return f'{size}; it plays itself again and cannot end'
+    return f'{size}; it ends only if this happens: {waits}' if waits else size

@@ -1,0 +1,152 @@
+"""
+What the driver is doing, as one value, and what leads from one activity to another.
+
+Everything that changes the activity goes through `State.take`, and `TRANSITIONS` is the whole
+machine: an event that the table does not list for the present activity changes nothing. Who owns
+the wheels, whether the robot takes commands, and why a request is refused follow from the
+activity, in the tables below. To add an activity, add a row to each table.
+
+    CLOSED --OPENED--> CALLING --ANSWERED--> IDLE <--VELOCITY/HALTED--> DRIVING
+    IDLE --DEMO_STARTED--> DEMO --DEMO_ENDED--> IDLE
+    IDLE --SCRIPT_STARTED--> SCRIPT --SCRIPT_ENDED--> IDLE
+    IDLE --SHOW_STARTED--> SILENCING --LINE_SILENT--> READING --SHOW_ENDED--> IDLE
+    every activity --NO_ANSWER--> CALLING, --PORT_CLOSED--> CLOSED
+"""
+
+from enum import auto, Enum
+
+
+class Activity(Enum):
+    """What the driver is doing; the value says it to people."""
+
+    CLOSED = 'port closed'
+    CALLING = 'no answer yet'
+    IDLE = 'waiting for commands'
+    DRIVING = 'driving'
+    DEMO = 'a demo runs'
+    SCRIPT = 'a script plays'
+    SILENCING = 'waiting for the stream to pause'
+    READING = 'reading the stored script'
+
+
+class Event(Enum):
+    """What may change the activity."""
+
+    OPENED = auto()
+    """The port is open."""
+    PORT_CLOSED = auto()
+    """The port is gone, or the driver shuts down."""
+    ANSWERED = auto()
+    """The first frame came."""
+    NO_ANSWER = auto()
+    """Frames stopped coming, or the driver itself stood still: call the robot again."""
+    VELOCITY = auto()
+    """A velocity was commanded that is not zero and that the robot may follow."""
+    HALTED = auto()
+    """The commanded velocity is zero, refused, or too old."""
+    STOPPED = auto()
+    """Somebody asked for a stop, or the robot left the wanted mode: tell the wheels again."""
+    MODE_ENTERED = auto()
+    """The driver told the robot to enter a mode: what the wheels were told no longer counts."""
+    DEMO_STARTED = auto()
+    DEMO_ENDED = auto()
+    SCRIPT_STARTED = auto()
+    SCRIPT_ENDED = auto()
+    SHOW_STARTED = auto()
+    LINE_SILENT = auto()
+    SHOW_ENDED = auto()
+
+
+class Owner(Enum):
+    """Who decides how the wheels turn."""
+
+    NOBODY = auto()
+    """No robot answers: nothing can be decided."""
+    COMMANDS = auto()
+    """Velocity commands, as long as they are fresh."""
+    ROBOT = auto()
+    """The robot itself: a demo or a script."""
+
+
+_A, _E = Activity, Event
+TRANSITIONS: dict[Activity, dict[Event, Activity]] = {
+    _A.CLOSED: {_E.OPENED: _A.CALLING},
+    _A.CALLING: {_E.ANSWERED: _A.IDLE},
+    _A.IDLE: {
+        _E.VELOCITY: _A.DRIVING, _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT,
+        _E.SHOW_STARTED: _A.SILENCING},
+    _A.DRIVING: {_E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.DEMO_STARTED: _A.DEMO},
+    _A.DEMO: {
+        _E.STOPPED: _A.IDLE, _E.MODE_ENTERED: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
+        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+    _A.SCRIPT: {_E.SCRIPT_ENDED: _A.IDLE},
+    _A.SILENCING: {_E.LINE_SILENT: _A.READING, _E.SHOW_ENDED: _A.IDLE},
+    _A.READING: {_E.SHOW_ENDED: _A.IDLE},
+}
+for _activity, _row in TRANSITIONS.items():
+    _row[_E.PORT_CLOSED] = _A.CLOSED
+    if _activity is not _A.CLOSED:
+        _row[_E.NO_ANSWER] = _A.CALLING
+
+OWNERS = {
+    _A.CLOSED: Owner.NOBODY, _A.CALLING: Owner.NOBODY,
+    _A.IDLE: Owner.COMMANDS, _A.DRIVING: Owner.COMMANDS,
+    _A.DEMO: Owner.ROBOT, _A.SCRIPT: Owner.ROBOT,
+    _A.SILENCING: Owner.COMMANDS, _A.READING: Owner.COMMANDS,
+}
+REFUSALS = {
+    _A.CLOSED: f'{_A.CLOSED.value}: check cable and power, the driver keeps trying',
+    _A.CALLING: f'{_A.CALLING.value}: check cable and power, the driver keeps trying',
+    _A.SCRIPT: 'a script plays, and the robot hears nothing while it waits: try again later',
+    _A.SILENCING: 'the stored script is being read: try again',
+    _A.READING: 'the stored script is being read: try again',
+}
+"""Why the robot takes no commands now, and what to do; activities not listed take them."""
+DRIVE_REFUSALS = {
+    **REFUSALS, _A.DEMO: 'a demo runs: call stop_demo, then set_mode with SAFE'}
+"""Why the robot follows no velocity now, and what to do."""
+
+
+class State:
+    """The present activity."""
+
+    __slots__ = ('activity',)
+
+    def __init__(self) -> None:
+        self.activity = Activity.CLOSED
+
+    def take(self, event: Event) -> bool:
+        """Go where the table says; True when the activity has changed."""
+        before = self.activity
+        self.activity = TRANSITIONS[before].get(event, before)
+        return self.activity is not before
+
+    @property
+    def answered(self) -> bool:
+        """Whether the robot answers."""
+        return self.activity not in (Activity.CLOSED, Activity.CALLING)
+
+    @property
+    def owner(self) -> Owner:
+        """Who decides how the wheels turn."""
+        return OWNERS[self.activity]
+
+    @property
+    def refusal(self) -> str | None:
+        """Why the robot takes no commands now, and what to do; None where it takes them."""
+        return REFUSALS.get(self.activity)
+
+    @property
+    def drive_refusal(self) -> str | None:
+        """Why the robot follows no velocity now, and what to do; None where it may."""
+        return DRIVE_REFUSALS.get(self.activity)
+
+    @property
+    def takes_commands(self) -> bool:
+        """Whether the robot takes commands now."""
+        return self.activity not in REFUSALS
+
+    @property
+    def moving(self) -> bool:
+        """Whether a commanded velocity makes the wheels turn."""
+        return self.activity is Activity.DRIVING
