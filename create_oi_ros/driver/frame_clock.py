@@ -1,9 +1,9 @@
 """
 When a frame left the robot, estimated from when frames arrived.
 
-The robot sends a frame every 15 ms by its own clock; the line adds a delay that is never
-negative. So the earliest arrivals, not the average, tell where the robot's slots lie: stamps
-follow the lower envelope of the arrivals over the last second or so.
+The robot sends a frame in every slot of its own clock; the line adds a delay that is never
+negative. So the earliest arrivals, not their average, show where the slots are: stamps follow
+the lower envelope of the arrivals over the last second or so.
 """
 
 from collections import deque

@@ -1,4 +1,4 @@
-"""What the driver is to do; settled before it starts."""
+"""The driver's settings, fixed before it starts."""
 
 from dataclasses import dataclass, field
 
@@ -10,7 +10,7 @@ from .motion import MotionLimits
 
 @dataclass(frozen=True)
 class Settings:
-    """What the driver is to do; SI units."""
+    """Settings in SI units."""
 
     baud: int = 57600
     """Bits per second; 0 looks for the robot's rate."""

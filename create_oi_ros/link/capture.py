@@ -26,7 +26,7 @@ MICROSECOND = 1000
 """In nanoseconds."""
 
 
-def _new_file(wanted: str) -> tuple[int, Path]:
+def new_file(wanted: str) -> tuple[int, Path]:
     """
     Open a new file to write to; return its descriptor and its path, or raise OSError.
 
@@ -48,15 +48,15 @@ class Capture:
     """A file that grows; a write that fails ends the capture, and nothing else."""
 
     def __init__(
-        self, wanted: str, facts: Mapping[str, object], on_failure: Callable[[str], None],
+        self, file: int, facts: Mapping[str, object], on_failure: Callable[[str], None],
     ) -> None:
         """
-        Start a new file; OSError where that is not possible.
+        Start on an open file, whose head holds the facts; OSError where it cannot be written.
 
-        `facts` stand in its head. `on_failure` is called once, on a thread of the capture's own,
-        with the reason why nothing more is written.
+        `on_failure` is called once, on a thread of the capture's own, with the reason why nothing
+        more is written.
         """
-        self._file, self.path = _new_file(wanted)
+        self._file = file
         self._on_failure = on_failure
         started = datetime.now(UTC).isoformat(timespec='microseconds')
         self._last = time.monotonic_ns() // MICROSECOND
@@ -108,6 +108,14 @@ class Capture:
             unwritten, self._pending = self._pending, bytearray()
         while unwritten:
             del unwritten[:os.write(self._file, unwritten)]
+
+
+def begin(
+    wanted: str, facts: Mapping[str, object], on_failure: Callable[[str], None],
+) -> tuple[Capture, Path]:
+    """Start a capture in a new file, and return it with the file's path; OSError: it cannot be."""
+    file, path = new_file(wanted)
+    return Capture(file, facts, on_failure), path
 
 
 class CapturedPort(Port):

@@ -1,16 +1,16 @@
 """
-The last hand on the wheels, for when the driver dies.
+A process that stops the wheels when the driver dies.
 
 The Open Interface has no timeout: a robot whose driver is killed drives on for ever. So a second,
-tiny process holds the line too. It waits on a pipe from the driver. When the driver ends well it
-says goodbye there; when the pipe closes without a word, the driver is dead, however it died, and
-this process writes the bytes that stop the robot.
+small process holds the line open too and waits on a pipe from the driver. A driver that ends
+normally writes a goodbye to the pipe. If the pipe closes without it, the driver is dead, however
+it died, and this process writes the bytes that stop the robot.
 
-It does so as well when the driver is stopped and not dead (Ctrl-Z, SIGSTOP, a debugger): then
-nobody is in command either. Once for each time, and it goes on watching.
+It also writes them when the driver is suspended (Ctrl-Z, SIGSTOP, a debugger), since nobody is in
+command then: once for each time, and it keeps watching.
 
-`DeadMan` is the driver's end. Run as a program, this file is the process: the standard library's
-smallest corner, started in a few milliseconds, so that it is there before anything moves.
+`DeadMan` is the driver's side. Run as a program, this file is the process. It uses little of the
+standard library, so that it starts in a few milliseconds, before anything moves.
 """
 
 import os
@@ -20,14 +20,14 @@ import subprocess
 import sys
 
 GOODBYE = b'\0'
-POLITE = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-PATIENCE = 2
+END_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+WRITE_TIMEOUT = 2
 """Seconds after which the process gives up on a line that takes no bytes."""
-LOOK_EVERY = 0.04
-"""Seconds between two looks at whether the driver is stopped; two in a row must see it."""
-STOPPED = (b'T', b't')
-"""By a signal, and by a debugger (proc(5))."""
-STATUS_AT_MOST = 4096
+CHECK_INTERVAL = 0.04
+"""Seconds between two checks whether the driver is suspended; two in a row must find it so."""
+SUSPENDED = (b'T', b't')
+"""Process states: stopped by a signal, and by a debugger (proc(5))."""
+STATUS_LIMIT = 4096
 
 
 class DeadMan:
@@ -36,8 +36,8 @@ class DeadMan:
     def __init__(self, line: int, last_words: bytes) -> None:
         """Start the process; `line` is the file descriptor, `last_words` what stops the robot."""
         watched, self._pipe = os.pipe()
-        # It inherits the mask: what ends its parent politely never reaches it.
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, POLITE)
+        # The process inherits the mask, so the signals that end its parent never reach it.
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, END_SIGNALS)
         try:
             # Isolated and without site-packages; in a session of its own, out of Ctrl-C's reach.
             self._process = subprocess.Popen(
@@ -51,60 +51,60 @@ class DeadMan:
 
     @property
     def pid(self) -> int:
-        """The process's number."""
+        """The process id."""
         return self._process.pid
 
     @property
     def ended(self) -> bool:
-        """Whether somebody has ended the process, so that nobody watches."""
+        """Whether the process has ended, so that nobody watches."""
         return self._process.poll() is not None
 
     def release(self) -> None:
-        """Let the process end without touching the robot."""
+        """End the process without writing to the robot."""
         try:
             os.write(self._pipe, GOODBYE)
         except BrokenPipeError:
-            # It has been killed: nothing is left to be released.
+            # It has been killed: there is nothing left to release.
             return
         finally:
             os.close(self._pipe)
             self._process.wait()
 
 
-def status_of(process: int) -> int | None:
-    """Open what the kernel says of a process; None for one that is gone or hidden."""
+def open_status(process: int) -> int | None:
+    """Open the kernel's status file of a process; None for one that is gone or hidden."""
     try:
         return os.open(f'/proc/{process}/stat', os.O_RDONLY)
     except OSError:
         return None
 
 
-def is_stopped(status: int | None) -> bool:
-    """Tell whether a process is stopped; one that is gone or hidden is not."""
+def is_suspended(status: int | None) -> bool:
+    """Tell whether a process is suspended; one that is gone or hidden is not."""
     try:
-        # The name, in brackets, may hold anything.
-        told = b'' if status is None else os.pread(status, STATUS_AT_MOST, 0)
-        return told.rpartition(b') ')[2][:1] in STOPPED
+        # The process name, in brackets, may hold anything.
+        text = b'' if status is None else os.pread(status, STATUS_LIMIT, 0)
+        return text.rpartition(b') ')[2][:1] in SUSPENDED
     except OSError:
         return False
 
 
 def watch(pipe: int, line: int, last_words: bytes, driver: int) -> None:
     """Wait for the driver's goodbye or its death; write the last words after its death."""
-    status, looks = status_of(driver), 0
-    while not select.select([pipe], [], [], LOOK_EVERY)[0]:
-        looks = looks + 1 if is_stopped(status) else 0
-        if looks == 2:
-            say(line, last_words)
+    status, found = open_status(driver), 0
+    while not select.select([pipe], [], [], CHECK_INTERVAL)[0]:
+        found = found + 1 if is_suspended(status) else 0
+        if found == 2:
+            write_all(line, last_words)
     if os.read(pipe, 1) != GOODBYE:
-        say(line, last_words)
+        write_all(line, last_words)
 
 
-def say(line: int, last_words: bytes) -> None:
-    """Write to a line; be killed where it takes no bytes, do nothing where it is gone."""
-    signal.alarm(PATIENCE)
+def write_all(line: int, last_words: bytes) -> None:
+    """Write to a line; end the process if the line takes no bytes, do nothing if it is gone."""
+    signal.alarm(WRITE_TIMEOUT)
     while last_words:
-        # A stopped driver shares the line, so whether it blocks is not ours to change.
+        # A suspended driver shares the open line, so its blocking mode must stay as it is.
         select.select([], [line], [])
         try:
             last_words = last_words[os.write(line, last_words):]

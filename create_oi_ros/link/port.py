@@ -1,7 +1,7 @@
 """
-Bytes to and from the outside: a serial device, or any URL that pyserial knows.
+The open line to the robot: a serial device, or any URL that pyserial knows.
 
-A port that cannot be opened, read or written raises `PortError`, whose text says what a person
+A port that cannot be opened, read or written raises `PortError`, whose text says what the user
 can do. RTS and DTR are left as the operating system sets them: on some cables a pulse on RTS
 changes the robot's baud rate (manual: Serial Port Settings).
 """
@@ -18,25 +18,25 @@ import serial
 
 CANDIDATES = ('/dev/create', '/dev/ttyUSB*', '/dev/ttyACM*', '/dev/serial0')
 """Where a Create usually is."""
-READ_AT_MOST = 4096
-SETTLED_AFTER = 1.5
-"""Seconds after which a device that was plugged in belongs to whom it will."""
+READ_LIMIT = 4096
+PERMISSIONS_SETTLED = 1.5
+"""Seconds after plugging in when a device's permissions are final."""
 FAST = 115200
 """At this rate the robot needs a pause between bytes (manual: Baud)."""
 FAST_PAUSE = 0.0002
 
 
 class PortError(OSError):
-    """The port is not there, not ours, or gone."""
+    """The port is missing, not permitted, in use, or gone."""
 
-    def __init__(self, advice: str, *, passing: bool = False) -> None:
-        """Say what a person can do; `passing`: it may mend itself within a second."""
+    def __init__(self, advice: str, *, temporary: bool = False) -> None:
+        """`advice` says what the user can do; a temporary error may go away within a second."""
         super().__init__(advice)
-        self.passing = passing
+        self.temporary = temporary
 
 
 class Port:
-    """An open line to the robot. Reads wait, writes do not return before the bytes are taken."""
+    """Reads wait for bytes; writes return when the system has taken all bytes."""
 
     def __init__(self, url: str, baud: int, *, timeout: float) -> None:
         """Open it, exclusively; `timeout` is how long a read waits, in seconds."""
@@ -48,11 +48,11 @@ class Port:
                 self._serial.exclusive = True
             self._serial.open()
         except (OSError, ValueError) as error:
-            raise PortError(_advice(url, error), passing=_settling(url, error)) from error
+            raise PortError(_advice(url, error), temporary=_settling(url, error)) from error
         self._timeout = timeout
         self._line = self.descriptor
         if self._line is not None:
-            self._serial.timeout = 0  # we wait ourselves: one look for all bytes, not two
+            self._serial.timeout = 0  # `read` waits itself: one system call instead of two
 
     @property
     def baud(self) -> int:
@@ -76,27 +76,27 @@ class Port:
             return None
 
     def read(self) -> bytes:
-        """Return the bytes that have come, waiting for the first; b'' when none came in time."""
+        """Return the bytes that have come; wait for the first, b'' when none came in time."""
         try:
             if self._line is not None:
                 ready, _, _ = select.select([self._line], [], [], self._timeout)
-                return self._take(self._line) if ready else b''
+                return self._read_waiting(self._line) if ready else b''
             first: bytes = self._serial.read(1)
             if not first:
                 return b''
-            waiting = min(self._serial.in_waiting, READ_AT_MOST)
+            waiting = min(self._serial.in_waiting, READ_LIMIT)
             return first + bytes(self._serial.read(waiting)) if waiting else first
         except (OSError, TypeError, ValueError) as error:
             # The last two are raised where another thread has closed the port.
             raise PortError(f'{self.url}: reading failed ({error}); is the cable in?') from error
 
-    def _take(self, line: int) -> bytes:
-        """Return the bytes that wait; pyserial would look once more whether there are any."""
+    def _read_waiting(self, line: int) -> bytes:
+        """Return the bytes that wait, without pyserial's second system call."""
         if '://' in self.url:
-            return bytes(self._serial.read(READ_AT_MOST))
+            return bytes(self._serial.read(READ_LIMIT))
         if not self._serial.is_open:
             raise OSError('it was closed')
-        waiting = os.read(line, READ_AT_MOST)
+        waiting = os.read(line, READ_LIMIT)
         if not waiting:
             raise OSError('ready, but with nothing to read: it was unplugged')
         return waiting
@@ -121,20 +121,20 @@ class Port:
             raise PortError(f'{self.url}: writing failed ({error}); is the cable in?') from error
 
     def close(self) -> None:
-        """Close it; closing twice is allowed."""
+        """Close the port; closing twice is allowed."""
         self._serial.close()
 
 
 def exists(url: str) -> bool:
-    """Tell whether a device is there; of a URL nobody can tell, so it is taken to be."""
+    """Tell whether a device is there; a URL is taken to be."""
     return '://' in url or Path(url).exists()
 
 
 def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
     """
-    Return the name under which a device is found again when it is plugged in elsewhere.
+    Return the name by which a device is found again after it was plugged in elsewhere.
 
-    A USB adapter that comes back may be ttyUSB1 where it was ttyUSB0; by its id it is the same.
+    A USB adapter that was ttyUSB0 may come back as ttyUSB1; its name by id stays.
     """
     for link in sorted(glob(f'{names}/*')):
         if Path(link).resolve() == Path(device).resolve():
@@ -143,7 +143,7 @@ def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
 
 
 def holder(device: str) -> str | None:
-    """Name a process that has a device open, where the kernel lets us see it."""
+    """Name a process that has a device open, as far as the kernel shows it."""
     target = os.path.realpath(device)
     for link in glob('/proc/[0-9]*/fd/*'):
         process = Path(link).parents[1]
@@ -182,7 +182,7 @@ def _settling(url: str, error: Exception, now: float | None = None) -> bool:
         changed = os.stat(url).st_ctime
     except OSError:
         return True
-    return 0 <= (time.time() if now is None else now) - changed < SETTLED_AFTER
+    return 0 <= (time.time() if now is None else now) - changed < PERMISSIONS_SETTLED
 
 
 def _error_number(error: BaseException | None) -> int | None:

@@ -1,9 +1,9 @@
 """
 A driver, a port and the thread that connects them; no ROS.
 
-One thread reads, blocking, so that a frame is taken in the moment it is there; it also opens the
-port again when it was lost. Requests come from other threads through `request`. A lock keeps the
-driver to one of them at a time, and bytes in the order in which they were decided on.
+One thread reads, blocking, so that a frame is taken in as soon as it arrives; it also opens the
+port again when it was lost. Requests come from other threads through `request`. A lock gives the
+driver to one thread at a time and keeps the bytes in the order of the decisions.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,15 +17,15 @@ from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
 READ_TIMEOUT = 0.02
-"""Seconds that a read waits at most: how late the driver's own timers may be."""
+"""Longest wait of a read, in seconds; the driver's own timers may be late by as much."""
 RETRY_FIRST, RETRY_MOST = 0.1, 0.8
 """Seconds between attempts to open the port: doubling from the first to the second."""
-NAMED_AFTER = 1.0
-"""Seconds after which a device that was plugged in has all its names."""
-LOOK_EVERY = 0.1
-"""Seconds between two looks whether the dead-man still watches."""
-LEAST_WATCH = 1.0
-"""Seconds that a dead-man must have lasted for another one to be posted in its place."""
+NAMES_SETTLED = 1.0
+"""Seconds after plugging in when a device has all its names."""
+CHECK_INTERVAL = 0.1
+"""Seconds between two checks that the dead-man still runs."""
+LEAST_LIFE = 1.0
+"""Seconds that a dead-man must have run to be started again."""
 
 
 class Session:
@@ -37,10 +37,10 @@ class Session:
         open_port: Callable[..., Port] = Port,
     ) -> None:
         """
-        Prepare.
+        Prepare a session; `start` begins it.
 
-        `on_event` is called by whichever thread is at the driver, `on_failure` when the
-        session's own thread ends unasked, with its traceback printed: then `close` at once.
+        `on_event` is called by whichever thread uses the driver. `on_failure` is called when the
+        session's own thread ends with an error, whose traceback is printed: `close` at once then.
         With `dead_man`, a process of its own stops the robot when this one dies. `open_port`
         takes what `Port` takes.
         """
@@ -53,30 +53,30 @@ class Session:
         self._lock = threading.RLock()
         self._port: Port | None = None
         self._dead_man: DeadMan | None = None
-        self._posted_at = 0.0
-        self._look_at = 0.0
+        self._dead_man_started_at = 0.0
+        self._check_at = 0.0
         self._lasting_name: str | None = None
         self._named_at = inf
-        """When to ask for the lasting name of the port that was opened last."""
+        """When to look up the lasting name of the open port."""
         self._closing = threading.Event()
-        self._complaint = ''
+        self._reported = ''
         self._thread = threading.Thread(target=self._run, name='create_session')
 
     def start(self) -> None:
-        """Begin to open the port and to talk."""
+        """Open the port and call the robot, from now on."""
         self._thread.start()
 
     @contextmanager
     def request(self) -> Iterator[tuple[Driver, float]]:
-        """Give the driver and the time to one who wants something; what it sends is written."""
+        """Lend the driver, with the time; what it decides to send is written."""
         with self._lock:
             now = time.monotonic()
             yield self.driver, now
-            self._send()  # first: a command should not wait for what else there is to do
+            self._send()  # first: a command must not wait for the rest
             self._exchange(now)
 
     def close(self) -> None:
-        """Say goodbye to the robot and close the port."""
+        """Stop the robot, leave it in the mode for exit, and close the port."""
         self._closing.set()
         with self._lock:
             self.driver.shut_down(time.monotonic())
@@ -86,7 +86,7 @@ class Session:
                     self._port.write(farewell)
                     self._port.flush()
                 except PortError as error:
-                    self._complain(error)
+                    self._report(error)
         if self._thread.is_alive():
             self._thread.join()
         self._close_port()
@@ -107,7 +107,7 @@ class Session:
                 self._on_failure()
 
     def _wait(self, pause: float) -> None:
-        """Wait before the next attempt, but not when a device that was missing appears."""
+        """Wait before the next attempt; end early when a missing device appears."""
         missing = not self._device_exists()
         until = time.monotonic() + pause
         while time.monotonic() < until and not self._closing.wait(min(pause, RETRY_FIRST)):
@@ -124,20 +124,20 @@ class Session:
         try:
             port = self._open_port(url, self.driver.baud, timeout=READ_TIMEOUT)
         except PortError as error:
-            self._complain(error)
+            self._report(error)
             return False
         with self._lock:
-            self._complaint = ''
+            self._reported = ''
             self._port = port
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
-            self._post_dead_man(port)
+            self._start_dead_man(port)
             now = time.monotonic()
-            self._named_at = now + NAMED_AFTER
+            self._named_at = now + NAMES_SETTLED
             self.driver.connected(now)
             self._exchange(now)
         return True
 
-    def _post_dead_man(self, port: Port) -> None:
+    def _start_dead_man(self, port: Port) -> None:
         if not self._wants_dead_man:
             return
         line = port.descriptor
@@ -146,7 +146,7 @@ class Session:
                 Severity.WARNING, f'{port.url}: no dead-man for this kind of port; if this '
                 'process dies, the robot drives on'))
             return
-        self._posted_at = time.monotonic()
+        self._dead_man_started_at = time.monotonic()
         try:
             self._dead_man = DeadMan(line, LAST_WORDS)
         except OSError as error:
@@ -154,15 +154,15 @@ class Session:
                 Severity.ERROR, f'the dead-man could not be started ({error}); if this process '
                 'dies, the robot drives on'))
 
-    def _mind_dead_man(self, port: Port, now: float) -> None:
-        """Post another one where the first was ended, unless that happens at once again."""
+    def _check_dead_man(self, port: Port, now: float) -> None:
+        """Start another dead-man where the first was killed, unless it ended at once."""
         if self._dead_man is None or not self._dead_man.ended:
             return
         self._dead_man.release()
         self._dead_man = None
         then = 'if this process dies, the robot drives on'
-        if now - self._posted_at > LEAST_WATCH:
-            self._post_dead_man(port)
+        if now - self._dead_man_started_at > LEAST_LIFE:
+            self._start_dead_man(port)
             then = 'another one watches now'
         self._on_event(Notice(Severity.ERROR, f'the dead-man was ended by somebody; {then}'))
 
@@ -171,7 +171,7 @@ class Session:
             received = port.read()
         except PortError as error:
             with self._lock:
-                # Another thread may have lost it already, in writing.
+                # Another thread may have lost it already, while writing.
                 if self._port is port:
                     self._lose(error)
             return
@@ -181,20 +181,20 @@ class Session:
             now = time.monotonic()
             if received:
                 self.driver.receive(received, now)
-                self._pass_on()  # first: news are awaited, and nothing to send is that urgent
+                self._report_events()  # first: a bump must not wait
             self._exchange(now)
-            if now > self._look_at:
-                self._look_at = now + LOOK_EVERY
-                self._mind_dead_man(port, now)
+            if now > self._check_at:
+                self._check_at = now + CHECK_INTERVAL
+                self._check_dead_man(port, now)
             if now > self._named_at:
                 self._lasting_name = lasting_name(port.url) or self._lasting_name
                 self._named_at = inf
 
     def _exchange(self, now: float) -> None:
-        """Let the driver act and send, and pass on what has happened."""
+        """Let the driver act, send its bytes, and report its events."""
         self.driver.poll(now)
         self._send()
-        self._pass_on()
+        self._report_events()
 
     def _send(self) -> None:
         outgoing = self.driver.data_to_send()
@@ -208,17 +208,17 @@ class Session:
         except PortError as error:
             self._lose(error)
 
-    def _pass_on(self) -> None:
+    def _report_events(self) -> None:
         while (event := self.driver.next_event()) is not None:
             self._on_event(event)
 
     def _lose(self, error: PortError) -> None:
         self._close_port()
         self.driver.disconnected(str(error))
-        self._complain(error)
+        self._report(error)
 
     def _close_port(self) -> None:
-        # The dead-man holds the line as well, and would keep it from being opened again.
+        # The dead-man holds the line open too, and would keep it from being opened again.
         if self._dead_man is not None:
             self._dead_man.release()
             self._dead_man = None
@@ -226,8 +226,8 @@ class Session:
             self._port.close()
             self._port = None
 
-    def _complain(self, error: PortError) -> None:
-        """Say what is wrong with the port, once until it changes; not what may pass at once."""
-        if not error.passing and str(error) != self._complaint:
-            self._complaint = str(error)
+    def _report(self, error: PortError) -> None:
+        """Report what is wrong with the port, once until it changes; skip what may go away."""
+        if not error.temporary and str(error) != self._reported:
+            self._reported = str(error)
             self._on_event(Notice(Severity.ERROR, str(error)))

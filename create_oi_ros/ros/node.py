@@ -24,7 +24,7 @@ from ..driver import (
     Notice,
     Severity,
 )
-from ..link.capture import Capture, CapturedPort
+from ..link.capture import begin, Capture, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import Kind
@@ -60,7 +60,7 @@ class CreateNode(Node):
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._stale = 0
         self._declare_topics()
-        self.served = Services(self, self.session)
+        Services(self, self.session)  # the node keeps it: its methods are the callbacks
         self._counts = LinkCounts()
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
         self._publish_mode(self.session.driver.status)
@@ -73,11 +73,12 @@ class CreateNode(Node):
         facts = {'driver': f'create_oi_ros {__version__}', **asdict(self.parameters)}
         log = self.get_logger()
         try:
-            capture = Capture(wanted, facts, lambda why: log.error(f'capture {wanted}: {why}'))
+            capture, path = begin(
+                wanted, facts, lambda why: log.error(f'capture {wanted}: {why}'))
         except OSError as error:
             raise ValueError(
                 f'parameter capture: {wanted} cannot be written: {error.strerror}') from error
-        log.info(f'every byte of the line is written to {capture.path}')
+        log.info(f'every byte of the line is written to {path}')
         return capture
 
     def _declare_topics(self) -> None:

@@ -30,7 +30,7 @@ def parameter(
     default: Any, description: str, *, low: float | None = None, high: float | None = None,
     choices: tuple[Any, ...] = (), fixed: bool = False,
 ) -> Any:
-    """Declare one parameter; a fixed one is read when the node starts and never after."""
+    """Declare one parameter; a fixed one is read only when the node starts."""
     return field(default=default, metadata={
         'description': description, 'low': low, 'high': high, 'choices': choices, 'fixed': fixed})
 
@@ -154,7 +154,7 @@ def declare(node: Node) -> Parameters:
 
 
 def check(parameters: list[Parameter]) -> SetParametersResult:
-    """Refuse new values that are out of their sets; ROS itself holds the ranges."""
+    """Refuse new values that are not allowed; ROS itself checks the ranges."""
     reasons = [
         reason for parameter in parameters
         if parameter.name in Parameters.__dataclass_fields__
@@ -168,8 +168,8 @@ def changed(parameters: Parameters, new: list[Parameter]) -> Parameters:
     return replace(parameters, **{p.name: p.value for p in new if p.name in known})
 
 
-def refusal(name: str, value: Any) -> str:
-    """Say why a value is not allowed, or ''."""
+def refusal(name: str, value: Any) -> str | None:
+    """Say why a value is not allowed; None where it is."""
     choices = _declaration(name).metadata['choices']
     if choices and value not in choices:
         return f'parameter {name} = {value!r}; allowed: {_listed(choices)}'
@@ -177,7 +177,7 @@ def refusal(name: str, value: Any) -> str:
         return f'parameter {name} is not a number'
     if value == '' and _declaration(name).default != '':
         return f'parameter {name} is empty'
-    return ''
+    return None
 
 
 def _declaration(name: str) -> Any:

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from create_oi_ros.link import dead_man
-from create_oi_ros.link.dead_man import DeadMan, GOODBYE, POLITE, watch
+from create_oi_ros.link.dead_man import DeadMan, END_SIGNALS, GOODBYE, watch
 
 WORDS = b'stop now'
 
@@ -68,7 +68,7 @@ def test_when_its_parent_dies_it_says_the_last_words_and_ends(number):
     parent.communicate()
 
 
-def test_while_its_parent_is_stopped_it_says_the_last_words_and_watches_on():
+def test_while_its_parent_is_suspended_it_says_the_last_words_and_watches_on():
     reading, writing = os.pipe()
     parent = subprocess.Popen(
         [sys.executable, '-c', PARENT, str(writing), WORDS.decode()], pass_fds=(writing,),
@@ -87,7 +87,7 @@ def test_while_its_parent_is_stopped_it_says_the_last_words_and_watches_on():
     parent.communicate()
 
 
-def test_each_time_that_it_is_stopped_for_two_looks_is_one_for_last_words(monkeypatch):
+def test_each_time_that_it_is_suspended_for_two_looks_is_one_for_last_words(monkeypatch):
     pipe, speaking = os.pipe()
     reading, writing = os.pipe()
     looks = iter([False, True, False, True, True, True, False, True, True])
@@ -97,8 +97,8 @@ def test_each_time_that_it_is_stopped_for_two_looks_is_one_for_last_words(monkey
         if seen is None:
             os.write(speaking, GOODBYE)
         return bool(seen)
-    monkeypatch.setattr(dead_man, 'is_stopped', look)
-    monkeypatch.setattr(dead_man, 'LOOK_EVERY', 0.0)
+    monkeypatch.setattr(dead_man, 'is_suspended', look)
+    monkeypatch.setattr(dead_man, 'CHECK_INTERVAL', 0.0)
     watch(pipe, writing, WORDS, os.getpid())
     assert os.read(reading, 100) == WORDS * 2
     for end in (pipe, speaking, reading, writing):
@@ -106,17 +106,17 @@ def test_each_time_that_it_is_stopped_for_two_looks_is_one_for_last_words(monkey
 
 
 def test_only_a_stopped_process_is_seen_as_stopped():
-    assert not dead_man.is_stopped(dead_man.status_of(os.getpid()))
-    assert dead_man.status_of(2 ** 22 + 1) is None, 'no process has such a number'
-    assert not dead_man.is_stopped(None)
+    assert not dead_man.is_suspended(dead_man.open_status(os.getpid()))
+    assert dead_man.open_status(2 ** 22 + 1) is None, 'no process has such a number'
+    assert not dead_man.is_suspended(None)
     ended = subprocess.Popen(['cat'], stdin=subprocess.PIPE)
-    status = dead_man.status_of(ended.pid)
+    status = dead_man.open_status(ended.pid)
     ended.send_signal(signal.SIGSTOP)
     os.waitpid(ended.pid, os.WUNTRACED)
-    assert dead_man.is_stopped(status)
+    assert dead_man.is_suspended(status)
     ended.kill()
     ended.communicate()
-    assert not dead_man.is_stopped(status)
+    assert not dead_man.is_suspended(status)
     assert status is not None
     os.close(status)
 
@@ -124,7 +124,7 @@ def test_only_a_stopped_process_is_seen_as_stopped():
 def test_a_line_that_is_gone_ends_the_last_words():
     reading, writing = os.pipe()
     os.close(reading)
-    dead_man.say(writing, WORDS)
+    dead_man.write_all(writing, WORDS)
     os.close(writing)
 
 
@@ -132,7 +132,7 @@ def test_what_ends_its_parent_politely_does_not_reach_it():
     reading, writing = os.pipe()
     guard = DeadMan(writing, WORDS)
     os.close(writing)
-    for number in POLITE:
+    for number in END_SIGNALS:
         os.kill(guard.pid, number)
     os.close(guard._pipe)
     assert os.read(reading, 100) == WORDS

@@ -67,9 +67,9 @@ def test_only_a_device_that_has_just_come_may_get_its_permissions_yet(
     assert port._settling(str(device), OSError(number, ''), now) is passing
 
 
-def test_what_may_pass_at_once_is_not_complained_of(tmp_path):
+def test_an_error_that_may_go_away_is_not_reported(tmp_path):
     (tmp_path / 'tty').touch()
-    errors = iter([PortError('no permission', passing=True), PortError('in use')])
+    errors = iter([PortError('no permission', temporary=True), PortError('in use')])
     heard = Heard()
 
     def refuse(*_, **__):
@@ -223,14 +223,14 @@ def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypa
 
 
 def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
-    monkeypatch.setattr(session, 'LEAST_WATCH', 0.0)
+    monkeypatch.setattr(session, 'LEAST_LIFE', 0.0)
     with robot_on(tmp_path / 'tty'), session_on(tmp_path / 'tty', dead_man=True) as (ours, heard):
         heard.wait_for('robot answers')
         first = ours._dead_man.pid
         os.kill(first, 9)
         heard.wait_for('another one watches')
         assert ours._dead_man.pid != first
-        monkeypatch.setattr(session, 'LEAST_WATCH', 1000.0)
+        monkeypatch.setattr(session, 'LEAST_LIFE', 1000.0)
         os.kill(ours._dead_man.pid, 9)
         heard.wait_for('drives on')
         assert ours._dead_man is None

@@ -11,7 +11,7 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.link.capture import Capture, CapturedPort, create
+from create_oi_ros.link.capture import Capture, CapturedPort, new_file
 from create_oi_ros.link.port import PortError
 from create_oi_ros.oi.tools.capture_format import (
     CaptureError,
@@ -238,7 +238,7 @@ def test_a_capture_that_cannot_be_written_is_refused_at_start(
 
 def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
     robot, host = os.openpty()
-    file, path = create(str(tmp_path / 'c'))
+    file, path = new_file(str(tmp_path / 'c'))
     capture = Capture(file, {}, print)
     name = os.ttyname(host)
     port = CapturedPort(capture, name, 57600, timeout=PATIENCE)
@@ -257,7 +257,7 @@ def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
     with pytest.raises(PortError):
         port.write(b'\x83')
     capture.close()
-    capture.tell(Kind.NOTE, 'too late')
+    capture.add_text(Kind.NOTE, 'too late')
     records, wrong = read(path)
     assert not wrong
     told = [(record.kind, record.text) for record in records if record.kind in (
@@ -274,12 +274,12 @@ def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
     def on_failure(why: str) -> None:
         told.append(why)
         full.set()
-    file, _ = create(str(tmp_path / 'c'))
+    file, _ = new_file(str(tmp_path / 'c'))
     capture = Capture(file, {}, on_failure)
     disk = os.open('/dev/full', os.O_WRONLY)
     os.dup2(disk, file)
     os.close(disk)
-    capture.tell(Kind.NOTE, 'too much')
+    capture.add_text(Kind.NOTE, 'too much')
     assert full.wait(PATIENCE)
     capture.add(Kind.FROM_ROBOT, b'\0')
     capture.close()
@@ -296,7 +296,7 @@ def test_a_home_is_found_and_nothing_overwritten(
     monkeypatch.setenv('HOME', str(tmp_path))
     names = []
     for _ in range(3):
-        file, path = create('~/walk.capture')
+        file, path = new_file('~/walk.capture')
         os.close(file)
         names.append(path)
     assert names == [tmp_path / f'walk{number}.capture' for number in ('', '-2', '-3')]
