@@ -1,25 +1,27 @@
 """
-Writes the ROS interface as Markdown tables and as a parameter file, from the declarations.
+Writes what follows from the declarations of topics, services and parameters: `make docs`.
 
-`python -m create_oi_ros.ros.reference README.md config/create.yaml` replaces the tables between
-their markers in the first, and all of the second.
+`python -m create_oi_ros.ros.reference FILE ...` writes a .yaml file as a whole: the parameters
+with their defaults. In any other file it replaces the blocks between their markers: the tables of
+README.md, and the names in config/sros2_policy.xml.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 import json
 from pathlib import Path
-import re
 import sys
 from textwrap import wrap
 from typing import Any
 
+from ..oi.tools import markdown
 from .parameters import Parameters
 from .services import SERVICES
-from .topics import PUBLISHED
+from .topics import PUBLISHED, TF
 
 CONFIG_WIDTH = 93
 """Characters of a comment line at most."""
+POLICY_INDENT = 12 * ' '
 
 
 def type_name(type_: type) -> str:
@@ -28,22 +30,16 @@ def type_name(type_: type) -> str:
     return f'{package}/{type_.__name__}'
 
 
-def table(*columns: str, rows: Iterable[tuple[str, ...]]) -> str:
-    """Return a Markdown table."""
-    lines = [columns, tuple('---' for _ in columns), *rows]
-    return '\n'.join(f'| {" | ".join(line)} |' for line in lines)
-
-
 def topics() -> str:
     """Return the table of published topics."""
-    return table('topic', 'type', 'when', 'what', rows=(
+    return markdown.table(('topic', 'type', 'when', 'what'), (
         (f'`{topic.name}`', type_name(topic.type), topic.when, topic.about)
         for topic in PUBLISHED))
 
 
 def services() -> str:
     """Return the table of services."""
-    return table('service', 'type', 'what', rows=(
+    return markdown.table(('service', 'type', 'what'), (
         (f'`{service.name}`', type_name(service.type), service.about) for service in SERVICES))
 
 
@@ -56,12 +52,23 @@ def parameters() -> str:
         rows.append((
             f'`{declared.name}`', f'`{default}`', _allowed(facts),
             'at start' if facts['fixed'] else 'any time', facts['description']))
-    return table('parameter', 'default', 'allowed', 'set', 'what', rows=rows)
+    return markdown.table(('parameter', 'default', 'allowed', 'set', 'what'), rows)
+
+
+def policy_names(element: str, names: Iterable[str]) -> str:
+    """Return names as elements of an SROS 2 policy."""
+    return ''.join(f'{POLICY_INDENT}<{element}>{name}</{element}>\n' for name in names) \
+        + POLICY_INDENT
 
 
 TABLES = {'topics': topics, 'services': services, 'parameters': parameters}
-
-
+POLICY = {
+    'all topics': lambda: policy_names('topic', (topic.name for topic in PUBLISHED)),
+    'all topics but /tf': lambda: policy_names(
+        'topic', (topic.name for topic in PUBLISHED if topic is not TF)),
+    'all services': lambda: policy_names('service', (service.name for service in SERVICES)),
+}
+BLOCKS = {**TABLES, **POLICY}
 CONFIG_HEAD = (
     '# Every parameter of create_node with its default; made by `make docs`. Copy it, change it:\n'
     '# ros2 run create_oi_ros create_node --ros-args --params-file my_create.yaml\n'
@@ -87,11 +94,8 @@ def _allowed(facts: Mapping[str, Any]) -> str:
 
 
 def rewritten(text: str) -> str:
-    """Return a document with its tables replaced by new ones."""
-    for name, make in TABLES.items():
-        marked = re.compile(f'(<!-- {name} -->\n).*?(<!-- end -->)', re.DOTALL)
-        text = marked.sub(rf'\1{make()}\n\2', text)
-    return text
+    """Return a file with its generated blocks made again."""
+    return markdown.rewritten(text, '|'.join(BLOCKS), lambda name: BLOCKS[name]())
 
 
 if __name__ == '__main__':
