@@ -1,5 +1,5 @@
 """
-Starts one Create: its driver, its model and, if wanted, a simulated robot and RViz.
+One Create: its driver and model, and on request a simulated robot and RViz.
 
     ros2 launch create_oi_ros create.launch.py port:=/dev/ttyUSB0
     ros2 launch create_oi_ros create.launch.py simulated:=true rviz:=true
@@ -21,7 +21,7 @@ ARGUMENTS = {
     'simulated': ('false', 'true: simulate the robot, on a pseudo terminal'),
     'world': ('room', 'world of the simulated robot'),
     'namespace': ('', 'namespace of all nodes and topics'),
-    'frame_prefix': ('', 'prefix of every frame, such as robot1/'),
+    'frame_prefix': ('', 'put before every frame, such as robot1/'),
     'capture': ('', 'file to write every byte of the serial line to'),
     'params': (os.path.join(SHARE, 'config', 'create.yaml'), 'parameter file of the driver'),
     'description': ('true', 'true: publish the model and its frames (robot_state_publisher)'),
@@ -44,7 +44,7 @@ def nodes(context):
         package='create_oi_ros', executable='create_node', namespace=namespace, output='screen',
         parameters=[value['params'], {
             'port': port, 'odom_frame': f'{prefix}odom', 'base_frame': f'{prefix}base_footprint',
-            # An empty value would not be read as a string.
+            # Launch does not pass an empty value on as a string.
             **({'capture': value['capture']} if value['capture'] else {})}],
         on_exit=EmitEvent(event=Shutdown(reason='create_node has ended'))))
     if asked['description']:
@@ -61,7 +61,7 @@ def nodes(context):
 
 
 def simulator(port, world):
-    """Return the process of a simulated robot: no ROS node, so without --ros-args."""
+    """Return the process of a simulated robot, which is no ROS node and takes no --ros-args."""
     program = os.path.join(
         get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
     return ExecuteProcess(cmd=[program, '--link', port, '--world', world], output='screen')

@@ -1,5 +1,5 @@
 """
-Starts several simulated Creates, each with its own namespace and frames: robot1, robot2, ...
+Several simulated Creates: robot1, robot2, ... Each has a namespace and frames of its own.
 
     ros2 launch create_oi_ros fleet.launch.py count:=3
     ros2 topic pub -r 10 /robot2/cmd_vel geometry_msgs/msg/Twist '{linear: {x: 0.1}}'
@@ -17,7 +17,7 @@ SHARE = get_package_share_directory('create_oi_ros')
 
 
 def robots(context):
-    """Return one launch file for each simulated robot."""
+    """Return the launch of a simulated robot, once for each."""
     count = int(LaunchConfiguration('count').perform(context))
     one = os.path.join(SHARE, 'launch', 'create.launch.py')
     names = [f'robot{number}' for number in range(1, count + 1)]

@@ -72,6 +72,7 @@ class Driver:
         """Frames that were published, and whose consequences `poll` still has to draw."""
         self._status_told = self.status
         self._refusal_told = False
+        self._not_finite = 0
 
     def _take(self, event: Event) -> None:
         """Let an event change the state, and do what follows from it for wheels and parts."""
@@ -187,11 +188,11 @@ class Driver:
     def drive(self, linear: float, angular: float, now: float) -> None:
         """Want a velocity, m/s and rad/s, until it is replaced or expires."""
         if not (isfinite(linear) and isfinite(angular)):
-            self._events.notice(
-                Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
-                'stopped; send finite numbers')
+            self._report_not_finite(linear, angular)
             self._motion.stop()
             linear = angular = 0.0
+        else:
+            self._report_finite()
         if not self._motion.command(linear, angular, now):
             self._supervision.commands_paused()
         elif self.state.owner is Owner.NOBODY:
@@ -296,6 +297,20 @@ class Driver:
         self.outputs.restore_songs()
         if self.status.actual in oi.ACTUATE:
             self.outputs.restore()
+
+    def _report_not_finite(self, linear: float, angular: float) -> None:
+        """Report the first of a row of velocities that are not finite; count the others."""
+        self._not_finite += 1
+        if self._not_finite == 1:
+            self._events.notice(
+                Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
+                'stopped; send finite numbers')
+
+    def _report_finite(self) -> None:
+        more, self._not_finite = self._not_finite - 1, 0
+        if more > 0:
+            self._events.notice(
+                Severity.WARNING, f'velocities are finite again; {more} more were not')
 
     def _tell_refusal(self, why: str) -> None:
         if not self._refusal_told:

@@ -6,11 +6,13 @@ can do. RTS and DTR are left as the operating system sets them: on some cables a
 changes the robot's baud rate (manual: Serial Port Settings).
 """
 
+from contextlib import suppress
 import errno
 from glob import glob
 import os
 from pathlib import Path
 import select
+import termios
 import time
 from typing import Any
 
@@ -21,6 +23,9 @@ CANDIDATES = ('/dev/create', '/dev/ttyUSB*', '/dev/ttyACM*', '/dev/serial0')
 READ_LIMIT = 4096
 PERMISSIONS_SETTLED = 1.5
 """Seconds after plugging in when a device's permissions are final."""
+FAILURES = (OSError, termios.error, TypeError, ValueError)
+"""What pyserial raises when a port fails. `termios.error` is no OSError; TypeError and ValueError
+come where another thread has closed the port."""
 FAST = 115200
 """At this rate the robot needs a pause between bytes (manual: Baud)."""
 FAST_PAUSE = 0.0002
@@ -47,7 +52,7 @@ class Port:
             if '://' not in url:
                 self._serial.exclusive = True
             self._serial.open()
-        except (OSError, ValueError) as error:
+        except FAILURES as error:
             raise PortError(_advice(url, error), temporary=_settling(url, error)) from error
         self._timeout = timeout
         self._line = self.descriptor
@@ -63,7 +68,7 @@ class Port:
     def baud(self, baud: int) -> None:
         try:
             self._serial.baudrate = baud
-        except (OSError, ValueError) as error:
+        except FAILURES as error:
             raise PortError(f'{self.url}: baud rate {baud} cannot be set ({error})') from error
 
     @property
@@ -86,8 +91,7 @@ class Port:
                 return b''
             waiting = min(self._serial.in_waiting, READ_LIMIT)
             return first + bytes(self._serial.read(waiting)) if waiting else first
-        except (OSError, TypeError, ValueError) as error:
-            # The last two are raised where another thread has closed the port.
+        except FAILURES as error:
             raise PortError(f'{self.url}: reading failed ({error}); is the cable in?') from error
 
     def _read_waiting(self, line: int) -> bytes:
@@ -110,19 +114,20 @@ class Port:
             for byte in encoded:
                 self._serial.write(bytes([byte]))
                 time.sleep(FAST_PAUSE)
-        except (OSError, TypeError) as error:
+        except FAILURES as error:
             raise PortError(f'{self.url}: writing failed ({error}); is the cable in?') from error
 
     def flush(self) -> None:
         """Wait until all bytes have left this machine."""
         try:
             self._serial.flush()
-        except OSError as error:
+        except FAILURES as error:
             raise PortError(f'{self.url}: writing failed ({error}); is the cable in?') from error
 
     def close(self) -> None:
-        """Close the port; closing twice is allowed."""
-        self._serial.close()
+        """Close the port; closing twice, or after it was lost, is allowed."""
+        with suppress(*FAILURES):
+            self._serial.close()
 
 
 def exists(url: str) -> bool:
@@ -165,6 +170,8 @@ def _advice(url: str, error: Exception) -> str:
         there = sorted(path for pattern in CANDIDATES for path in glob(pattern))
         found = f'there are {", ".join(there)}' if there else 'no serial port was found at all'
         return f'{url} does not exist; {found}: is the cable in? set the parameter `port`'
+    if code in (errno.ENOTTY, errno.EISDIR):
+        return f'{url} is no serial port; give a device such as /dev/ttyUSB0 as `port`'
     if code in (errno.EACCES, errno.EPERM):
         user = os.environ.get('USER', '$USER')
         return f'{url}: no permission; `sudo usermod -aG dialout {user}`, then log in again'
@@ -190,5 +197,7 @@ def _error_number(error: BaseException | None) -> int | None:
     while error is not None:
         if isinstance(error, OSError) and error.errno is not None:
             return error.errno
+        if isinstance(error, termios.error):
+            return int(error.args[0])
         error = error.__cause__ or error.__context__
     return None

@@ -5,6 +5,7 @@ OK: nothing to do. WARN: look at it soon. ERROR: it does not do its work. STALE:
 old, since no robot answers.
 """
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import isnan
 
@@ -137,8 +138,10 @@ def _battery(readings: oi.Readings, state: BatteryState, watched: BatteryLevel) 
     return OK, 'charge not known' if isnan(state.percentage) else 'charged enough'
 
 
-def driver(name: str, health: Health, stale_commands: int) -> DiagnosticStatus:
-    """Say what the driver itself is doing."""
+def driver(
+    name: str, health: Health, stale_commands: int, publishers: Sequence[str],
+) -> DiagnosticStatus:
+    """Say what the driver itself is doing; `publishers` are the nodes that send `cmd_vel`."""
     level, message = OK, health.activity.value
     if health.ignores_commands:
         level, message = ERROR, 'the robot does not hear: switch it off and on'
@@ -146,8 +149,11 @@ def driver(name: str, health: Health, stale_commands: int) -> DiagnosticStatus:
         level, message = WARN, health.busy
     elif health.angle_stuck:
         level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
+    elif len(publishers) > 1:
+        level, message = WARN, f'{len(publishers)} nodes publish cmd_vel: the newest command wins'
     return status(f'{name}: driver', level, message, {
         'stale commands dropped': stale_commands,
+        'cmd_vel publishers': ', '.join(publishers) or 'none',
         'songs stored': ', '.join(map(str, health.songs)) or 'none'})
 
 

@@ -29,6 +29,7 @@ from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import Kind
 from . import diagnostics, messages, parameters, topics
+from .graph_watch import GraphWatch
 from .process import call_on_signal, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
@@ -87,10 +88,11 @@ class CreateNode(Node):
             self, self.parameters, charge_known=self._charge_known)
         self._mode = publisher(self, topics.MODE)
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
-        if self.parameters.enable_stamped_cmd_vel:
-            self.create_subscription(TwistStamped, 'cmd_vel', self._on_stamped_velocity, 1)
-        else:
-            self.create_subscription(Twist, 'cmd_vel', self._on_velocity, 1)
+        stamped = self.parameters.enable_stamped_cmd_vel
+        velocity = TwistStamped if stamped else Twist
+        self.create_subscription(
+            velocity, 'cmd_vel', self._on_stamped_velocity if stamped else self._on_velocity, 1)
+        self._graph = GraphWatch(self, velocity, self.get_logger().warning)
 
     # From ROS to the robot: on the executor's thread.
 
@@ -131,6 +133,7 @@ class CreateNode(Node):
 
     def _publish_diagnostics(self) -> None:
         name = self.get_fully_qualified_name().lstrip('/')
+        self._graph.check()
         with self.session.request() as (driver, now):
             health = driver.health(now)
         message = topics.DIAGNOSTICS.type(status=[
@@ -138,7 +141,7 @@ class CreateNode(Node):
                 name, health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
             diagnostics.mode(name, health), diagnostics.safety(name, health),
             diagnostics.battery(name, health, charge_known=self._charge_known),
-            diagnostics.driver(name, health, self._stale),
+            diagnostics.driver(name, health, self._stale, self._graph.publishers),
             diagnostics.parameters(name, self.parameters)])
         self._counts = health.counts
         message.header.stamp = self.get_clock().now().to_msg()

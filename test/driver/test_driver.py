@@ -165,6 +165,16 @@ def test_a_velocity_that_is_not_finite_is_refused_and_stops(loop, velocity):
     assert 'not finite' in texts(loop.notices, Severity.WARNING)[-1]
 
 
+def test_velocities_that_are_not_finite_are_reported_once_and_counted(loop):
+    for _ in range(50):
+        loop.driver.drive(nan, 0.0, loop.now)
+        loop.turn()
+    assert len(texts(loop.notices, Severity.WARNING)) == 1
+    loop.drive(0.1, 0.0, 0.1)
+    assert texts(loop.notices, Severity.WARNING)[1:] == [
+        'velocities are finite again; 49 more were not']
+
+
 @given(st.floats(-3, 3), st.floats(-20, 20))
 def test_limits_keep_the_curve(linear, angular):
     limits = MotionLimits()

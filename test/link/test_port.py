@@ -50,6 +50,14 @@ def test_a_missing_port_names_those_there_are(tmp_path, monkeypatch):
     assert f'there are {tmp_path}/ttyUSB7' in refused(missing)
 
 
+def test_a_file_and_a_folder_are_no_serial_ports(tmp_path):
+    file = tmp_path / 'notes.txt'
+    file.touch()
+    for path in (file, tmp_path):
+        assert refused(str(path)) == (
+            f'{path} is no serial port; give a device such as /dev/ttyUSB0 as `port`')
+
+
 def test_without_permission_the_command_that_gives_it_is_named(monkeypatch):
     monkeypatch.setenv('USER', 'ada')
     said = port._advice('/dev/ttyUSB0', OSError(errno.EACCES, 'Permission denied'))
@@ -65,6 +73,20 @@ def test_only_a_device_that_has_just_come_may_get_its_permissions_yet(
     device.touch()
     now = device.stat().st_ctime + age
     assert port._settling(str(device), OSError(number, ''), now) is passing
+
+
+@pytest.mark.parametrize('operation', [
+    Port.flush, Port.read, lambda port: port.write(b'\x80'),
+    lambda port: setattr(port, 'baud', 19200)])
+def test_a_terminal_that_has_gone_is_a_port_error_whatever_is_tried(operation):
+    robot, host = os.openpty()
+    opened = Port(os.ttyname(host), 57600, timeout=0.01)
+    os.close(host)
+    os.close(robot)
+    with pytest.raises(PortError):
+        operation(opened)
+    opened.close()
+    opened.close()
 
 
 def test_an_error_that_may_go_away_is_not_reported(tmp_path):

@@ -1,9 +1,9 @@
 """
-What is given to other packages says of this robot what is so.
+The files for other packages describe this robot correctly.
 
-ROS's own parser reads the parameter files; frames, speeds and sizes are compared with the
-driver's parameters and the model, topics and fields with what is published. None of the packages
-is needed.
+ROS's own parser reads the parameter files. Frames, speeds and sizes are compared with the driver's
+parameters and the model; topics and fields with what the driver publishes. The other packages need
+not be installed.
 """
 
 from configparser import ConfigParser
@@ -41,20 +41,20 @@ NODES = {
                   '/behavior_server', '/velocity_smoother', '/collision_monitor',
                   '/docking_server'],
 }
-"""The nodes that each parameter file is for; no other names stand in it."""
+"""The nodes that each parameter file is for; it names no others."""
 FOREIGN = {'/scan', '/imu/data', '/cmd_vel_smoothed', '/joy', '/diagnostics_toplevel_state',
            '/robot_description'}
-"""Topics of others that files and pages may name: lidar, IMU, Nav2, joy, aggregator, model."""
+"""Other nodes' topics that files and pages may name: lidar, IMU, Nav2, joy, aggregator, model."""
 MAP = 'map'
-"""The frame that the others add."""
+"""Frame that other packages add."""
 BROUGHT = {'tf2_ros'}
-"""Packages that come with robot_state_publisher, which the launch file starts."""
+"""Packages installed with robot_state_publisher, which the launch file starts."""
 TYPES = {topic.name.lstrip('/'): topic.type for topic in PUBLISHED} | {'cmd_vel': Twist}
 
 
 @cache
 def parameters(file: str, node: str) -> dict[str, Any]:
-    """Return what a node of this full name gets from a file, as ROS reads it."""
+    """Return the parameters that ROS reads from a file for a node of this full name."""
     namespace, _, name = node.rpartition('/')
     context = Context()
     rclpy.init(args=['--ros-args', '--params-file', str(FILES / file)], context=context)
@@ -131,7 +131,7 @@ def wheel(speed: float, turn: float) -> float:
     return abs(speed) + abs(turn) * Parameters.wheel_separation / 2
 
 
-def test_nav2_asks_for_nothing_that_the_wheels_cannot_do():
+def test_nav2_commands_only_possible_speeds():
     smoother = nav2('/velocity_smoother')
     for limit in ('max_velocity', 'min_velocity'):
         speed, sideways, turn = smoother[limit]
@@ -144,7 +144,7 @@ def test_nav2_asks_for_nothing_that_the_wheels_cannot_do():
     assert nav2('/behavior_server')['max_rotational_vel'] <= smoother['max_velocity'][2]
 
 
-def test_nav2_says_the_commands_that_the_driver_takes():
+def test_nav2_sends_the_type_of_command_that_the_driver_takes():
     commanding = [node for node in NODES['nav2.yaml']
                   if 'enable_stamped_cmd_vel' in nav2(node)]
     assert set(commanding) == {'/controller_server', '/behavior_server', '/velocity_smoother',
@@ -154,7 +154,7 @@ def test_nav2_says_the_commands_that_the_driver_takes():
     assert f'/{nav2("/collision_monitor")["cmd_vel_out_topic"]}' in OURS
 
 
-def test_a_stick_asks_for_nothing_that_the_wheels_cannot_do_and_often_enough():
+def test_a_stick_commands_only_possible_speeds_and_often_enough():
     stick = parameters('teleop_twist_joy.yaml', '/teleop_twist_joy_node')
     assert stick['publish_stamped_twist'] is Parameters.enable_stamped_cmd_vel
     assert stick['scale_linear.x'] < stick['scale_linear_turbo.x'] <= Parameters.max_wheel_speed
@@ -174,17 +174,17 @@ def test_the_filter_takes_speeds_from_the_driver():
 
 
 def test_every_status_of_the_driver_is_in_one_group():
-    told = re.findall(r"f'\{name\}: ([a-z ]+)'", Path(diagnostics.__file__).read_text('utf-8'))
+    names = re.findall(r"f'\{name\}: ([a-z ]+)'", Path(diagnostics.__file__).read_text('utf-8'))
     analyzers = parameters('diagnostic_aggregator.yaml', '/analyzers')
     groups = [value for name, value in analyzers.items() if name.endswith('.contains')]
-    assert len(set(told)) == 6
-    for name in set(told):
+    assert len(set(names)) == 6
+    for name in set(names):
         within = [group for group in groups if any(each in f'create: {name}' for each in group)]
         assert len(within) == 1, name
 
 
 def kind_of(path: str) -> str:
-    """Return the type of a field by its path, such as `/odom.twist.twist.linear.x`."""
+    """Return the type of a field, given its path such as `/odom.twist.twist.linear.x`."""
     topic, *fields = path.removeprefix('/').split('.')
     value: Any = TYPES[topic]()
     for field in fields[:-1]:
@@ -192,7 +192,7 @@ def kind_of(path: str) -> str:
     return value.get_fields_and_field_types()[fields[-1]]
 
 
-def test_the_foxglove_layout_shows_what_there_is():
+def test_the_foxglove_layout_names_only_existing_topics():
     layout = json.loads((FILES / 'foxglove.json').read_text('utf-8'))
     panels = layout['configById']
     assert shown(layout['layout']) == set(panels)
@@ -208,7 +208,7 @@ def test_the_foxglove_layout_shows_what_there_is():
 
 
 def shown(place: Any) -> set[str]:
-    """Return the panels that a layout places."""
+    """Return the names of all panels in a layout."""
     if isinstance(place, str):
         return {place}
     return shown(place['first']) | shown(place['second'])
@@ -224,14 +224,14 @@ def test_the_drive_pad_is_within_the_limits_and_fast_enough():
 
 
 def service() -> ConfigParser:
-    """Return the unit as it is read; of a key that comes twice the last."""
+    """Return the parsed unit; the last value of a repeated key."""
     unit = ConfigParser(strict=False, interpolation=None)
     unit.optionxform = str
     unit.read(FILES / 'create.service')
     return unit
 
 
-def test_the_service_starts_what_there_is():
+def test_the_service_starts_an_existing_launch_file():
     shell, option, line = shlex.split(service()['Service']['ExecStart'])
     assert (shell, option) == ('/bin/bash', '-c')
     assert 'SIGINT' == service()['Service']['KillSignal']

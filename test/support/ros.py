@@ -109,10 +109,10 @@ class Program:
 class Listener:
     """A node of the test's own, in its own context."""
 
-    def __init__(self, domain: int) -> None:
+    def __init__(self, domain: int, name: str = 'listener') -> None:
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
-        self.node = rclpy.create_node('listener', context=self._context)
+        self.node = rclpy.create_node(name, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
@@ -174,6 +174,12 @@ class Scene:
     ) -> Robot:
         """Switch a robot on."""
         made = Robot(self.folder / name, world or shipped('empty'), rounding)
+        self._closing.append(made.close)
+        return made
+
+    def listener(self, name: str) -> Listener:
+        """Add another node to the graph, in a context of its own."""
+        made = Listener(self.domain, name)
         self._closing.append(made.close)
         return made
 
