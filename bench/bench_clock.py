@@ -33,7 +33,7 @@ def errors(drift: float, seed: int) -> tuple[list[float], float]:
     wrong, stamps = [], []
     for slot in range(1, round((LEARN + WATCH) / SLOT)):
         robot.receive(driver.data_to_send(), (slot - 1) * SLOT, driver.baud)
-        robot.step(slot * SLOT)
+        robot.poll(slot * SLOT)
         left = slot * SLOT / (1 + drift)
         data = robot.data_to_send()
         wire = BITS_PER_BYTE * len(data) / driver.baud

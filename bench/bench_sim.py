@@ -1,10 +1,10 @@
 """
 How fast the simulated Create is: `python bench/bench_sim.py`, 40 seconds, a table.
 
-In memory: a robot that drives about while all single packets are streamed.  Served: `create_sim`
-processes on pseudo terminals, read by this process; a frame's lateness is measured from the
-earliest that a frame of this robot ever arrived after its slot, so what the reading process and
-the scheduler add counts as late, too.  Other work on the machine shows: its load is printed.
+In memory: a robot drives while all single packets are streamed. Served: `create_sim` processes on
+pseudo terminals, read by this process. A frame's lateness is measured from the robot's earliest
+frame, so delays of the reading process and of the scheduler count as well. Other work on the
+machine shows: its load is printed.
 """
 
 from collections.abc import Iterator
@@ -29,31 +29,32 @@ from results import Figure, run
 
 ALL = tuple(oi.PACKETS)
 FIT = tuple(number for number in oi.PACKETS if number not in (15, 16, 38))
-"""All that a slot at 57600 baud holds."""
+"""As many packets as fit into a slot at 57600 baud."""
 SETTLE, WATCH = 2.0, 8.0
 """Seconds before and while a served robot is watched."""
 ON_TIME = 0.002
+"""Seconds after its slot by which a frame counts as on time."""
 
 
 def begun(packets: tuple[int, ...]) -> bytes:
-    """Return what a host says to have a robot drive in circles and stream."""
+    """Return the bytes that make a robot drive in circles and stream."""
     return (oi.Start().encode() + oi.Safe().encode() + oi.Stream(packets=packets).encode()
             + oi.Drive(velocity=200, radius=300).encode())
 
 
 def times_real_time(world: str, seconds: float = 60.0) -> float:
-    """Return how much faster than the clock a robot lives in memory."""
+    """Return how much faster than real time a robot runs in memory."""
     create = Create(Body(shipped(world)))
     create.receive(begun(ALL), 0.0)
     begin = perf_counter()
     for slot in range(1, round(seconds / oi.SLOT)):
-        create.step(slot * oi.SLOT)
+        create.poll(slot * oi.SLOT)
         create.data_to_send()
     return seconds / (perf_counter() - begin)
 
 
 def fuzz_seconds(count: int = 1_000_000) -> float:
-    """Return how long a million random bytes take, a wait ended by a power failure."""
+    """Return how long random bytes take; a power failure ends each wait."""
     random, create = Random(1), Create(
         Body(shipped('room')), guesses=Guesses(boot_seconds=0.0, opcode_7_resets=False))
     create.receive(begun(ALL), 0.0)
@@ -89,7 +90,7 @@ def served(port: Path) -> Iterator[tuple[int, int]]:
 
 
 def arrivals(lines: list[int], seconds: float) -> dict[int, list[float]]:
-    """Return when each line's frames were whole."""
+    """Return when the frames of each line were complete."""
     size = oi.PacketList(FIT).frame_size
     times: dict[int, list[float]] = {line: [] for line in lines}
     pending = dict.fromkeys(lines, 0)
@@ -108,13 +109,13 @@ def arrivals(lines: list[int], seconds: float) -> dict[int, list[float]]:
 
 
 def lateness(times: list[float]) -> list[float]:
-    """Return how long after its slot each frame came, the earliest taken as on time."""
+    """Return the delay of each frame after its slot, relative to the earliest."""
     offsets = [time - place * oi.SLOT for place, time in enumerate(times)]
     return [offset - min(offsets) for offset in offsets]
 
 
 def served_figures(count: int) -> list[Figure]:
-    """Measure so many robots at once, a process each."""
+    """Measure this many robots at once, a process each."""
     with TemporaryDirectory() as folder, ExitStack() as stack:
         robots = [stack.enter_context(served(Path(folder) / f'create{n}')) for n in range(count)]
         lines = [line for _, line in robots]

@@ -6,29 +6,30 @@ Between `<!-- bench NAME -->` and `<!-- end -->` stands the table of that progra
 """
 
 from pathlib import Path
-import re
 import sys
 from typing import Any
 
+from create_oi_ros.oi.tools import markdown
 from results import figures_of, load, rows
 
-MARKED = re.compile(r'(<!-- bench (\w+) -->\n).*?(<!-- end -->)', re.DOTALL)
+PREFIX = 'bench '
+LABEL = PREFIX + r'\w+'
 
 
 def table(program: str, results: dict[str, Any]) -> str:
     """Return a program's figures in Markdown."""
     where = results[program]['where']
     heading, *body = rows(figures_of(results, program))
-    lines = [heading, ['---'] * len(heading), *body]
-    told = '\n'.join(f'| {" | ".join(line)} |' for line in lines)
-    return (f'{told}\n\n`bench/{program}.py` on {where["date"][:10]}: {where["processor"]}, '
+    return (f'{markdown.table(heading, body)}\n'
+            f'`bench/{program}.py` on {where["date"][:10]}: {where["processor"]}, '
             f'{where["cores"]} cores, load {where["load before"]} before, '
             f'Python {where["python"]}.\n')
 
 
 def documented(page: str, results: dict[str, Any]) -> str:
     """Return a page with its tables as they are in the results."""
-    return MARKED.sub(lambda found: found[1] + table(found[2], results) + found[3], page)
+    return markdown.rewritten(
+        page, LABEL, lambda label: table(label.removeprefix(PREFIX), results))
 
 
 def main() -> int:

@@ -64,7 +64,7 @@ class Journey:
         """Let a step of time pass."""
         self.now += STEP
         before = self.body.truth()
-        self.robot.step(self.now)
+        self.robot.poll(self.now)
         self._down.put(self.robot.data_to_send(), self.now)
         self.driver.receive(self._down.take(self.now), self.now)
         self.driver.poll(self.now)

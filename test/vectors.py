@@ -14,7 +14,7 @@ from create_oi_ros import oi
 
 
 class CommandVector(NamedTuple):
-    """A command and the bytes that the manual gives it."""
+    """A command and its bytes in the manual."""
 
     section: str
     command: oi.Command
@@ -23,7 +23,7 @@ class CommandVector(NamedTuple):
 
 
 class PacketVector(NamedTuple):
-    """A single packet, bytes of it and what they mean."""
+    """A single packet, bytes of it and their value."""
 
     id: int
     data: bytes
@@ -31,7 +31,7 @@ class PacketVector(NamedTuple):
 
 
 def octets(text: str) -> bytes:
-    """Read bytes as the manual prints them: decimal, separated by spaces."""
+    """Return bytes from decimal numbers separated by spaces, as in the manual."""
     return bytes(int(word) for word in text.split())
 
 
@@ -174,7 +174,7 @@ MODES: dict[int, tuple[str, str]] = {
 }
 """By opcode: `Available in modes` and `Changes mode to` (empty: No Change).
 
-Start works in Off too: "once it receives the Start command" (iRobot Create Open Interface Modes).
+Start also works in Off: "once it receives the Start command" (iRobot Create Open Interface Modes).
 """
 
 TITLES: dict[int, str] = {
@@ -230,7 +230,7 @@ OUT_OF_RANGE: list[tuple[oi.Command, str]] = [
     (oi.WaitEvent(event=23), 'event'),
     (oi.WaitEvent(event=-23), 'event'),
 ]
-"""Commands one step outside of a range that the manual prints, and the field that is wrong."""
+"""Commands with one value just outside its range in the manual, and the name of that field."""
 
 _FALSE, _TRUE = octets('0'), octets('1')
 _P = PacketVector
@@ -291,7 +291,7 @@ PACKETS = [
     _P(41, octets('255 56'), -200), _P(41, octets('1 44'), 300),
     _P(42, octets('254 212'), -300), _P(42, octets('0 200'), 200),
 ]
-"""Sensor packets 7 to 42. Numbers beyond the printed range show that a packet is unsigned."""
+"""Sensor packets 7 to 42. Values above the manual's range show that a packet is unsigned."""
 
 GROUPS: dict[int, tuple[int, int, int]] = {
     0: (26, 7, 26), 1: (10, 7, 16), 2: (6, 17, 20), 3: (10, 21, 26), 4: (14, 27, 34),
@@ -319,21 +319,21 @@ RANGES: dict[int, tuple[int, int]] = {
 STREAM_FRAME = octets('19 5 29 2 25 13 0 182')
 """Stream, the manual's example; its checksum leaves the header out.
 
-Its "2 25" is 549 in the manual's text, read as hex; as the decimal bytes that the checksum of 182
-needs it is 2 * 256 + 25.
+The manual's text reads its "2 25" as hexadecimal, which is 549. The checksum of 182 shows that the
+bytes are decimal: the value is 2 * 256 + 25 = 537.
 """
 STREAM_VALUES = {'cliff_front_left_signal': 537, 'virtual_wall': False}
 STREAM_FRAME_OF_REAL_ROBOTS = octets('19 5 29 2 25 13 0 163')
-"""The same frame with the header in the sum: 19 + 5 + 29 + 2 + 25 + 13 + 0 + 163 = 256."""
+"""The same frame with the header in the checksum: 19 + 5 + 29 + 2 + 25 + 13 + 0 + 163 = 256."""
 
 STREAM_CAPACITY = {57600: 86, 19200: 28}
-"""Bytes in 15 ms (Stream; 19200 by the same sum: 28.8)."""
+"""Bytes in 15 ms by baud rate (Stream; for 19200 calculated in the same way: 28.8)."""
 
 BAUD_CODES = {
     0: 300, 1: 600, 2: 1200, 3: 2400, 4: 4800, 5: 9600, 6: 14400, 7: 19200, 8: 28800, 9: 38400,
     10: 57600, 11: 115200,
 }
-"""Baud."""
+"""Baud: bits per second by code."""
 
 NAMED_NUMBERS: dict[str, dict[int, str]] = {
     'Mode': {0: 'OFF', 1: 'PASSIVE', 2: 'SAFE', 3: 'FULL'},
@@ -373,7 +373,7 @@ NAMED_NUMBERS: dict[str, dict[int, str]] = {
     'DriverBits': {1: 'DRIVER_0', 2: 'DRIVER_1', 4: 'DRIVER_2'},
     'OutputBits': {1: 'OUTPUT_0', 2: 'OUTPUT_1', 4: 'OUTPUT_2'},
 }
-"""The closed sets: OI Mode, Demo, Drive, Pause/Resume Stream, Wait Event, Charging State,
+"""The enumerations: OI Mode, Demo, Drive, Pause/Resume Stream, Wait Event, Charging State,
 Infrared Byte, LEDs, Low Side Drivers, Digital Outputs. (Bits of packets are in PACKETS.)"""
 
 NOT_EVENTS = {
@@ -381,7 +381,7 @@ NOT_EVENTS = {
     244: 12, 243: 13, 242: 14, 241: 15, 240: 16, 239: 17, 238: 18, 237: 19, 236: 20, 235: 21,
     234: 22,
 }
-"""Wait Event: Unsigned Equivalent of Inverse, and the event."""
+"""Wait Event: events by their Unsigned Equivalent of Inverse."""
 
 NOTES: dict[int, tuple[str, float]] = {
     31: ('G', 49.0), 32: ('G#', 51.0), 33: ('A', 55.0), 34: ('A#', 58.3), 35: ('B', 61.7),
@@ -407,4 +407,4 @@ NOTES: dict[int, tuple[str, float]] = {
     122: ('D', 9397.3), 123: ('D#', 9956.1), 124: ('E', 10548.1), 125: ('F', 11175.3),
     126: ('F#', 11839.8), 127: ('G', 12543.9),
 }
-"""Note Durations (Song): name and frequency by note number; 32 is misprinted (51.9)."""
+"""Note Durations (Song): name and frequency by note number; that of 32 is a misprint (51.9)."""

@@ -7,15 +7,12 @@ tells which of them came last. So a script is followed if it uses only one of th
 
 from .. import oi
 from ..oi.script import commands_of
+from ..oi.steering import wheel_speeds
 from ..robot import MM_PER_M, TOP_SPEED
 from .stream_plan import DRIVE_REQUEST
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays, since packets 39 and 40 may still hold an earlier Drive."""
-STRAIGHT = (oi.Radius.STRAIGHT, oi.Radius.STRAIGHT_7FFF, 0)
-IN_PLACE: dict[int, int] = {
-    oi.Radius.IN_PLACE_CLOCKWISE: -1, oi.Radius.IN_PLACE_COUNTER_CLOCKWISE: 1,
-}
 
 Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
@@ -30,7 +27,7 @@ class ScriptSpeeds:
         """Follow this script, if it is known; the separation is in metres."""
         commands = commands_of(script) if script else []
         used: set[type[oi.Command]] = {type(command) for command in commands}
-        self._half = wheel_separation * MM_PER_M / 2
+        self._separation = wheel_separation * MM_PER_M
         self._drive = oi.Drive in used
         mixed = self._drive and oi.DriveDirect in used
         self.known = cleared and script is not None and not mixed and oi.Script not in used
@@ -46,13 +43,9 @@ class ScriptSpeeds:
             return requested_directly(readings)
         if not readings.has(*DRIVE_REQUEST):
             return 0.0, 0.0
-        velocity, radius = float(readings.requested_velocity), readings.requested_radius
-        if radius in IN_PLACE:
-            forward, outward = 0.0, velocity * IN_PLACE[radius]
-        else:
-            forward = velocity
-            outward = velocity * self._half / radius if radius not in STRAIGHT else 0.0
-        return _limited(forward + outward), _limited(forward - outward)
+        right, left = wheel_speeds(
+            readings.requested_velocity, readings.requested_radius, self._separation)
+        return _limited(right), _limited(left)
 
 
 def requested_directly(readings: oi.Readings) -> Speeds:

@@ -15,7 +15,7 @@ from pathlib import Path
 import threading
 import time
 
-from ..oi.tools.capture_format import encode_head, encode_record, Kind, RECORD_LIMIT
+from ..oi.tools.capture_format import encode_head, encode_record, RECORD_LIMIT, RecordKind
 from .port import Port, PortError
 
 WRITE_INTERVAL = 0.5
@@ -71,7 +71,7 @@ class Capture:
         self._thread = threading.Thread(target=self._run, name='create_capture', daemon=True)
         self._thread.start()
 
-    def add(self, kind: Kind, data: bytes = b'') -> None:
+    def add(self, kind: RecordKind, data: bytes = b'') -> None:
         """Add a record of something that happened just now; from any thread."""
         with self._lock:
             if self._over:
@@ -79,15 +79,15 @@ class Capture:
             now = time.monotonic_ns() // MICROSECOND
             self._pending += encode_record(now - self._last, kind, data)
             self._last = now
-            self._over = kind is Kind.END
+            self._over = kind is RecordKind.END
 
-    def add_text(self, kind: Kind, text: str) -> None:
+    def add_text(self, kind: RecordKind, text: str) -> None:
         """Add a record in words."""
         self.add(kind, text.encode('utf-8', 'backslashreplace')[:RECORD_LIMIT])
 
     def close(self) -> None:
         """Write the end."""
-        self.add(Kind.END)
+        self.add(RecordKind.END)
         self._closing.set()
         self._thread.join(CLOSE_TIMEOUT)
 
@@ -127,7 +127,7 @@ class CapturedPort(Port):
         self._capture = capture
         self._lost = False
         self._captured_baud = baud
-        capture.add_text(Kind.OPENED, f'{url} at {baud} baud')
+        capture.add_text(RecordKind.OPENED, f'{url} at {baud} baud')
 
     def read(self) -> bytes:
         """Read as `Port` does."""
@@ -137,15 +137,15 @@ class CapturedPort(Port):
             self._lose(error)
             raise
         if received:
-            self._capture.add(Kind.FROM_ROBOT, received)
+            self._capture.add(RecordKind.FROM_ROBOT, received)
         return received
 
     def write(self, encoded: bytes) -> None:
         """Write as `Port` does; captured before, so that an answer never comes first."""
         if self.baud != self._captured_baud:
             self._captured_baud = self.baud
-            self._capture.add_text(Kind.BAUD, str(self.baud))
-        self._capture.add(Kind.TO_ROBOT, encoded)
+            self._capture.add_text(RecordKind.BAUD, str(self.baud))
+        self._capture.add(RecordKind.TO_ROBOT, encoded)
         try:
             super().write(encoded)
         except PortError as error:
@@ -156,4 +156,4 @@ class CapturedPort(Port):
         # Reading and writing threads may both find out.
         if not self._lost:
             self._lost = True
-            self._capture.add_text(Kind.LOST, str(error))
+            self._capture.add_text(RecordKind.LOST, str(error))

@@ -2,10 +2,12 @@
 The iRobot Create Open Interface (2006), as data and pure functions.
 
 No ROS, no serial port, no clock: bytes and values in, values and bytes out. Every command is a
-class of `commands`, every packet a field of `readings.Readings`; `stream` reads bytes in flight.
+class in `commands`, every packet a field of `readings.Readings`; `stream` finds frames and
+commands in a stream of bytes.
 Quantities are in the manual's units (mm, mm/s, degrees, mV, mA, mAh).
 """
 
+from ..robot import SLOT
 from .codes import (
     BaudCode,
     BumpsAndWheelDrops,
@@ -75,7 +77,6 @@ from .packets import (
     PacketList,
     singles,
     size_of,
-    SLOT,
 )
 from .readings import NAMES, NUMBERS, Packet, PACKETS, Readings
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode

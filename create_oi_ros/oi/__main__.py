@@ -1,4 +1,4 @@
-"""`python -m create_oi_ros.oi`: explains and writes bytes of the Open Interface."""
+"""`python -m create_oi_ros.oi`: explains and encodes bytes of the Open Interface."""
 
 import sys
 

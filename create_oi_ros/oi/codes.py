@@ -1,4 +1,4 @@
-"""The closed sets of the Open Interface: every code and bit that the manual gives a name."""
+"""The enumerations of the Open Interface: every code and bit that has a name in the manual."""
 
 from enum import IntEnum, IntFlag
 
@@ -35,12 +35,12 @@ class BaudCode(IntEnum):
 
     @classmethod
     def of_rate(cls, rate: int) -> 'BaudCode':
-        """Return the code of a rate in bits per second; ValueError names the possible rates."""
+        """Return the code of a rate in bits per second; ValueError names the allowed rates."""
         for code in cls:
             if code.rate == rate:
                 return code
         raise ValueError(
-            f'baud rate {rate} is none of {", ".join(str(code.rate) for code in cls)}')
+            f'baud rate {rate}; allowed: {", ".join(str(code.rate) for code in cls)}')
 
 
 class DemoNumber(IntEnum):
@@ -80,7 +80,7 @@ class StreamState(IntEnum):
 
 
 class Event(IntEnum):
-    """Events that Wait Event waits for; the negative waits for the inverse (opcode 158)."""
+    """Events for Wait Event; the negative of an event is its inverse (manual: opcode 158)."""
 
     WHEEL_DROP = 1
     FRONT_WHEEL_DROP = 2
@@ -118,7 +118,7 @@ class ChargingState(IntEnum):
 
 
 class Infrared(IntEnum):
-    """Characters of the infrared receiver that the manual names (packet 17)."""
+    """Characters of the infrared receiver that have a name (manual: packet 17)."""
 
     REMOTE_LEFT = 129
     REMOTE_FORWARD = 130
@@ -180,7 +180,7 @@ class BumpsAndWheelDrops(IntFlag):
 
 
 class Overcurrents(IntFlag):
-    """Bits of packet 14; driver 1 comes before driver 0, and both of the manual's tables agree."""
+    """Bits of packet 14. Driver 1 comes before driver 0 in both of the manual's tables."""
 
     DRIVER_1 = 1 << 0
     DRIVER_0 = 1 << 1
@@ -197,7 +197,7 @@ class Buttons(IntFlag):
 
 
 class DigitalInputs(IntFlag):
-    """Bits of packet 32; the baud rate change pin is high unless pulled low."""
+    """Bits of packet 32; the baud rate change pin is high unless it is pulled low."""
 
     INPUT_0 = 1 << 0
     INPUT_1 = 1 << 1
@@ -207,7 +207,7 @@ class DigitalInputs(IntFlag):
 
 
 class ChargingSources(IntFlag):
-    """Bits of packet 34: sources present and powered."""
+    """Bits of packet 34: power sources that are present."""
 
     INTERNAL_CHARGER = 1 << 0
     HOME_BASE = 1 << 1

@@ -1,8 +1,8 @@
 """
 Every command of the Open Interface, declared once.
 
-The class line carries the opcode, the modes in which the robot obeys the command and the mode
-that it enters; the fields carry format, range and unit, in the order of the wire; the docstring
+The class line states the opcode, the modes in which the robot obeys the command and the mode
+that it enters. The fields state format, range and unit, in the order of the wire. The docstring
 says what the command does (manual: Open Interface Command Reference).
 """
 
@@ -21,14 +21,16 @@ from .codes import (
 )
 from .declaration import Command
 from .packets import PACKET_ID, PACKET_IDS
+from .readings import SPEED
 from .wire import bits, choice, Counted, signed_choice, Wire
 
 STARTED = frozenset({Mode.PASSIVE, Mode.SAFE, Mode.FULL})
-"""The modes of commands that only need the Open Interface to have been started."""
+"""Modes for commands that need only a started Open Interface."""
 ANY = STARTED | {Mode.OFF}
 ACTUATE = frozenset({Mode.SAFE, Mode.FULL})
-"""The modes of commands that move or light something."""
+"""Modes for commands that use an actuator: wheels, LEDs, speaker, outputs."""
 
+# Sections of the manual.
 START = 'Getting Started Commands'
 MODES = 'Mode Commands'
 DEMOS = 'Demo Commands'
@@ -37,15 +39,14 @@ INPUTS = 'Input Commands'
 SCRIPTS = 'Script Commands'
 WAITS = 'Wait Commands'
 
-SPEED = Wire('h', -500, 500, 'mm/s')
 BYTE = Wire('B', 0, 255)
 SIGNED_WORD = (-32768, 32767)
 DUTY = Wire('B', 0, 128, '1/128')
 SONG_NUMBER = Wire('B', 0, 15)
 SOUNDING = range(31, 128)
-"""Note numbers that make a sound; every other note number is a rest (manual: Song)."""
+"""Note numbers that make a sound; all others are rests (manual: Song)."""
 REST = 0
-"""A note number that makes no sound, for those who do not care which."""
+"""The note number used for a rest; the robot treats all numbers outside of SOUNDING alike."""
 NOTES_PER_SECOND = 64
 """Note durations are in 64ths of a second (manual: Song)."""
 
@@ -53,7 +54,7 @@ NOTES_PER_SECOND = 64
 class Start(
     Command, title='Start', opcode=128, section=START, modes=ANY, enters=Mode.PASSIVE,
 ):
-    """Start the Open Interface; beeps once when that was off. Send it before anything else."""
+    """Start the Open Interface; the robot beeps if it was off. Send this before anything else."""
 
 
 class Baud(Command, title='Baud', opcode=129, section=START, modes=STARTED):
@@ -69,7 +70,7 @@ class Baud(Command, title='Baud', opcode=129, section=START, modes=STARTED):
 class Control(
     Command, title='Control', opcode=130, section=MODES, modes=STARTED, enters=Mode.SAFE,
 ):
-    """Do what Safe does; deprecated, kept for the Roomba Open Interface."""
+    """Enter Safe mode; an old form of Safe, kept for the Roomba Open Interface."""
 
 
 class Safe(Command, title='Safe', opcode=131, section=MODES, modes=STARTED, enters=Mode.SAFE):
@@ -77,7 +78,7 @@ class Safe(Command, title='Safe', opcode=131, section=MODES, modes=STARTED, ente
 
 
 class Full(Command, title='Full', opcode=132, section=MODES, modes=STARTED, enters=Mode.FULL):
-    """Enter Full mode: control without any safety stop. Ends charging."""
+    """Enter Full mode: control without safety stops. Ends charging."""
 
 
 class Spot(Command, title='Spot', opcode=134, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
@@ -91,7 +92,7 @@ class Cover(
 
 
 class Demo(Command, title='Demo', opcode=136, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
-    """Start a built-in demo, or abort the one that runs."""
+    """Start a built-in demo, or abort the running one."""
 
     demo: Annotated[int, choice('b', DemoNumber)]
 
@@ -112,7 +113,7 @@ class LowSideDrivers(
 
 
 class Leds(Command, title='LEDs', opcode=139, section=ACTUATORS, modes=ACTUATE):
-    """Set the Play and Advance LEDs, and colour (0 green, 255 red) and intensity of Power."""
+    """Switch the Play and Advance LEDs; set colour (0 green, 255 red) and intensity of Power."""
 
     bits: Annotated[int, bits('B', LedBits)]
     color: Annotated[int, BYTE]
@@ -127,7 +128,7 @@ class Note(NamedTuple):
 
 
 class Song(Command, title='Song', opcode=140, section=ACTUATORS, modes=STARTED):
-    """Store a song. Note numbers outside of 31 to 127 are rests."""
+    """Store a song. Note numbers outside 31 to 127 are rests."""
 
     number: Annotated[int, SONG_NUMBER]
     notes: Annotated[
@@ -135,13 +136,13 @@ class Song(Command, title='Song', opcode=140, section=ACTUATORS, modes=STARTED):
 
 
 class PlaySong(Command, title='Play Song', opcode=141, section=ACTUATORS, modes=ACTUATE):
-    """Play a stored song; ignored while a song plays."""
+    """Play a stored song; ignored while a song is playing."""
 
     number: Annotated[int, SONG_NUMBER]
 
 
 class Sensors(Command, title='Sensors', opcode=142, section=INPUTS, modes=STARTED):
-    """Ask for one packet, once; the reply has neither id nor checksum."""
+    """Request one packet or group, once; the reply has no id and no checksum."""
 
     packet: Annotated[int, PACKET_ID]
 
@@ -179,13 +180,13 @@ class DigitalOutputs(
 
 
 class Stream(Command, title='Stream', opcode=148, section=INPUTS, modes=STARTED):
-    """Ask for a list of packets every 15 ms, with header, ids and checksum."""
+    """Request a list of packets every 15 ms, in frames with header, ids and checksum."""
 
     packets: Annotated[tuple[int, ...], Counted(0, len(PACKET_IDS), (PACKET_ID,), 'packets')]
 
 
 class QueryList(Command, title='Query List', opcode=149, section=INPUTS, modes=STARTED):
-    """Ask for a list of packets, once; the reply has neither ids nor checksum."""
+    """Request a list of packets, once; the reply has no ids and no checksum."""
 
     packets: Annotated[tuple[int, ...], Counted(0, 255, (PACKET_ID,), 'packets')]
 
@@ -193,55 +194,55 @@ class QueryList(Command, title='Query List', opcode=149, section=INPUTS, modes=S
 class PauseResumeStream(
     Command, title='Pause/Resume Stream', opcode=150, section=INPUTS, modes=STARTED,
 ):
-    """Halt the stream, or let it go on with the list that was asked for last."""
+    """Pause the stream, or resume it with the list that was requested last."""
 
     state: Annotated[int, choice('B', StreamState)]
 
 
 class SendIr(Command, title='Send IR', opcode=151, section=ACTUATORS, modes=ACTUATE):
-    """Send a character through low side driver 1 as the infrared receiver expects it."""
+    """Send an infrared character through low side driver 1."""
 
     byte: Annotated[int, BYTE]
 
 
 class Script(Command, title='Script', opcode=152, section=SCRIPTS, modes=STARTED):
-    """Store a script: the bytes of other commands. An empty one clears the script."""
+    """Store a script: the bytes of other commands. An empty script clears the stored one."""
 
     script: Annotated[bytes, Counted(0, 100, (BYTE,), 'bytes')]
 
 
 class PlayScript(Command, title='Play Script', opcode=153, section=SCRIPTS, modes=STARTED):
-    """Put the stored script into the robot's input queue; as a script's last command, loop."""
+    """Play the stored script; as the last command of a script, repeat it without end."""
 
 
 class ShowScript(Command, title='Show Script', opcode=154, section=SCRIPTS, modes=STARTED):
-    """Ask for the stored script: its length in bytes and the bytes. Halts the stream."""
+    """Request the stored script: its length in bytes, then the bytes. Pauses the stream."""
 
 
 class WaitTime(Command, title='Wait Time', opcode=155, section=WAITS, modes=STARTED):
-    """Wait for a time; the robot hears nothing meanwhile. Resolution 15 ms."""
+    """Wait for a time; the robot ignores all input until then. Resolution 15 ms."""
 
     time: Annotated[int, Wire('B', 0, 255, '1/10 s')]
 
 
 class WaitDistance(Command, title='Wait Distance', opcode=156, section=WAITS, modes=STARTED):
-    """Wait until the robot has travelled; resets the distance of packet 19 and its groups."""
+    """Wait until the robot has travelled a distance; resets packet 19."""
 
     distance: Annotated[int, Wire('h', *SIGNED_WORD, 'mm')]
 
 
 class WaitAngle(Command, title='Wait Angle', opcode=157, section=WAITS, modes=STARTED):
-    """Wait until the robot has turned; resets the angle of packet 20 and its groups."""
+    """Wait until the robot has turned by an angle; resets packet 20."""
 
     angle: Annotated[int, Wire('h', *SIGNED_WORD, 'deg')]
 
 
 class WaitEvent(Command, title='Wait Event', opcode=158, section=WAITS, modes=STARTED):
-    """Wait for an event, or, with its negative, for the inverse of the event."""
+    """Wait for an event; the negative of an event waits for its inverse."""
 
     event: Annotated[int, signed_choice('b', Event)]
 
 
 COMMANDS: tuple[type[Command], ...] = tuple(
     Command.by_opcode[opcode] for opcode in sorted(Command.by_opcode))
-"""All commands, by opcode."""
+"""All commands, in the order of their opcodes."""

@@ -1,36 +1,28 @@
 """
-The machinery that turns a declaration of a command into its encoder and decoder.
+Turns the declaration of a command into its encoder and decoder.
 
 A subclass of `Command` states the protocol's facts on its class line and its payload as
 annotated fields. No number of the manual stands here: they are all in `commands`.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 import struct
-from typing import (
-    Any,
-    ClassVar,
-    dataclass_transform,
-    get_args,
-    get_origin,
-    NamedTuple,
-    NoReturn,
-    Self,
-)
+from typing import Any, ClassVar, dataclass_transform, get_args, get_origin, NamedTuple, Self
 
 from .codes import Mode
 from .wire import BIG_ENDIAN, Counted, Wire
 
 
 class Field(NamedTuple):
-    """One field of a command's payload: its name and how it travels."""
+    """One number of a command's payload: its name and how it travels."""
 
     name: str
     wire: Wire
 
 
 class Tail(NamedTuple):
-    """The last field of a command whose length varies: its name, its count, its items' type."""
+    """The last field of a command of varying length: its name, its count, its items' type."""
 
     name: str
     counted: Counted
@@ -40,11 +32,9 @@ class Tail(NamedTuple):
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class Command:
     """
-    A command of the Open Interface, an immutable value with keyword-only fields.
+    A command of the Open Interface: every subclass is a frozen, keyword-only dataclass.
 
-    Holding a value out of range is allowed, sending it is not: `encode` raises ValueError.
-    Type checkers take subclasses for frozen dataclasses. They are not made by `dataclasses`,
-    which would take longer to load than all the rest of this package.
+    A command may hold values that are out of range; `encode` raises ValueError for them.
     """
 
     opcode: ClassVar[int]
@@ -59,54 +49,32 @@ class Command:
     fields: ClassVar[tuple[Field, ...]]
     tail: ClassVar[Tail | None]
     by_opcode: ClassVar[dict[int, type['Command']]] = {}
-    _names: ClassVar[dict[str, None]]
-    _checks: ClassVar[tuple[tuple[str, int, int, Wire], ...]]
-    """Name, between which a plain number is right, and what tells of all others."""
     _head: ClassVar[struct.Struct]
+    """Opcode, fields and, if there is a tail, its count."""
 
     def __init_subclass__(
         cls, *, opcode: int, title: str, section: str,
         modes: frozenset[Mode], enters: Mode | None = None,
     ) -> None:
+        # Without slots=True, which would make a second class that lacks the facts above.
+        dataclass(frozen=True, kw_only=True)(cls)
         if opcode in cls.by_opcode:
             raise TypeError(
                 f'opcode {opcode} of {title} is already that of {cls.by_opcode[opcode].title}')
         cls.opcode, cls.title, cls.section = opcode, title, section
         cls.modes, cls.enters = modes, enters
         cls.fields, cls.tail = _declared(cls)
-        cls._names = dict.fromkeys(cls.__annotations__)
-        cls._checks = tuple((name, *wire.plain, wire) for name, wire in cls.fields)
         count = 'B' if cls.tail else ''
         formats = ''.join(field.wire.format for field in cls.fields)
         cls._head = struct.Struct(f'{BIG_ENDIAN}B{formats}{count}')
         cls.by_opcode[opcode] = cls
 
-    def __init__(self, **values: Any) -> None:
-        if values.keys() != self._names.keys():
-            wanted = ', '.join(self._names) or 'no fields'
-            raise TypeError(f'{self.title} has {", ".join(values) or "no fields"}; needs {wanted}')
-        self.__dict__.update(values)
-
-    def __setattr__(self, name: str, value: object) -> NoReturn:
-        raise AttributeError(f'{self.title} cannot be changed; make a new one')
-
-    def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and other.__dict__ == self.__dict__
-
-    def __hash__(self) -> int:
-        return hash((self.opcode, *(getattr(self, name) for name in self._names)))
-
-    def __repr__(self) -> str:
-        values = ', '.join(f'{name}={getattr(self, name)!r}' for name in self._names)
-        return f'{type(self).__name__}({values})'
-
     def encode(self) -> bytes:
         """Return the bytes to send; ValueError names field, value and range."""
-        held, values = self.__dict__, []
-        for name, low, high, wire in self._checks:
-            value = held[name]
-            # Most often it is a plain number in its range, and needs no closer look.
-            if not (type(value) is int and low <= value <= high) and not wire.allows(value):
+        values = []
+        for name, wire in self.fields:
+            value = getattr(self, name)
+            if not wire.allows(value):
                 raise ValueError(refusal(self.title, name, value, wire))
             values.append(value)
         if self.tail is None:
@@ -140,10 +108,10 @@ class Command:
     @classmethod
     def size(cls, start: bytes | bytearray) -> int:
         """
-        Tell how many bytes a command that begins so takes, as far as they can tell.
+        Return how many bytes the command has that begins with these bytes.
 
-        While the count of a command of varying length has not arrived, that is the number of
-        bytes up to and with the count.
+        While the count of a command of varying length is still missing, this is the number of
+        bytes up to and including the count.
         """
         head = cls._head.size
         if cls.tail is None or len(start) < head:
@@ -153,12 +121,13 @@ class Command:
     @classmethod
     def decode(cls, encoded: bytes | bytearray) -> Self:
         """
-        Return the command that whole bytes stand for, whatever their values.
+        Return the command that these bytes encode, in range or not.
 
-        Raises ValueError where the bytes are of another command, too few or too many.
+        ValueError if they belong to another command or are too few or too many.
         """
         if not encoded or encoded[0] != cls.opcode or cls.size(encoded) != len(encoded):
-            raise ValueError(f'{bytes(encoded)!r} is no whole {cls.title} ({cls.opcode})')
+            raise ValueError(
+                f'{bytes(encoded)!r} is not one whole {cls.title} command (opcode {cls.opcode})')
         _, *values = cls._head.unpack_from(encoded)
         arguments: dict[str, Any] = {
             field.name: field.wire.named(value) for field, value in zip(cls.fields, values)}

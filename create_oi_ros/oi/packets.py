@@ -1,8 +1,8 @@
 """
-Groups of sensor packets, and lists of packets as a host asks for them.
+Groups of sensor packets, and lists of packets.
 
-Groups are ranges of single packets; their sizes and contents are derived. `PacketList` is what a
-host asks for in Stream and Query List, and how the reply is laid out (manual: Sensor Packets;
+A group is a range of single packets; its size and contents are derived. A `PacketList` is what a
+host requests with Stream or Query List, and the layout of the reply (manual: Sensor Packets;
 Input Commands).
 """
 
@@ -10,41 +10,38 @@ from collections.abc import Iterable, Sequence
 import struct
 from typing import NamedTuple
 
-from .readings import NAMES, NUMBERS, PACKETS, Readings, row_of
+from ..robot import SLOT
+from .readings import NAMES, NUMBERS, PACKETS, Readings
 from .wire import BIG_ENDIAN, Wire
 
-as_number = int.from_bytes
-"""Bytes as one number, the first the highest."""
 GROUPS: dict[int, range] = {
     0: range(7, 26 + 1), 1: range(7, 16 + 1), 2: range(17, 20 + 1), 3: range(21, 26 + 1),
     4: range(27, 34 + 1), 5: range(35, 42 + 1), 6: range(7, 42 + 1),
 }
-"""Single packets that a group holds (manual: Group Packet Sizes and Contents)."""
+"""Single packets in each group (manual: Group Packet Sizes and Contents)."""
 PACKET_IDS = (*GROUPS, *PACKETS)
 PACKET_ID = Wire('B', min(PACKET_IDS), max(PACKET_IDS))
 
 HEADER = 19
 """First byte of a stream frame (manual: Stream)."""
 FRAME_LIMIT = 3 + 255
-"""Bytes of the longest frame that the length byte can tell."""
-SLOT = 0.015
-"""Seconds between two frames, and between two updates inside the robot (manual: Stream)."""
+"""Bytes of the longest frame that the length byte can describe."""
 BITS_PER_BYTE = 10
 """Start bit, eight data bits, stop bit (manual: Stream; Serial Port Settings)."""
 
 
 def size_of(packet: int) -> int:
-    """Return the bytes of a packet's values; KeyError where there is no such packet."""
+    """Return the size in bytes of a packet or group; KeyError if there is no such packet."""
     return struct.calcsize(BIG_ENDIAN + ''.join(PACKETS[n].wire.format for n in singles(packet)))
 
 
 def singles(packet: int) -> Sequence[int]:
-    """Return the single packets that a packet number stands for; KeyError where there is none."""
+    """Return the single packets of a packet or group; KeyError if there is no such packet."""
     return GROUPS[packet] if packet in GROUPS else (PACKETS[packet].id,)
 
 
 def frame_capacity(baud: int) -> int:
-    """Return how many bytes a slot holds at a baud rate: 86 at 57600, 28 at 19200 (Stream)."""
+    """Return how many bytes fit in 15 ms at a baud rate: 86 at 57600, 28 at 19200 (Stream)."""
     return int(SLOT * baud / BITS_PER_BYTE)
 
 
@@ -52,28 +49,28 @@ class Budget(NamedTuple):
     """What a stream frame costs on the wire."""
 
     size: int
-    """Bytes of the whole frame, header, length, ids and checksum included."""
+    """Bytes of the whole frame, including header, length, ids and checksum."""
     capacity: int
-    """Bytes that one slot of 15 ms holds at this baud rate."""
+    """Bytes that fit in 15 ms at this baud rate."""
     seconds: float
-    """Time the frame takes on the wire."""
+    """Time that the frame takes on the wire."""
 
     @property
     def spare(self) -> int:
-        """Bytes left in the slot; negative where the frame does not fit."""
+        """Bytes left in the 15 ms; negative if the frame does not fit."""
         return self.capacity - self.size
 
     @property
     def fits(self) -> bool:
-        """Tell whether the robot can send it in time."""
+        """Whether the robot can send the frame within 15 ms."""
         return self.spare >= 0
 
 
 class PacketList:
-    """A list of packets as asked for in Stream or Query List, and the layout of the reply."""
+    """A list of packets as requested with Stream or Query List, and the layout of the reply."""
 
     def __init__(self, ids: Iterable[int]) -> None:
-        """Compile a list of packet numbers; ValueError names a number that is no packet."""
+        """Take the numbers of packets and groups; ValueError names one that does not exist."""
         self.ids = tuple(ids)
         for number in self.ids:
             if number not in PACKET_IDS:
@@ -83,20 +80,19 @@ class PacketList:
         wires = [packet.wire for packet in self.packets]
         self._values = struct.Struct(BIG_ENDIAN + ''.join(wire.format for wire in wires))
         self._frame = struct.Struct(f'{BIG_ENDIAN}xx{self._tagged("x")}x')
-        self._row = row_of(self.names)
         self.reply_size = self._values.size
         self.frame_size = self._frame.size
         self.length = self.frame_size - len((HEADER, 'length', 'checksum')) & 0xff
-        """The length byte of a frame: how many bytes lie between it and the checksum.
+        """The length byte of a frame: the number of bytes between it and the checksum.
 
-        A list may be too long for one byte (a Query List of 255 groups); its low byte stands
-        here then, and the list's `budget` fits at no baud rate.
+        If that number is too large for a byte (a Query List of 255 groups), this is its low
+        byte. No frame of such a list exists: its `budget` does not fit at any baud rate.
         """
         self._mask, self._tags = self._fixed_bytes()
 
     @classmethod
     def named(cls, *names: str) -> 'PacketList':
-        """Compile a list of single packets given by the field names of `Readings`."""
+        """Make a list from field names of `Readings`; ValueError names one that is unknown."""
         unknown = [name for name in names if name not in NUMBERS]
         if unknown:
             raise ValueError(f'no packet is named {unknown[0]!r}; allowed: {", ".join(NUMBERS)}')
@@ -120,10 +116,10 @@ class PacketList:
 
     def _fixed_bytes(self) -> tuple[int, int]:
         """
-        Return a mask over the bytes of a frame that never change, and those bytes.
+        Return the bytes of a frame that are always the same, and a mask of where they are.
 
-        Comparing them as one large number is the fastest way there is in Python to see that a
-        frame has the header, the length and the packet numbers that were asked for.
+        Both are large integers, so that two operations compare the header, the length and all
+        ids of a frame; comparing them one by one takes longer than all the rest of the decoding.
         """
         fixed = {0: HEADER, 1: self.length}
         place = len(fixed)
@@ -132,17 +128,15 @@ class PacketList:
             place += 1 + size_of(number)
         mask = bytes(0xff if at in fixed else 0 for at in range(self.frame_size))
         tags = bytes(fixed.get(at, 0) for at in range(self.frame_size))
-        return as_number(mask), as_number(tags)
+        return int.from_bytes(mask), int.from_bytes(tags)
 
     def matches(self, frame: bytes | bytearray) -> bool:
-        """Tell whether the beginning of a frame may be of this list (header, length, ids)."""
-        if len(frame) == self.frame_size:
-            return as_number(frame) & self._mask == self._tags
+        """Tell whether a frame, or the start of one, has this list's header, length and ids."""
         missing = 8 * (self.frame_size - len(frame))
-        return as_number(frame) & (self._mask >> missing) == self._tags >> missing
+        return int.from_bytes(frame) & (self._mask >> missing) == self._tags >> missing
 
     def budget(self, baud: int) -> Budget:
-        """Tell what a frame costs at a baud rate (manual: Stream)."""
+        """Return what a frame costs at a baud rate (manual: Stream)."""
         return Budget(self.frame_size, frame_capacity(baud), self.wire_time(baud))
 
     def wire_time(self, baud: int) -> float:
@@ -150,15 +144,18 @@ class PacketList:
         return self.frame_size * BITS_PER_BYTE / baud
 
     def unpack_reply(self, reply: bytes) -> Readings:
-        """Decode the reply to Query List (or Sensors); ValueError where its length is wrong."""
+        """Decode the reply to Query List (or Sensors); ValueError if its length is wrong."""
         if len(reply) != self.reply_size:
             raise ValueError(
                 f'{len(reply)} bytes for packets {self.ids}; expected {self.reply_size}')
-        return tuple.__new__(self._row, self._values.unpack(reply))
+        return self._readings(self._values.unpack(reply))
 
     def unpack_frame(self, frame: bytes) -> Readings:
-        """Decode a frame of this list that has been verified."""
-        return tuple.__new__(self._row, self._frame.unpack(frame))
+        """Decode a frame of this list; its checksum must have been verified."""
+        return self._readings(self._frame.unpack(frame))
+
+    def _readings(self, numbers: Iterable[int]) -> Readings:
+        return Readings.of_fields(dict(zip(self.names, numbers)))
 
     def pack_reply(self, values: Sequence[int]) -> bytes:
         """Encode the reply to Query List (or Sensors), values in the order of `packets`."""
@@ -168,13 +165,12 @@ class PacketList:
         """
         Encode a stream frame, values in the order of `packets`.
 
-        The manual leaves the header out of the checksum; real robots include it. ValueError
-        where the list is too long for the length byte.
+        The manual leaves the header out of the checksum; real robots include it. ValueError if
+        the list is too long for the length byte.
         """
         if self.frame_size > FRAME_LIMIT:
             raise ValueError(f'frame of {self.frame_size} bytes; allowed: up to {FRAME_LIMIT}')
-        whole = as_number(self._frame.pack(*values)) | self._tags
+        whole = int.from_bytes(self._frame.pack(*values)) | self._tags
         frame = bytearray(whole.to_bytes(self.frame_size))
         frame[-1] = (0 if header_in_sum else HEADER) - sum(frame) & 0xff
         return bytes(frame)
-

@@ -5,12 +5,11 @@ A packet is a field of `Readings`: the annotation carries its number, the manual
 range and unit (manual: Sensor Packets).
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from functools import cache
-from operator import itemgetter
-import struct
 from typing import Annotated, Any, get_args, NamedTuple
 
+from ..robot import TOP_SPEED_MM
 from .codes import (
     BumpsAndWheelDrops,
     Buttons,
@@ -25,7 +24,7 @@ from .wire import bits, choice, Wire
 
 FLAG = Wire('B', 0, 1, boolean=True)
 SIGNAL = Wire('H', 0, 4095)
-SIGNED = Wire('h', -32768, 32767)
+SPEED = Wire('h', -TOP_SPEED_MM, TOP_SPEED_MM, 'mm/s')
 UNSIGNED_MAX = 65535
 
 
@@ -37,35 +36,18 @@ class Packet(NamedTuple):
     wire: Wire
 
 
-class Bound(NamedTuple):
-    """What the manual allows of a value of which the wire could bring more."""
-
-    name: str
-    place: int
-    low: int
-    high: int
-    unnamed: int
-    """The bits that must not be set, where bits have names; else 0."""
-
-
-class Readings(tuple[int, ...]):
+class Readings:
     """
-    Values of single packets, in the units of the manual.
+    Values of single packets, in the units of the manual. They cannot be changed.
 
-    Only what has arrived is there: reading another attribute raises AttributeError. Values out
-    of the manual's range are kept as they came, so that nothing is lost; `implausible` names
-    them.
+    Only packets that have arrived have a value: reading any other field raises AttributeError.
+    Values out of the manual's range are kept unchanged; `implausible` names them.
 
-    It is a row of the numbers that were on the wire, which costs least for a frame; flags and
-    names are looked up when they are read.
+    The numbers are stored as they came. A number becomes a truth value or a named member only
+    when its field is read, because most values are never read.
     """
 
-    __slots__ = ()
-    _names: tuple[str, ...] = ()
-    """What stands in the row."""
-    _places: Mapping[str, int] = {}
-    """Where in the row a field stands; the last place where it stands twice."""
-    _bounds: tuple[Bound, ...] = ()
+    __slots__ = ('_numbers',)
 
     bumps_and_wheel_drops: Annotated[
         BumpsAndWheelDrops, Packet(7, 'Bumps and Wheel Drops', bits('B', BumpsAndWheelDrops))]
@@ -108,104 +90,72 @@ class Readings(tuple[int, ...]):
     song_number: Annotated[int, Packet(36, 'Song Number', Wire('B', 0, 15))]
     song_playing: Annotated[bool, Packet(37, 'Song Playing', FLAG)]
     stream_packets: Annotated[int, Packet(38, 'Number of Stream Packets', Wire('B', 0, 43))]
-    requested_velocity: Annotated[
-        int, Packet(39, 'Requested Velocity', Wire('h', -500, 500, 'mm/s'))]
+    requested_velocity: Annotated[int, Packet(39, 'Requested Velocity', SPEED)]
     requested_radius: Annotated[
         int, Packet(40, 'Requested Radius', Wire('h', -32768, 32767, 'mm'))]
-    requested_right_velocity: Annotated[
-        int, Packet(41, 'Requested Right Velocity', Wire('h', -500, 500, 'mm/s'))]
-    requested_left_velocity: Annotated[
-        int, Packet(42, 'Requested Left Velocity', Wire('h', -500, 500, 'mm/s'))]
+    requested_right_velocity: Annotated[int, Packet(41, 'Requested Right Velocity', SPEED)]
+    requested_left_velocity: Annotated[int, Packet(42, 'Requested Left Velocity', SPEED)]
 
-    def __new__(cls, values: Mapping[str, int] | None = None) -> 'Readings':
-        """Hold values by field name; KeyError where no packet has such a name."""
-        values = values or {}
-        return tuple.__new__(row_of(tuple(values)), values.values())
+    def __init__(self, values: Mapping[str, int] | None = None) -> None:
+        """Store values by field name; KeyError names a field that does not exist."""
+        self._numbers = dict(values or {})
+        for name in self._numbers:
+            NUMBERS[name]  # raises KeyError
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Readings, (dict(self.items()),)
+    @classmethod
+    def of_fields(cls, numbers: dict[str, int]) -> 'Readings':
+        """Store a dictionary without copying it; its keys must be field names."""
+        readings = cls.__new__(cls)
+        readings._numbers = numbers
+        return readings
 
     def __repr__(self) -> str:
         return f'Readings({", ".join(f"{name}={value!r}" for name, value in self.items())})'
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Readings) and dict(self.items()) == dict(other.items())
-
-    def __ne__(self, other: object) -> bool:
-        return not self == other
+        return isinstance(other, Readings) and self._numbers == other._numbers
 
     def __hash__(self) -> int:
-        return hash(frozenset(self.items()))
+        return hash(frozenset(self._numbers.items()))
 
     def items(self) -> Iterator[tuple[str, Any]]:
         """Yield field names and values."""
-        return ((name, getattr(self, name)) for name in self._places)
+        return ((name, getattr(self, name)) for name in self._numbers)
 
     def has(self, *names: str) -> bool:
-        """Tell whether all of these have arrived."""
-        places = self._places
-        for name in names:
-            if name not in places:
-                return False
-        return True
+        """Tell whether all of these fields have arrived."""
+        return self._numbers.keys() >= set(names)
 
     def updated(self, newer: 'Readings') -> 'Readings':
-        """Return these readings, but for those that are newer in others."""
-        row, places = _union(type(self), type(newer))
-        if row is type(newer):
-            return newer
-        return tuple.__new__(row, map((self + newer).__getitem__, places))
+        """Return these readings with the newer ones in their place."""
+        return self.of_fields(self._numbers | newer._numbers)
 
     def implausible(self) -> list[str]:
         """Name the readings that are out of the manual's range."""
-        return [name for name, place, low, high, unnamed in self._bounds
-                if (self[place] & unnamed if unnamed else not low <= self[place] <= high)]
+        return [name for name, number in self._numbers.items() if number not in ALLOWED[name]]
 
 
-NAMES: dict[int, str] = {}
-"""Field names of the single packets by number."""
+def _field(name: str, wire: Wire) -> property:
+    """Return the property of `Readings` that looks one field up."""
+    named = cache(wire.named) if wire.boolean or wire.names else int
+
+    def look_up(readings: Readings) -> Any:
+        try:
+            number = readings._numbers[name]
+        except KeyError:
+            raise AttributeError(f'{name} has not arrived') from None
+        return named(number)
+
+    return property(look_up)
+
+
+# The declarations above: packets and field names by number; numbers and allowed values by name.
 PACKETS: dict[int, Packet] = {}
-"""Declarations of the single packets by number."""
+NAMES: dict[int, str] = {}
+NUMBERS: dict[str, int] = {}
+ALLOWED: dict[str, Container[int]] = {}
 for _name, _annotation in Readings.__annotations__.items():
-    *_, _packet = get_args(_annotation)
-    if isinstance(_packet, Packet):
-        NAMES[_packet.id], PACKETS[_packet.id] = _name, _packet
-NUMBERS = {name: number for number, name in NAMES.items()}
-
-
-@cache
-def row_of(names: tuple[str, ...]) -> type[Readings]:
-    """Return the kind of readings that hold these fields in this order."""
-    places = {name: place for place, name in enumerate(names)}
-    wires = {name: PACKETS[NUMBERS[name]].wire for name in places}
-    return type('Readings', (Readings,), {
-        '__slots__': (), '_names': names, '_places': places,
-        '_bounds': tuple(
-            Bound(name, places[name], wire.low, wire.high, 0xff & ~wire.mask if wire.mask else 0)
-            for name, wire in wires.items()
-            if wire.high - wire.low + 1 < 256 ** struct.calcsize(wire.format)),
-        **{name: property(_getter(wire, places[name])) for name, wire in wires.items()}})
-
-
-def _getter(wire: Wire, place: int) -> Callable[[Any], Any]:
-    """Return what reads a field of a row: the number, or what it stands for."""
-    if not wire.boolean and wire.names is None:
-        return itemgetter(place)
-    members = _members(wire)
-    return lambda row: members[row[place]]
-
-
-@cache
-def _members(wire: Wire) -> tuple[Any, ...]:
-    """Return what each byte stands for."""
-    return tuple(wire.named(value) for value in range(256))
-
-
-@cache
-def _union(old: type[Readings], new: type[Readings]) -> tuple[type[Readings], tuple[int, ...]]:
-    """Return the kind of readings that hold the fields of both, and where they come from."""
-    if new._places.keys() >= old._places.keys():
-        return new, ()
-    places = {**old._places, **{
-        name: len(old._names) + place for name, place in new._places.items()}}
-    return row_of(tuple(places)), tuple(places.values())
+    _, _packet = get_args(_annotation)
+    PACKETS[_packet.id], NAMES[_packet.id], NUMBERS[_name] = _packet, _name, _packet.id
+    ALLOWED[_name] = _packet.wire.allowed
+    setattr(Readings, _name, _field(_name, _packet.wire))

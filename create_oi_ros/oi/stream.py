@@ -1,21 +1,21 @@
 """
-Bytes in flight, both ways: frames from the robot, commands to it.
+Finds frames in the bytes from the robot, and commands in the bytes to it.
 
-Both readers work alike: `feed` only appends bytes, `next_event` takes one event out, or returns
-None when more bytes are needed. However the bytes are cut, the same events come out; the bytes
-of all events, in order, are the bytes that went in; no bytes raise.
+Both readers have the same interface: `feed` appends bytes; `next_event` returns one event, or
+None when it needs more bytes. The events do not depend on how the bytes are split. The bytes of
+all events, in order, are the bytes that were fed. No bytes raise an exception.
 
-The stream reader does not hunt for the header 19 and believe what follows: 19 is a packet number
-too, frames are not escaped, and the length is not protected. The host has asked for the packets,
-so it knows length and order: a frame is only what has the header, that length, those numbers and
-the checksum. After a failure it looks again from the byte after the false header.
+A header byte alone does not mark a frame: 19 is also a packet number, and values are not
+escaped. Nor can the next byte be trusted as a length. But the host has requested the packets, so
+it knows length and order. The reader accepts only frames with the header, that length, those
+packet numbers and a correct checksum. If one of these is wrong, it searches on from the byte
+after the false header.
 """
 
 from collections.abc import Iterable
 from enum import Enum
 import re
 from typing import NamedTuple
-from zlib import adler32
 
 from .declaration import Command
 from .packets import FRAME_LIMIT, HEADER, PacketList
@@ -23,20 +23,20 @@ from .readings import Readings
 
 
 class Checksum(Enum):
-    """What the checksum of a stream frame sums up (manual: Stream)."""
+    """Which bytes the checksum of a stream frame covers: its convention (manual: Stream)."""
 
     MANUAL = 'manual'
     """Length, ids and values, as the manual says."""
     HARDWARE = 'hardware'
-    """The header too, as real robots do."""
+    """The header too, as on real robots."""
 
 
 BY_TOTAL = {0: Checksum.HARDWARE, HEADER: Checksum.MANUAL}
-"""Conventions by what all bytes of a frame add up to, header and checksum included."""
+"""Conventions by the sum of all bytes of a correct frame, modulo 256."""
 
 
 class Frame(NamedTuple):
-    """A stream frame whose header, length, ids and checksum are right."""
+    """A stream frame whose header, length, ids and checksum are correct."""
 
     packets: PacketList
     data: bytes
@@ -55,26 +55,26 @@ class Garbage(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What is readable in it (the robot says who it is when it boots), else ''."""
+        """The readable text in it, such as the robot's boot banner; '' if there is none."""
         return readable(self.data)
 
 
-BEGINNINGS = (b'', bytes((HEADER,)))
-"""What is too short to tell whether a frame begins."""
+TOO_SHORT = (b'', bytes((HEADER,)))
+"""Ends of the buffer that may be the start of a frame: its length is still missing."""
 READABLE = re.compile(rb'[ -~\t\r\n]{6,}')
-"""Fewer readable characters than this in a row are chance, not text."""
+"""Text; a shorter run of readable characters is chance."""
 GARBAGE_AT_ONCE = 256
-"""Garbage is handed out in pieces of this size, so that memory stays bounded."""
+"""Garbage is returned in pieces of at most this size, so that memory stays bounded."""
 SWITCH_AFTER = 3
-"""Frames in a row that verify only by the other convention before the reader believes it."""
+"""Frames in a row with the other checksum convention after which the reader changes to it."""
 
 
 def readable(data: bytes) -> str:
     """
-    Return the runs of text among other bytes, each on lines of its own; '' if there are none.
+    Return the pieces of text in some bytes, each on its own line; '' if there are none.
 
-    The boot banner may come behind half a frame, or in two pieces of garbage: join the bytes of
-    what came together, then look.
+    The boot banner may follow half a frame or be split over two pieces of garbage: join the
+    bytes of consecutive garbage before you call this.
     """
     runs = (run.decode('ascii').strip() for run in READABLE.findall(data))
     return '\n'.join(run for run in runs if run)
@@ -84,32 +84,33 @@ class StreamReader:
     """
     Turns the bytes of a stream into frames and garbage.
 
-    Once all events are taken it holds no more than 255 bytes of garbage and an unfinished frame.
+    When all events are taken, at most 255 bytes of garbage and one incomplete frame are stored.
     """
 
     def __init__(self, expected: Iterable[PacketList] = ()) -> None:
-        """Expect frames of these lists; they can be changed at any time."""
+        """Expect frames of these lists; `expect` changes them."""
         self._buffer = b''
-        self._begin = 0  # what is before has been handed out
-        self._start = 0  # what is between is known to be garbage
+        self._begin = 0  # the bytes before this index have been returned in events
+        self._start = 0  # the bytes from _begin to this index are garbage
         self._by_head: dict[bytes, list[PacketList]] = {}
         self._other_in_a_row = 0
-        self._total: int | None = None  # what the bytes of the robot's frames add up to
+        self._total: int | None = None  # key of BY_TOTAL: the robot's checksum convention
         self.checksum_failures = 0
-        """Frames that were whole but for their checksum."""
+        """Number of frames in which only the checksum was wrong."""
         self.expect(expected)
 
     @property
     def checksum(self) -> Checksum | None:
-        """The convention that the robot was found to follow; None before the first frame."""
+        """The checksum convention of this robot; None before the first frame."""
         return None if self._total is None else BY_TOTAL[self._total]
 
     def expect(self, lists: Iterable[PacketList]) -> None:
         """
-        Expect frames of these lists from now on: the new one, and the old one in flight.
+        Expect frames of these lists from now on.
 
-        Bytes already found to be garbage stay garbage. Lists that no frame can hold, empty ones
-        and those beyond what the length byte can say, are passed over.
+        After a new request, include the previous list: its frames may still be on the way.
+        Bytes that were found to be garbage stay garbage. Empty lists, and lists that are too
+        long for a frame, are ignored.
         """
         self._by_head.clear()
         for packets in lists:
@@ -117,51 +118,47 @@ class StreamReader:
                 self._by_head.setdefault(bytes((HEADER, packets.length)), []).append(packets)
 
     def feed(self, data: bytes) -> None:
-        """Append bytes that came in."""
-        # Most often nothing is left and one frame comes; then no byte is copied, here or later.
+        """Append received bytes."""
         self._buffer = self._buffer[self._begin:] + data
         self._begin, self._start = 0, self._start - self._begin
 
     def next_event(self) -> Frame | Garbage | None:
-        """Take out the next frame or garbage; None when more bytes are needed."""
+        """Return the next frame or garbage; None when more bytes are needed."""
         buffer = self._buffer
         while (start := self._start) - self._begin < GARBAGE_AT_ONCE:
             head = buffer[start:start + 2]
-            # A whole frame is of one list at most: where two lists of one length first differ,
-            # the number stands in the same place in both.
+            # At most one list matches a whole frame: two lists of the same length have their
+            # first different packet number at the same place.
             for packets in self._by_head.get(head, ()):
                 data = buffer[start:start + packets.frame_size]
                 if not packets.matches(data):
                     continue
                 if len(data) < packets.frame_size:
                     return self._nothing()
-                # The low half of Adler-32, begun at 0, is the sum of the bytes, computed in C.
-                total = adler32(data, 0) & 0xff
-                if total == self._total or self._is_believed(total):
+                total = sum(data) & 0xff
+                if total == self._total or self._is_accepted(total):
                     if start > self._begin:
                         return self._take_garbage(start)
                     self._begin = self._start = start + len(data)
                     self._other_in_a_row = 0
-                    # A named tuple's own constructor takes twice as long.
-                    return tuple.__new__(Frame, (packets, data, BY_TOTAL[total]))
+                    return Frame(packets, data, BY_TOTAL[total])
                 self.checksum_failures += 1
-            if head in BEGINNINGS:
+            if head in TOO_SHORT:
                 return self._nothing()
             next_header = buffer.find(HEADER, start + 1)
             self._start = len(buffer) if next_header < 0 else next_header
         return self._take_garbage(self._begin + GARBAGE_AT_ONCE)
 
     def _nothing(self) -> Frame | Garbage | None:
-        """Return no event, and keep no more than what belongs to none."""
+        """Return no event, and drop the bytes that were returned before."""
         self.feed(b'')
         return None
 
     def finish(self) -> list[Frame | Garbage]:
         """
-        Return the last events when nothing follows, all that is left among them.
+        Return the last events: call this when no more bytes will come.
 
-        While more may follow, frames wait behind what looks like an unfinished one; here they
-        come out.
+        Until then, frames that follow an apparently incomplete frame are held back.
         """
         last: list[Frame | Garbage] = []
         while self._start < len(self._buffer):
@@ -169,12 +166,12 @@ class StreamReader:
             if event is not None:
                 last.append(event)
             else:
-                self._start += 1  # what seemed to begin here has no end
+                self._start += 1  # the frame that seemed to start here is incomplete
         rest = self.flush()
         return last if rest is None else [*last, rest]
 
     def flush(self) -> Garbage | None:
-        """Throw away what was received and is no event yet; return it as garbage."""
+        """Remove and return all bytes that are not part of an event yet, as garbage."""
         self._start = len(self._buffer)
         return self._take_garbage(self._start) if self._start > self._begin else None
 
@@ -183,12 +180,12 @@ class StreamReader:
         self._begin = end
         return garbage
 
-    def _is_believed(self, total: int) -> bool:
+    def _is_accepted(self, total: int) -> bool:
         """
-        Tell whether a frame adds up right by a convention that was not the robot's so far.
+        Tell whether a frame with this sum is correct, and change to its checksum convention.
 
-        The first frame decides. From then on frames by the other convention are refused, for
-        one byte in 256 is right by chance, until so many come in a row that it is no chance.
+        The first frame decides the convention. Later, one damaged frame in 256 is correct by the
+        other convention by chance: such frames are refused until several come in a row.
         """
         if total not in BY_TOTAL:
             return False
@@ -200,28 +197,28 @@ class StreamReader:
 
 
 class UnknownOpcode(NamedTuple):
-    """A byte that begins no command; the robot drops it."""
+    """A byte that is not an opcode; the robot ignores it."""
 
     data: bytes
 
 
 class CommandReader:
     """
-    Turns the bytes that a host sends into commands, as the robot reads them.
+    Turns the bytes that a host sends into commands, as the robot does.
 
-    A command that is cut short waits for its data bytes and swallows what comes next (manual:
-    Open Interface Command Reference).
+    An incomplete command waits for its data bytes and takes them from whatever comes next
+    (manual: Open Interface Command Reference).
     """
 
     def __init__(self) -> None:
         self._buffer = bytearray()
 
     def feed(self, data: bytes) -> None:
-        """Append bytes that came in."""
+        """Append received bytes."""
         self._buffer += data
 
     def next_event(self) -> Command | UnknownOpcode | None:
-        """Take out the next command or unknown opcode; None when more bytes are needed."""
+        """Return the next command or unknown opcode; None when more bytes are needed."""
         buffer = self._buffer
         if not buffer:
             return None
@@ -235,11 +232,11 @@ class CommandReader:
 
     @property
     def pending(self) -> bytes:
-        """Bytes received that are not yet a whole command."""
+        """The bytes of an incomplete command."""
         return bytes(self._buffer)
 
     def clear(self) -> bytes:
-        """Forget and return the bytes that are not yet a whole command."""
+        """Remove and return the bytes of an incomplete command."""
         pending = self.pending
         self._buffer.clear()
         return pending

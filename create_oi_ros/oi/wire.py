@@ -2,25 +2,30 @@
 How a value travels: its format, its range, its unit.
 
 A declaration is written once, as the annotation of a field
-(``velocity: Annotated[int, Wire('h', -500, 500, 'mm/s')]``), and everything else is derived
-from it. Ranges are checked when a value is about to leave, never when it arrives or is held:
-a host must not send nonsense, but a simulator must be able to receive it.
+(``time: Annotated[int, Wire('B', 0, 255, '1/10 s')]``). Everything else is derived from it.
+Ranges are checked when a value is sent, not when it arrives or is stored: a host must not send
+nonsense, but a simulator must be able to receive it.
 """
 
+from collections.abc import Container
+from dataclasses import dataclass
 from enum import IntEnum, IntFlag
+from functools import cached_property
 from operator import index
-from typing import Any, NamedTuple
+from typing import Any
 
 BIG_ENDIAN = '>'
 """Sixteen-bit values are sent high byte first (manual: Sensor Packets; Drive)."""
 
 
-class Wire(NamedTuple):
+@dataclass(frozen=True)
+class Wire:
     """
     One number on the wire: a struct format, the range the manual allows, unit and names.
 
     Members of ``names`` outside of ``low`` to ``high`` are allowed too (the special radii of
-    Drive); values in ``but`` are not (there is no event 0). A set of flags allows its bits only.
+    Drive). Values in ``but`` are not allowed (there is no event 0). Where the names are flags,
+    only their bits are allowed.
     """
 
     format: str
@@ -31,32 +36,36 @@ class Wire(NamedTuple):
     but: tuple[int, ...] = ()
     boolean: bool = False
     inverse: bool = False
-    """The negative of a named number stands for its inverse (Wait Event)."""
+    """Whether the negative of a named number stands for its inverse (Wait Event)."""
 
-    @property
-    def plain(self) -> tuple[int, int]:
-        """Between which a number is allowed without a closer look; where names matter, nothing."""
-        return (0, -1) if self.names is not None or self.but else (self.low, self.high)
+    @cached_property
+    def allowed(self) -> Container[int]:
+        """The numbers that may be sent."""
+        inside = range(self.low, self.high + 1)
+        if self.mask:
+            return frozenset(number for number in inside if not number & ~self.mask)
+        if self.names is None and not self.but:
+            return inside
+        return frozenset(inside).union(self._values).difference(self.but)
 
     def allows(self, value: object) -> bool:
-        """Tell whether a value may be sent; anything but a whole number may not."""
+        """Tell whether a value may be sent; only a whole number may."""
         try:
-            number = index(value)  # type: ignore[arg-type]
+            return index(value) in self.allowed  # type: ignore[arg-type]
         except TypeError:
             return False
-        if self.names is None:
-            return self.low <= number <= self.high
-        if issubclass(self.names, IntFlag):
-            return number >= 0 and not number & ~self.mask
-        inside = self.low <= number <= self.high or number in self.names._value2member_map_
-        return inside and number not in self.but
 
-    @property
+    @cached_property
+    def _values(self) -> dict[int, IntEnum | IntFlag]:
+        """Named numbers by value."""
+        return {member.value: member for member in self.names or ()}
+
+    @cached_property
     def mask(self) -> int:
-        """All bits that have a name; 0 where bits have none."""
+        """All bits that have a name; 0 if bits have no names."""
         if self.names is None or not issubclass(self.names, IntFlag):
             return 0
-        return sum(member.value for member in self.names)
+        return sum(self._values)
 
     def describe(self) -> str:
         """Say what is allowed, for an error message and for the documentation."""
@@ -64,30 +73,27 @@ class Wire(NamedTuple):
         if self.unit[:1].isdigit():
             unit = f' ({self.unit})'
         if self.mask:
-            assert self.names is not None
-            bits = ', '.join(f'{member.value} {member.name}' for member in self.names)
+            bits = ', '.join(f'{value} {member.name}' for value, member in self._values.items())
             return f'a sum of {bits}'
         text = f'{self.low} to {self.high}{unit}'
-        if self.names is not None:
-            outside = [m for m in self.names if not self.low <= m.value <= self.high]
-            text += ''.join(f', {member.value} {member.name}' for member in outside)
-            if self.inverse:
-                text += ' (negative for the inverse)'
+        text += ''.join(f', {value} {member.name}' for value, member in self._values.items()
+                        if not self.low <= value <= self.high)
+        if self.inverse:
+            text += ' (negative for the inverse)'
         return text + ''.join(f', but not {value}' for value in self.but)
 
     def named(self, value: int) -> Any:
-        """Return the truth value or named member that a value is, or the value as it came."""
+        """Return a number as a truth value or named member; unchanged if it is neither."""
         if self.boolean:
-            return bool(value) if self.low <= value <= self.high else value
-        if self.names is None:
-            return value
-        if issubclass(self.names, IntFlag):
+            return bool(value) if value in self.allowed else value
+        if self.names is not None and self.mask:
             return self.names(value)
-        return self.names._value2member_map_.get(value, value)
+        return self._values.get(value, value)
 
 
-class Counted(NamedTuple):
-    """A count byte and that many items, each of one or two numbers (``item``)."""
+@dataclass(frozen=True)
+class Counted:
+    """A count byte and as many items, each of one or two numbers (``item``)."""
 
     low: int
     high: int
@@ -95,12 +101,12 @@ class Counted(NamedTuple):
     noun: str
 
     def allows(self, count: int) -> bool:
-        """Tell whether so many items may be sent."""
+        """Tell whether this many items may be sent."""
         return self.low <= count <= self.high
 
     @property
     def item_size(self) -> int:
-        """Bytes an item takes; every item of the manual is made of single bytes."""
+        """Bytes of an item; every number of every item in the manual is a single byte."""
         return len(self.item)
 
     def describe(self) -> str:
@@ -109,13 +115,13 @@ class Counted(NamedTuple):
 
 
 def choice(code: str, names: type[IntEnum]) -> Wire:
-    """Declare a number that must be one of an enumeration's."""
+    """Declare a number that must be a member of an enumeration."""
     values = [member.value for member in names]
     return Wire(code, min(values), max(values), names=names)
 
 
 def signed_choice(code: str, names: type[IntEnum]) -> Wire:
-    """Declare a number that must be one of an enumeration's, or the negative of one."""
+    """Declare a number that must be a member of an enumeration, or the negative of one."""
     most = max(member.value for member in names)
     return Wire(code, -most, most, names=names, but=(0,), inverse=True)
 

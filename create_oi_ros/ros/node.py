@@ -27,8 +27,8 @@ from ..driver import (
 from ..link.capture import begin, Capture, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
-from ..oi.tools.capture_format import Kind
-from . import diagnostics, messages, parameters, topics
+from ..oi.tools.capture_format import RecordKind
+from . import diagnostics, messages, node_arguments, parameter_checks, topics
 from .graph_watch import GraphWatch
 from .process import call_on_signal, spin_until
 from .publishing import FramePublisher, publisher
@@ -50,8 +50,9 @@ class CreateNode(Node):
         such as `namespace` and `cli_args` where several robots share a process.
         """
         super().__init__('create', **options)
-        self.parameters = parameters.declare(self)
-        self.add_on_set_parameters_callback(parameters.check)
+        self.parameters = parameter_checks.declare(self)
+        self.add_pre_set_parameters_callback(parameter_checks.as_declared)
+        self.add_on_set_parameters_callback(parameter_checks.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
         self.capture = self._start_capture()
         self.session = Session(
@@ -111,7 +112,7 @@ class CreateNode(Node):
             throttle_duration_sec=STALE_WARNING_INTERVAL)
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
-        self.parameters = parameters.changed(self.parameters, changed)
+        self.parameters = parameter_checks.changed(self.parameters, changed)
         with self.session.request() as (driver, _now):
             driver.set_limits(self.parameters.limits())
 
@@ -149,7 +150,8 @@ class CreateNode(Node):
 
     def _log(self, notice: Notice) -> None:
         if self.capture is not None:
-            self.capture.add_text(Kind.NOTE, f'{notice.severity.name.lower()}: {notice.text}')
+            severity = notice.severity.name.lower()
+            self.capture.add_text(RecordKind.NOTE, f'{severity}: {notice.text}')
         match notice.severity:
             case Severity.INFO:
                 self.get_logger().info(notice.text)
@@ -160,7 +162,8 @@ class CreateNode(Node):
 
 
 def main() -> int:
-    """Run the node until it is told to stop; 0 when it was, 2 when a parameter is wrong."""
+    """Run the node until it is told to stop; 0 when it was, 2 when an argument is wrong."""
+    node_arguments.parse(sys.argv[1:])
     ended = Future()
     call_on_signal(lambda: ended.set_result(0))
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)

@@ -2,20 +2,11 @@
 The node's parameters, each declared once: the field is the parameter.
 
 Name, type and default are the dataclass field's; description, range and whether it may be set
-while the node runs are in its metadata. Declaring them in ROS is one loop.
+while the node runs are in its metadata. `parameter_checks` declares them to ROS in one loop.
 """
 
-from dataclasses import dataclass, field, fields, MISSING, replace
+from dataclasses import dataclass, field
 from typing import Any
-
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
-from rclpy.exceptions import (
-    InvalidParameterTypeException,
-    InvalidParameterValueException,
-    ParameterException,
-)
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from ..driver import BatteryLimits, LowBatteryAction, MotionLimits, Settings
 from ..odometry import Geometry
@@ -122,67 +113,3 @@ class Parameters:
             timeout=self.cmd_vel_timeout,
             linear_acceleration=self.max_linear_acceleration,
             angular_acceleration=self.max_angular_acceleration)
-
-
-def descriptor(name: str) -> ParameterDescriptor:
-    """Describe a parameter to ROS."""
-    facts = _declaration(name).metadata
-    described = ParameterDescriptor(description=facts['description'], read_only=facts['fixed'])
-    if facts['low'] is not None:
-        described.floating_point_range = [
-            FloatingPointRange(from_value=facts['low'], to_value=facts['high'])]
-    if facts['choices']:
-        described.additional_constraints = f'one of {_listed(facts["choices"])}'
-    return described
-
-
-def declare(node: Node) -> Parameters:
-    """Declare all parameters; ValueError says which value is wrong and what is allowed."""
-    values = {}
-    for declaration in fields(Parameters):
-        assert declaration.default is not MISSING
-        try:
-            values[declaration.name] = node.declare_parameter(
-                declaration.name, declaration.default, descriptor(declaration.name)).value
-        except (InvalidParameterTypeException, InvalidParameterValueException,
-                ParameterException) as error:
-            raise ValueError(f'parameter {declaration.name}: {error}') from error
-        reason = refusal(declaration.name, values[declaration.name])
-        if reason:
-            raise ValueError(reason)
-    return Parameters(**values)
-
-
-def check(parameters: list[Parameter]) -> SetParametersResult:
-    """Refuse new values that are not allowed; ROS itself checks the ranges."""
-    reasons = [
-        reason for parameter in parameters
-        if parameter.name in Parameters.__dataclass_fields__
-        and (reason := refusal(parameter.name, parameter.value))]
-    return SetParametersResult(successful=not reasons, reason='; '.join(reasons))
-
-
-def changed(parameters: Parameters, new: list[Parameter]) -> Parameters:
-    """Take over values that were set while the node runs."""
-    known = Parameters.__dataclass_fields__
-    return replace(parameters, **{p.name: p.value for p in new if p.name in known})
-
-
-def refusal(name: str, value: Any) -> str | None:
-    """Say why a value is not allowed; None where it is."""
-    choices = _declaration(name).metadata['choices']
-    if choices and value not in choices:
-        return f'parameter {name} = {value!r}; allowed: {_listed(choices)}'
-    if isinstance(value, float) and value != value:
-        return f'parameter {name} is not a number'
-    if value == '' and _declaration(name).default != '':
-        return f'parameter {name} is empty'
-    return None
-
-
-def _declaration(name: str) -> Any:
-    return Parameters.__dataclass_fields__[name]
-
-
-def _listed(choices: tuple[Any, ...]) -> str:
-    return ', '.join(str(choice) for choice in choices)

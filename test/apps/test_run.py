@@ -8,7 +8,7 @@ from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.oi.tools.capture_format import CaptureReader, Kind, records_of
+from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import scene
 
@@ -53,7 +53,7 @@ def test_capture_is_passed_on_to_the_node(stage):
     run.send(signal.SIGINT)
     assert run.ended() == 0
     *_, last = records_of([path.read_bytes()], CaptureReader())
-    assert last.kind is Kind.END
+    assert last.kind is RecordKind.END
 
 
 def test_a_missing_port_is_reported_and_run_continues(stage):

@@ -16,9 +16,9 @@ from create_oi_ros.oi.tools.capture_format import (
     encode_record,
     FIRST_LINE,
     HEAD_LIMIT,
-    Kind,
     Record,
     RECORD_LIMIT,
+    RecordKind,
     records_of,
 )
 from create_oi_ros.oi.tools.command_line import main
@@ -27,23 +27,23 @@ from create_oi_ros.oi.tools.transcript import (
     explain_capture,
     GARBAGE_SHOWN,
     LISTS_KEPT,
-    SUM_AFTER,
+    SUMMARY_INTERVAL,
 )
 
 LINE = st.text(st.characters(exclude_characters='\n', exclude_categories=['Cs']))
 FACTS = st.dictionaries(st.from_regex(r'[a-z][a-z0-9_]{0,9}', fullmatch=True), LINE)
-BEGUN = [kind for kind in Kind if kind is not Kind.END]
+BEGUN = [kind for kind in RecordKind if kind is not RecordKind.END]
 PAUSE = st.one_of(st.integers(0, 20_000), st.integers(0, 2 ** 59))
 RECORDS = st.lists(st.tuples(PAUSE, st.sampled_from(BEGUN), st.binary(max_size=300)), max_size=12)
 SECOND = 1_000_000
 
 
-def written(facts: dict[str, str], parts: Iterable[tuple[int, Kind, bytes]]) -> bytes:
+def written(facts: dict[str, str], parts: Iterable[tuple[int, RecordKind, bytes]]) -> bytes:
     """Return the bytes of a file whose end is not written yet."""
     return encode_head(facts) + b''.join(encode_record(*part) for part in parts)
 
 
-def timed(parts: Iterable[tuple[int, Kind, bytes]]) -> list[Record]:
+def timed(parts: Iterable[tuple[int, RecordKind, bytes]]) -> list[Record]:
     """Return what is to be read."""
     now, records = 0, []
     for pause, kind, data in parts:
@@ -67,15 +67,16 @@ def read(data: bytes, size: int = 1 << 20) -> tuple[dict[str, str] | None, list[
 @given(FACTS, RECORDS, st.integers(1, 50))
 @example({}, [], 1)
 def test_what_was_written_is_read(
-        facts: dict[str, str], parts: list[tuple[int, Kind, bytes]], size: int) -> None:
-    ended = [*parts, (1, Kind.END, b'')]
+        facts: dict[str, str], parts: list[tuple[int, RecordKind, bytes]], size: int) -> None:
+    ended = [*parts, (1, RecordKind.END, b'')]
     assert read(written(facts, ended), size) == (facts, timed(ended), '')
 
 
 @given(FACTS, RECORDS, st.data())
 def test_a_file_cut_anywhere_is_read_up_to_the_cut(
-        facts: dict[str, str], parts: list[tuple[int, Kind, bytes]], data: st.DataObject) -> None:
-    whole = written(facts, [*parts, (1, Kind.END, b'')])
+        facts: dict[str, str], parts: list[tuple[int, RecordKind, bytes]],
+        data: st.DataObject) -> None:
+    whole = written(facts, [*parts, (1, RecordKind.END, b'')])
     head = len(encode_head(facts))
     cut = data.draw(st.integers(0, len(whole) - 1))
     found, records, wrong = read(whole[:cut])
@@ -94,12 +95,13 @@ def test_any_bytes_are_read_or_refused_in_words(data: bytes) -> None:
 
 
 def test_a_frame_costs_four_bytes_more_than_it_has() -> None:
-    assert len(encode_record(15_000, Kind.FROM_ROBOT, bytes(79))) == 79 + 4
+    assert len(encode_record(15_000, RecordKind.FROM_ROBOT, bytes(79))) == 79 + 4
 
 
 def test_the_format_is_as_described() -> None:
     assert written({'port': '/dev/create'}, [
-        (5, Kind.TO_ROBOT, b'\x80'), (20, Kind.FROM_ROBOT, b'\1\2'), (0, Kind.END, b'')]) == (
+        (5, RecordKind.TO_ROBOT, b'\x80'), (20, RecordKind.FROM_ROBOT, b'\1\2'),
+        (0, RecordKind.END, b'')]) == (
             b'create capture 1\nport /dev/create\n\n'
             b'\x29\x01\x80' b'\xa0\x01\x02\x01\x02' b'\x06\x00')
 
@@ -108,7 +110,7 @@ def test_the_format_is_as_described() -> None:
     (b'\x89PNG', 'no capture'),
     (b'create capture 2\nport x\n\n', 'version 2; this program reads version 1'),
     (FIRST_LINE + bytes(HEAD_LIMIT), 'its head has no end'),
-    (written({}, [(0, Kind.END, b''), (0, Kind.NOTE, b'')]), 'bytes follow its end'),
+    (written({}, [(0, RecordKind.END, b''), (0, RecordKind.NOTE, b'')]), 'bytes follow its end'),
     (encode_head({}) + b'\7\0', 'damaged at byte 18'),
     (encode_head({}) + b'\0' + b'\xff\xff\xff\x01', 'damaged at byte 18'),
     (encode_head({}) + b'\0\0' + b'\xff' * 9, 'damaged at byte 20'),
@@ -126,7 +128,7 @@ def test_a_fact_is_a_name_and_a_line(facts: dict[str, str]) -> None:
 @pytest.mark.parametrize('pause, size', [(-1, 0), (0, RECORD_LIMIT + 1)])
 def test_a_record_that_could_not_be_read_is_not_written(pause: int, size: int) -> None:
     with pytest.raises(ValueError, match='allowed'):
-        encode_record(pause, Kind.NOTE, bytes(size))
+        encode_record(pause, RecordKind.NOTE, bytes(size))
 
 
 # As a story.
@@ -140,20 +142,22 @@ def frame(bumps: int = 0, distance: int = 0, signal: int = 0) -> bytes:
     return LIST.pack_frame([bumps, distance, 15000, signal])
 
 
-def story(*records: tuple[float, Kind, bytes], everything: bool = False) -> list[str]:
+def story(*records: tuple[float, RecordKind, bytes], everything: bool = False) -> list[str]:
     """Return what is told of records at times in seconds, without the spaces in front."""
     return [line.strip() for line in explain_capture(
         (Record(round(time * SECOND), kind, data) for time, kind, data in records),
         everything=everything)]
 
 
-QUIET = [(1 + at * 0.015, Kind.FROM_ROBOT, frame(distance=3, signal=at)) for at in range(100)]
+QUIET = [
+    (1 + at * 0.015, RecordKind.FROM_ROBOT, frame(distance=3, signal=at)) for at in range(100)]
 
 
 def test_a_quiet_time_is_a_sum() -> None:
-    told = story((0.0, Kind.OPENED, b'/dev/x at 57600 baud'), (0.9, Kind.TO_ROBOT, ASK), *QUIET,
-                 (2.6, Kind.FROM_ROBOT, frame(bumps=1)), (2.7, Kind.TO_ROBOT, ASK),
-                 (2.8, Kind.END, b''))
+    told = story((0.0, RecordKind.OPENED, b'/dev/x at 57600 baud'),
+                 (0.9, RecordKind.TO_ROBOT, ASK), *QUIET,
+                 (2.6, RecordKind.FROM_ROBOT, frame(bumps=1)), (2.7, RecordKind.TO_ROBOT, ASK),
+                 (2.8, RecordKind.END, b''))
     assert told == [
         '0.000 -- port opened: /dev/x at 57600 baud',
         '0.900 -> Stream packets=7,19,22,28',
@@ -166,16 +170,16 @@ def test_a_quiet_time_is_a_sum() -> None:
 
 
 def test_everything_can_be_told() -> None:
-    told = story((0.9, Kind.TO_ROBOT, ASK + ASK), *QUIET, everything=True)
+    told = story((0.9, RecordKind.TO_ROBOT, ASK + ASK), *QUIET, everything=True)
     assert len(told) == 2 + 1 + 100
     assert told[-1] == ('2.485 <- Bumps and Wheel Drops = 0, Distance = 3 mm, '
                         'Voltage = 15000 mV, Cliff Left Signal = 99')
 
 
 def test_a_long_time_is_summed_up_in_pieces() -> None:
-    hour = [(at * 0.1, Kind.FROM_ROBOT, frame(distance=1)) for at in range(36000)]
-    told = story((0.0, Kind.TO_ROBOT, ASK), *hour, (3600.0, Kind.LOST, b'unplugged'))
-    assert len(told) < 5 + 3600 * SECOND / SUM_AFTER
+    hour = [(at * 0.1, RecordKind.FROM_ROBOT, frame(distance=1)) for at in range(36000)]
+    told = story((0.0, RecordKind.TO_ROBOT, ASK), *hour, (3600.0, RecordKind.LOST, b'unplugged'))
+    assert len(told) < 5 + 3600 * SECOND / SUMMARY_INTERVAL
     assert told[3:5] == [
         '10.000 -- 101 frames in 10.0 s, Distance = 101 mm, Voltage = 15000 mV',
         '20.000 -- 100 frames in 10.0 s, Distance = 100 mm, Voltage = 15000 mV']
@@ -184,8 +188,9 @@ def test_a_long_time_is_summed_up_in_pieces() -> None:
 
 def test_speeds_are_told_when_they_change() -> None:
     go, halt = (oi.DriveDirect(right=v, left=v).encode() for v in (100, 0))
-    told = story((1, Kind.TO_ROBOT, go), (2, Kind.TO_ROBOT, go), (3, Kind.TO_ROBOT, halt),
-                 (4, Kind.TO_ROBOT, go), (5, Kind.TO_ROBOT, oi.Safe().encode() * 2))
+    told = story((1, RecordKind.TO_ROBOT, go), (2, RecordKind.TO_ROBOT, go),
+                 (3, RecordKind.TO_ROBOT, halt),
+                 (4, RecordKind.TO_ROBOT, go), (5, RecordKind.TO_ROBOT, oi.Safe().encode() * 2))
     assert [line.split(maxsplit=1)[1] for line in told] == [
         '-> Drive Direct right=100 left=100', '-> Drive Direct right=0 left=0',
         '-> Drive Direct right=100 left=100', '-> Safe', '-> Safe']
@@ -193,9 +198,11 @@ def test_speeds_are_told_when_they_change() -> None:
 
 def test_silence_garbage_and_a_lost_port_are_told() -> None:
     told = story(
-        (0, Kind.TO_ROBOT, bytes(30) + ASK), (1, Kind.FROM_ROBOT, frame()),
-        (2, Kind.FROM_ROBOT, b'\7RDK by iRobot!' + frame()[:6]), (3, Kind.TO_ROBOT, b'\x89'),
-        (4, Kind.LOST, b'gone'), (5, Kind.BAUD, b'19200'), (6, Kind.NOTE, b'info: hello'))
+        (0, RecordKind.TO_ROBOT, bytes(30) + ASK), (1, RecordKind.FROM_ROBOT, frame()),
+        (2, RecordKind.FROM_ROBOT, b'\7RDK by iRobot!' + frame()[:6]),
+        (3, RecordKind.TO_ROBOT, b'\x89'),
+        (4, RecordKind.LOST, b'gone'), (5, RecordKind.BAUD, b'19200'),
+        (6, RecordKind.NOTE, b'info: hello'))
     assert told == [
         f'0.000 -> no command:{" 0" * BYTES_SHOWN} ... (30 bytes)',
         '0.000 -> Stream packets=7,19,22,28',
@@ -214,8 +221,9 @@ def test_silence_garbage_and_a_lost_port_are_told() -> None:
 
 def test_a_bad_line_can_still_be_read() -> None:
     damaged = frame()[:-1] + b'\0'
-    bad = [(1 + at * 0.015, Kind.FROM_ROBOT, damaged + frame()) for at in range(100)]
-    records = ((0, Kind.TO_ROBOT, ASK), (0.9, Kind.FROM_ROBOT, frame()), *bad, (3, Kind.END, b''))
+    bad = [(1 + at * 0.015, RecordKind.FROM_ROBOT, damaged + frame()) for at in range(100)]
+    records = ((0, RecordKind.TO_ROBOT, ASK), (0.9, RecordKind.FROM_ROBOT, frame()), *bad,
+               (3, RecordKind.END, b''))
     told = story(*records)
     assert len(told) == 3 + GARBAGE_SHOWN + 2
     assert told[3] == '1.000 <- checksum is wrong: 19 11 7 0 19 0 0 22 58 152 28 0 0 0'
@@ -225,8 +233,8 @@ def test_a_bad_line_can_still_be_read() -> None:
 
 def test_lists_that_no_robot_knows_are_told_and_not_waited_for() -> None:
     lists = [bytes([148, 2, 7, number]) for number in range(7, 7 + LISTS_KEPT)]
-    told = story((0, Kind.TO_ROBOT, b''.join([bytes([148, 1, 43]), ASK, *lists])),
-                 (1, Kind.FROM_ROBOT, frame()), (2, Kind.END, b''))
+    told = story((0, RecordKind.TO_ROBOT, b''.join([bytes([148, 1, 43]), ASK, *lists])),
+                 (1, RecordKind.FROM_ROBOT, frame()), (2, RecordKind.END, b''))
     assert told[0].startswith('0.000 -> # Stream packets=43 (out of range')
     assert told[-3].startswith('2.000 <- no frame: 19 11 7 0 19')
 
@@ -243,7 +251,8 @@ def door(path: Path, *arguments: str) -> tuple[int, list[str], str]:
 def test_a_file_is_explained(tmp_path: Path) -> None:
     path = tmp_path / 'walk.capture'
     data = written({'port': '/dev/create'}, [
-        (0, Kind.OPENED, b'/dev/create'), (1000, Kind.TO_ROBOT, b'\x83'), (500, Kind.END, b'')])
+        (0, RecordKind.OPENED, b'/dev/create'), (1000, RecordKind.TO_ROBOT, b'\x83'),
+        (500, RecordKind.END, b'')])
     path.write_bytes(data)
     assert door(path) == (0, [
         'port = /dev/create', '      0.000 -- port opened: /dev/create', '      0.001 -> Safe',

@@ -1,4 +1,4 @@
-"""The command line of `create_oi_ros.oi`, and the page of documentation made from it."""
+"""The command line of `create_oi_ros.oi`, and its page of documentation."""
 
 import doctest
 from importlib import import_module
@@ -23,8 +23,8 @@ ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'open_interface.md'
 
 
-def told(*arguments: str, stdin: str | bytes = '') -> tuple[int, list[str], str]:
-    """Return exit code, lines and complaint of the door."""
+def ran(*arguments: str, stdin: str | bytes = '') -> tuple[int, list[str], str]:
+    """Run the command line; return exit code, lines of output and errors."""
     given = stdin.encode() if isinstance(stdin, str) else stdin
     out, err = io.StringIO(), io.StringIO()
     status = main(
@@ -34,39 +34,39 @@ def told(*arguments: str, stdin: str | bytes = '') -> tuple[int, list[str], str]
 
 def test_the_manuals_drive_both_ways() -> None:
     line, sent = 'Drive velocity=-200 radius=500', '137 255 56 1 244'
-    assert told('encode', line) == (0, [sent], '')
-    assert told('encode', *line.split()) == (0, [sent], '')
-    assert told('decode', sent) == (0, [line], '')
-    assert told('decode', *sent.split()) == (0, [line], '')
+    assert ran('encode', line) == (0, [sent], '')
+    assert ran('encode', *line.split()) == (0, [sent], '')
+    assert ran('decode', sent) == (0, [line], '')
+    assert ran('decode', *sent.split()) == (0, [line], '')
 
 
 @pytest.mark.parametrize('arguments', [
     ['[137] [255] [56] [1] [244]'], ['137, 255, 0x38; 1 0xF4 # a note'], ['--hex', '89ff38 01:F4'],
     ['--hex', '0x89FF', '38', '1', 'f4'],
 ])
-def test_bytes_are_read_in_many_dresses(arguments: list[str]) -> None:
-    assert told('decode', *arguments) == (0, ['Drive velocity=-200 radius=500'], '')
+def test_bytes_are_read_in_several_notations(arguments: list[str]) -> None:
+    assert ran('decode', *arguments) == (0, ['Drive velocity=-200 radius=500'], '')
 
 
 @pytest.mark.parametrize('word', ['FF', '256', '-1', '0xfff', 'x'])
-def test_a_word_that_is_no_byte_is_refused(word: str) -> None:
-    reason = f'{word!r} is no byte: decimal 0 to 255, 0x00 to 0xff, or hexadecimal with --hex'
-    assert told('decode', '--', word) == (1, [], reason)
-    assert told('decode', stdin=f'128\n{word} 1\n') == (1, ['Start'], f'line 2: {reason}')
+def test_a_word_that_is_not_a_byte_is_refused(word: str) -> None:
+    reason = f'{word!r} is not a byte; allowed: 0 to 255, 0x00 to 0xff, or with --hex 00 to ff'
+    assert ran('decode', '--', word) == (1, [], reason)
+    assert ran('decode', stdin=f'128\n{word} 1\n') == (1, ['Start'], f'line 2: {reason}')
 
 
 def test_commands_are_explained() -> None:
-    status, lines, _ = told('decode', '--explain', '131')
+    status, lines, _ = ran('decode', '--explain', '131')
     assert (status, lines) == (0, [
         'Safe  # 131. Enter Safe mode: control with safety stops. Turns all LEDs off and ends '
         'charging. Obeyed in Passive, Safe, Full.'])
 
 
-def test_what_is_not_understood_is_said_as_a_comment() -> None:
-    status, lines, complaint = told('decode', '7 137 39 15 0 0 137')
-    assert (status, complaint) == (1, '')
+def test_what_is_not_understood_is_a_comment() -> None:
+    status, lines, errors = ran('decode', '7 137 39 15 0 0 137')
+    assert (status, errors) == (1, '')
     assert lines == [
-        '# 7 is the opcode of no command',
+        '# 7 is not an opcode',
         '# Drive velocity=9999 radius=0 '
         '(out of range: Drive: velocity = 9999; allowed: -500 to 500 mm/s)',
         '# Drive is cut short: 137']
@@ -74,10 +74,10 @@ def test_what_is_not_understood_is_said_as_a_comment() -> None:
 
 def test_frames_are_explained() -> None:
     frame = '19 5 29 2 25 13 0 '
-    assert told('decode', '--stream', '29,13', frame + '182') == (0, [
+    assert ran('decode', '--stream', '29,13', frame + '182') == (0, [
         '# checksums leave the header out, as the manual says',
         'Cliff Front Left Signal = 537, Virtual Wall = 0'], '')
-    assert told('decode', '--stream', '7', '--stream', 'cliff_front_left_signal,virtual_wall',
+    assert ran('decode', '--stream', '7', '--stream', 'cliff_front_left_signal,virtual_wall',
                 stdin=f'1\n{frame}\n163 19 2\n7 3 225\n19') == (1, [
         '# garbage: 1',
         '# checksums include the header, as real robots do',
@@ -86,64 +86,64 @@ def test_frames_are_explained() -> None:
         '# garbage: 19'], '')
 
 
-def test_values_are_given_with_their_names_and_units() -> None:
+def test_values_are_shown_with_names_and_units() -> None:
     packets = oi.PacketList([19, 34, 35, 37])
     frame = ' '.join(map(str, packets.pack_frame([-200, 0, 2, 1])))
-    _, lines, _ = told('decode', '--stream', '19,34,35,37', frame)
+    _, lines, _ = ran('decode', '--stream', '19,34,35,37', frame)
     assert lines[1:] == [
         'Distance = -200 mm, Charging Sources Available = 0, OI Mode = safe, Song Playing = 1']
 
 
 def test_the_boot_banner_is_shown() -> None:
-    status, lines, _ = told('decode', '--raw', '--stream', '7', stdin=b'\0RDK by iRobot!\r\n')
+    status, lines, _ = ran('decode', '--raw', '--stream', '7', stdin=b'\0RDK by iRobot!\r\n')
     assert status == 1 and len(lines) == 1
     assert lines[0].endswith(" 'RDK by iRobot!'")
 
 
-def test_bytes_can_come_raw() -> None:
-    assert told('decode', '--raw', stdin=b'\x89\xff\x38\x01\xf4\x80') == (
+def test_stdin_can_be_binary() -> None:
+    assert ran('decode', '--raw', stdin=b'\x89\xff\x38\x01\xf4\x80') == (
         0, ['Drive velocity=-200 radius=500', 'Start'], '')
 
 
 def test_text_is_encoded() -> None:
-    assert told('encode', '--hex', 'Drive velocity=-200 radius=500') == (
+    assert ran('encode', '--hex', 'Drive velocity=-200 radius=500') == (
         0, ['89 ff 38 01 f4'], '')
-    assert told('encode', stdin='# go\nSafe\nScript script={\n  Full\n}\n') == (
+    assert ran('encode', stdin='# go\nSafe\nScript script={\n  Full\n}\n') == (
         0, ['131', '152 1 132'], '')
-    assert told('encode', stdin='Safe\n Drive velocity=1') == (
+    assert ran('encode', stdin='Safe\n Drive velocity=1') == (
         1, [], 'line 2, column 2: Drive lacks radius')
 
 
 @given(st.lists(commands(), max_size=8))
 def test_decode_undoes_encode(listed: list[oi.Command]) -> None:
     text = format_commands(listed)
-    status, lines, _ = told('encode', stdin=text)
+    status, lines, _ = ran('encode', stdin=text)
     assert status == 0 and len(lines) == len(listed)
-    assert told('decode', stdin='\n'.join(lines)) == (0, text.splitlines(), '')
+    assert ran('decode', stdin='\n'.join(lines)) == (0, text.splitlines(), '')
 
 
 def test_the_tables_are_printed() -> None:
-    status, lines, _ = told('commands')
+    status, lines, _ = ran('commands')
     assert status == 0 and len(lines) == 1 + 29
-    status, lines, _ = told('packets')
+    status, lines, _ = ran('packets')
     assert status == 0 and len(lines) == 1 + 36
     assert columns(groups_table()).splitlines()[-1] == '6      52     7 - 42'
 
 
-def test_a_stream_is_costed() -> None:
-    status, lines, _ = told('packets', '29', 'virtual_wall')
+def test_the_cost_of_a_stream_is_shown() -> None:
+    status, lines, _ = ran('packets', '29', 'virtual_wall')
     assert status == 0 and [line.split()[0] for line in lines[1:3]] == ['13', '29']
     assert lines[3:] == [
         '57600 baud: a stream frame has 8 bytes and takes 1.4 ms; 86 fit in 15 ms: 78 to spare',
         '19200 baud: a stream frame has 8 bytes and takes 4.2 ms; 28 fit in 15 ms: 20 to spare']
-    assert told('packets', '6')[1][-1].endswith('28 fit in 15 ms: 28 too many')
-    assert told('packets', '43')[2].startswith('line 1, column 20: Query List: packets[0] = 43')
+    assert ran('packets', '6')[1][-1].endswith('28 fit in 15 ms: 28 too many')
+    assert ran('packets', '43')[2].startswith('line 1, column 20: Query List: packets[0] = 43')
 
 
 @pytest.mark.parametrize('arguments', [[], ['frobnicate'], ['decode', '--frobnicate']])
-def test_wrong_usage_is_told_apart(arguments: list[str]) -> None:
+def test_wrong_usage_has_its_own_exit_code(arguments: list[str]) -> None:
     with pytest.raises(SystemExit) as ended:
-        told(*arguments)
+        ran(*arguments)
     assert ended.value.code == 2
 
 
@@ -153,12 +153,12 @@ def test_the_page_is_what_the_declarations_say(tmp_path: Path) -> None:
     assert page.count('<!-- table: ') == 4
     copy = tmp_path / 'page.md'
     copy.write_text(page.replace('| 137 | Drive |', '| 138 | Drive |'), encoding='utf-8')
-    status, lines, complaint = told('document', '--check', str(copy))
-    assert (status, lines) == (1, []) and 'is not what the declarations say' in complaint
-    assert told('document', str(copy)) == (0, [f'{copy} written'], '')
+    status, lines, errors = ran('document', '--check', str(copy))
+    assert (status, lines) == (1, []) and 'differs from the declarations' in errors
+    assert ran('document', str(copy)) == (0, [f'{copy} written'], '')
     assert copy.read_text(encoding='utf-8') == page
-    assert told('document', '--check', str(copy)) == (0, [], '')
-    assert told('document', str(tmp_path / 'none'))[0] == 1
+    assert ran('document', '--check', str(copy)) == (0, [], '')
+    assert ran('document', str(tmp_path / 'none'))[0] == 1
 
 
 def test_the_examples_of_the_page_are_true() -> None:
@@ -172,7 +172,7 @@ def test_the_shell_examples_of_the_page_are_true() -> None:
     for example in shell[1].split('$ python -m create_oi_ros.oi ')[1:]:
         command, *output = example.splitlines()
         words = [found.strip("'") for found in re.findall(r"'[^']*'|\S+", command)]
-        assert told(*words)[1] == output
+        assert ran(*words)[1] == output
 
 
 def test_the_map_of_the_manual_names_what_exists() -> None:
@@ -198,10 +198,12 @@ def test_it_runs_as_a_module(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
     with pytest.raises(SystemExit) as ended:
         runpy.run_module('create_oi_ros.oi', run_name='__main__')
     assert ended.value.code == 0 and capsys.readouterr().out == 'Start\n'
+    import_module('create_oi_ros.oi.__main__')
+    assert capsys.readouterr().out == '', 'importing it does not run it'
 
 
 @pytest.mark.parametrize('raised, status', [(BrokenPipeError, 141), (KeyboardInterrupt, 130)])
-def test_it_ends_quietly_when_it_is_not_wanted_any_more(
+def test_it_ends_quietly_when_stdout_is_closed_or_on_ctrl_c(
         monkeypatch: pytest.MonkeyPatch, tmp_path: Path, raised: type[BaseException],
         status: int) -> None:
     class Gone(io.StringIO):
@@ -217,7 +219,7 @@ def test_it_ends_quietly_when_it_is_not_wanted_any_more(
         assert run() == status
 
 
-def test_a_live_pipe_is_answered_line_by_line() -> None:
+def test_a_pipe_gets_each_line_at_once() -> None:
     with subprocess.Popen(
             [sys.executable, '-m', 'create_oi_ros.oi', 'decode'], cwd=ROOT, text=True, bufsize=1,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

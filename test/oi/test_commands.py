@@ -1,6 +1,7 @@
-"""Commands against the manual: bytes, ranges, modes, and that no row lacks a witness."""
+"""Commands against the manual: bytes, ranges, modes; every command has a test vector."""
 
 from collections.abc import Iterable
+from inspect import signature
 import struct
 from typing import Annotated
 
@@ -16,20 +17,20 @@ import vectors
 BIG = 1 << 15
 
 
-def witnessed(vector: vectors.CommandVector) -> str:
+def sent_bytes(vector: vectors.CommandVector) -> str:
     return ' '.join(map(str, vector.sent))
 
 
-@pytest.mark.parametrize('vector', vectors.COMMANDS, ids=witnessed)
+@pytest.mark.parametrize('vector', vectors.COMMANDS, ids=sent_bytes)
 def test_the_bytes_are_the_manuals(vector: vectors.CommandVector) -> None:
     assert vector.command.encode() == vector.sent
     decoded = type(vector.command).decode(vector.sent)
     assert decoded == vector.command and type(decoded) is type(vector.command)
 
 
-def missing_evidence(
+def untested(
         commands: Iterable[type[oi.Command]], given: Iterable[vectors.CommandVector]) -> list[str]:
-    """Name what the vectors leave unproven: rows, signs, byte order, order of fields."""
+    """Name what no vector tests: commands, signs, byte order, order of fields."""
     known = list(given)
     lacking = []
     for kind in commands:
@@ -53,15 +54,15 @@ def missing_evidence(
 
 
 def test_every_command_has_a_vector_that_shows_sign_and_order() -> None:
-    assert missing_evidence(oi.COMMANDS, vectors.COMMANDS) == []
+    assert untested(oi.COMMANDS, vectors.COMMANDS) == []
 
 
-def test_a_command_without_evidence_is_refused() -> None:
+def test_a_command_without_a_vector_is_found() -> None:
     some = [
         vectors.CommandVector('', oi.Drive(velocity=257, radius=257), b''),
         vectors.CommandVector('', oi.SendIr(byte=3), b''),
         vectors.CommandVector('', oi.Song(number=1, notes=()), b'')]
-    assert missing_evidence((oi.Start, oi.Drive, oi.SendIr, oi.Song), some) == [
+    assert untested((oi.Start, oi.Drive, oi.SendIr, oi.Song), some) == [
         'Start',
         'Drive.velocity: sign', 'Drive.velocity: byte order',
         'Drive.radius: sign', 'Drive.radius: byte order', 'Drive: order of fields',
@@ -103,7 +104,7 @@ def test_baud_codes_are_the_manuals() -> None:
     assert {code.value: code.rate for code in oi.BaudCode} == vectors.BAUD_CODES
     for code, rate in vectors.BAUD_CODES.items():
         assert oi.BaudCode.of_rate(rate) == code
-    with pytest.raises(ValueError, match='baud rate 1234 is none of 300, 600'):
+    with pytest.raises(ValueError, match='baud rate 1234; allowed: 300, 600'):
         oi.BaudCode.of_rate(1234)
 
 
@@ -134,7 +135,7 @@ def test_a_value_out_of_range_is_refused_on_encoding(command: oi.Command, name: 
     (oi.Stream(packets=7),  # type: ignore[arg-type]
      'Stream: packets = 7; allowed: 0 to 43 packets'),
 ], ids=str)
-def test_a_refusal_names_field_value_and_range(command: oi.Command, message: str) -> None:
+def test_an_error_names_field_value_and_range(command: oi.Command, message: str) -> None:
     with pytest.raises(ValueError) as refused:
         command.encode()
     assert str(refused.value) == message
@@ -146,11 +147,11 @@ def test_a_refusal_names_field_value_and_range(command: oi.Command, message: str
 ])
 def test_bytes_of_another_length_or_command_are_refused(
         kind: type[oi.Command], encoded: bytes) -> None:
-    with pytest.raises(ValueError, match=f'is no whole {kind.title}'):
+    with pytest.raises(ValueError, match=f'is not one whole {kind.title} command'):
         kind.decode(encoded)
 
 
-def test_what_arrives_out_of_range_is_held_as_it_came() -> None:
+def test_decoding_keeps_values_out_of_range() -> None:
     assert oi.Drive.decode(b'\x89\x7f\xff\x00\x00') == oi.Drive(velocity=32767, radius=0)
     assert oi.Baud.decode(b'\x81\x0c') == oi.Baud(code=12)
     assert oi.LowSideDrivers.decode(b'\x8a\xff').bits == 255
@@ -173,7 +174,7 @@ def test_commands_are_values() -> None:
         oi.DriveDirect(1, 2)  # type: ignore[call-arg, misc]
 
 
-def test_an_opcode_belongs_to_one_command() -> None:
+def test_two_commands_of_one_opcode_are_refused() -> None:
     with pytest.raises(TypeError, match='opcode 137 of Twin is already that of Drive'):
         class Twin(oi.Command, title='Twin', opcode=137, section='', modes=oi.ANY):
             pass
@@ -197,7 +198,7 @@ def test_decode_of_encode_is_identity(command: oi.Command) -> None:
 
 
 @given(st.data())
-def test_whatever_may_arrive_can_be_held_and_sent_again_if_allowed(data: st.DataObject) -> None:
+def test_any_bytes_can_be_decoded_and_encoded_again_if_allowed(data: st.DataObject) -> None:
     kind = data.draw(st.sampled_from(oi.COMMANDS))
     head = bytes([kind.opcode]) + data.draw(st.binary(min_size=5, max_size=5))
     size = kind.size(head)
@@ -210,7 +211,7 @@ def test_whatever_may_arrive_can_be_held_and_sent_again_if_allowed(data: st.Data
 
 
 @given(st.integers(-2 * BIG, 2 * BIG), st.integers(-2 * BIG, 2 * BIG))
-def test_nothing_out_of_range_leaves(velocity: int, radius: int) -> None:
+def test_nothing_out_of_range_is_encoded(velocity: int, radius: int) -> None:
     command = oi.Drive(velocity=velocity, radius=radius)
     fine = abs(velocity) <= 500 and (abs(radius) <= 2000 or radius in (-BIG, BIG - 1))
     try:
@@ -219,15 +220,27 @@ def test_nothing_out_of_range_leaves(velocity: int, radius: int) -> None:
         assert not fine
 
 
-@pytest.mark.parametrize('fields', [{}, {'right': 1}, {'right': 1, 'left': 2, 'up': 3}])
-def test_a_field_that_is_missing_or_unknown_is_refused(fields: dict[str, int]) -> None:
-    with pytest.raises(TypeError, match='needs right, left'):
+@pytest.mark.parametrize('fields, named', [
+    ({}, "'right' and 'left'"), ({'right': 1}, "'left'"),
+    ({'right': 1, 'left': 2, 'up': 3}, "'up'"),
+])
+def test_a_field_that_is_missing_or_unknown_is_refused(
+        fields: dict[str, int], named: str) -> None:
+    with pytest.raises(TypeError, match=f'argument.* {named}$'):
         oi.DriveDirect(**fields)
+
+
+def test_the_signature_of_a_command_shows_its_fields_with_their_types() -> None:
+    parameters = signature(oi.DriveDirect).parameters
+    assert list(parameters) == ['right', 'left']
+    for parameter in parameters.values():
+        assert parameter.kind is parameter.KEYWORD_ONLY
+        assert parameter.annotation == Annotated[int, Wire('h', -500, 500, 'mm/s')]
 
 
 def test_a_command_is_a_value_that_cannot_be_changed() -> None:
     command = oi.DriveDirect(right=1, left=2)
-    with pytest.raises(AttributeError, match='cannot be changed'):
+    with pytest.raises(AttributeError, match="cannot assign to field 'right'"):
         command.right = 3  # type: ignore[misc]
     assert command == oi.DriveDirect(left=2, right=1)
     assert hash(command) == hash(oi.DriveDirect(left=2, right=1))

@@ -27,9 +27,9 @@ def test_the_bytes_are_the_manuals(vector: vectors.PacketVector) -> None:
     assert packets.pack_reply([int(value)]) == vector.data
 
 
-def missing_evidence(
+def untested(
         packets: Mapping[int, oi.Packet], given: Iterable[vectors.PacketVector]) -> list[str]:
-    """Name what the vectors leave unproven: rows, signs, byte order, bits."""
+    """Name what no vector tests: packets, signs, byte order, bits."""
     known = list(given)
     lacking = []
     for number, (_, title, wire) in packets.items():
@@ -53,15 +53,15 @@ def missing_evidence(
 
 
 def test_every_packet_has_a_vector_that_shows_sign_and_order() -> None:
-    assert missing_evidence(oi.PACKETS, vectors.PACKETS) == []
+    assert untested(oi.PACKETS, vectors.PACKETS) == []
 
 
-def test_a_packet_without_evidence_is_refused() -> None:
+def test_a_packet_without_a_vector_is_found() -> None:
     chosen = {number: oi.PACKETS[number] for number in (7, 15, 19, 22, 24)}
     some = [
         vectors.PacketVector(7, b'\1', oi.BumpsAndWheelDrops.BUMP_RIGHT),
         vectors.PacketVector(15, b'\0', 0), vectors.PacketVector(19, b'\1\1', 257)]
-    assert missing_evidence(chosen, some) == [
+    assert untested(chosen, some) == [
         'Bumps and Wheel Drops: bits', 'Unused: no sign', 'Distance: sign',
         'Distance: byte order', 'Voltage', 'Voltage: no sign', 'Voltage: byte order',
         'Battery Temperature', 'Battery Temperature: sign']
@@ -93,7 +93,7 @@ def test_there_are_43_packets() -> None:
         oi.singles(43)
 
 
-def test_a_group_brings_its_singles() -> None:
+def test_a_group_contains_its_single_packets() -> None:
     data = bytes(range(1, 53))
     assert oi.PacketList([6]).unpack_reply(data) == EVERYTHING.unpack_reply(data)
     assert len(EVERYTHING.names) == 36
@@ -137,7 +137,7 @@ def test_capacity_is_whole_bytes_in_15_ms(baud: oi.BaudCode) -> None:
     assert oi.frame_capacity(baud.rate) == 15 * baud.rate // 10000
 
 
-def test_a_list_of_what_is_no_packet_is_refused() -> None:
+def test_a_list_with_an_unknown_packet_is_refused() -> None:
     with pytest.raises(ValueError, match='packet 43; allowed: 0 to 42'):
         oi.PacketList([7, 43])
     with pytest.raises(ValueError, match="no packet is named 'bump'; allowed: bumps_and"):
@@ -162,7 +162,7 @@ def test_the_longest_query_list_has_a_reply() -> None:
 def test_readings_hold_only_what_arrived() -> None:
     readings = oi.PacketList.named('distance').unpack_reply(b'\xff\x38')
     assert readings.has('distance') and not readings.has('distance', 'angle')
-    with pytest.raises(AttributeError):
+    with pytest.raises(AttributeError, match='angle has not arrived'):
         _ = readings.angle
     readings = readings.updated(
         oi.PacketList.named('angle', 'oi_mode').unpack_reply(b'\0\1\2'))
@@ -170,7 +170,7 @@ def test_readings_hold_only_what_arrived() -> None:
     assert readings != oi.Readings() and readings != 'readings'
 
 
-def test_newer_readings_take_the_place_of_older_ones() -> None:
+def test_newer_readings_replace_older_ones() -> None:
     older = oi.Readings({'distance': 5, 'wall': 1, 'oi_mode': 1})
     for newer, both in (
         ({}, {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.PASSIVE}),
@@ -186,13 +186,27 @@ def test_newer_readings_take_the_place_of_older_ones() -> None:
     assert dict(older.items()) == {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.PASSIVE}
 
 
-def test_a_packet_asked_for_twice_counts_as_it_came_last() -> None:
+def test_of_a_packet_requested_twice_the_last_value_counts() -> None:
     twice = oi.PacketList([8, 9, 8]).unpack_reply(b'\0\1\1')
     assert twice.wall and twice == oi.Readings({'wall': 1, 'cliff_left': 1})
     assert dict(twice.updated(oi.Readings({'distance': 3})).items()) == {
         'wall': True, 'cliff_left': True, 'distance': 3}
     late = oi.Readings({'cliff_left': 0}).updated(twice)
     assert late == twice
+
+
+def test_a_reading_of_no_packet_is_refused() -> None:
+    with pytest.raises(KeyError, match='speed'):
+        oi.Readings({'distance': 1, 'speed': 1})
+
+
+def test_readings_cannot_be_changed() -> None:
+    readings = oi.Readings({'distance': 1})
+    with pytest.raises(AttributeError):
+        readings.distance = 2
+    with pytest.raises(AttributeError):
+        readings.speed = 2  # type: ignore[attr-defined]
+    assert readings.distance == 1
 
 
 def test_readings_are_values() -> None:

@@ -1,4 +1,4 @@
-"""Bytes in flight: however they are cut, the same events; nothing lost, nothing believed."""
+"""Finding frames and commands: however the bytes are split, the same events; no byte is lost."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -22,7 +22,7 @@ BANNER = (
 Event = oi.Frame | oi.Garbage
 
 
-def taken(reader: oi.StreamReader) -> Iterator[Event]:
+def available(reader: oi.StreamReader) -> Iterator[Event]:
     while (event := reader.next_event()) is not None:
         yield event
 
@@ -30,12 +30,12 @@ def taken(reader: oi.StreamReader) -> Iterator[Event]:
 def events(
         chunks: Iterable[bytes], *lists: oi.PacketList, reader: oi.StreamReader | None = None,
 ) -> list[Event]:
-    """Feed bytes as they were cut; at the end nothing follows."""
+    """Feed the chunks and finish; return all events."""
     reader = reader or oi.StreamReader(lists)
     found: list[Event] = []
     for chunk in chunks:
         reader.feed(chunk)
-        found.extend(taken(reader))
+        found.extend(available(reader))
     return found + reader.finish()
 
 
@@ -87,12 +87,12 @@ def test_a_failed_checksum_is_counted_once() -> None:
 
 
 @pytest.mark.parametrize('lost', range(1, len(GOOD)))
-def test_a_cut_frame_costs_no_other(lost: int) -> None:
+def test_a_cut_frame_does_not_affect_the_next(lost: int) -> None:
     assert kinds(events([GOOD[:lost] + GOOD], CLIFF)) == 'gF'
     assert kinds(events([GOOD[lost:] + GOOD], CLIFF)) == 'gF'
 
 
-def test_a_false_header_is_looked_behind() -> None:
+def test_a_frame_after_a_false_header_is_found() -> None:
     packets = oi.PacketList([19, 13])
     frame = packets.pack_frame([0x1305, 0])
     assert kinds(events([b'\x13\x05\x13' + frame], packets)) == 'gF'
@@ -103,7 +103,7 @@ def test_a_false_header_is_looked_behind() -> None:
 def test_a_false_length_does_not_make_it_wait(length: int) -> None:
     reader = oi.StreamReader([CLIFF])
     reader.feed(bytes([19, length, 29]) + GOOD)
-    assert kinds(taken(reader)) == 'gF'
+    assert kinds(available(reader)) == 'gF'
 
 
 def test_a_header_in_the_values_is_a_value() -> None:
@@ -124,13 +124,13 @@ def test_the_list_may_change_in_flight() -> None:
     late = longer.pack_frame([1, 2, 0])
     reader = oi.StreamReader([CLIFF])
     reader.feed(GOOD + GOOD[:3])
-    assert kinds(taken(reader)) == 'F'
+    assert kinds(available(reader)) == 'F'
     reader.expect([CLIFF, longer])
     reader.feed(GOOD[3:] + late + late[:5])
-    assert [e.packets for e in taken(reader) if isinstance(e, oi.Frame)] == [CLIFF, longer]
+    assert [e.packets for e in available(reader) if isinstance(e, oi.Frame)] == [CLIFF, longer]
     reader.expect([longer])
     reader.feed(late[5:] + GOOD)
-    assert [e.packets for e in taken(reader) if isinstance(e, oi.Frame)] == [longer]
+    assert [e.packets for e in available(reader) if isinstance(e, oi.Frame)] == [longer]
 
 
 def test_lists_of_one_length_are_told_apart() -> None:
@@ -141,7 +141,7 @@ def test_lists_of_one_length_are_told_apart() -> None:
         assert [e.packets for e in found if isinstance(e, oi.Frame)] == [CLIFF, other, CLIFF]
 
 
-def test_frames_behind_an_unfinished_one_come_out_when_nothing_follows() -> None:
+def test_finish_returns_frames_after_an_incomplete_one() -> None:
     longer = oi.PacketList([6])
     begun = longer.pack_frame([0] * 36)[:20]
     reader = oi.StreamReader([longer, CLIFF])
@@ -151,14 +151,14 @@ def test_frames_behind_an_unfinished_one_come_out_when_nothing_follows() -> None
     assert reader.finish() == []
 
 
-def test_what_is_no_event_yet_can_be_thrown_away() -> None:
+def test_flush_returns_the_bytes_of_no_event() -> None:
     reader = oi.StreamReader([CLIFF])
     reader.feed(b'\7' + GOOD[:5])
     assert reader.next_event() is None and reader.flush() == oi.Garbage(b'\7' + GOOD[:5])
     assert events([GOOD], reader=reader) == [oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE)]
 
 
-def test_a_list_too_long_for_a_frame_is_passed_over() -> None:
+def test_a_list_too_long_for_a_frame_is_ignored() -> None:
     packets = oi.PacketList([6] * 5)
     assert packets.length == (5 * 53) & 0xff
     with pytest.raises(ValueError, match='up to 258'):
@@ -167,7 +167,7 @@ def test_a_list_too_long_for_a_frame_is_passed_over() -> None:
     assert kinds(events([looks_like_it], packets)) == 'gg'
 
 
-def test_a_convention_is_kept_until_the_other_comes_often() -> None:
+def test_the_checksum_convention_is_kept_until_the_other_repeats() -> None:
     reader = oi.StreamReader([CLIFF])
     assert reader.checksum is None
     assert kinds(events([GOOD], reader=reader)) == 'F'
@@ -189,7 +189,7 @@ def test_the_boot_banner_is_reported() -> None:
         assert isinstance(frame, oi.Frame)
 
 
-def test_the_boot_banner_is_readable_behind_half_a_frame() -> None:
+def test_the_boot_banner_is_readable_after_half_a_frame() -> None:
     garbage, frame = events([GOOD[:5] + bytes(60) + BANNER + GOOD], CLIFF)
     assert isinstance(garbage, oi.Garbage) and garbage.text == BANNER.decode().strip()
 
@@ -200,7 +200,7 @@ def test_the_boot_banner_is_readable_in_two_pieces() -> None:
     assert readable(joined(found[:2])) == BANNER.decode().strip()
 
 
-def test_noise_is_no_text() -> None:
+def test_noise_is_not_text() -> None:
     assert oi.Garbage(bytes(range(20)) + b'bad\0 \r\n\r\n \n\r \0').text == ''
     assert readable(b'') == ''
     assert readable(b'\xffRDK by iRobot!\xff\0battery 257\r\n') == 'RDK by iRobot!\nbattery 257'
@@ -211,7 +211,7 @@ def test_memory_is_bounded() -> None:
     for noise in (b'\0', b'\x13', b'\x13\xd4', b'\x13\xd4\x06'):
         for _ in range(300):
             reader.feed(noise * 10)
-            assert all(len(event.data) <= GARBAGE_AT_ONCE for event in taken(reader))
+            assert all(len(event.data) <= GARBAGE_AT_ONCE for event in available(reader))
             assert len(reader._buffer) < GARBAGE_AT_ONCE + 258
     assert reader.flush() is not None and reader.flush() is None
 
@@ -223,7 +223,7 @@ def cuts(data: bytes, places: Iterable[int]) -> list[bytes]:
 
 @st.composite
 def captures(draw: st.DrawFn) -> tuple[list[oi.PacketList], bytes]:
-    """Draw lists, and a capture of their frames with damage, noise and text in between."""
+    """Draw lists, and bytes of their frames with damage, noise and text in between."""
     lists = draw(st.lists(packet_lists(5), min_size=1, max_size=3))
     pieces = []
     for packets in draw(st.lists(st.sampled_from(lists), max_size=8)):
@@ -246,7 +246,7 @@ def captures(draw: st.DrawFn) -> tuple[list[oi.PacketList], bytes]:
 @example(([CLIFF], bytes(GARBAGE_AT_ONCE) + GOOD), [])
 @example(([CLIFF], bytes(GARBAGE_AT_ONCE - 1) + GOOD * 2), [])
 @example(([CLIFF], b'\x13' * 600 + GOOD), [300])
-def test_any_cutting_gives_the_same_events(
+def test_the_same_bytes_split_anywhere_give_the_same_events(
         capture: tuple[list[oi.PacketList], bytes], places: list[int]) -> None:
     lists, data = capture
     whole = events([data], *lists)
@@ -255,7 +255,7 @@ def test_any_cutting_gives_the_same_events(
 
 
 @given(captures())
-def test_events_are_the_bytes_that_went_in_and_frames_verify(
+def test_events_contain_all_bytes_and_frames_are_correct(
         capture: tuple[list[oi.PacketList], bytes]) -> None:
     lists, data = capture
     found = events([data], *lists)
@@ -307,7 +307,7 @@ def test_commands_in_order_come_out_in_order(
 
 @given(st.binary(max_size=300) | st.lists(
     st.sampled_from([*oi.Command.by_opcode, 0, 1, 3, 255]), max_size=100).map(bytes))
-def test_any_cutting_gives_the_same_commands(data: bytes) -> None:
+def test_the_same_bytes_split_anywhere_give_the_same_commands(data: bytes) -> None:
     found, pending = commands_in([data])
     assert commands_in(bytewise(data)) == (found, pending)
     assert len(pending) <= 3 + 2 * 255

@@ -1,4 +1,4 @@
-"""Scripts and the text form of commands: the manual's examples, identity, refusals."""
+"""Scripts and the text form of commands: the manual's examples, round trips, errors."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,7 +13,7 @@ from create_oi_ros.oi.script import (
     SCRIPT_LIMIT,
     script_of_reply,
 )
-from create_oi_ros.oi.tools.notes import note_frequency, note_name, note_number
+from create_oi_ros.oi.tools.notes import note_name, note_number
 from create_oi_ros.oi.tools.text import (
     format_command,
     format_commands,
@@ -69,13 +69,13 @@ def test_only_a_script_that_does_not_play_itself_can_end() -> None:
     assert can_end(oi.Script(script=bytes([151, 153]))), 'the 153 is data of Send IR'
 
 
-def test_waits_that_may_be_for_ever_are_named() -> None:
+def test_waits_that_may_never_end_are_named() -> None:
     script = parse_script(TEXTS['Drive in a square'] + 'Wait Time time=5\nWait Event event=bump')
     assert open_waits(script) == [
         oi.WaitDistance(distance=400), oi.WaitAngle(angle=90), oi.WaitEvent(event=5)]
 
 
-def test_a_script_is_no_longer_than_the_robot_can_keep() -> None:
+def test_a_script_longer_than_the_robot_can_store_is_refused() -> None:
     full = [oi.WaitTime(time=1)] * (SCRIPT_LIMIT // 2)
     assert len(build_script(full).encode()) == 102
     with pytest.raises(ValueError) as refused:
@@ -87,10 +87,10 @@ def test_a_script_is_no_longer_than_the_robot_can_keep() -> None:
 
 
 @pytest.mark.parametrize('script, message', [
-    (b'\x07', 'Script: 7 is the opcode of no command'),
+    (b'\x07', 'Script: 7 is not an opcode'),
     (b'\x80\x89\x01', 'Script: its last command, Drive, is cut short'),
 ])
-def test_bytes_that_are_no_commands_are_refused(script: bytes, message: str) -> None:
+def test_bytes_that_are_not_commands_are_refused(script: bytes, message: str) -> None:
     with pytest.raises(ValueError) as refused:
         commands_of(oi.Script(script=script))
     assert str(refused.value) == message
@@ -105,7 +105,8 @@ def test_notes_are_the_manuals() -> None:
     for number, (letter, frequency) in vectors.NOTES.items():
         name = note_name(number)
         assert name[:-1] == letter and note_number(name) == number
-        assert number == 32 or abs(note_frequency(number) / frequency - 1) < 0.001
+        equal_tempered = 440 * 2 ** ((number - note_number('A4')) / 12)
+        assert number == 32 or abs(equal_tempered / frequency - 1) < 0.001
     assert (note_name(60), note_name(31), note_name(127)) == ('C4', 'G1', 'G9')
 
 
@@ -116,16 +117,16 @@ def test_notes_are_read_as_musicians_write_them(name: str, number: int) -> None:
 
 
 @pytest.mark.parametrize('name', ['H4', 'C', 'C##4', 'C-1', 'F#1', 'G#9', ''])
-def test_what_is_no_sounding_note_is_refused(name: str) -> None:
+def test_a_name_of_no_sounding_note_is_refused(name: str) -> None:
     with pytest.raises(ValueError):
         note_number(name)
     for number in (30, 128):
-        with pytest.raises(ValueError, match=r'makes no sound; 31 \(G1\) to 127 \(G9\) do'):
+        with pytest.raises(ValueError, match=r'makes no sound; allowed: 31 \(G1\) to 127 \(G9\)'):
             note_name(number)
 
 
 @given(commands())
-def test_reading_what_was_written_is_identity(command: oi.Command) -> None:
+def test_parsing_a_formatted_command_returns_it(command: oi.Command) -> None:
     text = format_command(command)
     assert '\n' not in text
     assert parse_command(text) == command
@@ -133,7 +134,7 @@ def test_reading_what_was_written_is_identity(command: oi.Command) -> None:
 
 
 @given(st.lists(commands([oi.Drive, oi.Script, oi.WaitEvent, oi.Leds, oi.Start]), max_size=6))
-def test_scripts_in_scripts_are_read_as_written(listed: list[oi.Command]) -> None:
+def test_parsing_a_formatted_nested_script_returns_it(listed: list[oi.Command]) -> None:
     try:
         script = build_script(listed)
     except ValueError:
@@ -171,7 +172,7 @@ def test_scripts_in_scripts_are_read_as_written(listed: list[oi.Command]) -> Non
     ('Script script={ # nothing\n}', '152 0'),
     ('Script script={Script script={Full; Safe;}\nStart}', '152 5 152 2 132 131 128'),
 ])
-def test_text_is_read_as_people_write_it(text: str, sent: str) -> None:
+def test_variants_of_the_text_form_are_parsed(text: str, sent: str) -> None:
     assert parse_command(text).encode() == vectors.octets(sent)
 
 
@@ -183,17 +184,17 @@ def test_text_is_read_as_people_write_it(text: str, sent: str) -> None:
     (oi.Song(number=0, notes=(oi.Note(30, 1),)), 'Song number=0 notes=30:1'),
     (oi.Script(script=bytes([137, 39, 15, 0, 0])), 'Script script=137,39,15,0,0'),
 ])
-def test_what_may_not_be_sent_can_still_be_written(command: oi.Command, text: str) -> None:
+def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) -> None:
     assert format_command(command) == text
 
 
 @pytest.mark.parametrize('text, line, column, reason', [
     ('Full\n  Drve velocity=3', 2, 3,
-     "'Drve' is no command; allowed: Drive, Drive Direct, Demo"),
-    ('Full now', 1, 1, "'Full now' is no command; allowed: Full"),
-    ('=', 1, 1, "'=' is no command; allowed: Start, Baud, "),
-    ('Full;}', 1, 6, "'}' is no command; allowed: Start, "),
-    ('Full}', 1, 5, "'}' is no command; allowed: Start, "),
+     "'Drve' is not a command; allowed: Drive, Drive Direct, Demo"),
+    ('Full now', 1, 1, "'Full now' is not a command; allowed: Full"),
+    ('=', 1, 1, "'=' is not a command; allowed: Start, Baud, "),
+    ('Full;}', 1, 6, "'}' is not a command; allowed: Start, "),
+    ('Full}', 1, 5, "'}' is not a command; allowed: Start, "),
     ('Script script={Full} Full', 1, 22, 'Script: expected name=value or line end'),
     ('Song notes= number=1', 1, 1, 'Song: notes has 0 notes; allowed: 1 to 16 notes'),
     ('Drive velocity=900 radius=0', 1, 16,
@@ -222,18 +223,18 @@ def test_what_may_not_be_sent_can_still_be_written(command: oi.Command, text: st
     ('Stream packets=unused', 1, 16, 'Stream: packets[0] = unused; allowed: 0 to 42 or a name'),
     ('Song number=0 notes=', 1, 1, 'Song: notes has 0 notes; allowed: 1 to 16 notes'),
     ('Song number=0 notes=C4:1,H4:1', 1, 26,
-     "Song: notes: 'H4' is no note such as C4, C#4 or Db4"),
+     "Song: notes: 'H4' is not a note; allowed: names such as C4, C#4 or Db4"),
     ('Song number=0 notes=C4', 1, 21, 'Song: notes = C4; allowed: note:duration'),
     ('Song number=0 notes=C4:999', 1, 24, 'Song: notes, duration = 999; allowed: 0 to 255 ('),
     ('Song number=0 notes=300:9', 1, 21, 'Song: notes, note = 300; allowed: 0 to 255'),
-    ('Song number=0 notes=F#1:9', 1, 21, 'Song: notes: F#1 makes no sound; 31 (G1) to 127 (G9)'),
+    ('Song number=0 notes=F#1:9', 1, 21, 'Song: notes: F#1 makes no sound; allowed: 31 (G1) to '),
     ('Start\nScript script={\nFull\nDrive velocity=x}', 4, 16, 'Drive: velocity = x; allowed: '),
     ('Script script={Full', 1, 15, 'this { is never closed'),
     ('Script script={' + 'Drive velocity=300 radius=1;' * 21 + '}', 1, 15,
      'Script: command 21 (Drive) brings it to 105 bytes; allowed: 100 bytes'),
-    ('Script script={' * 60, 1, 50 * 15 + 15, 'Script: more than 50 scripts in each other'),
+    ('Script script={' * 60, 1, 50 * 15 + 15, 'Script: scripts are nested more than 50 deep'),
 ])
-def test_a_refusal_names_line_column_and_what_is_allowed(
+def test_an_error_names_line_column_and_what_is_allowed(
         text: str, line: int, column: int, reason: str) -> None:
     with pytest.raises(TextError) as refused:
         parse_commands(text)
@@ -242,13 +243,13 @@ def test_a_refusal_names_line_column_and_what_is_allowed(
     assert str(refused.value).startswith(f'line {line}, column {column}: {reason}')
 
 
-def test_one_command_is_one() -> None:
+def test_parse_command_refuses_none_or_several() -> None:
     for text in ('', '# none', 'Full; Safe'):
         with pytest.raises(TextError, match='commands; expected one'):
             parse_command(text)
 
 
-def test_a_script_of_text_is_no_longer_than_the_robot_can_keep() -> None:
+def test_a_script_of_text_longer_than_the_robot_can_store_is_refused() -> None:
     with pytest.raises(TextError, match='^line 102, column 1: Script: command 101 .Full. brings'):
         parse_script('Full\n' * 101)
 
@@ -259,7 +260,7 @@ WORDS = st.sampled_from([
 
 
 @given(st.lists(WORDS).map(''.join) | st.text())
-def test_text_is_read_or_refused_and_nothing_else(text: str) -> None:
+def test_any_text_is_parsed_or_raises_a_text_error(text: str) -> None:
     try:
         found = parse_commands(text)
     except TextError:

@@ -32,7 +32,7 @@ def lap(world: World, seconds: float) -> list[tuple[float, float, float]]:
         create.receive(oi.DriveDirect(
             right=round(1000 * (speed + HALF * turn)),
             left=round(1000 * (speed - HALF * turn))).encode(), (period - 1) * PERIOD)
-        create.step(period * PERIOD)
+        create.poll(period * PERIOD)
         pose = body.truth().pose
         poses.append((pose.x, pose.y, pose.yaw))
     return poses

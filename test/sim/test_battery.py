@@ -1,13 +1,13 @@
-"""The battery and what hangs on it: drain, the charger's stages, temperature, overcurrent."""
+"""The battery: drain, charging states, temperature, overcurrent of the drivers."""
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
+from create_oi_ros.oi import ChargingState
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.battery import Battery, BatteryConfig
 from create_oi_ros.sim.body.config import BodyConfig
-from create_oi_ros.sim.body.sensed import Charging
 from create_oi_ros.sim.world import parse, World
 
 HOUR = 3600.0
@@ -77,7 +77,8 @@ def test_charging_goes_through_reconditioning_full_trickle_and_waiting():
         body.step(10)
         if not seen or seen[-1] != body.sense().charging_state:
             seen.append(body.sense().charging_state)
-    assert seen == [Charging.RECONDITIONING, Charging.FULL, Charging.TRICKLE, Charging.WAITING]
+    assert seen == [ChargingState.RECONDITIONING, ChargingState.FULL_CHARGING,
+                    ChargingState.TRICKLE, ChargingState.WAITING]
     assert 0.9 < body.sense().charge / body.sense().capacity <= 1
 
 
@@ -87,17 +88,17 @@ def test_the_current_is_positive_while_charging_and_falls_by_stage():
         body.set_battery(charge=charge)
         body.step(1)
         currents[body.sense().charging_state] = body.sense().current
-    assert currents[Charging.FULL] > currents[Charging.RECONDITIONING] \
-        > currents[Charging.TRICKLE] > 0
+    assert currents[ChargingState.FULL_CHARGING] > currents[ChargingState.RECONDITIONING] \
+        > currents[ChargingState.TRICKLE] > 0
 
 
 def test_waiting_ends_when_enough_was_used():
     body = charging(charge=1.0)
     body.step(HOUR + 10)
-    assert body.sense().charging_state == Charging.WAITING
+    assert body.sense().charging_state == ChargingState.WAITING
     assert body.sense().current < 0
     body.step(2 * HOUR)
-    assert body.sense().charging_state in (Charging.FULL, Charging.TRICKLE)
+    assert body.sense().charging_state in (ChargingState.FULL_CHARGING, ChargingState.TRICKLE)
 
 
 def test_unplugged_it_does_not_charge():
@@ -105,7 +106,7 @@ def test_unplugged_it_does_not_charge():
     assert body.sense().internal_charger
     body.plug_charger(False)
     body.step(1)
-    assert body.sense().charging_state == Charging.NOT_CHARGING
+    assert body.sense().charging_state == ChargingState.NOT_CHARGING
     assert not body.sense().internal_charger
     assert body.sense().current < 0
 
@@ -114,12 +115,12 @@ def test_safe_and_full_end_charging_though_the_source_is_there():
     body = charging()
     body.allow_charging(False)
     body.step(1)
-    assert body.sense().charging_state == Charging.NOT_CHARGING
+    assert body.sense().charging_state == ChargingState.NOT_CHARGING
     assert body.sense().internal_charger
     assert body.sense().current < 0
     body.allow_charging(True)
     body.step(1)
-    assert body.sense().charging_state == Charging.FULL
+    assert body.sense().charging_state == ChargingState.FULL_CHARGING
 
 
 @pytest.mark.parametrize('reported', [False, True])
@@ -136,24 +137,24 @@ def test_a_charging_fault_stops_the_current_until_it_is_cleared():
     body = charging()
     body.set_battery(fault=True)
     body.step(1)
-    assert body.sense().charging_state == Charging.FAULT
+    assert body.sense().charging_state == ChargingState.FAULT
     assert body.sense().current < 0
     body.set_battery(fault=False)
     body.step(1)
-    assert body.sense().charging_state == Charging.FULL
+    assert body.sense().charging_state == ChargingState.FULL_CHARGING
 
 
 def test_a_hot_battery_waits_until_it_is_cooler():
     body = charging()
     body.set_battery(temperature=46)
     body.step(1)
-    assert body.sense().charging_state == Charging.WAITING
+    assert body.sense().charging_state == ChargingState.WAITING
     body.set_battery(temperature=42)
     body.step(1)
-    assert body.sense().charging_state == Charging.WAITING
+    assert body.sense().charging_state == ChargingState.WAITING
     body.set_battery(temperature=39)
     body.step(1)
-    assert body.sense().charging_state == Charging.FULL
+    assert body.sense().charging_state == ChargingState.FULL_CHARGING
 
 
 def test_work_warms_the_battery_and_rest_cools_it():
@@ -174,7 +175,7 @@ def test_touching_a_home_base_charges():
     body.step(1)
     assert body.sense().home_base
     assert not body.sense().internal_charger
-    assert body.sense().charging_state == Charging.FULL
+    assert body.sense().charging_state == ChargingState.FULL_CHARGING
 
 
 def test_a_home_base_without_mains_does_nothing():
@@ -183,7 +184,7 @@ def test_a_home_base_without_mains_does_nothing():
     body.step(1)
     assert not body.sense().home_base
     assert body.sense().infrared == 255
-    assert body.sense().charging_state == Charging.NOT_CHARGING
+    assert body.sense().charging_state == ChargingState.NOT_CHARGING
 
 
 @pytest.mark.parametrize(('driver', 'limit'), [('ld0', 0.5), ('ld1', 0.5), ('ld2', 1.5)])
@@ -219,7 +220,7 @@ def test_charge_stays_between_empty_and_full(times):
         battery.step(seconds, drawn, charger)
         assert 0 <= battery.charge <= battery.config.capacity
         assert 10 < battery.voltage < 18
-        assert (battery.state is Charging.NOT_CHARGING) == (not charger) or seconds == 0
+        assert (battery.state is ChargingState.NOT_CHARGING) == (not charger) or seconds == 0
 
 
 def test_the_battery_does_not_care_how_time_is_cut():

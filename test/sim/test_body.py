@@ -1,4 +1,4 @@
-"""The simulated robot's motion, encoders and what somebody can do to it by hand."""
+"""The simulated robot's motion and encoders, and what somebody can do to it by hand."""
 
 import math
 from random import Random
@@ -10,7 +10,7 @@ import pytest
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, Contact, EncoderSign
 from create_oi_ros.sim.body.encoders import Rounding
-from create_oi_ros.sim.body.sensed import checked, RANGES, Readings
+from create_oi_ros.sim.body.sensed import checked, RANGES, Sensed
 from create_oi_ros.sim.world import parse, Pose, shipped, World
 
 B = BodyConfig().wheel_separation
@@ -188,7 +188,7 @@ def test_reading_in_every_frame_a_slow_drive_never_shows_under_truncation():
 @pytest.mark.parametrize(('rounding', 'total'), [
     (Rounding.TRUNCATE, 200), (Rounding.ROUND, 400), (Rounding.CARRY, 300)])
 def test_reading_in_every_frame_adds_up_by_the_rounding(rounding, total):
-    # 1.5 mm a frame, less or more by a grain that settles which way the halves go.
+    # Slightly more than 1.5 mm a frame, so that halves are rounded up.
     body = body_at_speed(0.1001, 0.1001, rounding=rounding)
     read = sum((body.step(FRAME), body.take_distance())[1] for _ in range(200))
     assert read == pytest.approx(total, abs=1)
@@ -450,13 +450,13 @@ def test_placing_does_not_turn_the_wheels():
     lambda body: body.set_battery(temperature=math.inf),
     lambda body: body.force(seconds=-1, play=True)])
 def test_the_outside_cannot_break_the_physics(act):
-    with pytest.raises(ValueError, match='wanted'):
+    with pytest.raises(ValueError, match='allowed'):
         act(Body(World()))
 
 
 # Forced sensors.
 
-def test_a_forced_sensor_lies_over_the_physics_until_it_is_given_back():
+def test_a_forced_sensor_replaces_the_physics_until_it_is_released():
     body = Body(World())
     body.force(bump_left=True, analog=700)
     run(body, 1)
@@ -504,7 +504,7 @@ def test_a_sensor_that_is_not_there_is_refused():
        st.lists(st.floats(0, 50), min_size=3, max_size=3), st.booleans(),
        st.sampled_from(['room', 'apartment', 'table', 'empty']))
 @settings(max_examples=80, deadline=None)
-def test_readings_stay_in_the_manuals_ranges(forced, charge, temperature, loads, lifted, name):
+def test_sensors_stay_in_the_manuals_ranges(forced, charge, temperature, loads, lifted, name):
     body = Body(shipped(name), seed=3)
     for field, value in forced.items():
         low, high = RANGES[field]
@@ -519,7 +519,7 @@ def test_readings_stay_in_the_manuals_ranges(forced, charge, temperature, loads,
         body.step(0.4)
         for field, value in body.sense()._asdict().items():
             assert checked(field, value) == value
-            assert isinstance(value, type(Readings._field_defaults[field]))
+            assert isinstance(value, type(Sensed._field_defaults[field]))
 
 
 # Determinism.
@@ -539,12 +539,12 @@ def test_the_same_seed_gives_the_same_robot():
     assert story(5) != story(6)
 
 
-def test_looking_twice_at_one_moment_shows_the_same():
+def test_sense_is_cached_until_something_changes():
     body = Body(World())
     assert body.sense() is body.sense()
 
 
-def test_looking_does_not_change_the_motion():
+def test_reading_the_sensors_does_not_change_the_motion():
     blind, seeing = Body(shipped('room')), Body(shipped('room'))
     for body in (blind, seeing):
         body.drive(right=0.3, left=0.2)

@@ -1,4 +1,4 @@
-"""The ten demos of the simulated Create, by what one sees (manual: Demo Commands)."""
+"""The ten demos of the simulated Create, by what can be seen (manual: Demo Commands)."""
 
 import math
 

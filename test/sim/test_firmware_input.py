@@ -331,7 +331,7 @@ def test_what_is_below_a_unit_when_read_is_lost_or_carried(
 
 
 @given(st.lists(st.floats(0.001, 0.2), max_size=20))
-def test_it_does_not_matter_how_often_one_steps(cuts: list[float]) -> None:
+def test_it_does_not_matter_how_often_one_polls(cuts: list[float]) -> None:
     robots = [Robot(Mode.SAFE) for _ in range(2)]
     for robot in robots:
         robot.say(bytes([148, 3, 7, 19, 20]), oi.Song(number=0, notes=(oi.Note(60, 9),)),
@@ -340,6 +340,6 @@ def test_it_does_not_matter_how_often_one_steps(cuts: list[float]) -> None:
     parts = b''.join(cut.run(each) for each in cuts)
     whole.now += sum(cuts) - whole.now
     whole.now = cut.now
-    whole.create.step(whole.now)
+    whole.create.poll(whole.now)
     assert whole.create.data_to_send() == parts
     assert whole.body.truth() == cut.body.truth()

@@ -11,7 +11,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
 from create_oi_ros.sim.firmware.guesses import Guesses
-from create_oi_ros.sim.firmware.uart import heard
+from create_oi_ros.sim.firmware.uart import resampled
 from support.robot import GENTLE, Robot
 
 RATES = {0: 300, 1: 600, 2: 1200, 3: 2400, 4: 4800, 5: 9600, 6: 14400, 7: 19200, 8: 28800,
@@ -171,14 +171,14 @@ def test_the_rate_persists_until_create_is_power_cycled(cycle: str) -> None:
 
 
 @pytest.mark.parametrize('rate', [rate for rate in RATES.values() if rate != 57600])
-def test_whoever_speaks_at_the_wrong_rate_is_not_understood(rate: int) -> None:
+def test_bytes_sent_at_the_wrong_rate_are_not_understood(rate: int) -> None:
     robot = Robot(Mode.PASSIVE)
     robot.say(oi.Safe(), oi.Full(), GENTLE, baud=rate)
     assert robot.wheels == (0, 0)
 
 
 @pytest.mark.parametrize('rate', [19200, 38400, 115200])
-def test_whoever_listens_at_the_wrong_rate_hears_garbage(rate: int) -> None:
+def test_a_host_that_listens_at_the_wrong_rate_receives_garbage(rate: int) -> None:
     robot = Robot(Mode.PASSIVE)
     robot.say(bytes([148, 1, 35]))
     robot.create.host_baud(rate)
@@ -205,20 +205,20 @@ def test_at_115200_bytes_200_microseconds_apart_are_heard() -> None:
 
 
 @given(st.binary(max_size=40), st.sampled_from(sorted(RATES.values())))
-def test_bytes_heard_at_the_rate_they_were_sent_at_stay_the_same(data: bytes, rate: int) -> None:
-    assert heard(data, rate, rate) == data
+def test_bytes_read_at_the_rate_they_were_sent_at_stay_the_same(data: bytes, rate: int) -> None:
+    assert resampled(data, rate, rate) == data
 
 
 @given(st.binary(max_size=40), st.sampled_from(sorted(RATES.values())),
        st.sampled_from(sorted(RATES.values())))
-def test_whatever_is_heard_at_another_rate_are_some_bytes(
+def test_the_number_of_bytes_received_at_another_rate_is_limited(
         data: bytes, sent: int, received: int) -> None:
-    assert len(heard(data, sent, received)) <= 10 * len(data) * max(1, received / sent)
+    assert len(resampled(data, sent, received)) <= 10 * len(data) * max(1, received / sent)
 
 
 def test_a_slow_receiver_sees_one_byte_for_three_and_a_start_bit_of_three() -> None:
-    # At a third of the rate one bit is three: 0x00 is nine low bits, three of the receiver's.
-    assert heard(b'\0', 57600, 19200) == bytes([0b11111100])
+    # At a third of the rate one bit of the receiver is three: 0x00 is nine low bits, so three.
+    assert resampled(b'\0', 57600, 19200) == bytes([0b11111100])
 
 
 # Physical Connections: power.

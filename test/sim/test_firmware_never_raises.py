@@ -1,4 +1,4 @@
-"""Whatever bytes come, the simulated Create goes on; and time has its price."""
+"""The simulated Create survives any bytes."""
 
 from random import Random
 
@@ -38,13 +38,13 @@ def test_a_million_random_bytes_do_not_raise() -> None:
         robot.say(random.randbytes(100))
         robot.slots()
         if robot.create.waiting or robot.mode is Mode.OFF:
-            # A wait for an event that never comes would make the rest of the test a trifle.
+            # A wait for an event that never comes would ignore the rest of the bytes.
             robot.create.lose_battery(robot.now)
             robot.say(oi.Start(), random.choice(list(MODES.values())))
     assert robot.create.commands > MILLION / 500
 
 
-def test_a_flood_in_one_call_is_swallowed() -> None:
+def test_a_million_bytes_in_one_call_do_not_raise() -> None:
     robot = Robot(Mode.FULL, guesses=AT_ONCE)
     robot.say(bytes([152, 100] + [142, 6] * 50))
     robot.say(bytes([153]) * 1000)
@@ -54,7 +54,7 @@ def test_a_flood_in_one_call_is_swallowed() -> None:
 
 
 def test_a_robot_recovers_from_any_bytes_by_harmless_ones() -> None:
-    """What a driver does on connecting: at most 2 + 2 * 255 bytes end any cut command."""
+    """As a driver does on connecting: at most 2 + 2 * 255 bytes end any incomplete command."""
     random = Random(7)
     for _ in range(200):
         robot = Robot(Mode.PASSIVE, guesses=AT_ONCE)

@@ -17,7 +17,7 @@ TOGGLE_LED_ON_BUMP = bytes(
 SQUARE = bytes([152, 17, 137, 1, 44, 128, 0, 156, 1, 144, 137, 1, 44, 0, 1, 157, 0, 90, 153])
 PLAY, SHOW = bytes([153]), bytes([154])
 AFTER = bytes([139, 8, 0, 0])
-"""Lights the Advance LED: a sign that a wait is over."""
+"""Lights the Advance LED, which shows that a wait is over."""
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def robot() -> Robot:
 
 
 def lit(robot: Robot) -> bool:
-    """Tell whether AFTER has been obeyed."""
+    """Return whether AFTER was obeyed."""
     return robot.create.lights.bits == oi.LedBits.ADVANCE
 
 

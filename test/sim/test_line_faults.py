@@ -1,4 +1,4 @@
-"""What goes wrong on purpose, and bytes that take their time."""
+"""Faults that happen on purpose, and bytes that are delayed by the baud rate."""
 
 from collections import Counter
 
@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.server.faults import Fault, Faults, Kind, MOST_GARBAGE
+from create_oi_ros.sim.server.faults import Fault, FaultKind, Faults, MOST_GARBAGE
 from create_oi_ros.sim.server.pacing import Pacer
 
 FRAME = bytes(range(100, 150))
@@ -14,12 +14,12 @@ SLOT = 0.015
 
 
 def faults(*specs: str, seed: int = 1) -> Faults:
-    """Return what these specs let go wrong."""
+    """Return the faults of these specs."""
     return Faults([Fault.parse(spec) for spec in specs], seed)
 
 
-def going_on(specs: str, kind: Kind, seconds: float) -> list[float]:
-    """Return the times, to a slot, at which a fault goes on."""
+def going_on(specs: str, kind: FaultKind, seconds: float) -> list[float]:
+    """Return the start times of the slots in which a fault lasts."""
     some = faults(specs)
     times = []
     for slot in range(round(seconds / SLOT)):
@@ -55,19 +55,19 @@ def test_a_rate_is_a_part_of_the_frames() -> None:
     assert 400 < damaged < 600
 
 
-def test_damage_is_of_what_the_robot_sends_unless_it_says_in() -> None:
+def test_damage_happens_to_bytes_of_the_robot_except_with_in() -> None:
     assert faults('flip:1').to_robot(FRAME, 0) == FRAME
     assert faults('flip.in:1').to_robot(FRAME, 0) != FRAME
     assert faults('flip.in:1').from_robot(FRAME, 0) == FRAME
 
 
-def test_damage_can_be_kept_within_a_time() -> None:
+def test_damage_can_be_limited_to_a_time() -> None:
     some = faults('flip:1@2+1~10')
     damaged = [time for time in range(25) if some.from_robot(FRAME, time) != FRAME]
     assert damaged == [2, 12, 22]
 
 
-def test_nothing_is_damaged_that_is_not_there() -> None:
+def test_no_bytes_stay_no_bytes() -> None:
     assert faults('flip:1', 'drop:1', 'garbage:1').from_robot(b'', 0) == b''
 
 
@@ -78,21 +78,21 @@ def test_the_same_seed_gives_the_same_faults() -> None:
     assert said[0] == said[1] != said[2]
 
 
-# What lasts.
+# Faults that last.
 
 def test_a_time_alone_is_once_for_a_second() -> None:
-    times = going_on('silence@1', Kind.SILENCE, 5)
+    times = going_on('silence@1', FaultKind.SILENCE, 5)
     assert (times[0], times[-1]) == (1.005, 1.995)
 
 
 def test_a_period_repeats() -> None:
-    times = going_on('cut@1+0.5~2', Kind.CUT, 6)
+    times = going_on('cut@1+0.5~2', FaultKind.CUT, 6)
     assert Counter(int(time) for time in times).keys() == {1, 3, 5}
 
 
 def test_a_rate_is_times_a_second() -> None:
     some = faults('unplug:0.1+0.5')
-    begun = sum(Kind.UNPLUG in some.step(slot * SLOT) for slot in range(200_000))
+    begun = sum(FaultKind.UNPLUG in some.step(slot * SLOT) for slot in range(200_000))
     assert 200 < begun < 340
 
 
@@ -101,7 +101,7 @@ def test_a_rate_is_times_a_second() -> None:
     ('unplug', False, False), ('brownout', True, True)])
 def test_which_way_bytes_are_lost(kind: str, out: bool, into: bool) -> None:
     some = faults(f'{kind}@0')
-    assert some.step(0) == {Kind(kind)}
+    assert some.step(0) == {FaultKind(kind)}
     assert (some.from_robot(FRAME, 0) == FRAME) is out
     assert (some.to_robot(FRAME, 0) == FRAME) is into
 
@@ -116,7 +116,7 @@ def test_a_cut_cable_stays_cut() -> None:
 @pytest.mark.parametrize('spec', ['', 'flip', 'flip@3', 'flip:1.1', 'silence', 'burn:1', 'cut:',
                                   'cut@', 'cut:x', 'flip:-1', 'cut@1+', 'flip:1e3', 'cut@nan'])
 def test_a_spec_with_an_error_is_refused(spec: str) -> None:
-    with pytest.raises(ValueError, match='wanted|part'):
+    with pytest.raises(ValueError, match='allowed|add a rate'):
         Fault.parse(spec)
 
 

@@ -1,4 +1,4 @@
-"""A run is captured by the real node and played again: the same bytes, the same readings."""
+"""The real node captures a run, `create_sim` replays it: same bytes, same readings."""
 
 from itertools import pairwise
 from math import hypot
@@ -18,8 +18,8 @@ from create_oi_ros.oi.tools.capture_format import (
     CaptureReader,
     encode_head,
     encode_record,
-    Kind,
     Record,
+    RecordKind,
     records_of,
 )
 from create_oi_ros.sim.server.replay import Replay
@@ -28,13 +28,13 @@ from support.simulator import opened, receive, simulator
 
 SECOND = 1_000_000
 LOSS = 2.0
-"""Seconds of the line that may be missing after kill -9, on a busy computer."""
+"""Seconds of a capture that may be missing after kill -9 on a busy computer."""
 NEAR = 0.01
-"""Metres between two odometries of the same readings at slightly other times."""
+"""Metres by which odometry may differ for the same readings at slightly other times."""
 
 
 def read(path: Path) -> tuple[list[Record], str]:
-    """Return the records of a file, and what is wrong with it."""
+    """Return the records of a file, and the error if there is one."""
     records = []
     try:
         for record in records_of([path.read_bytes()], CaptureReader()):
@@ -44,12 +44,12 @@ def read(path: Path) -> tuple[list[Record], str]:
     return records, ''
 
 
-def said(records: list[Record], kind: Kind = Kind.FROM_ROBOT) -> bytes:
+def said(records: list[Record], kind: RecordKind = RecordKind.FROM_ROBOT) -> bytes:
     """Return all bytes of one direction."""
     return b''.join(record.data for record in records if record.kind is kind)
 
 
-def written(path: Path, *records: tuple[float, Kind, bytes]) -> Path:
+def written(path: Path, *records: tuple[float, RecordKind, bytes]) -> Path:
     """Write a capture of records with times in seconds."""
     before, data = 0, encode_head({'port': '/dev/create'})
     for time, kind, content in records:
@@ -62,21 +62,22 @@ def written(path: Path, *records: tuple[float, Kind, bytes]) -> Path:
 
 # The robot's side, without a clock.
 
-def replay(*records: tuple[float, Kind, bytes]) -> Replay:
+def replay(*records: tuple[float, RecordKind, bytes]) -> Replay:
     """Return a replay of records with times in seconds."""
     return Replay(Record(round(time * SECOND), kind, data) for time, kind, data in records)
 
 
 def at(robot: Replay, now: float) -> bytes:
-    """Return what is said until then."""
-    robot.step(now)
+    """Return the bytes that are sent up to a time."""
+    robot.poll(now)
     return robot.data_to_send()
 
 
-def test_it_begins_when_the_host_speaks_as_the_captured_one_did() -> None:
+def test_it_starts_when_the_host_sends_as_the_captured_one_did() -> None:
     robot = replay(
-        (1, Kind.OPENED, b''), (2, Kind.FROM_ROBOT, b'before'), (3, Kind.TO_ROBOT, b'\x80'),
-        (3.5, Kind.FROM_ROBOT, b'after'), (4, Kind.END, b''))
+        (1, RecordKind.OPENED, b''), (2, RecordKind.FROM_ROBOT, b'before'),
+        (3, RecordKind.TO_ROBOT, b'\x80'),
+        (3.5, RecordKind.FROM_ROBOT, b'after'), (4, RecordKind.END, b''))
     assert at(robot, 100) == b''
     robot.receive(b'', 100)
     assert at(robot, 200) == b''
@@ -87,13 +88,15 @@ def test_it_begins_when_the_host_speaks_as_the_captured_one_did() -> None:
     assert robot.due() == pytest.approx(200.5)
     assert at(robot, 200.6) == b'after' and not robot.over
     assert at(robot, 202) == b'' and robot.over and robot.due() > 1e9
-    assert (robot.said, robot.heard, robot.heard_then, robot.time) == (11, 3, 1, 4.0)
+    assert (robot.sent, robot.received, robot.received_then, robot.time) == (11, 3, 1, 4.0)
 
 
 def test_a_port_that_was_lost_comes_back_and_waits_for_the_host() -> None:
     robot = replay(
-        (0, Kind.TO_ROBOT, b'\x80'), (1, Kind.FROM_ROBOT, b'a'), (2, Kind.LOST, b'gone'),
-        (7, Kind.OPENED, b''), (7.1, Kind.TO_ROBOT, b'\x80'), (7.2, Kind.FROM_ROBOT, b'b'))
+        (0, RecordKind.TO_ROBOT, b'\x80'), (1, RecordKind.FROM_ROBOT, b'a'),
+        (2, RecordKind.LOST, b'gone'),
+        (7, RecordKind.OPENED, b''), (7.1, RecordKind.TO_ROBOT, b'\x80'),
+        (7.2, RecordKind.FROM_ROBOT, b'b'))
     robot.receive(b'\x80', 10)
     assert at(robot, 11) == b'a' and robot.plugged
     assert at(robot, 12) == b'' and not robot.plugged
@@ -107,8 +110,9 @@ def test_a_port_that_was_lost_comes_back_and_waits_for_the_host() -> None:
 # `create_sim --replay`.
 
 def test_a_capture_is_played_and_its_end_told(tmp_path: Path) -> None:
-    path = written(tmp_path / 'c', (0, Kind.TO_ROBOT, b'\x80'), (0.2, Kind.FROM_ROBOT, b'hello'),
-                   (0.3, Kind.FROM_ROBOT, bytes(20_000)), (0.4, Kind.END, b''))
+    path = written(tmp_path / 'c', (0, RecordKind.TO_ROBOT, b'\x80'),
+                   (0.2, RecordKind.FROM_ROBOT, b'hello'),
+                   (0.3, RecordKind.FROM_ROBOT, bytes(20_000)), (0.4, RecordKind.END, b''))
     with simulator('--link', tmp_path / 'create', '--replay', path) as sim:
         assert '/dev/create' in sim.said
         with opened(tmp_path / 'create') as host:
@@ -121,7 +125,8 @@ def test_a_capture_is_played_and_its_end_told(tmp_path: Path) -> None:
 
 
 def test_a_capture_that_is_cut_short_is_played_up_to_the_cut(tmp_path: Path) -> None:
-    path = written(tmp_path / 'c', (0, Kind.TO_ROBOT, b'\x80'), (0.1, Kind.FROM_ROBOT, b'hello'))
+    path = written(tmp_path / 'c', (0, RecordKind.TO_ROBOT, b'\x80'),
+                   (0.1, RecordKind.FROM_ROBOT, b'hello'))
     with simulator('--link', tmp_path / 'create', '--replay', path) as sim:
         with opened(tmp_path / 'create') as host:
             os.write(host, b'\x80')
@@ -135,7 +140,7 @@ def test_a_capture_that_is_cut_short_is_played_up_to_the_cut(tmp_path: Path) -> 
     (None, 'No such file'), (b'', 'empty'), (b'PK\3\4', 'no capture'),
     (encode_head({}) + b'\7\0', 'damaged'),
 ])
-def test_what_cannot_be_played_gets_a_sentence(
+def test_a_file_that_cannot_be_replayed_is_refused_in_one_line(
         tmp_path: Path, content: bytes | None, words: str) -> None:
     if content is not None:
         (tmp_path / 'c').write_bytes(content)
@@ -146,10 +151,10 @@ def test_what_cannot_be_played_gets_a_sentence(
 
 
 @pytest.mark.parametrize('option', ['--world=room', '--fault=cut:1', '--show', '--wire-time'])
-def test_what_is_simulated_otherwise_is_refused(tmp_path: Path, option: str) -> None:
+def test_an_option_of_the_simulation_is_refused(tmp_path: Path, option: str) -> None:
     with simulator('--replay', tmp_path / 'c', option) as sim:
         code, _, errors = sim.ended()
-    assert code == 2 and f'{option.partition("=")[0]}: with --replay' in errors
+    assert code == 2 and f'{option.partition("=")[0]} does not work with --replay' in errors
 
 
 # The node.
@@ -173,7 +178,7 @@ def drive(stage: Scene, odom: list[Odometry]) -> None:
 
 
 def way(odom: list[Odometry]) -> float:
-    """Return how far a robot has gone."""
+    """Return the distance from the start, metres."""
     places = [each.pose.pose.position for each in odom]
     return sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(places))
 
@@ -188,7 +193,8 @@ def test_a_captured_run_is_played_to_another_node(stage: Scene) -> None:
     records, wrong = read(first)
     assert not wrong and f'written to {first}' in node.output
     assert {record.kind for record in records} >= {
-        Kind.OPENED, Kind.FROM_ROBOT, Kind.TO_ROBOT, Kind.NOTE, Kind.END}
+        RecordKind.OPENED, RecordKind.FROM_ROBOT, RecordKind.TO_ROBOT, RecordKind.NOTE,
+        RecordKind.END}
     then, odom[:] = list(odom), []
     again = stage.folder / 'again'
     sim = stage.program('create_sim', '--link', str(again), '--replay', str(first))
@@ -236,7 +242,7 @@ def test_a_capture_that_cannot_be_written_is_refused_at_start(
 
 # The port and the file alone.
 
-def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
+def test_bytes_of_both_directions_are_captured_in_order(tmp_path: Path) -> None:
     robot, host = os.openpty()
     file, path = new_file(str(tmp_path / 'c'))
     capture = Capture(file, {}, print)
@@ -257,15 +263,15 @@ def test_what_passes_a_port_is_captured_in_order(tmp_path: Path) -> None:
     with pytest.raises(PortError):
         port.write(b'\x83')
     capture.close()
-    capture.add_text(Kind.NOTE, 'too late')
+    capture.add_text(RecordKind.NOTE, 'too late')
     records, wrong = read(path)
     assert not wrong
     told = [(record.kind, record.text) for record in records if record.kind in (
-        Kind.OPENED, Kind.BAUD)]
-    assert told == [(Kind.OPENED, f'{name} at 57600 baud'), (Kind.BAUD, '19200')]
-    assert said(records) == b'hello' and said(records, Kind.TO_ROBOT) == b'\x80\x83'
-    assert [record.kind for record in records].count(Kind.LOST) == 1
-    assert records[-1].kind is Kind.END
+        RecordKind.OPENED, RecordKind.BAUD)]
+    assert told == [(RecordKind.OPENED, f'{name} at 57600 baud'), (RecordKind.BAUD, '19200')]
+    assert said(records) == b'hello' and said(records, RecordKind.TO_ROBOT) == b'\x80\x83'
+    assert [record.kind for record in records].count(RecordKind.LOST) == 1
+    assert records[-1].kind is RecordKind.END
 
 
 def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
@@ -279,9 +285,9 @@ def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
     disk = os.open('/dev/full', os.O_WRONLY)
     os.dup2(disk, file)
     os.close(disk)
-    capture.add_text(Kind.NOTE, 'too much')
+    capture.add_text(RecordKind.NOTE, 'too much')
     assert full.wait(PATIENCE)
-    capture.add(Kind.FROM_ROBOT, b'\0')
+    capture.add(RecordKind.FROM_ROBOT, b'\0')
     capture.close()
     assert told == ['No space left on device; nothing more is captured, the driver goes on']
 

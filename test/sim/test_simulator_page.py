@@ -7,7 +7,7 @@ import pytest
 
 from create_oi_ros.sim.firmware.guesses import Guesses, LIKELY
 from create_oi_ros.sim.server.control import WORDS
-from create_oi_ros.sim.server.faults import Kind
+from create_oi_ros.sim.server.faults import FaultKind
 
 DOCS = (Path(__file__).parents[2] / 'docs' / 'simulator.md').read_text('utf-8')
 
@@ -18,8 +18,8 @@ def test_every_word_of_the_control_socket_is_there_with_its_form(word: str) -> N
     assert f'`{form}`' in DOCS
 
 
-@pytest.mark.parametrize('kind', Kind)
-def test_every_kind_of_fault_is_there(kind: Kind) -> None:
+@pytest.mark.parametrize('kind', FaultKind)
+def test_every_kind_of_fault_is_there(kind: FaultKind) -> None:
     assert f'`{kind.value}`' in DOCS
 
 

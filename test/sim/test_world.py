@@ -1,4 +1,4 @@
-"""Rooms as text, and what a robot senses in them."""
+"""Room files, and what a robot senses in rooms."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
-from create_oi_ros.sim.world.geometry import Disc, Polygon, Segment
+from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon
 
 FRAME = 0.015
 
@@ -40,7 +40,7 @@ def test_an_unknown_shipped_world_is_refused_with_the_known():
         shipped('rom')
 
 
-def test_comments_and_blank_lines_say_nothing():
+def test_comments_and_blank_lines_are_ignored():
     assert parse('# nothing\n\n   \nwall 0 0 1 0  # a wall\n', 'x').obstacles
 
 
@@ -49,24 +49,24 @@ def test_angles_are_degrees_in_the_text_and_radians_in_the_world():
 
 
 @pytest.mark.parametrize(('line', 'message'), [
-    ('wal 0 0 1 1', "'wal' is not known: one of start, floor, patch, ground, cliff, wall"),
-    ('wall 0 0 1', "3 numbers after 'wall': \"wall X Y X Y ...\" is wanted"),
+    ('wal 0 0 1 1', "unknown 'wal'; allowed: start, floor, patch, ground, cliff, wall"),
+    ('wall 0 0 1', "3 numbers after 'wall'; allowed: \"wall X Y X Y ...\""),
     ('wall 0 0', "2 numbers after 'wall'"),
     ('wall 0 0 0 0', 'has no length'),
-    ('box 0 0 1', "3 numbers after 'box': \"box X Y X Y\" is wanted"),
+    ('box 0 0 1', "3 numbers after 'box'; allowed: \"box X Y X Y\""),
     ('box 1 1 1 2', 'has no length'),
     ('start 0 zero 0', "'zero' is not a number"),
     ('start 0 nan 0', "'nan' is not a number"),
-    ('floor 1.5', 'a reflectance of 1.5 is not within 0 to 1'),
-    ('patch 2 0 0 1 0 1 1', 'a reflectance of 2.0'),
+    ('floor 1.5', 'reflectance 1.5; allowed: 0 to 1'),
+    ('patch 2 0 0 1 0 1 1', 'reflectance 2.0'),
     ('patch 0.5 0 0 1 0', "5 numbers after 'patch'"),
-    ('post 0 0 0', 'a radius of 0.0 must be above 0'),
+    ('post 0 0 0', 'radius 0.0; allowed: above 0'),
     ('cliff 0 0 1 0', "4 numbers after 'cliff'"),
     ('virtual_wall 0 0 0 0', 'a beam of 0.0 metres'),
     ('virtual_wall 0 0 0', "3 numbers after 'virtual_wall'"),
     ('home_base 0 0', "2 numbers after 'home_base'"),
 ])
-def test_a_wrong_line_is_refused_with_name_line_and_what_is_wanted(line, message):
+def test_a_wrong_line_is_refused_with_name_line_and_what_is_allowed(line, message):
     with pytest.raises(WorldError) as caught:
         parse(f'# first\n{line}\n', 'den')
     assert str(caught.value).startswith('den, line 2: ')
@@ -85,21 +85,21 @@ def test_a_world_cannot_be_changed_by_a_typo():
 @pytest.mark.parametrize(('point', 'gap'), [
     ((1, 1), 1), ((-3, 4), 5), ((2, 0), 0), ((5, 0), 3)])
 def test_the_gap_to_a_segment(point, gap):
-    assert Segment((0, 0), (2, 0)).gap(*point) == pytest.approx(gap)
+    assert LineSegment((0, 0), (2, 0)).gap(*point) == pytest.approx(gap)
 
 
 def test_a_ray_meets_what_is_in_its_way():
-    assert Segment((1, -1), (1, 1)).hit(0, 0, 1, 0) == pytest.approx(1)
-    assert Segment((1, 2), (1, 3)).hit(0, 0, 1, 0) == math.inf
-    assert Segment((0, 1), (1, 1)).hit(0, 0, 1, 0) == math.inf
-    assert Segment((-1, -1), (-1, 1)).hit(0, 0, 1, 0) == math.inf
+    assert LineSegment((1, -1), (1, 1)).hit(0, 0, 1, 0) == pytest.approx(1)
+    assert LineSegment((1, 2), (1, 3)).hit(0, 0, 1, 0) == math.inf
+    assert LineSegment((0, 1), (1, 1)).hit(0, 0, 1, 0) == math.inf
+    assert LineSegment((-1, -1), (-1, 1)).hit(0, 0, 1, 0) == math.inf
     assert Disc(2, 0, 0.5).hit(0, 0, 1, 0) == pytest.approx(1.5)
     assert Disc(-2, 0, 0.5).hit(0, 0, 1, 0) == math.inf
     assert Disc(2, 1, 0.5).hit(0, 0, 1, 0) == math.inf
 
 
 def test_a_segment_knows_its_ends():
-    assert Segment((1, 2), (4, 6)).ends == ((1, 2), pytest.approx((4, 6)))
+    assert LineSegment((1, 2), (4, 6)).ends == ((1, 2), pytest.approx((4, 6)))
 
 
 def test_a_polygon_needs_three_points():

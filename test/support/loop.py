@@ -54,7 +54,7 @@ class Loop:
         """Let one step of time pass."""
         self.now += STEP
         self.robot.host_baud(self.driver.baud if self._has_rate else None)
-        self.robot.step(self.now)
+        self.robot.poll(self.now)
         self._carry(self._down, self.robot.data_to_send())
         while (data := self._arrived(self._down)) is not None:
             self.driver.receive(data, self.now)

@@ -1,4 +1,4 @@
-"""What hypothesis draws for the tests of `create_oi_ros.oi`."""
+"""Strategies of hypothesis for commands, lists of packets and frames."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -32,22 +32,22 @@ def fields(kind: type[oi.Command]) -> st.SearchStrategy[dict[str, Any]]:
 
 
 def commands(kinds: Iterable[type[oi.Command]] = oi.COMMANDS) -> st.SearchStrategy[oi.Command]:
-    """Draw any command that may be sent."""
+    """Draw commands whose values are in range."""
     return st.one_of([fields(kind).map(lambda values, kind=kind: kind(**values))
                       for kind in kinds])
 
 
 def packet_lists(max_size: int = 12) -> st.SearchStrategy[oi.PacketList]:
-    """Draw lists that a frame can hold, of single packets and groups."""
+    """Draw lists of single packets and groups that fit in a frame."""
     lists = st.lists(st.sampled_from(oi.PACKET_IDS), min_size=1, max_size=max_size)
     return lists.map(oi.PacketList).filter(lambda packets: packets.frame_size <= 258)
 
 
 @st.composite
 def frames(draw: st.DrawFn, packets: oi.PacketList, *, header_in_sum: bool = True) -> bytes:
-    """Frames of a list, full of bytes that look like headers and packet numbers."""
-    telling = st.sampled_from([oi.HEADER, packets.length, *packets.ids, 0, 255])
+    """Draw frames of a list, with many bytes that look like headers and packet numbers."""
+    confusing = st.sampled_from([oi.HEADER, packets.length, *packets.ids, 0, 255])
     size = packets.reply_size
-    reply = bytes(draw(st.lists(telling, min_size=size, max_size=size)))
+    reply = bytes(draw(st.lists(confusing, min_size=size, max_size=size)))
     values = packets._values.unpack(reply)
     return packets.pack_frame(values, header_in_sum=header_in_sum)

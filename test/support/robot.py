@@ -1,4 +1,4 @@
-"""A simulated Create in memory, and a host that speaks with it; time is what `run` says."""
+"""A simulated Create in memory and a host; `run` lets time pass."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ GENTLE = oi.DriveDirect(right=100, left=100)
 
 
 class Robot:
-    """One robot, from power-on long ago; seconds since the test began."""
+    """One robot, switched on long ago. Seconds since the start of the test."""
 
     def __init__(self, mode: oi.Mode = oi.Mode.OFF, *, world: World | None = None,
                  guesses: Guesses = LIKELY, rounding: Rounding = Rounding.CARRY,
@@ -22,21 +22,21 @@ class Robot:
         self.body = Body(world or World(), rounding=rounding, seed=seed)
         self.create = Create(self.body, checksum=checksum, guesses=guesses, seed=seed)
         self.now = 0.0
-        self.create.step(0.0)
+        self.create.poll(0.0)
         if mode is not oi.Mode.OFF:
             self.say(oi.Start(), MODES[mode])
             assert self.create.mode is mode
 
     def say(self, *parts: oi.Command | bytes, baud: int | None = None) -> bytes:
-        """Send commands or bytes at once; return what the robot answered at once."""
+        """Send commands or bytes; return the immediate reply."""
         data = b''.join(part if isinstance(part, bytes) else part.encode() for part in parts)
         self.create.receive(data, self.now, baud)
         return self.create.data_to_send()
 
     def run(self, seconds: float) -> bytes:
-        """Let time pass; return what the robot said meanwhile."""
+        """Let time pass; return the bytes that the robot sent."""
         self.now += seconds
-        self.create.step(self.now)
+        self.create.poll(self.now)
         return self.create.data_to_send()
 
     def slots(self, count: int = 1) -> bytes:
@@ -44,7 +44,7 @@ class Robot:
         return self.run(count * oi.SLOT)
 
     def ask(self, *packets: int) -> bytes:
-        """Return the bytes that Query List answers."""
+        """Return the reply to a Query List."""
         return self.say(bytes([149, len(packets), *packets]))
 
     def read(self, name: str) -> Any:
@@ -59,7 +59,7 @@ class Robot:
 
     @property
     def wheels(self) -> tuple[float, float]:
-        """What the wheels were told: right, left, mm/s."""
+        """Commanded wheel speeds: right, left, mm/s."""
         return tuple(self.create.actuators.wheels)
 
     @property

@@ -1,4 +1,4 @@
-"""`create_sim` as a process, its control socket, and clients that somebody else might write."""
+"""`create_sim` as a process, its control socket, and the simplest clients of its port."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,11 +16,11 @@ from typing import Any
 from create_oi_ros.ros.programs import PROGRAMS
 
 PATIENCE = 20.0
-"""Seconds after which what a test waits for is taken not to come."""
+"""Timeout of everything that a test waits for, seconds."""
 
 
 class Simulator:
-    """One process; `said` is what it has printed when it serves."""
+    """One process; `said` is its first line of output."""
 
     def __init__(self, *arguments: str | Path) -> None:
         self.process = subprocess.Popen(
@@ -30,14 +30,14 @@ class Simulator:
         self.said = self.process.stdout.readline()
 
     def ended(self) -> tuple[int, str, str]:
-        """Wait for its end; return exit code and what else it said, plainly and as errors."""
+        """Wait for its end; return exit code, the rest of its output, and its errors."""
         assert self.process.stdout is not None
         assert self.process.stderr is not None
         code = self.process.wait(PATIENCE)
         return code, self.process.stdout.read(), self.process.stderr.read()
 
     def stop(self, number: signal.Signals = signal.SIGINT) -> tuple[int, str, str]:
-        """End it by a signal, and wait."""
+        """End it by a signal; return what `ended` does."""
         self.process.send_signal(number)
         return self.ended()
 
@@ -52,31 +52,31 @@ class Teacher:
         self._lines = self._socket.makefile('r')
 
     def ask(self, line: str) -> str:
-        """Say a line; return the answer."""
+        """Send a line; return the answer."""
         self._socket.sendall(line.encode() + b'\n')
         return self._lines.readline().strip()
 
     def tell(self, *lines: str) -> None:
-        """Say lines that must be right."""
+        """Send lines that must be answered by ok."""
         for line in lines:
             answer = self.ask(line)
             assert answer.startswith('ok'), f'{line}: {answer}'
 
     def truth(self, line: str = 'truth') -> dict[str, Any]:
-        """Say a line that is answered by the truth; return it."""
+        """Send a line that is answered by the truth; return that."""
         answer = self.ask(line)
         assert answer.startswith('ok '), f'{line}: {answer}'
         return json.loads(answer[3:])
 
     def close(self) -> None:
-        """Hang up."""
+        """Disconnect."""
         self._lines.close()
         self._socket.close()
 
 
 @contextmanager
 def simulator(*arguments: str | Path) -> Iterator[Simulator]:
-    """Run `create_sim`, and end it whatever happens."""
+    """Run `create_sim`; end it whatever happens."""
     running = Simulator(*arguments)
     try:
         yield running
@@ -108,7 +108,7 @@ def opened(port: Path) -> Iterator[int]:
 
 
 def receive(descriptor: int, count: int) -> bytes:
-    """Read exactly so many bytes."""
+    """Read exactly this many bytes."""
     data = b''
     deadline = time.monotonic() + PATIENCE
     while len(data) < count:
@@ -119,5 +119,5 @@ def receive(descriptor: int, count: int) -> bytes:
 
 
 def silent(descriptor: int, seconds: float) -> bool:
-    """Tell whether nothing arrives for some time."""
+    """Return whether nothing arrives for some time."""
     return not select.select([descriptor], [], [], seconds)[0]

@@ -1,1 +1,1 @@
-"""What explains the Open Interface to people: text form, transcripts, tables, captures."""
+"""Tools that show the Open Interface to people: text form, transcripts, tables, captures."""

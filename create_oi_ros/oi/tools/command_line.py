@@ -1,10 +1,9 @@
 """
 The command line: `python -m create_oi_ros.oi decode|encode|packets|commands`.
 
-Made for the curious and for a pipe from a serial sniffer. `decode` explains bytes as they come;
-what it prints can be read by `encode`. Of a driver's capture (`--capture FILE`) it tells what was
-said when, in lines for people. The exit code is 0 when all was understood, 1 when something was
-not, 2 for wrong usage.
+`decode` explains bytes, for example from a serial sniffer, line by line as they arrive; `encode`
+reads what it prints. `decode --capture FILE` lists what a driver and its robot sent, with times.
+The exit code is 0 if all bytes were understood, 1 if some were not, 2 for wrong usage.
 """
 
 from argparse import ArgumentParser, Namespace
@@ -26,19 +25,19 @@ from .transcript import explain_capture
 NOT_UNDERSTOOD = 1
 BROKEN_PIPE = 128 + 13
 INTERRUPTED = 128 + 2
-AT_ONCE = 4096
-"""Bytes."""
+CHUNK = 4096
+"""Bytes that are read at once."""
 
 
-def _chunks(wanted: Namespace, stdin: TextIO) -> Iterator[bytes]:
-    if wanted.bytes:
-        yield octets(' '.join(wanted.bytes), hexadecimal=wanted.hex)
-    elif wanted.raw:
-        yield from iter(lambda: stdin.buffer.read1(AT_ONCE), b'')  # type: ignore[attr-defined]
+def _chunks(options: Namespace, stdin: TextIO) -> Iterator[bytes]:
+    if options.bytes:
+        yield octets(' '.join(options.bytes), hexadecimal=options.hex)
+    elif options.raw:
+        yield from iter(lambda: stdin.buffer.read1(CHUNK), b'')  # type: ignore[attr-defined]
     else:
         for number, line in enumerate(stdin, 1):
             try:
-                yield octets(line, hexadecimal=wanted.hex)
+                yield octets(line, hexadecimal=options.hex)
             except ValueError as refused:
                 raise ValueError(f'line {number}: {refused}') from None
 
@@ -49,98 +48,103 @@ def _packet_list(text: str) -> PacketList:
     return PacketList(command.packets)
 
 
-def _capture(wanted: Namespace) -> Iterator[str]:
+def _capture(options: Namespace) -> Iterator[str]:
     reader = CaptureReader()
-    with wanted.capture.open('rb') as file:
-        records = records_of(iter(lambda: file.read(AT_ONCE), b''), reader)
-        told = explain_capture(records, at_length=wanted.explain, everything=wanted.all)
+    with options.capture.open('rb') as file:
+        records = records_of(iter(lambda: file.read(CHUNK), b''), reader)
+        lines = explain_capture(records, at_length=options.explain, everything=options.all)
         try:
-            for number, line in enumerate(told):
+            for number, line in enumerate(lines):
                 if number == 0 and reader.facts is not None:
                     yield from (f'{name} = {value}' for name, value in reader.facts.items())
                 yield line
         except CaptureError as error:
-            raise ValueError(f'{wanted.capture}: {error}') from error
+            raise ValueError(f'{options.capture}: {error}') from error
 
 
-def _decode(wanted: Namespace, stdin: TextIO) -> Iterator[str]:
-    if wanted.capture:
-        return _capture(wanted)
-    chunks = _chunks(wanted, stdin)
-    if wanted.stream:
-        return explain_stream(chunks, map(_packet_list, wanted.stream))
-    return explain_commands(chunks, at_length=wanted.explain)
+def _decode(options: Namespace, stdin: TextIO) -> Iterator[str]:
+    if options.capture:
+        return _capture(options)
+    chunks = _chunks(options, stdin)
+    if options.stream:
+        return explain_stream(chunks, map(_packet_list, options.stream))
+    return explain_commands(chunks, at_length=options.explain)
 
 
-def _encode(wanted: Namespace, stdin: TextIO) -> Iterator[str]:
-    text = ' '.join(wanted.command) or stdin.read()
+def _encode(options: Namespace, stdin: TextIO) -> Iterator[str]:
+    text = ' '.join(options.command) or stdin.read()
     for command in parse_commands(text):
         encoded = command.encode()
-        yield encoded.hex(' ') if wanted.hex else decimal(encoded)
+        yield encoded.hex(' ') if options.hex else decimal(encoded)
 
 
-def _packets(wanted: Namespace, stdin: TextIO) -> Iterator[str]:
-    if not wanted.ids:
+def _packets(options: Namespace, stdin: TextIO) -> Iterator[str]:
+    if not options.ids:
         yield columns(packets_table()).rstrip()
         return
-    packets = _packet_list(','.join(wanted.ids))
+    packets = _packet_list(','.join(options.ids))
     numbers = {packet.id for packet in packets.packets}
     yield columns(packets_table(filter(numbers.__contains__, PACKETS))).rstrip()
     yield from budget_lines(packets)
 
 
-def _commands(wanted: Namespace, stdin: TextIO) -> Iterator[str]:
+def _commands(options: Namespace, stdin: TextIO) -> Iterator[str]:
     yield columns(commands_table()).rstrip()
 
 
-def _document(wanted: Namespace, stdin: TextIO) -> Iterator[str]:
-    before = wanted.page.read_text(encoding='utf-8')
+def _document(options: Namespace, stdin: TextIO) -> Iterator[str]:
+    before = options.page.read_text(encoding='utf-8')
     after = document(before)
-    if wanted.check and before != after:
-        raise ValueError(f'{wanted.page} is not what the declarations say; run without --check')
+    if options.check and before != after:
+        raise ValueError(
+            f'{options.page} differs from the declarations: run without --check to rewrite it')
     if before != after:
-        wanted.page.write_text(after, encoding='utf-8')
-        yield f'{wanted.page} written'
+        options.page.write_text(after, encoding='utf-8')
+        yield f'{options.page} written'
 
 
 def _parser() -> ArgumentParser:
     parser = ArgumentParser(
         prog='python -m create_oi_ros.oi',
-        description='Explain and make bytes of the iRobot Create Open Interface.')
-    doors = parser.add_subparsers(required=True, metavar='decode|encode|packets|commands')
-    door = doors.add_parser('decode', help='explain bytes, given here or line by line on stdin')
-    door.add_argument('bytes', nargs='*', help='decimal, or hexadecimal with 0x')
-    door.add_argument('--hex', action='store_true', help='bytes are hexadecimal without 0x')
-    door.add_argument('--raw', action='store_true', help='stdin brings the bytes themselves')
-    door.add_argument('--explain', action='store_true', help='say what each command does')
-    door.add_argument('--stream', metavar='IDS', action='append', help=(
-        'the bytes are stream frames of these packets (29,13 or names); again for another list'))
-    door.add_argument('--capture', metavar='FILE', type=Path, help=(
-        'explain a capture of a driver: what was said when, by host (->) and robot (<-)'))
-    door.add_argument('--all', action='store_true', help=(
-        'of a capture, every frame, not only what changes'))
-    door.set_defaults(work=_decode)
-    door = doors.add_parser('encode', help='turn commands, given here or on stdin, into bytes')
-    door.add_argument('command', nargs='*', help="such as 'Drive velocity=-200 radius=500'")
-    door.add_argument('--hex', action='store_true', help='write hexadecimal')
-    door.set_defaults(work=_encode)
-    door = doors.add_parser('packets', help='list the sensor packets')
-    door.add_argument('ids', nargs='*', help='only these, and what streaming them costs')
-    door.set_defaults(work=_packets)
-    doors.add_parser('commands', help='list the commands').set_defaults(work=_commands)
-    door = doors.add_parser('document', help='write the tables into a Markdown page')
-    door.add_argument('page', type=Path)
-    door.add_argument('--check', action='store_true', help='only tell whether they differ')
-    door.set_defaults(work=_document)
+        description='Explain and encode bytes of the iRobot Create Open Interface.')
+    actions = parser.add_subparsers(required=True, metavar='decode|encode|packets|commands')
+    _add_decode(actions.add_parser(
+        'decode', help='explain bytes, given here or line by line on stdin'))
+    encode = actions.add_parser('encode', help='turn commands, given here or on stdin, into bytes')
+    encode.add_argument('command', nargs='*', help="such as 'Drive velocity=-200 radius=500'")
+    encode.add_argument('--hex', action='store_true', help='write hexadecimal')
+    encode.set_defaults(work=_encode)
+    packets = actions.add_parser('packets', help='list the sensor packets')
+    packets.add_argument('ids', nargs='*', help='list only these, and what streaming them costs')
+    packets.set_defaults(work=_packets)
+    actions.add_parser('commands', help='list the commands').set_defaults(work=_commands)
+    tables = actions.add_parser('document', help='write the tables into a Markdown page')
+    tables.add_argument('page', type=Path)
+    tables.add_argument('--check', action='store_true', help='only say whether they differ')
+    tables.set_defaults(work=_document)
     return parser
 
 
+def _add_decode(decode: ArgumentParser) -> None:
+    decode.add_argument('bytes', nargs='*', help='decimal, or hexadecimal with 0x')
+    decode.add_argument('--hex', action='store_true', help='bytes are hexadecimal without 0x')
+    decode.add_argument('--raw', action='store_true', help='stdin is binary, not text')
+    decode.add_argument('--explain', action='store_true', help='say what each command does')
+    decode.add_argument('--stream', metavar='IDS', action='append', help=(
+        'the bytes are stream frames of these packets (29,13 or names); repeat for more lists'))
+    decode.add_argument('--capture', metavar='FILE', type=Path, help=(
+        'explain a capture of a driver: what host (->) and robot (<-) sent, and when'))
+    decode.add_argument('--all', action='store_true', help=(
+        'show every frame of a capture, not only changes'))
+    decode.set_defaults(work=_decode)
+
+
 def main(arguments: list[str], stdin: TextIO, stdout: TextIO, stderr: TextIO) -> int:
-    """Do what the arguments ask; return the exit code."""
-    wanted = _parser().parse_args(arguments)
+    """Run the command line; return the exit code."""
+    options = _parser().parse_args(arguments)
     status = 0
     try:
-        for line in wanted.work(wanted, stdin):
+        for line in options.work(options, stdin):
             print(line, file=stdout, flush=True)
             status = status if understood(line) else NOT_UNDERSTOOD
     except (ValueError, OSError) as refused:
@@ -152,13 +156,12 @@ def main(arguments: list[str], stdin: TextIO, stdout: TextIO, stderr: TextIO) ->
 
 
 def run() -> int:
-    """Be the program: `main` on the real streams, quiet where a reader goes away."""
+    """Run `main` on the process's own streams; end quietly when the reader of stdout ends."""
     try:
         return main(sys.argv[1:], sys.stdin, sys.stdout, sys.stderr)
     except BrokenPipeError:
-        # Python flushes stdout once more at its end; let that go nowhere.
+        # Python flushes stdout at exit, which would fail again: send that to the null device.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
     except KeyboardInterrupt:
         return INTERRUPTED
-

@@ -1,7 +1,7 @@
 """
-Bytes in the manual's words, a line for each command or frame, as they come.
+Explains bytes in the manual's words: one line for each command or frame, as they arrive.
 
-What cannot be explained is said behind a #, so that the lines can be read as text again.
+A line for bytes that cannot be explained begins with #, so that all lines can be read as text.
 """
 
 from collections.abc import Iterable, Iterator
@@ -24,16 +24,16 @@ CONVENTIONS = {
 
 
 def understood(line: str) -> bool:
-    """Tell whether a line explains something, rather than say that there is no explanation."""
+    """Tell whether a line explains bytes; False if it says that they cannot be explained."""
     return not line.startswith('#') or line in CONVENTIONS.values()
 
 
 def octets(line: str, *, hexadecimal: bool = False) -> bytes:
     """
-    Return the bytes that a line gives: decimal, with 0x or on request hexadecimal.
+    Return the bytes in a line of text: decimal, or hexadecimal with 0x or `hexadecimal`.
 
-    Commas, brackets and the like are spaces; a # begins a comment. ValueError names the word
-    that is no byte.
+    Commas, brackets and similar characters count as spaces; # begins a comment. ValueError names
+    the word that is not a byte.
     """
     found = bytearray()
     for word in filter(None, SEPARATORS.split(line.partition('#')[0])):
@@ -44,19 +44,19 @@ def octets(line: str, *, hexadecimal: bool = False) -> bytes:
                 found.append(int(word))
         except ValueError:
             raise ValueError(
-                f'{word!r} is no byte: decimal 0 to 255, 0x00 to 0xff, or hexadecimal with --hex'
+                f'{word!r} is not a byte; allowed: 0 to 255, 0x00 to 0xff, or with --hex 00 to ff'
             ) from None
     return bytes(found)
 
 
 def explain_commands(chunks: Iterable[bytes], *, at_length: bool = False) -> Iterator[str]:
-    """Explain bytes that a host sent, a line for each command, as they come."""
+    """Explain bytes that a host sent, one line for each command, as they arrive."""
     reader = CommandReader()
     for chunk in chunks:
         reader.feed(chunk)
         while (found := reader.next_event()) is not None:
             if isinstance(found, UnknownOpcode):
-                yield f'# {found.data[0]} is the opcode of no command'
+                yield f'# {found.data[0]} is not an opcode'
             else:
                 yield explain_command(found, at_length=at_length)
     if reader.pending:
@@ -65,7 +65,7 @@ def explain_commands(chunks: Iterable[bytes], *, at_length: bool = False) -> Ite
 
 
 def explain_command(command: Command, *, at_length: bool) -> str:
-    """Explain one command; at length with its bytes, what it does, and when it is obeyed."""
+    """Explain one command; `at_length` adds its bytes, what it does, and when it is obeyed."""
     line = format_command(command)
     try:
         encoded = command.encode()
@@ -79,7 +79,7 @@ def explain_command(command: Command, *, at_length: bool) -> str:
 
 
 def explain_stream(chunks: Iterable[bytes], lists: Iterable[PacketList]) -> Iterator[str]:
-    """Explain bytes that a robot sent, a line for each frame, as they come."""
+    """Explain bytes that a robot sent, one line for each frame, as they arrive."""
     convention: Checksum | None = None
     for found in _events(chunks, StreamReader(lists)):
         if isinstance(found, Frame) and found.checksum is not convention:
@@ -97,7 +97,7 @@ def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | G
 
 
 def explain_frame(frame: Frame) -> str:
-    """Explain all that a frame brings."""
+    """Explain all values of a frame."""
     values = dict(frame.readings.items())
     return ', '.join(
         explain_reading(packet, values[name])
@@ -121,5 +121,5 @@ def _garbage(garbage: Garbage) -> str:
 
 
 def decimal(data: bytes) -> str:
-    """Return bytes as the manual prints them."""
+    """Return bytes as decimal numbers, as in the manual."""
     return ' '.join(map(str, data))

@@ -1,8 +1,8 @@
 """
-Reads the text form of commands: what `text` writes, and what people write instead.
+Parses the text form of commands, as `text` writes it and in the variants that people write.
 
-A line is a command's name and its fields: `name=value`. The rules are few enough for a reader
-that goes forward only and knows where it is, so that every refusal can name line and column.
+A command is its name and its fields: `name=value`. The parser reads forward only and knows its
+position, so that every error names line and column.
 """
 
 from difflib import get_close_matches
@@ -21,24 +21,26 @@ from .notes import note_number
 
 
 class TextError(ValueError):
-    """Text that is no command: where, why, and what is allowed."""
+    """An error in the text form: where it is, what is wrong and what is allowed."""
 
     def __init__(self, text: str, place: int, reason: str) -> None:
-        """Tell line and column, both from 1, of a place in a text."""
+        """Take the text, the index of the error, and what is wrong."""
         before = text[:place]
         self.line = before.count('\n') + 1
+        """Line of the error, from 1."""
         self.column = place - before.rfind('\n')
+        """Column of the error, from 1."""
         self.reason = reason
         super().__init__(f'line {self.line}, column {self.column}: {reason}')
 
 
 def label(member: IntEnum | IntFlag) -> str:
-    """Return how a named number is written: its name in lower case; of a baud code, its rate."""
+    """Return the text form of a named number: its lower-case name, or the rate of a baud code."""
     return str(member.rate) if isinstance(member, BaudCode) else str(member.name).lower()
 
 
 def plain(name: str) -> str:
-    """Return a name without what does not matter: case, spaces and punctuation."""
+    """Return a name in lower case, without spaces and punctuation, for comparison."""
     return ''.join(filter(str.isalnum, name)).lower()
 
 
@@ -54,7 +56,7 @@ NUMBER = re.compile(r'[+-]?(?:0x[0-9a-f]{1,8}|[0-9]{1,9})', re.IGNORECASE)
 NOT = re.compile(r'not[-_ ]?|[-!]', re.IGNORECASE)
 
 DEPTH = SCRIPT_LIMIT // len(Script(script=b'').encode())
-"""Scripts that fit into each other, for a script takes two bytes and its commands."""
+"""Largest depth of nested scripts: each takes two bytes of the script around it."""
 
 KINDS = {plain(kind.title): kind for kind in COMMANDS}
 PACKET_NAMES = {
@@ -63,14 +65,14 @@ PACKET_NAMES = {
 
 
 class Item(NamedTuple):
-    """A word of a value, and where it stands."""
+    """A word of a value, and its index in the text."""
 
     place: int
     word: str
 
 
 class Text:
-    """A text, and how far it has been read."""
+    """A text, and the position of the parser in it."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -78,7 +80,7 @@ class Text:
         self._depth = 0
 
     def commands(self, closing: str = '') -> list[Command]:
-        """Read all commands up to the text's end, or to the brace that closes them."""
+        """Parse all commands up to the end of the text, or to the closing brace."""
         opened = self._at - len(closing)
         found: list[Command] = []
         while True:
@@ -116,7 +118,7 @@ class Text:
         if kind is None:
             found = get_close_matches(plain(name), KINDS, 3, 0.5) or KINDS
             titles = ', '.join(KINDS[key].title for key in found)
-            self._refuse(start, f'{name or self._next()!r} is no command; allowed: {titles}')
+            self._refuse(start, f'{name or self._next()!r} is not a command; allowed: {titles}')
         return kind
 
     def _fields(self, kind: type[Command]) -> dict[str, Any]:
@@ -158,7 +160,7 @@ class Text:
     def _script(self) -> bytes:
         opened = self._at
         if self._depth == DEPTH:
-            self._refuse(opened, f'Script: more than {DEPTH} scripts in each other')
+            self._refuse(opened, f'Script: scripts are nested more than {DEPTH} deep')
         self._at += 1
         self._depth += 1
         commands = self.commands('}')
@@ -208,7 +210,7 @@ class Text:
 
     def _take(self, pattern: re.Pattern[str]) -> str:
         match = pattern.match(self._text, self._at)
-        assert match is not None, 'these patterns match nothing too'
+        assert match is not None, 'these patterns also match an empty string'
         self._at = match.end()
         return match[0]
 
@@ -222,7 +224,7 @@ def _declared(kind: type[Command]) -> list[str]:
 
 
 def _allowed(wire: Wire) -> str:
-    """Say what is allowed, with the names that numbers have."""
+    """Say what is allowed, with the names of the numbers."""
     if wire is PACKET_ID:
         return f'{wire.describe()} or a name such as {next(iter(NUMBERS))}'
     if wire.names is None or wire.mask:
@@ -231,7 +233,7 @@ def _allowed(wire: Wire) -> str:
 
 
 def _number_of(wire: Wire, word: str) -> int | None:
-    """Return the number that a word stands for, None where it is neither number nor name."""
+    """Return the number that a word means; None if it is neither a number nor a name."""
     if wire.mask:
         bits = [_named(wire, part) for part in re.split('[+|]', word)]
         return None if None in bits else sum(set(filter(None, bits)))

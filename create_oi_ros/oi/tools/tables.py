@@ -1,12 +1,11 @@
 """
-The declarations as tables, for people: on a terminal and in `docs/open_interface.md`.
+The declarations as tables, for a terminal and for `docs/open_interface.md`.
 
-`python -m create_oi_ros.oi document docs/open_interface.md` writes them into the page.
+`python -m create_oi_ros.oi document docs/open_interface.md` writes them into that page.
 """
 
 from collections.abc import Iterable, Sequence
 from enum import IntEnum, IntFlag
-import re
 
 from ..codes import BaudCode
 from ..commands import COMMANDS
@@ -14,16 +13,16 @@ from ..declaration import Command
 from ..packets import GROUPS, PacketList, size_of
 from ..readings import NAMES, PACKETS
 from ..wire import Wire
+from .markdown import rewritten, Row, table
 
-Row = Sequence[str]
-KINDS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}
+FORMATS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}
 """A word is two bytes, high byte first."""
 BAUDS = (BaudCode.B57600, BaudCode.B19200)
-"""The baud rates that the robot starts with (manual: Serial Port Settings)."""
+"""The baud rates that the robot can start with (manual: Serial Port Settings)."""
 
 
 def commands_table() -> list[Row]:
-    """Return every command: opcode, name, data bytes, modes in which it is obeyed, mode after."""
+    """Return the table of commands."""
     rows: list[Row] = [('Opcode', 'Command', 'Data', 'Obeyed in', 'Enters', 'Section')]
     for kind in COMMANDS:
         modes = ', '.join(mode.name.capitalize() for mode in sorted(kind.modes))
@@ -42,11 +41,11 @@ def _payload(kind: type[Command]) -> str:
 
 
 def _described(wire: Wire) -> str:
-    return f'{KINDS[wire.format]}, {wire.describe()}'
+    return f'{FORMATS[wire.format]}, {wire.describe()}'
 
 
 def packets_table(ids: Iterable[int] = PACKETS) -> list[Row]:
-    """Return single packets: number, name, field of `Readings`, type and range, groups."""
+    """Return the table of single packets, or of some of them."""
     rows: list[Row] = [('Packet', 'Name', 'Field', 'Value', 'Groups')]
     for number in ids:
         _, title, wire = PACKETS[number]
@@ -56,14 +55,14 @@ def packets_table(ids: Iterable[int] = PACKETS) -> list[Row]:
 
 
 def groups_table() -> list[Row]:
-    """Return the groups: number, bytes, contents."""
+    """Return the table of groups."""
     return [('Group', 'Bytes', 'Contains packets'), *(
         (str(number), str(size_of(number)), f'{members[0]} - {members[-1]}')
         for number, members in GROUPS.items())]
 
 
 def codes_table() -> list[Row]:
-    """Return the named numbers of all commands and packets: where they are used, their names."""
+    """Return the table of named numbers in commands and packets."""
     used: dict[type[IntEnum] | type[IntFlag], list[str]] = {}
     for title, wire in _wires():
         if wire.names is not None:
@@ -84,7 +83,7 @@ def _wires() -> Iterable[tuple[str, Wire]]:
 
 
 def budget_lines(packets: PacketList) -> list[str]:
-    """Return what a stream of a list costs at the baud rates that the robot starts with."""
+    """Say what streaming a list costs at the baud rates that the robot can start with."""
     lines = []
     for code in BAUDS:
         budget = packets.budget(code.rate)
@@ -96,29 +95,24 @@ def budget_lines(packets: PacketList) -> list[str]:
 
 
 def columns(rows: Sequence[Row]) -> str:
-    """Lay a table out for a terminal."""
+    """Return a table for a terminal."""
     widths = [max(map(len, column)) for column in zip(*rows)]
     return ''.join(
         '  '.join(map(str.ljust, row, widths)).rstrip() + '\n' for row in rows)
-
-
-def markdown(rows: Sequence[Row]) -> str:
-    """Lay a table out for Markdown."""
-    head, *body = rows
-    rule = ['---'] * len(head)
-    return ''.join(f'| {" | ".join(row)} |\n' for row in (head, rule, *body))
 
 
 TABLES = {
     'commands': commands_table, 'packets': packets_table, 'groups': groups_table,
     'codes': codes_table,
 }
-PLACE = re.compile(
-    r'(?P<start><!-- table: (?P<name>\w+) -->\n).*?(?P<end><!-- end -->)', re.DOTALL)
+LABEL = 'table: '
 
 
 def document(page: str) -> str:
-    """Return a Markdown page with its tables written anew; KeyError where a name is unknown."""
-    return PLACE.sub(
-        lambda found: f'{found["start"]}\n{markdown(TABLES[found["name"]]())}\n{found["end"]}',
-        page)
+    """Return a Markdown page with its tables made again; KeyError names an unknown table."""
+    return rewritten(page, LABEL + r'\w+', _block)
+
+
+def _block(label: str) -> str:
+    heading, *rows = TABLES[label.removeprefix(LABEL)]()
+    return f'\n{table(heading, rows)}\n'

@@ -6,9 +6,9 @@ Commands as text, and back: the manual's names, one command a line.
     Wait Distance distance=400
     Drive velocity=0 radius=0
 
-Every field is given by name. Names are read without regard to case, spaces and punctuation, so
-`wait_distance` and `WaitDistance` do as well. A number is decimal or, with 0x, hexadecimal; where
-the manual names numbers the name will do, lower case with underscores when written here:
+Every field is given by name. Case, spaces and punctuation in names do not matter: `wait_distance`
+and `WaitDistance` are the same. A number is decimal, or hexadecimal with 0x. Numbers that have a
+name in the manual may be given by name; they are written in lower case with underscores:
 
     Demo demo=cover_and_dock               Baud code=57600
     LEDs bits=play+advance color=0 intensity=128
@@ -17,9 +17,8 @@ the manual names numbers the name will do, lower case with underscores when writ
     Stream packets=29,13                   # or cliff_front_left_signal,virtual_wall
     Script script={Drive velocity=300 radius=straight; Wait Time time=20; Play Script}
 
-Commands are separated by line ends or semicolons. A comment begins with a # that has no other
-character than a space before it. What is written here is read as the same command, whatever
-command may be sent.
+Commands are separated by line ends or semicolons. A comment begins with # at the start of a line
+or after a space. Every command whose values are in range is the same after writing and reading.
 """
 
 from collections.abc import Iterable
@@ -34,7 +33,7 @@ from .notes import note_name
 
 
 def format_command(command: Command) -> str:
-    """Return a command as a line of text, whatever its values."""
+    """Return a command as a line of text; its values may be out of range."""
     words = [command.title]
     for name, wire in command.fields:
         words.append(f'{name}={_format_number(wire, getattr(command, name))}')
@@ -45,7 +44,7 @@ def format_command(command: Command) -> str:
 
 
 def format_commands(commands: Iterable[Command]) -> str:
-    """Return commands as text, a line each."""
+    """Return commands as text, one line each."""
     return ''.join(f'{format_command(command)}\n' for command in commands)
 
 
@@ -76,7 +75,7 @@ def _format_note(number: int) -> str:
 
 
 def _format_script(script: bytes) -> str:
-    """Write the commands of a script, or its bytes where they are not commands to be sent."""
+    """Return the commands of a script, or its bytes if they are not commands in range."""
     try:
         commands = commands_of(Script(script=script))
         build_script(commands)
@@ -86,12 +85,12 @@ def _format_script(script: bytes) -> str:
 
 
 def parse_commands(text: str) -> list[Command]:
-    """Return the commands of a text; TextError names line, column and what is allowed."""
+    """Return the commands in a text; TextError names line, column and what is allowed."""
     return Text(text).commands('')
 
 
 def parse_command(text: str) -> Command:
-    """Return the one command of a text; TextError also where there is none or more than one."""
+    """Return the command in a text; TextError also if there is none or more than one."""
     commands = parse_commands(text)
     if len(commands) != 1:
         raise TextError(text, 0, f'{len(commands)} commands; expected one')
@@ -99,7 +98,7 @@ def parse_command(text: str) -> Command:
 
 
 def parse_script(text: str) -> Script:
-    """Return the command that stores the commands of a text as a script; TextError as above."""
+    """Return the command that stores the commands in a text as a script; TextError as above."""
     commands = parse_commands(text)
     try:
         return build_script(commands)

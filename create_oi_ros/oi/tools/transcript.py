@@ -1,9 +1,9 @@
 """
-A capture in the manual's words: what was said, when and by whom, as lines.
+Explains a capture in the manual's words: one line for what host or robot sent, with its time.
 
-Which packets a frame holds is known from the Stream commands before it. A robot says the same
-most of the time, so frames are told by what they change, and once in a while by a sum; likewise
-speeds that are sent again, and lists of packets that were asked for before.
+The Stream commands in the capture say which packets the frames contain. Most frames repeat the
+frame before, so only changes are shown, and a summary every ten seconds. Commands that repeat
+the same speeds or request the same packets are only counted.
 """
 
 from collections import Counter
@@ -14,36 +14,36 @@ from ..declaration import Command
 from ..packets import PACKET_IDS, PacketList
 from ..readings import NUMBERS, PACKETS
 from ..stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
-from .capture_format import Kind, MICROSECONDS, Record
+from .capture_format import MICROSECONDS, Record, RecordKind
 from .explain import CONVENTIONS, decimal, explain_command, explain_frame, explain_reading
 
-SUM_AFTER = 10 * MICROSECONDS
-"""How long frames are added up."""
+SUMMARY_INTERVAL = 10 * MICROSECONDS
 SILENCE = MICROSECONDS // 4
-"""How long a robot says nothing where that is told."""
+"""A longer pause of the robot is shown."""
 BYTES_SHOWN = 24
 GARBAGE_SHOWN = 5
-"""Pieces of garbage that are shown until the next sum."""
+"""Pieces of garbage that are shown until the next summary."""
 LISTS_KEPT = 32
-"""Lists of packets whose frames may still come."""
-HELD = (Drive, DriveDirect, Stream)
-"""Commands that change nothing where they are repeated."""
-FROM_ROBOT, TO_ROBOT, BESIDE = '<-', '->', '--'
+"""Number of lists of packets whose frames are expected: the newest."""
+REPEATABLE = (Drive, DriveDirect, Stream)
+"""Commands that change nothing when they are repeated."""
+FROM_ROBOT, TO_ROBOT, OTHER = '<-', '->', '--'
 WORDS = {
-    Kind.OPENED: 'port opened: ', Kind.LOST: 'port lost: ', Kind.BAUD: 'host speaks at baud rate ',
-    Kind.NOTE: 'driver says ', Kind.END: 'end of the capture',
+    RecordKind.OPENED: 'port opened: ', RecordKind.LOST: 'port lost: ',
+    RecordKind.BAUD: 'host speaks at baud rate ',
+    RecordKind.NOTE: 'driver says ', RecordKind.END: 'end of the capture',
 }
-TELLING = {
+SHOWN = {
     name: PACKETS[number] for name, number in NUMBERS.items()
     if PACKETS[number].wire.format == 'B' or PACKETS[number].wire.unit == 'mm/s'}
-"""Readings that stay as they are unless something happens: no signals, voltages, distances."""
+"""Readings that change only when something happens: not signals, voltages, distances."""
 
 
-class Sum:
-    """What is not told one by one."""
+class Summary:
+    """Counts what is not shown line by line."""
 
     def __init__(self, since: int) -> None:
-        """Begin to add up, at a time in microseconds."""
+        """Start at a time in microseconds."""
         self.since = since
         self.frames = 0
         self.totals: Counter[str] = Counter()
@@ -52,7 +52,7 @@ class Sum:
         self.repeated: Counter[str] = Counter()
 
     def add(self, frame: Frame) -> None:
-        """Add a frame."""
+        """Count a frame and add up its distance and angle."""
         values = dict(frame.readings.items())
         self.frames += 1
         for name in ('distance', 'angle'):
@@ -61,7 +61,7 @@ class Sum:
         self.voltage = values.get('voltage', self.voltage)
 
     def text(self, now: int) -> str:
-        """Tell it; '' where nothing was added."""
+        """Return the summary as text; '' if nothing was counted."""
         parts = []
         if self.frames:
             parts.append(f'{self.frames} frames in {(now - self.since) / MICROSECONDS:.1f} s')
@@ -76,7 +76,7 @@ class Sum:
 
 
 class Transcript:
-    """Explains records, one after the other; all of them at once where `everything` is wanted."""
+    """Explains records one after the other; `everything` also shows what repeats."""
 
     def __init__(self, *, at_length: bool = False, everything: bool = False) -> None:
         self._at_length, self._everything = at_length, everything
@@ -84,49 +84,49 @@ class Transcript:
         self._lists: dict[PacketList, None] = {}
         self._checksum: Checksum | None = None
         self._failures = 0
-        self._sum = Sum(0)
+        self._summary = Summary(0)
         self._now = 0
-        self._begin()
+        self._restart()
 
-    def _begin(self) -> None:
-        """Forget what was told: the port has been opened, so that all of it is news."""
-        self._told: dict[str, object] = {}
-        self._held: dict[type[Command], list[Command]] = {}
-        self._heard: int | None = None
+    def _restart(self) -> None:
+        """Forget what was shown: after the port has been opened, everything is news."""
+        self._shown_values: dict[str, object] = {}
+        self._sent: dict[type[Command], list[Command]] = {}
+        self._heard_at: int | None = None
 
     def lines(self, record: Record) -> Iterator[str]:
         """Explain a record."""
-        if record.time - self._sum.since > SUM_AFTER:
-            yield from self._add_up(self._now)
+        if record.time - self._summary.since > SUMMARY_INTERVAL:
+            yield from self._summarize()
         self._now = record.time
         match record.kind:
-            case Kind.FROM_ROBOT:
+            case RecordKind.FROM_ROBOT:
                 yield from self._from_robot(record)
-            case Kind.TO_ROBOT:
+            case RecordKind.TO_ROBOT:
                 self._host.feed(record.data)
                 yield from self._commands()
             case _:
-                if record.kind is not Kind.NOTE:
+                if record.kind is not RecordKind.NOTE:
                     yield from self.finish()
-                if record.kind is Kind.OPENED:
-                    self._begin()
-                yield self._line(BESIDE, WORDS[record.kind] + record.text)
+                if record.kind is RecordKind.OPENED:
+                    self._restart()
+                yield self._line(OTHER, WORDS[record.kind] + record.text)
 
     def finish(self) -> Iterator[str]:
-        """Explain what is left when nothing follows."""
+        """Explain what is left after the last record."""
         for event in self._robot.finish():
             yield from self._event(event)
         if self._host.pending:
             title = Command.by_opcode[self._host.pending[0]].title
             yield self._line(
-                TO_ROBOT, f'{title} is cut short: {self._shown(self._host.clear())}')
-        yield from self._add_up(self._now)
+                TO_ROBOT, f'{title} is cut short: {self._decimal(self._host.clear())}')
+        yield from self._summarize()
 
     def _from_robot(self, record: Record) -> Iterator[str]:
-        before, self._heard = self._heard, record.time
+        before, self._heard_at = self._heard_at, record.time
         silence = 0 if before is None else record.time - before
         if silence > SILENCE:
-            yield self._line(BESIDE, f'silence of the robot, {silence / MICROSECONDS:.3f} s')
+            yield self._line(OTHER, f'silence of the robot, {silence / MICROSECONDS:.3f} s')
         self._robot.feed(record.data)
         while (event := self._robot.next_event()) is not None:
             yield from self._event(event)
@@ -134,11 +134,11 @@ class Transcript:
     def _line(self, direction: str, text: str) -> str:
         return f'{self._now / MICROSECONDS:11.3f} {direction} {text}'
 
-    def _add_up(self, now: int) -> Iterator[str]:
-        told = self._sum.text(now)
-        if told:
-            yield self._line(BESIDE, told)
-        self._sum = Sum(now)
+    def _summarize(self) -> Iterator[str]:
+        text = self._summary.text(self._now)
+        if text:
+            yield self._line(OTHER, text)
+        self._summary = Summary(self._now)
 
     def _event(self, event: Frame | Garbage) -> Iterator[str]:
         if isinstance(event, Garbage):
@@ -146,26 +146,26 @@ class Transcript:
             return
         if event.checksum is not self._checksum:
             self._checksum = event.checksum
-            yield self._line(BESIDE, CONVENTIONS[event.checksum].removeprefix('# '))
+            yield self._line(OTHER, CONVENTIONS[event.checksum].removeprefix('# '))
         if self._everything:
             yield self._line(FROM_ROBOT, explain_frame(event))
             return
-        self._sum.add(event)
+        self._summary.add(event)
         news = {name: value for name, value in event.readings.items()
-                if name in TELLING and self._told.get(name) != value}
+                if name in SHOWN and self._shown_values.get(name) != value}
         if news:
-            self._told.update(news)
+            self._shown_values.update(news)
             yield self._line(FROM_ROBOT, ', '.join(
-                explain_reading(TELLING[name], value) for name, value in news.items()))
+                explain_reading(SHOWN[name], value) for name, value in news.items()))
 
     def _garbage(self, garbage: Garbage) -> Iterator[str]:
-        self._sum.garbage += 1
-        self._sum.garbage_bytes += len(garbage.data)
+        self._summary.garbage += 1
+        self._summary.garbage_bytes += len(garbage.data)
         failures, self._failures = self._failures, self._robot.checksum_failures
         what = 'checksum is wrong' if self._failures > failures else 'no frame'
-        if self._sum.garbage <= GARBAGE_SHOWN or garbage.text or self._everything:
+        if self._summary.garbage <= GARBAGE_SHOWN or garbage.text or self._everything:
             text = f' {garbage.text!r}' if garbage.text else ''
-            yield self._line(FROM_ROBOT, f'{what}: {self._shown(garbage.data)}{text}')
+            yield self._line(FROM_ROBOT, f'{what}: {self._decimal(garbage.data)}{text}')
 
     def _commands(self) -> Iterator[str]:
         unknown = bytearray()
@@ -180,23 +180,22 @@ class Transcript:
             if self._is_news(found) or self._everything:
                 yield self._line(TO_ROBOT, explain_command(found, at_length=self._at_length))
             else:
-                self._sum.repeated[found.title] += 1
+                self._summary.repeated[found.title] += 1
         yield from self._unknown(unknown)
 
     def _unknown(self, data: bytes | bytearray) -> Iterator[str]:
         if data:
-            yield self._line(TO_ROBOT, f'no command: {self._shown(bytes(data))}')
+            yield self._line(TO_ROBOT, f'no command: {self._decimal(bytes(data))}')
 
     def _is_news(self, command: Command) -> bool:
-        if not isinstance(command, HELD):
+        if not isinstance(command, REPEATABLE):
             return True
-        held = self._held.setdefault(type(command), [])
-        if command in held:
+        if command in self._sent.setdefault(type(command), []):
             return False
         if not isinstance(command, Stream):
             for kind in (Drive, DriveDirect):
-                self._held[kind] = []
-        self._held[type(command)].append(command)
+                self._sent[kind] = []
+        self._sent[type(command)].append(command)
         return True
 
     def _expect(self, packets: PacketList) -> None:
@@ -205,7 +204,7 @@ class Transcript:
             self._lists = dict.fromkeys(list(self._lists)[-LISTS_KEPT:])
             self._robot.expect(self._lists)
 
-    def _shown(self, data: bytes) -> str:
+    def _decimal(self, data: bytes) -> str:
         if len(data) <= BYTES_SHOWN or self._everything:
             return decimal(data)
         return f'{decimal(data[:BYTES_SHOWN])} ... ({len(data)} bytes)'
@@ -214,7 +213,7 @@ class Transcript:
 def explain_capture(
     records: Iterable[Record], *, at_length: bool = False, everything: bool = False,
 ) -> Iterator[str]:
-    """Explain records as they come; an error in them comes when all before it is told."""
+    """Explain records as they arrive; an error in them is raised after all lines before it."""
     transcript = Transcript(at_length=at_length, everything=everything)
     try:
         for record in records:

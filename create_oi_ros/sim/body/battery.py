@@ -1,31 +1,34 @@
 """
-The battery: a bucket of charge with a voltage, a temperature and the charger's four stages.
+The battery: a store of charge with a voltage, a temperature and the charger's four stages.
 
-Documented shapes, guessed numbers: twelve NiMH cells; voltage follows charge by a table and sags
-by an inner resistance; the pack warms by what it burns and by a full charge going nowhere.
+The shapes are documented, the numbers guessed: twelve NiMH cells. The voltage follows the charge
+by a table and drops over an inner resistance. The pack is warmed by its own losses, and by a
+charge current once it is full.
 
-A charger begins with RECONDITIONING when the pack is nearly empty (a small current), goes on with
-FULL until the pack is full, then TRICKLE for a while, then WAITING without current until enough
-has been used.  A pack that is too hot waits too.  A fault stops all of it until it is cleared.
+A charger starts with RECONDITIONING (a small current) when the pack is nearly empty. FULL_CHARGING
+follows until the pack is full, then TRICKLE for a time, then WAITING without current until enough
+charge is used. A pack that is too hot waits as well. A fault stops charging until it is cleared.
 """
-
-from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
 import math
 
-from .sensed import Charging
+from ...oi import ChargingState
 
-_LONGEST_PIECE = 1.0
-"""Seconds."""
-_CURVE = ((0.0, 12.0), (0.05, 13.8), (0.2, 14.6), (0.8, 15.3), (0.95, 15.8), (1.0, 16.4))
-"""Volts at rest by fraction of capacity, straight lines between (guess)."""
+LONGEST_STEP = 1.0
+"""Seconds that are computed at once."""
+CURVE = ((0.0, 12.0), (0.05, 13.8), (0.2, 14.6), (0.8, 15.3), (0.95, 15.8), (1.0, 16.4))
+"""Volts without load by fraction of capacity, straight lines between (guess)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BatteryConfig:
-    """Amperes, ampere hours, ohms, degrees Celsius, seconds.  All guesses but the capacity."""
+    """
+    Constants of the battery; all but the capacity are guesses.
+
+    Amperes, ampere hours, ohms, degrees Celsius, seconds.
+    """
 
     capacity: float = 2.7
     """Ampere hours (reported: the yellow pack's 3.0 nominal reads 2.6 to 2.7)."""
@@ -37,12 +40,13 @@ class BatteryConfig:
     standby: float = 0.002
     """Amperes while it is off."""
     wheel_idle: float = 0.08
-    """Amperes of one turning wheel's motor, and, below, what speed adds per m/s."""
+    """Amperes of the motor of a wheel that turns slowly."""
     wheel_per_speed: float = 0.3
+    """Amperes that each m/s of wheel speed adds."""
     wheel_blocked: float = 0.8
     """Amperes of a wheel that slips against an obstacle: below the limit of 1 A (manual)."""
     wheel_stalled: float = 1.5
-    """Amperes of a wheel that is held: above it."""
+    """Amperes of a wheel that is held: above that limit."""
     full_current: float = 1.25
     reconditioning_current: float = 0.25
     trickle_current: float = 0.05
@@ -53,17 +57,17 @@ class BatteryConfig:
     """Fraction of the capacity at which WAITING ends."""
     ambient: float = 24.0
     hot: float = 45.0
-    """At this temperature charging waits, until it is 5 degrees cooler."""
+    """Charging waits at this temperature, until the pack is 5 degrees cooler."""
     warming: float = 6.0
-    """Degrees above ambient in the long run, for each watt turned to heat."""
+    """Degrees above ambient that each watt of heat leads to in the long run."""
     warming_time: float = 1800.0
 
     def __post_init__(self) -> None:
         for name in ('capacity', 'warming_time'):
             if not getattr(self, name) > 0:
-                raise ValueError(f'{name} is {getattr(self, name)}: it must be above 0')
+                raise ValueError(f'{name} is {getattr(self, name)}; allowed: above 0')
         if not 0 <= self.initial_charge <= 1:
-            raise ValueError(f'initial_charge is {self.initial_charge}: a fraction, 0 to 1')
+            raise ValueError(f'initial_charge is {self.initial_charge}; allowed: 0 to 1')
 
 
 class Battery:
@@ -77,30 +81,30 @@ class Battery:
         self.charge = config.capacity * config.initial_charge
         self.current = 0.0
         self.temperature = config.ambient
-        self.state = Charging.NOT_CHARGING
+        self.state = ChargingState.NOT_CHARGING
         self.fault = False
-        """Set from outside: the next charge is refused."""
+        """Set from outside: the battery refuses to be charged."""
         self._trickled = 0.0
         self._hot = False
 
     @property
     def voltage(self) -> float:
-        """Volts at the terminals, under the present current."""
+        """Volts at the terminals, at the present current."""
         level = self.charge / self.config.capacity
         return _at_rest(min(level, 1.0)) + self.current * self.config.resistance
 
     def step(self, dt: float, drawn: float, charger: bool) -> None:
-        """Let dt seconds pass with `drawn` amperes used and, perhaps, a charger connected."""
+        """Let dt seconds pass while `drawn` amperes are used; `charger`: one is connected."""
         while dt > 0:
-            piece = min(dt, _LONGEST_PIECE)
-            self._piece(piece, drawn, charger)
-            dt -= piece
+            part = min(dt, LONGEST_STEP)
+            self._step(part, drawn, charger)
+            dt -= part
 
-    def _piece(self, dt: float, drawn: float, charger: bool) -> None:
+    def _step(self, dt: float, drawn: float, charger: bool) -> None:
         config = self.config
-        self.state = self._next_state() if charger else Charging.NOT_CHARGING
+        self.state = self._next_state() if charger else ChargingState.NOT_CHARGING
         given = self._given()
-        # A charger that works feeds the robot too; one that waits or has failed does not.
+        # A charger that works also feeds the robot; one that waits or has failed does not.
         self.current = given if given else -drawn
         charge = self.charge + self.current * dt / 3600
         lost = self.current ** 2 * config.resistance
@@ -108,38 +112,41 @@ class Battery:
             lost += given * self.voltage
             charge = config.capacity
         self.charge = max(0.0, charge)
-        self._trickled = self._trickled + dt if self.state is Charging.TRICKLE else 0.0
+        self._trickled = self._trickled + dt if self.state is ChargingState.TRICKLE else 0.0
         goal = config.ambient + config.warming * lost
         self.temperature += (goal - self.temperature) * -math.expm1(-dt / config.warming_time)
 
     def _given(self) -> float:
         config = self.config
-        if self.state is Charging.FULL:
+        if self.state is ChargingState.FULL_CHARGING:
             return config.full_current
-        if self.state is Charging.RECONDITIONING:
+        if self.state is ChargingState.RECONDITIONING:
             return config.reconditioning_current
-        return config.trickle_current if self.state is Charging.TRICKLE else 0.0
+        return config.trickle_current if self.state is ChargingState.TRICKLE else 0.0
 
-    def _next_state(self) -> Charging:
-        """Work out the stage of a connected charger."""
+    def _next_state(self) -> ChargingState:
+        """Return the charging state while a charger is connected."""
         config, level = self.config, self.charge / self.config.capacity
         self._hot = self.temperature > config.hot - (5 if self._hot else 0)
         if self.fault:
-            return Charging.FAULT
+            return ChargingState.FAULT
         if self._hot:
-            return Charging.WAITING
-        if self.state is Charging.WAITING and level > config.recharge_below:
-            return Charging.WAITING
+            return ChargingState.WAITING
+        if self.state is ChargingState.WAITING and level > config.recharge_below:
+            return ChargingState.WAITING
         if level < config.reconditioning_below:
-            return Charging.RECONDITIONING
-        if level < 1 and not (self.state is Charging.TRICKLE and level > config.recharge_below):
-            return Charging.FULL
-        return (Charging.WAITING if self._trickled >= config.trickle_time else Charging.TRICKLE)
+            return ChargingState.RECONDITIONING
+        stays_full = self.state is ChargingState.TRICKLE and level > config.recharge_below
+        if level < 1 and not stays_full:
+            return ChargingState.FULL_CHARGING
+        if self._trickled >= config.trickle_time:
+            return ChargingState.WAITING
+        return ChargingState.TRICKLE
 
 
 def _at_rest(level: float) -> float:
     """Return the volts without load at a fraction of the capacity, 0 to 1."""
-    for (low, bottom), (high, top) in pairwise(_CURVE):
+    for (low, bottom), (high, top) in pairwise(CURVE):
         if level <= high:
             return bottom + (top - bottom) * (level - low) / (high - low)
-    return _CURVE[-1][1]
+    return CURVE[-1][1]

@@ -1,41 +1,42 @@
 """
 The robot's body: wheels, encoders, bumper, sensors, battery, in a world.
 
-Firmware's side.  Construct `Body(world, rounding=..., seed=..., config=...)`; give it wheel
-speeds with `drive`, duty cycles with `low_side`, permission with `allow_charging`; let time pass
-with `step(dt)`; look with `sense()`, `take_distance()`, `take_angle()`.
+The firmware drives it: `drive` sets wheel speeds, `low_side` duty cycles, `allow_charging`
+permits charging. `step(dt)` lets time pass. `sense()`, `take_distance()` and `take_angle()` read
+the sensors.
 
+    body = Body(world, rounding=Rounding.TRUNCATE, seed=0)
     body.drive(right=0.2, left=0.2)
     body.step(0.015)
-    readings = body.sense()          # a `Readings`, cached until something changes
+    sensed = body.sense()          # a `Sensed`, cached until something changes
     millimetres = body.take_distance()
 
-For script waits note `distance_total` or `angle_total` at the start, call `take_distance` or
-`take_angle` to reset what packets 19 and 20 will say, and compare as time goes on.
+A script's wait notes `distance_total` or `angle_total` at its start, resets packet 19 or 20 with
+`take_distance` or `take_angle`, and compares the total as time goes on.
 
-The outside's side (a test, a teacher, the control channel): `force` and `unforce` any sensor
-(bumper, buttons, infrared, cliffs, analog and digital inputs ...), `place`, `push`, `lift`,
-`drop`, `hold`, `slip`, `plug_charger`, `power_home_base`, `set_battery`, `load`, and `truth`.
+A test or the control socket sets what happens around the robot: `force` and `unforce` any sensor
+(bumper, buttons, infrared, cliffs, analog and digital inputs), `place`, `push`, `lift`, `drop`,
+`hold`, `slip`, `plug_charger`, `power_home_base`, `set_battery`, `load`. `truth` tells what really
+happened.
 
-Nothing here knows a clock: the same calls with the same seed give the same robot.
-SI units, x forward, yaw counter-clockwise; only `Readings` speaks the manual's units.
+There is no clock: the same calls with the same seed give the same robot. SI units, x forward, yaw
+counter-clockwise; only `Sensed` has the manual's units.
 """
-
-from __future__ import annotations
 
 import math
 from random import Random
 
+from ...robot import MILLI
 from ..world import Pose, World
 from .config import BodyConfig, IDEAL
 from .electrics import Electrics
 from .encoders import Rounding
 from .mechanics import Mechanics, Truth
 from .overlay import Overlay
-from .sensed import clamped, Readings
+from .sensed import clamped, Sensed
 from .surroundings import beams, CLIFF_BELOW, WALL_SEEN
 
-_MOMENT = 1e-9
+MOMENT = 1e-9
 """Seconds by which a sum of times may miss a deadline."""
 
 
@@ -53,15 +54,15 @@ class Body:
         self._mechanics = Mechanics(world, config, rounding)
         self._electrics = Electrics(config.battery)
         self._overlay = Overlay()
-        self._sensed: Readings | None = None
+        self._sensed: Sensed | None = None
         self._random = Random(seed)
         self._push_end = self._slip_end = math.inf
         self.place(world.start)
 
-    # What the firmware commands.
+    # Commands of the firmware.
 
     def drive(self, *, right: float, left: float) -> None:
-        """Set the target wheel speeds, m/s, clamped to the wheels' maximum (0.5)."""
+        """Set the target wheel speeds, m/s, clamped to the wheels' maximum."""
         self._mechanics.wheels.right.command(right)
         self._mechanics.wheels.left.command(left)
         self._sensed = None
@@ -72,27 +73,27 @@ class Body:
         self._sensed = None
 
     def allow_charging(self, allowed: bool) -> None:
-        """Let a charging source charge the battery: true in Off and Passive only."""
+        """Permit charging or forbid it; the firmware permits it in Off and Passive only."""
         self._electrics.charging_allowed = allowed
 
     def power(self, on: bool) -> None:
-        """Switch the robot's electronics; off, nothing is driven.  A charger works either way."""
+        """Switch the electronics; off, nothing is driven. A charger works either way."""
         self._electrics.on = on
         if not on:
             self.drive(right=0.0, left=0.0)
             self.low_side(duty0=0.0, duty1=0.0, duty2=0.0)
 
     def step(self, dt: float) -> None:
-        """Let dt seconds pass: finite, not negative; cut inside as finely as the physics needs."""
+        """Let dt seconds pass, computed in steps as small as the physics needs."""
         if not 0 <= dt < math.inf:
-            raise ValueError(f'dt is {dt}: seconds, finite and not negative, are wanted')
+            raise ValueError(f'dt is {dt}; allowed: finite seconds, 0 or more')
         while dt > 0:
-            dt -= self._piece(dt)
+            dt -= self._step(dt)
 
     # What the firmware reads.
 
-    def sense(self) -> Readings:
-        """Return all sensors as they are now, forced values over them; cached until a change."""
+    def sense(self) -> Sensed:
+        """Return all sensors as they are now, forced values included; cached until a change."""
         if self._sensed is None:
             self._sensed = self._overlay.over(self._look())
         return self._sensed
@@ -117,10 +118,10 @@ class Body:
 
     @property
     def battery_flat(self) -> bool:
-        """Whether no charge is left: a real robot is off then."""
+        """Whether no charge is left; a real robot is then off."""
         return self._electrics.battery.charge <= 0
 
-    # What the outside does.
+    # What somebody outside does.
 
     def truth(self) -> Truth:
         """Return what really happened."""
@@ -128,17 +129,17 @@ class Body:
 
     def force(self, *, seconds: float = math.inf, **values: int) -> None:
         """
-        Hold sensors of `Readings` at values, for some seconds or until `unforce`.
+        Hold sensors of `Sensed` at values, for some seconds or until `unforce`.
 
-        force(bump_left=True), force(seconds=0.2, play=True), force(infrared=130), ...
-        ValueError names a field that is not there or a value out of its range; then none is held.
+        Examples: force(bump_left=True), force(seconds=0.2, play=True), force(infrared=130).
+        ValueError names an unknown field or a value out of range; nothing is held then.
         """
         self._overlay.force(values, _after(self._time, seconds))
         self._set_deadline()
         self._sensed = None
 
     def unforce(self, *names: str) -> None:
-        """Give the named sensors (without names: all) back to the physics."""
+        """Give the named sensors back to the physics; without names, all."""
         if names:
             self._overlay.release(names)
         else:
@@ -148,39 +149,39 @@ class Body:
 
     def place(self, pose: Pose) -> None:
         """Put the robot elsewhere without turning its wheels; obstacles push it out."""
-        _finite('a pose', *pose)
+        _finite('pose', *pose)
         self._mechanics.place(pose)
         self._electrics.docked = self._mechanics.docked
         self._sensed = None
 
     def push(self, *, speed: float, rate: float, seconds: float) -> None:
-        """Roll the robot by hand at m/s and rad/s for some seconds; the wheels must follow."""
-        _finite('a push', speed, rate, seconds)
+        """Roll the robot by hand at m/s and rad/s for some seconds; its wheels turn too."""
+        _finite('push', speed, rate, seconds)
         self._push_end = _after(self._time, seconds)
         self._mechanics.pushed = (speed, rate)
         self._set_deadline()
 
     def slip(self, *, right: float, left: float, seconds: float) -> None:
-        """For some seconds let the wheels lose these parts, 0 to 1, of their travel."""
-        _finite('a slip', right, left, seconds)
+        """Let the wheels lose these parts, 0 to 1, of their travel for some seconds."""
+        _finite('slip', right, left, seconds)
         self._slip_end = _after(self._time, seconds)
         wheels = self._mechanics.wheels
         wheels.right.slip, wheels.left.slip = _fraction(right), _fraction(left)
         self._set_deadline()
 
     def lift(self, lifted: bool) -> None:
-        """Lift the robot, or put it down: all wheels drop, no floor is seen, nothing moves it."""
+        """Lift the robot or put it down; lifted, all wheels drop and no floor is seen."""
         self._mechanics.lifted = lifted
         self.place(self._mechanics.pose)
 
     def drop(self, *, right: bool = False, left: bool = False, caster: bool = False) -> None:
-        """Say which wheels hang down by hand; a drive wheel that does has no grip."""
+        """Set which wheels hang down; a drive wheel that hangs down has no grip."""
         self._mechanics.dropped = (right, left, caster)
         self._mechanics.stand()
         self._sensed = None
 
     def hold(self, *, right: bool = False, left: bool = False) -> None:
-        """Say which drive wheels somebody holds; told to turn, they draw too much current."""
+        """Set which drive wheels somebody holds; if commanded, they draw too much current."""
         wheels = self._mechanics.wheels
         for wheel, held in ((wheels.right, right), (wheels.left, left)):
             wheel.held = held
@@ -188,40 +189,40 @@ class Body:
         self._sensed = None
 
     def plug_charger(self, plugged: bool) -> None:
-        """Plug in or pull the internal charger, powered."""
+        """Plug the internal charger in or out."""
         self._electrics.charger = plugged
         self._sensed = None
 
     def power_home_base(self, powered: bool) -> None:
-        """Plug in or pull the mains of all Home Bases: their beams and contacts.  Starts on."""
+        """Switch all Home Bases, beams and contacts, on or off; they start on."""
         self._electrics.base_powered = powered
         self._sensed = None
 
     def set_battery(self, *, charge: float | None = None, temperature: float | None = None,
                     fault: bool | None = None) -> None:
-        """Set the charge (fraction of capacity), the temperature (deg C), the charger's fault."""
+        """Set charge (fraction of capacity), temperature (deg C) and the charger's fault."""
         battery = self._electrics.battery
         if charge is not None:
             battery.charge = _fraction(charge) * battery.config.capacity
         if temperature is not None:
-            _finite('a temperature', temperature)
+            _finite('temperature', temperature)
             battery.temperature = temperature
         if fault is not None:
             battery.fault = fault
         self._sensed = None
 
     def load(self, *, ld0: float = 0.0, ld1: float = 0.0, ld2: float = 0.0) -> None:
-        """Say what hangs on the low side drivers: amperes each would draw when fully on."""
-        _finite('a load', ld0, ld1, ld2)
+        """Set the loads of the low side drivers: amperes that each draws when fully on."""
+        _finite('load', ld0, ld1, ld2)
         self._electrics.loads = tuple(max(0.0, each) for each in (ld0, ld1, ld2))
         self._sensed = None
 
     # Time.
 
-    def _piece(self, longest: float) -> float:
-        """Let pass the longest time in which nothing changes its nature; return its seconds."""
+    def _step(self, longest: float) -> float:
+        """Advance by the longest time with constant accelerations and no deadline; return it."""
         h = min(longest, self._deadline - self._time)
-        if h > _MOMENT or h == longest:
+        if h > MOMENT or h == longest:
             mechanics = self._mechanics
             h = mechanics.horizon(h)
             mechanics.advance(h)
@@ -229,7 +230,7 @@ class Body:
             self._electrics.step(h, mechanics.drawn())
             self._time += h
             self._sensed = None
-        if self._time >= self._deadline - _MOMENT:
+        if self._time >= self._deadline - MOMENT:
             self._expire()
         return max(h, 0.0)
 
@@ -237,8 +238,8 @@ class Body:
         self._deadline = min(self._push_end, self._slip_end, self._overlay.deadline)
 
     def _expire(self) -> None:
-        """End what was to last until now."""
-        now = self._time + _MOMENT
+        """End the pushes, slips and forced values whose time is over."""
+        now = self._time + MOMENT
         if self._push_end <= now:
             self._push_end = math.inf
             self._mechanics.pushed = None
@@ -253,8 +254,8 @@ class Body:
 
     # Sensors.
 
-    def _look(self) -> Readings:
-        """Work out what the physics says."""
+    def _look(self) -> Sensed:
+        """Return the sensors as the physics has them."""
         mechanics, electrics, battery = self._mechanics, self._electrics, self._electrics.battery
         bumps, wall, floors = mechanics.feel()
         if self.config.cliffs_while_charging and battery.current > 0:
@@ -263,7 +264,7 @@ class Body:
         virtual_wall, infrared = beams(self.world, mechanics.pose, electrics.base_powered)
         overloads = electrics.overloads()
         right, left = mechanics.wheels.right, mechanics.wheels.left
-        return Readings(
+        return Sensed(
             bump_left=bumps[0], bump_right=bumps[1], drop_left=not left.grounded,
             drop_right=not right.grounded, drop_caster=not mechanics.caster_grounded,
             wall=wall >= WALL_SEEN, wall_signal=wall,
@@ -277,15 +278,15 @@ class Body:
             overcurrent_left_wheel=mechanics.overloaded(left),
             overcurrent_right_wheel=mechanics.overloaded(right), overcurrent_ld0=overloads[0],
             overcurrent_ld1=overloads[1], overcurrent_ld2=overloads[2],
-            charging_state=battery.state, voltage=clamped('voltage', 1000 * battery.voltage),
-            current=clamped('current', 1000 * battery.current),
+            charging_state=battery.state, voltage=clamped('voltage', battery.voltage / MILLI),
+            current=clamped('current', battery.current / MILLI),
             temperature=clamped('temperature', battery.temperature),
-            charge=clamped('charge', 1000 * battery.charge),
-            capacity=clamped('capacity', 1000 * battery.config.capacity),
+            charge=clamped('charge', battery.charge / MILLI),
+            capacity=clamped('capacity', battery.config.capacity / MILLI),
             home_base=electrics.home_base, internal_charger=electrics.charger)
 
     def _noisy(self, floors: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the floor's signals as read: up to 15 more or less, never below 0."""
+        """Return the floor signals with noise: up to 16 less or 15 more, never below 0."""
         bits = self._random.getrandbits(20)
         return tuple(max(0, signal + (bits >> 5 * place & 31) - 16)
                      for place, signal in enumerate(floors))
@@ -298,10 +299,10 @@ def _fraction(value: float) -> float:
 def _finite(what: str, *values: float) -> None:
     for value in values:
         if not math.isfinite(value):
-            raise ValueError(f'{what} of {value}: finite numbers are wanted')
+            raise ValueError(f'{what} of {value}; allowed: finite numbers')
 
 
 def _after(now: float, seconds: float) -> float:
     if not seconds >= 0:
-        raise ValueError(f'{seconds} seconds: 0 or more are wanted')
+        raise ValueError(f'{seconds} seconds; allowed: 0 or more')
     return now + seconds

@@ -1,17 +1,15 @@
-"""What flows in and out of the battery: electronics, motors, low side drivers, chargers."""
-
-from __future__ import annotations
+"""What charges and discharges the battery: electronics, motors, low side drivers, chargers."""
 
 from collections.abc import Iterator, Sequence
 
 from .battery import Battery, BatteryConfig
 
 LOW_SIDE_LIMITS = (0.5, 0.5, 1.5)
-"""Amperes that low side drivers 0, 1 and 2 give at most (manual)."""
+"""Highest current of low side drivers 0, 1 and 2, amperes (manual)."""
 
 
 class Electrics:
-    """The battery and all that hangs on it.  Amperes; duty cycles 0 to 1."""
+    """The battery and everything connected to it. Amperes; duty cycles 0 to 1."""
 
     __slots__ = ('battery', 'on', 'charging_allowed', 'charger', 'base_powered', 'docked',
                  'duties', 'loads')
@@ -29,7 +27,7 @@ class Electrics:
         return self.docked and self.base_powered
 
     def step(self, dt: float, motors: float) -> None:
-        """Let dt seconds pass while the wheels' motors draw so many amperes."""
+        """Let dt seconds pass while the wheels' motors draw this many amperes."""
         config = self.battery.config
         drawn = motors + (config.electronics if self.on else config.standby)
         for load, duty, limit in self._drivers():
@@ -37,7 +35,7 @@ class Electrics:
         self.battery.step(dt, drawn, self.charging_allowed and (self.charger or self.home_base))
 
     def overloads(self) -> list[bool]:
-        """Return which low side drivers are on and asked for more than they give: 0, 1, 2."""
+        """Return whether drivers 0, 1, 2 are on with a load that wants more than the limit."""
         return [duty > 0 and load > limit for load, duty, limit in self._drivers()]
 
     def _drivers(self) -> Iterator[tuple[float, float, float]]:

@@ -1,20 +1,18 @@
-"""Sensor values that someone outside holds over what the physics says."""
-
-from __future__ import annotations
+"""Sensor values that somebody outside holds in place of the physics."""
 
 import math
 from typing import Any
 
-from .sensed import checked, Readings
+from .sensed import checked, Sensed
 
 
 class Overlay:
-    """Values by field of `Readings`, each until its time (seconds) is over."""
+    """Values by field of `Sensed`, each until a time in seconds."""
 
     __slots__ = ('_values', '_ends')
 
     def __init__(self) -> None:
-        # Fields differ in type; `checked` has made each value its field's.
+        # Fields differ in type; `checked` has given each value its field's type.
         self._values: dict[str, Any] = {}
         self._ends: dict[str, float] = {}
 
@@ -24,13 +22,13 @@ class Overlay:
         return min(self._ends.values(), default=math.inf)
 
     def force(self, values: dict[str, int], until: float) -> None:
-        """Hold values; all or, with a ValueError, none."""
+        """Hold all of these values, or with a ValueError none."""
         good = {name: checked(name, value) for name, value in values.items()}
         self._values.update(good)
         self._ends.update(dict.fromkeys(good, until))
 
     def release(self, names: tuple[str, ...]) -> None:
-        """Hold the named fields no longer; ValueError for a name that is no field."""
+        """Stop holding the named fields; ValueError for a name that is no field."""
         for name in names:
             checked(name, 0)
         for name in names:
@@ -38,14 +36,14 @@ class Overlay:
             self._ends.pop(name, None)
 
     def release_all(self) -> None:
-        """Hold nothing."""
+        """Stop holding anything."""
         self._values.clear()
         self._ends.clear()
 
     def expire(self, now: float) -> None:
-        """Release what has come to its end."""
+        """Release the values whose time is over."""
         self.release(tuple(name for name, end in self._ends.items() if end <= now))
 
-    def over(self, readings: Readings) -> Readings:
-        """Return the readings with the held values in their place."""
-        return readings._replace(**self._values) if self._values else readings
+    def over(self, sensed: Sensed) -> Sensed:
+        """Return the sensor values with the held ones in their place."""
+        return sensed._replace(**self._values) if self._values else sensed

@@ -1,31 +1,25 @@
 """What the firmware can ask of the body: one immutable record, and the range of every field."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from enum import IntEnum
 from typing import NamedTuple
 
-NO_INFRARED = 255
-"""Packet 17 when no infrared character is being received."""
+from ...oi import ChargingState, Infrared, NUMBERS, PACKETS
+
+NO_INFRARED = int(Infrared.NONE)
+"""Packet 17 while no infrared character is received."""
+BEAMS = int(Infrared.HOME_BASE_RESERVED)
+"""Packet 17 near a Home Base is this number plus a bit for each beam that is seen."""
+# The bits of the three beams.
+RED_BUOY = Infrared.HOME_BASE_RED_BUOY - BEAMS
+GREEN_BUOY = Infrared.HOME_BASE_GREEN_BUOY - BEAMS
+FORCE_FIELD = Infrared.HOME_BASE_FORCE_FIELD - BEAMS
 
 
-class Charging(IntEnum):
-    """Packet 21, with the manual's numbers."""
-
-    NOT_CHARGING = 0
-    RECONDITIONING = 1
-    FULL = 2
-    TRICKLE = 3
-    WAITING = 4
-    FAULT = 5
-
-
-class Readings(NamedTuple):
+class Sensed(NamedTuple):
     """
-    Every sensor of the body at one moment, in the manual's units and always in its ranges.
+    Every sensor of the body at one moment, in the manual's units and within its ranges.
 
-    Distance and angle are not here, since reading them resets them: see `Body.take_distance`.
+    Distance and angle are missing because reading them resets them: see `Body.take_distance`.
     """
 
     bump_left: bool = False
@@ -53,7 +47,7 @@ class Readings(NamedTuple):
     overcurrent_ld2: bool = False
     play: bool = False
     advance: bool = False
-    charging_state: Charging = Charging.NOT_CHARGING
+    charging_state: ChargingState = ChargingState.NOT_CHARGING
     voltage: int = 0
     """Millivolts."""
     current: int = 0
@@ -65,7 +59,7 @@ class Readings(NamedTuple):
     capacity: int = 0
     """Milliampere hours."""
     home_base: bool = False
-    """The Home Base's contacts are touched and powered."""
+    """The robot touches the contacts of a Home Base that has power."""
     internal_charger: bool = False
     """The internal charger is plugged in and powered."""
     digital_input_0: bool = False
@@ -78,27 +72,35 @@ class Readings(NamedTuple):
     """0 to 1023 for 0 to 5 V."""
 
 
-_WORD, _SIGNAL = (0, 65535), (0, 4095)
-_WIDE = {
-    'wall_signal': _SIGNAL, 'cliff_left_signal': _SIGNAL, 'cliff_front_left_signal': _SIGNAL,
-    'cliff_front_right_signal': _SIGNAL, 'cliff_right_signal': _SIGNAL, 'infrared': (0, 255),
-    'charging_state': (0, 5), 'voltage': _WORD, 'current': (-32768, 32767),
-    'temperature': (-128, 127), 'charge': _WORD, 'capacity': _WORD, 'analog': (0, 1023),
+PACKET_NAMES = {
+    'temperature': 'battery_temperature', 'charge': 'battery_charge',
+    'capacity': 'battery_capacity', 'analog': 'analog_signal',
 }
-RANGES: dict[str, tuple[int, int]] = {
-    name: _WIDE.get(name, (0, 1)) for name in Readings._fields}
-"""Lowest and highest value of each field of `Readings`, by the manual."""
+"""The packets whose fields have a shorter name here; a field without a packet is one bit."""
+
+
+def _range(name: str) -> tuple[int, int]:
+    """Return the lowest and highest value of a field (manual: Sensor Packets)."""
+    packet = NUMBERS.get(PACKET_NAMES.get(name, name))
+    if packet is None:
+        return 0, 1
+    wire = PACKETS[packet].wire
+    return wire.low, wire.high
+
+
+RANGES = {name: _range(name) for name in Sensed._fields}
+"""Lowest and highest value of each field of `Sensed`."""
 
 
 def checked(name: str, value: int) -> int:
-    """Return the value as its field holds it, or raise ValueError that says what is allowed."""
+    """Return the value in its field's type; ValueError says which values are allowed."""
     if name not in RANGES:
-        raise ValueError(f'no sensor {name!r}: one of {", ".join(RANGES)}')
+        raise ValueError(f'no sensor {name!r}; allowed: {", ".join(RANGES)}')
     low, high = RANGES[name]
     if not isinstance(value, int) or not low <= value <= high:
-        raise ValueError(f'{name} is {value!r}: a whole number within {low} to {high} is wanted')
-    kind: Callable[[int], int] = type(Readings._field_defaults[name])
-    return kind(value)
+        raise ValueError(f'{name} is {value!r}; allowed: whole numbers from {low} to {high}')
+    as_field: Callable[[int], int] = type(Sensed._field_defaults[name])
+    return as_field(value)
 
 
 def clamped(name: str, value: float) -> int:

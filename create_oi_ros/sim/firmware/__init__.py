@@ -1,4 +1,4 @@
-"""What the Create does with each byte, by the manual, and what had to be guessed."""
+"""What the Create does with each byte: by the manual, and by guesses where it is silent."""
 
 from .create import Create
 from .guesses import Guesses

@@ -1,22 +1,18 @@
 """What the host can set: wheels, LEDs, low side drivers, digital outputs, infrared."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import NamedTuple
 
 from ... import oi
-from ...oi import DriverBits, LedBits, OutputBits, Radius
+from ...oi import DriverBits, LedBits, OutputBits
 from ...oi.commands import DUTY
+from ...oi.steering import wheel_speeds
+from ...robot import MM_PER_M
 from ..body import Body
-
-MM = 1000.0
-_STRAIGHT = (0, Radius.STRAIGHT, Radius.STRAIGHT_7FFF)
-"""A radius of 0 is in the manual's range but says nothing; it is taken as straight (guess)."""
 
 
 class Lights(NamedTuple):
-    """The LEDs: two that are on or off, and Power, 0 green to 255 red, 0 off to 255 bright."""
+    """The LEDs: Play and Advance; Power with its color (0 green, 255 red) and intensity."""
 
     bits: LedBits = LedBits(0)
     color: int = 0
@@ -27,7 +23,7 @@ DARK = Lights()
 
 
 class Wheels(NamedTuple):
-    """What the wheels were told, mm/s."""
+    """Commanded wheel speeds, mm/s."""
 
     right: float = 0.0
     left: float = 0.0
@@ -38,38 +34,26 @@ class Wheels(NamedTuple):
         return (self.right + self.left) / 2
 
     def radius(self, separation: float) -> float:
-        """Return the radius of the circle that the centre follows; all in mm, straight is inf."""
+        """Return the radius of the circle of the robot's centre, mm; inf for straight."""
         turn = abs(self.right - self.left)
         return abs(self.forward) * separation / turn if turn else float('inf')
 
 
-def steer(velocity: int, radius: int, separation: float) -> Wheels:
-    """Return the wheel speeds of a Drive command (manual: Drive); mm/s and mm."""
-    if radius in _STRAIGHT:
-        return Wheels(velocity, velocity)
-    if radius == Radius.IN_PLACE_CLOCKWISE:
-        return Wheels(-velocity, velocity)
-    if radius == Radius.IN_PLACE_COUNTER_CLOCKWISE:
-        return Wheels(velocity, -velocity)
-    outward = velocity * separation / 2 / radius
-    return Wheels(velocity + outward, velocity - outward)
-
-
-class Actuators:
-    """What was asked for last, handed on to the body."""
+class ActuatorState:
+    """What the host set last; wheels and low side drivers are passed on to the body."""
 
     __slots__ = ('velocity', 'radius', 'right', 'left', 'wheels', 'lights', 'outputs', 'duties',
                  'infrared_sent', '_body', '_separation')
 
     def __init__(self, body: Body) -> None:
         self._body = body
-        self._separation = body.config.encoder_separation * MM
+        self._separation = body.config.encoder_separation * MM_PER_M
         self.infrared_sent: deque[int] = deque(maxlen=64)
-        """The characters that Send IR sent, the newest last."""
+        """The characters sent by Send IR, the newest last."""
         self.reset()
 
     def reset(self) -> None:
-        """Be as after power-on."""
+        """Return to the state after power-on."""
         self.velocity = self.radius = self.right = self.left = 0
         self.outputs = OutputBits(0)
         self.lights = DARK
@@ -77,7 +61,7 @@ class Actuators:
         self.switch_drivers(0, 0, 0)
 
     def obey(self, command: oi.Command) -> None:
-        """Do what a command says that is in range; others are not for the actuators."""
+        """Carry out a command if it is for the actuators; its values are in range."""
         match command:
             case oi.Drive(velocity=velocity, radius=radius):
                 self.drive(velocity, radius)
@@ -95,19 +79,19 @@ class Actuators:
                 self.infrared_sent.append(byte)
 
     def drive(self, velocity: int, radius: int) -> None:
-        """Obey Drive: packets 39 and 40 change, 41 and 42 stay."""
+        """Carry out Drive: packets 39 and 40 change, 41 and 42 stay."""
         self.velocity, self.radius = velocity, radius
-        self.turn_wheels(steer(velocity, radius, self._separation))
+        self.turn_wheels(Wheels(*wheel_speeds(velocity, radius, self._separation)))
 
     def drive_direct(self, right: int, left: int) -> None:
-        """Obey Drive Direct: packets 41 and 42 change, 39 and 40 stay."""
+        """Carry out Drive Direct: packets 41 and 42 change, 39 and 40 stay."""
         self.right, self.left = right, left
         self.turn_wheels(Wheels(right, left))
 
     def turn_wheels(self, wheels: Wheels) -> None:
-        """Turn the wheels for whatever reason."""
+        """Set the wheel speeds; packets 39 to 42 stay."""
         self.wheels = wheels
-        self._body.drive(right=wheels.right / MM, left=wheels.left / MM)
+        self._body.drive(right=wheels.right / MM_PER_M, left=wheels.left / MM_PER_M)
 
     def switch_drivers(self, driver_0: int, driver_1: int, driver_2: int) -> None:
         """Set the duty cycles of the low side drivers, in 128ths."""
@@ -117,12 +101,12 @@ class Actuators:
             duty0=driver_0 / full, duty1=driver_1 / full, duty2=driver_2 / full)
 
     def moves_into_cliff(self) -> bool:
-        """Tell whether a cliff matters (manual: Safe Mode): forwards, or on a small radius."""
+        """Return whether a cliff stops Safe mode: moving forward or on a small radius (manual)."""
         wheels = self.wheels
         if wheels.forward > 0:
             return True
-        moving = wheels != Wheels()
-        return moving and wheels.radius(self._separation) < self._body.config.body_radius * MM
+        body_radius = self._body.config.body_radius * MM_PER_M
+        return wheels != Wheels() and wheels.radius(self._separation) < body_radius
 
     @property
     def requested(self) -> dict[str, int]:

@@ -1,18 +1,16 @@
 """
 What the Create does with each byte, by the manual.
 
-`Create` is the mirror image of the host's driver, with the same verbs: `receive` bytes, `step` to
-a time, fetch `data_to_send`.  Time is what the caller says it is, in seconds; inside, everything
-happens in the slots of 15 ms in which a Create updates its values, so it does not matter how
-often one steps.  Bytes take effect as they arrive, between two slots.  No bytes raise.
+`Create` is the mirror image of the host's driver and has the same verbs: `receive` bytes, `poll`
+up to a time, fetch `data_to_send`. The caller says what time it is, in seconds. Everything but
+the bytes happens in the slots of 15 ms in which a Create updates its values, so it does not matter
+how often `poll` is called. Bytes take effect when they arrive, between two slots. No bytes raise.
 
     create = Create(Body(world))
     create.receive(oi.Start().encode(), 0.0)
-    create.step(1.0)
+    create.poll(1.0)
     sent = create.data_to_send()
 """
-
-from __future__ import annotations
 
 from collections.abc import Sequence
 from random import Random
@@ -20,79 +18,76 @@ from random import Random
 from ... import oi
 from ...oi import Mode
 from ...oi.commands import ACTUATORS, INPUTS, WAITS
+from ...robot import SLOT
 from ..body import Body
-from ..body.sensed import Readings
+from ..body.sensed import Sensed
+from ..timing import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
-from .actuators import Actuators, DARK, Lights, Wheels
-from .demo_behaviors import Controls, Demo, DEMOS
+from .actuators import ActuatorState, DARK, Lights, Wheels
+from .demo_behaviors import Controls
+from .demo_player import DemoPlayer
 from .guesses import Guesses, LIKELY
 from .limits import obeyable
 from .power import BANNER, Power
 from .songs import BEEP, DESCENDING, Speaker
 from .uart import DEFAULT_BAUD, SLOW_BAUD, Uart
 
-_RESET_OPCODE = b'\x07'
+RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""
-_CHUNK = 256
-"""Bytes read at once, so that a flood costs no more for being long."""
-_EARLY = 1e-6
-_ENDED = object()
+CHUNK = 256
+"""Bytes that are interpreted at once, so that the cost of a flood only grows with its length."""
 
 
 class Create:
-    """A Create's electronics: on, booted long ago, its Open Interface off."""
+    """A Create's electronics: switched on, boot loader finished, Open Interface off."""
 
     def __init__(self, body: Body, *, checksum: oi.Checksum = oi.Checksum.HARDWARE,
                  guesses: Guesses = LIKELY, seed: int = 0) -> None:
         self.body = body
         self.guesses = guesses
         self.mode = Mode.OFF
-        self.actuators = Actuators(body)
+        self.actuators = ActuatorState(body)
         self.speaker = Speaker()
-        self.demo: oi.DemoNumber | None = None
-        """The demo that runs."""
         self.script = b''
         self.commands = 0
-        """Commands that were whole so far, obeyed or not."""
+        """Complete commands received so far, obeyed or not."""
         self._slots = 0
         self._epoch: float | None = None
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
         self._power = Power()
         self._telemetry = sensing.Telemetry(body, checksum)
-        self._controls = Controls(body, self.actuators, Random(seed), self._sound)
-        self._forget()
+        self._demos = DemoPlayer(Controls(body, self.actuators, Random(seed), self._sound))
+        self._reset()
 
-    def _forget(self) -> None:
-        """Be as after power-on."""
+    def _reset(self) -> None:
+        """Return to the state after power-on."""
         self.mode = Mode.OFF
         self.script = b''
         self._queue = oi.CommandReader()
         self._script_plays = False
         self._wait: scripts.Over | None = None
-        self._telemetry.forget()
-        self._selected = oi.DemoNumber.COVER
-        self._pressed = (False, False)
-        self._run_demo(None)
+        self._telemetry.reset()
+        self._demos.reset()
         self.actuators.reset()
         self.speaker = Speaker()
         self.body.allow_charging(True)
 
-    # The line.
+    # The serial line.
 
     def receive(self, data: bytes, now: float, baud: int | None = None) -> None:
         """
-        Hear bytes that the host sent, at `now` seconds.
+        Take bytes that the host sent, at `now` seconds.
 
-        `baud` is the rate the host is set to; where it is not the robot's, both hear garbage.
+        `baud` is the host's rate; if it is not the robot's, both sides receive garbage.
         """
-        self.step(now)
+        self.poll(now)
         self._uart.host_baud = baud
-        for start in range(0, len(data), _CHUNK):
-            self._hear(data[start:start + _CHUNK])
+        for start in range(0, len(data), CHUNK):
+            self._read(data[start:start + CHUNK])
 
     def data_to_send(self) -> bytes:
-        """Return what the robot has said since the last call."""
+        """Return the bytes that the robot has sent since the last call."""
         return self._uart.take()
 
     @property
@@ -101,10 +96,10 @@ class Create:
         return self._uart.baud
 
     def host_baud(self, baud: int | None) -> None:
-        """Learn of the rate the host is set to before it says anything; None: the right one."""
+        """Set the host's rate before it sends anything; None: the same as the robot's."""
         self._uart.host_baud = baud
 
-    def _hear(self, data: bytes) -> None:
+    def _read(self, data: bytes) -> None:
         if not self._listening:
             return
         data = self._uart.receive(data, self.time)
@@ -114,12 +109,12 @@ class Create:
 
     @property
     def _listening(self) -> bool:
-        """Manual: Wait Commands, 'nor does it react to any inputs, serial or otherwise'."""
+        """Whether bytes are read (manual: Wait Commands, 'nor does it react to any inputs')."""
         return self._running and self._wait is None and not self._script_plays
 
     @property
     def waiting(self) -> bool:
-        """Tell whether a wait command makes the robot deaf."""
+        """Whether a wait command keeps the robot from reading bytes."""
         return self._wait is not None
 
     @property
@@ -127,28 +122,28 @@ class Create:
         return self._power.on and not self._power.booting(self.time)
 
     def _obey_queue(self) -> bytes:
-        """Obey what is in the input queue until it waits; return what a played script put off."""
-        put_off = b''
+        """Obey the input queue up to a wait; return the bytes that a played script delays."""
+        delayed = b''
         while self._wait is None and self._running:
             match self._queue.next_event():
                 case None:
                     self._script_plays = False
-                    return put_off
+                    return delayed
                 case oi.UnknownOpcode(byte):
-                    if byte == _RESET_OPCODE and self.guesses.opcode_7_resets:
+                    if byte == RESET_OPCODE and self.guesses.opcode_7_resets:
                         self._boot()
                 case oi.PlayScript() if self.mode in oi.PlayScript.modes and self.script:
-                    put_off = self._load_script() or put_off
+                    delayed = self._load_script() or delayed
                 case oi.Command() as command:
                     self._obey(command)
         return b''
 
     def _load_script(self) -> bytes:
-        """Put the script into the input queue; return the host's bytes that were behind it."""
+        """Put the script into the input queue; return the host's bytes that it replaces."""
         behind = self._queue.clear()
         self._queue.feed(self.script)
         if self._script_plays:
-            # A script that plays itself again takes at least one slot for a round.
+            # A script that plays itself takes at least one slot for each round.
             self._wait = scripts.until_slot(lambda: self._slots, 1)
             return b''
         self._script_plays = True
@@ -158,19 +153,19 @@ class Create:
 
     @property
     def time(self) -> float:
-        """Seconds of the robot's own clock: whole slots since the first time it was told."""
-        return self._slots * oi.SLOT
+        """Seconds on the robot's clock: whole slots since the first `poll` or `receive`."""
+        return self._slots * SLOT
 
-    def step(self, now: float) -> None:
-        """Live on until `now`, in seconds; the first call tells where time begins."""
+    def poll(self, now: float) -> None:
+        """Advance to `now`, in seconds; the first call sets the start of the robot's clock."""
         if self._epoch is None:
             self._epoch = now
-        due = int((now - self._epoch) / oi.SLOT + _EARLY)
+        due = int((now - self._epoch) / SLOT + TOLERANCE)
         while self._slots < due:
             self._slot()
 
     def _slot(self) -> None:
-        self.body.step(oi.SLOT)
+        self.body.step(SLOT)
         self._slots += 1
         self._telemetry.refresh()
         if self._power.on and self.body.battery_flat:
@@ -178,50 +173,49 @@ class Create:
             self._switch_off()
         if not self._power.on:
             return
-        readings = self.body.sense()
-        self._watch_baud(readings)
+        sensed = self.body.sense()
+        self._watch_baud(sensed)
         if not self._running:
             return
-        self._stay_safe(readings)
+        self._stay_safe(sensed)
         if self._wait is None:
-            self._watch_buttons(readings)
+            self._demos.watch_buttons(sensed, enabled=self.mode not in oi.ACTUATE)
         self._go_on()
         if self._telemetry.streaming and (
                 self._wait is None or self.guesses.stream_while_waiting):
             self._uart.stream(self._telemetry.frame(self._own_values()), self.time)
 
     def _go_on(self) -> None:
-        """Let the demo and the script do their next thing."""
-        if self._behaviour is not None and next(self._behaviour, _ENDED) is _ENDED:
-            self._run_demo(None)
+        """Advance the demo and the script by a slot."""
+        self._demos.step()
         if self._wait is not None and self._wait():
             self._wait = None
             self._obey_queue()
 
-    def _stay_safe(self, readings: Readings) -> None:
-        """Manual: Safe Mode.  A demo heeds a wheel drop and the charger too (guess)."""
+    def _stay_safe(self, sensed: Sensed) -> None:
+        """Stop for hazards in Safe mode (manual); drop and charger end a demo too (guess)."""
         guarded = self.mode is Mode.SAFE or self.demo is not None
         if not guarded:
             return
-        charger = readings.internal_charger or (
-            self.guesses.dock_ends_safe and readings.home_base)
-        edge = (self.mode is Mode.SAFE and scripts.cliff(readings)
+        charger = sensed.internal_charger or (
+            self.guesses.dock_ends_safe and sensed.home_base)
+        edge = (self.mode is Mode.SAFE and scripts.cliff(sensed)
                 and self.actuators.moves_into_cliff())
-        if charger or edge or scripts.wheel_drop(readings):
+        if charger or edge or scripts.wheel_drop(sensed):
             if self.mode is Mode.SAFE:
                 self._enter(Mode.PASSIVE)
-            self._run_demo(None)
+            self._demos.stop()
 
     # Power and buttons.
 
     @property
     def powered(self) -> bool:
-        """Tell whether the robot is on."""
+        """Whether the robot is switched on."""
         return self._power.on
 
     def power(self, on: bool, now: float) -> None:
-        """Switch the robot on or off with its power button; a flat battery switches nothing on."""
-        self.step(now)
+        """Switch the robot on or off; with an empty battery it stays off."""
+        self.poll(now)
         if on and not self._power.on and not self.body.battery_flat:
             self._boot()
         elif not on and self._power.on:
@@ -229,7 +223,7 @@ class Create:
 
     def _switch_off(self) -> None:
         self._power.on = False
-        self._forget()
+        self._reset()
         self.body.power(False)
 
     def toggle_power(self, now: float) -> None:
@@ -237,42 +231,31 @@ class Create:
         self.power(not self._power.on, now)
 
     def lose_battery(self, now: float) -> None:
-        """Take the battery out and put it back in: on as before, with nothing remembered."""
-        self.step(now)
+        """Take the battery out and put it back: the robot restarts if it was on."""
+        self.poll(now)
         self._power.default_baud = DEFAULT_BAUD
         if self._power.on:
             self._boot()
 
     def _boot(self) -> None:
-        self._forget()
+        self._reset()
         self.body.power(True)
         self._power.switch_on(self.time, self.guesses.boot_seconds, self.body.sense().play)
         self._uart.reset(self._power.default_baud, self.time)
         if self.guesses.banner:
             self._uart.reply(BANNER, self.time)
 
-    def _watch_baud(self, readings: Readings) -> None:
-        if self._power.play_held(readings.play, self.time):
+    def _watch_baud(self, sensed: Sensed) -> None:
+        if self._power.play_held(sensed.play, self.time):
             self._uart.baud = SLOW_BAUD
             self._sound(DESCENDING)
-        if self._power.pin_pulsed(readings.device_detect, self.time):
+        if self._power.pin_pulsed(sensed.device_detect, self.time):
             self._uart.baud = SLOW_BAUD
-
-    def _watch_buttons(self, readings: Readings) -> None:
-        """Without a host's control, Advance chooses a demo and Play plays and stops it."""
-        before, self._pressed = self._pressed, (readings.play, readings.advance)
-        if self.mode in oi.ACTUATE:
-            return
-        if readings.advance and not before[1]:
-            numbers = list(DEMOS)
-            self._selected = numbers[(numbers.index(self._selected) + 1) % len(numbers)]
-        if readings.play and not before[0]:
-            self._run_demo(self._selected if self.demo is None else None)
 
     # Modes and demos.
 
     def _enter(self, mode: Mode) -> None:
-        self._run_demo(None)
+        self._demos.stop()
         if mode is Mode.PASSIVE:
             self.actuators.turn_wheels(Wheels())
             if self.guesses.passive_stops_drivers:
@@ -282,23 +265,21 @@ class Create:
         self.mode = mode
         self.body.allow_charging(mode is Mode.PASSIVE)
 
-    def _run_demo(self, demo: oi.DemoNumber | None) -> None:
-        """Begin a demo, or end the one that runs."""
-        if self.demo is not None:
-            self.actuators.turn_wheels(Wheels())
-        self.demo = demo
-        self._behaviour: Demo | None = DEMOS[demo](self._controls) if demo is not None else None
+    @property
+    def demo(self) -> oi.DemoNumber | None:
+        """The demo that runs."""
+        return self._demos.demo
 
     def _sound(self, notes: Sequence[oi.Note]) -> None:
         self.speaker.sound(notes, self.time)
 
     @property
     def lights(self) -> Lights:
-        """The LEDs as they shine: the host's in Safe and Full, else the robot's own (guess)."""
+        """The LEDs as they are lit: by the host in Safe and Full, else by the robot (guess)."""
         if not self._power.on or self.mode in oi.ACTUATE:
             return self.actuators.lights if self._power.on else DARK
-        readings = self.body.sense()
-        level = min(1.0, readings.charge / readings.capacity) if readings.capacity else 0.0
+        sensed = self.body.sense()
+        level = min(1.0, sensed.charge / sensed.capacity) if sensed.capacity else 0.0
         playing = oi.LedBits.PLAY if self.demo is not None else oi.LedBits(0)
         return Lights(playing, round(255 * (1 - level)), 255)
 
@@ -311,7 +292,7 @@ class Create:
 
     @property
     def note(self) -> int:
-        """The MIDI number of the note that sounds now; 0 when all is quiet."""
+        """The MIDI number of the note that sounds now; 0 for silence."""
         return self.speaker.note(self.time)
 
     # Commands.
@@ -347,14 +328,16 @@ class Create:
         match command:
             case oi.Baud(code=code):
                 self._change_baud(oi.BaudCode(code).rate)
+            case oi.Demo(demo=oi.DemoNumber.ABORT):
+                self._demos.stop()
             case oi.Demo(demo=demo):
-                self._run_demo(None if demo == oi.DemoNumber.ABORT else oi.DemoNumber(demo))
+                self._demos.start(oi.DemoNumber(demo))
             case oi.Cover():
-                self._run_demo(oi.DemoNumber.COVER)
+                self._demos.start(oi.DemoNumber.COVER)
             case oi.CoverAndDock():
-                self._run_demo(oi.DemoNumber.COVER_AND_DOCK)
+                self._demos.start(oi.DemoNumber.COVER_AND_DOCK)
             case oi.Spot():
-                self._run_demo(oi.DemoNumber.SPOT_COVER)
+                self._demos.start(oi.DemoNumber.SPOT_COVER)
             case oi.Script(script=script):
                 self.script = script
             case oi.ShowScript():
@@ -377,7 +360,7 @@ class Create:
             self._queue.clear()
 
     def _own_values(self) -> dict[str, int]:
-        """Return the values of the packets that are no sensors of the body."""
+        """Return the values of the packets that do not come from the body."""
         return {
             'oi_mode': self.mode, 'song_number': self.speaker.number,
             'song_playing': self.speaker.song_playing(self.time), **self.actuators.requested,

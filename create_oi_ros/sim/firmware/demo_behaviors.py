@@ -1,70 +1,66 @@
 """
-The ten demos, as behaviours that one recognises: a few lines each, not iRobot's own programs.
+The ten demos as recognisable behaviours of a few lines each; not iRobot's own programs.
 
-A demo is a generator.  It looks at `Controls`, sets the wheels, and yields; a slot later it is
-asked to go on.  It ends by returning, and whoever aborts it closes it.  Speeds are in mm/s,
-distances in mm, angles in degrees counter-clockwise.
+A demo is a generator. It reads `Controls`, sets the wheels and yields until the next slot. It ends
+when it returns, or is aborted when it is dropped. Speeds are in mm/s, distances in mm, angles in
+degrees counter-clockwise.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 import math
 from random import Random
 
-from ...oi import DemoNumber, Infrared, Note, SLOT
+from ...oi import DemoNumber, Infrared, Note
+from ...robot import MM_PER_M, SLOT
 from ..body import Body
-from ..body.sensed import Readings
-from .actuators import Actuators, MM, Wheels
+from ..body.sensed import BEAMS, GREEN_BUOY, RED_BUOY, Sensed
+from .actuators import ActuatorState, Wheels
 from .script_waits import cliff
 
 Demo = Iterator[None]
 
-_BEAMS = Infrared.HOME_BASE_RESERVED
-RED = Infrared.HOME_BASE_RED_BUOY - _BEAMS
-GREEN = Infrared.HOME_BASE_GREEN_BUOY - _BEAMS
-"""Bits of the Home Base's characters; red is on the right of a robot that comes in."""
-
+SEAM = RED_BUOY | GREEN_BUOY
+"""Both beams: straight ahead of a Home Base. Red is on the right of a robot that comes in."""
 CRUISE, TURNING, CREEP = 140.0, 120.0, 100.0
-"""Slow enough to stop between seeing an edge and dropping a wheel over it."""
+"""Speeds: slow enough to stop between seeing an edge and dropping a wheel over it."""
 PACHELBEL = (78, 76, 74, 73, 71, 69, 71, 73, 74, 73, 71, 69, 67, 66, 67, 64)
 """The Canon's first violin, its first sixteen notes (MIDI numbers)."""
 G_MAJOR, D_MAJOR_7, C_MAJOR = (55, 59, 62, 67), (62, 66, 69, 73), (60, 64, 67, 72)
 """Banjo's chords, one note for each cliff sensor from left to right."""
-_PATIENCE = 400
-"""Slots without a beam after which a Home Base is given up."""
-_ASKEW = 4.0
-"""Degrees off the seam that are let pass."""
+PATIENCE = 400
+"""Slots without a beam after which the search for a Home Base ends."""
+ASKEW = 4.0
+"""Degrees off the seam that are not corrected."""
 NOTE_LENGTH = 20
 """64ths of a second."""
 
 
 class Controls:
-    """What a demo may touch."""
+    """The sensors, wheels and speaker as a demo uses them."""
 
-    def __init__(self, body: Body, actuators: Actuators, random: Random,
+    def __init__(self, body: Body, actuators: ActuatorState, random: Random,
                  sound: Callable[[Sequence[Note]], None]) -> None:
         self._body, self._actuators = body, actuators
-        self._separation = body.config.encoder_separation * MM
+        self._separation = body.config.encoder_separation * MM_PER_M
         self.random = random
         self.sound = sound
 
     @property
-    def sense(self) -> Readings:
-        """The sensors as they are in this slot."""
+    def sense(self) -> Sensed:
+        """The sensors in this slot."""
         return self._body.sense()
 
     @property
     def blocked(self) -> bool:
-        """There is something ahead into which a demo does not drive."""
+        """Something is ahead that a demo does not drive into."""
         sense = self.sense
         return sense.bump_left or sense.bump_right or sense.virtual_wall or cliff(sense)
 
     @property
     def beams(self) -> int:
-        """The buoys of a Home Base that are seen: a sum of RED and GREEN."""
+        """The buoy beams of a Home Base that are seen: RED_BUOY, GREEN_BUOY, SEAM or 0."""
         seen = self.sense.infrared
-        return seen & (RED | GREEN) if _BEAMS < seen < Infrared.NONE else 0
+        return seen & SEAM if BEAMS < seen < Infrared.NONE else 0
 
     @property
     def angle(self) -> float:
@@ -77,7 +73,7 @@ class Controls:
         return self._body.distance_total
 
     def drive(self, right: float, left: float) -> None:
-        """Set the wheels."""
+        """Set the wheel speeds."""
         self._actuators.turn_wheels(Wheels(right, left))
 
     def curve(self, speed: float, radius: float) -> None:
@@ -86,16 +82,16 @@ class Controls:
         self.drive(speed + outward, speed - outward)
 
 
-# Pieces of behaviour.
+# Parts of demos.
 
 def wait(seconds: float) -> Demo:
-    """Go on as now."""
+    """Keep the present wheel speeds."""
     for _ in range(round(seconds / SLOT)):
         yield
 
 
 def roll(controls: Controls, distance: float, speed: float = CRUISE) -> Demo:
-    """Drive straight, backwards for a negative distance; forwards only while nothing blocks."""
+    """Drive straight; a negative distance is backward, forward ends where something blocks."""
     start = controls.distance
     forward = distance > 0
     controls.drive(*(speed if forward else -speed,) * 2)
@@ -115,7 +111,7 @@ def turn(controls: Controls, degrees: float, speed: float = TURNING) -> Demo:
 
 
 def back_off(controls: Controls, least: float, most: float) -> Demo:
-    """Go back a little and turn away from the side that met something, by a random angle."""
+    """Go back a little and turn by a random angle away from the side that met something."""
     sense = controls.sense
     left = sense.bump_left or sense.cliff_left or sense.cliff_front_left
     right = sense.bump_right or sense.cliff_right or sense.cliff_front_right
@@ -127,7 +123,7 @@ def back_off(controls: Controls, least: float, most: float) -> Demo:
 
 
 def spiral(controls: Controls, first: float, last: float, pitch: float = 120.0) -> Demo:
-    """Circle with a radius that goes from the first to the last, until something blocks."""
+    """Circle while the radius goes from `first` to `last`, until something blocks."""
     start = controls.angle
     step = math.copysign(pitch, last - first)
     radius = first
@@ -140,7 +136,7 @@ def spiral(controls: Controls, first: float, last: float, pitch: float = 120.0) 
 
 
 def follow_wall(controls: Controls, seconds: float) -> Demo:
-    """Keep the wall on the right at an even distance; bump, turn left, go on."""
+    """Keep the wall on the right at an even distance; turn left where something blocks."""
     wanted = 1200
     for _ in range(round(seconds / SLOT)) if seconds < math.inf else iter(int, 1):
         if controls.blocked:
@@ -155,7 +151,7 @@ def follow_wall(controls: Controls, seconds: float) -> Demo:
 # The demos.
 
 def cover(controls: Controls) -> Demo:
-    """Cover a room: spiral, bounce at random, follow walls, over and over."""
+    """Cover a room: spiral, bounce at random, follow walls, and repeat."""
     while True:
         yield from spiral(controls, 100, 800)
         for _ in range(controls.random.randint(3, 6)):
@@ -167,7 +163,7 @@ def cover(controls: Controls) -> Demo:
 
 
 def cover_and_dock(controls: Controls) -> Demo:
-    """Cover, until a Home Base is seen; then dock with it."""
+    """Cover until a Home Base is seen, then dock with it."""
     while True:
         for _ in cover(controls):
             if controls.beams:
@@ -176,7 +172,7 @@ def cover_and_dock(controls: Controls) -> Demo:
         yield from dock(controls)
         if controls.sense.home_base:
             return
-        # Out of the beams, or the next try begins where this one failed.
+        # Leave the beams, or the next attempt starts where this one failed.
         yield from turn(controls, controls.random.uniform(90, 180))
 
 
@@ -184,26 +180,26 @@ def dock(controls: Controls) -> Demo:
     """
     Follow the seam between the two beams; end on the contacts, or when all beams are lost.
 
-    Beside the seam the robot curves back to it, on a circle that grows until it meets it.  Where
-    a circle leaves and meets a line again, the line's direction is the mean of both headings.
+    Beside the seam the robot drives back to it on a circle that grows until it meets the seam.
+    The direction of the seam is the mean of the headings at which a circle leaves and meets it.
     """
     lost, left_at = 0, controls.angle
-    while lost < _PATIENCE and not controls.sense.home_base:
+    while lost < PATIENCE and not controls.sense.home_base:
         beams = controls.beams
         lost = 0 if beams else lost + 1
         if _bumped(controls):
             yield from roll(controls, -200, CREEP)
-            if beams != RED | GREEN:
+            if beams != SEAM:
                 yield from back_off(controls, 60, 170)
                 yield from roll(controls, 300)
-        elif beams == RED | GREEN:
-            if abs(left_at - controls.angle) > _ASKEW:
+        elif beams == SEAM:
+            if abs(left_at - controls.angle) > ASKEW:
                 yield from turn(controls, (left_at - controls.angle) / 2, CREEP)
             left_at = controls.angle
             controls.drive(CREEP, CREEP)
         elif beams:
             radius = 150 + abs(controls.angle - left_at)
-            controls.curve(CREEP, radius if beams == RED else -radius)
+            controls.curve(CREEP, radius if beams == RED_BUOY else -radius)
         else:
             controls.drive(CREEP, -CREEP)
         yield
@@ -216,14 +212,14 @@ def spot_cover(controls: Controls) -> Demo:
 
 
 def mouse(controls: Controls) -> Demo:
-    """Search for a wall, then drive along it around the room."""
+    """Search for a wall, then follow it around the room."""
     while not (controls.blocked or controls.sense.wall):
         yield from roll(controls, 50)
     yield from follow_wall(controls, math.inf)
 
 
 def figure_eight(controls: Controls) -> Demo:
-    """Drive one circle to the left, one to the right, and so on."""
+    """Drive circles, left and right in turn."""
     while True:
         for side in (1, -1):
             start = controls.angle
@@ -235,7 +231,7 @@ def figure_eight(controls: Controls) -> Demo:
 
 
 def wimp(controls: Controls) -> Demo:
-    """Drive forward when pushed from behind, away from an obstacle when one is met."""
+    """Drive forward when pushed from behind; turn away from an obstacle."""
     while True:
         controls.drive(0, 0)
         yield from wait(0.5)
@@ -256,12 +252,12 @@ def home(controls: Controls) -> Demo:
 
 
 def tag(controls: Controls) -> Demo:
-    """Do as in Home, turn around, and go for the next virtual wall."""
+    """Do as in Home, then turn around and look for the next virtual wall."""
     while True:
         yield from _seek(controls)
         yield from roll(controls, -100)
         yield from turn(controls, 180)
-        # The one that was just tagged is still seen here: leave it, then look ahead.
+        # The wall just tagged is still seen here: leave it, then look for another.
         for wanted in (True, False):
             start = controls.distance
             controls.drive(CRUISE, CRUISE)
@@ -279,7 +275,7 @@ def _bumped(controls: Controls) -> bool:
 
 
 def _seek(controls: Controls) -> Demo:
-    """Spin until a virtual wall is seen, drive while it is seen; end at a bump or a cliff."""
+    """Spin until a virtual wall is seen, drive while it is; end at a bump or a cliff."""
     while not _stopped(controls):
         if controls.sense.virtual_wall:
             controls.drive(CRUISE, CRUISE)
@@ -289,7 +285,7 @@ def _seek(controls: Controls) -> Demo:
 
 
 def pachelbel(controls: Controls) -> Demo:
-    """Play the next note of the Canon whenever a cliff sensor sees one anew."""
+    """Play the next note of the Canon when a cliff sensor starts to see a cliff."""
     place = 0
     for fresh in _fresh_cliffs(controls):
         if any(fresh):
@@ -299,7 +295,7 @@ def pachelbel(controls: Controls) -> Demo:
 
 
 def banjo(controls: Controls) -> Demo:
-    """Play a note of a chord for each cliff sensor; the bumper chooses the chord."""
+    """Play a note when a cliff sensor starts to see a cliff; the bumper sets the chord."""
     for fresh in _fresh_cliffs(controls):
         sense = controls.sense
         chord = (C_MAJOR if sense.bump_left and sense.bump_right
@@ -312,7 +308,7 @@ def banjo(controls: Controls) -> Demo:
 
 
 def _fresh_cliffs(controls: Controls) -> Iterator[tuple[bool, ...]]:
-    """Yield, for ever, which of the four sensors sees a cliff that it did not see before."""
+    """Yield in each slot which of the four sensors sees a cliff and did not before."""
     before = (False,) * 4
     while True:
         sense = controls.sense

@@ -1,14 +1,12 @@
-"""Whether the robot takes the values of a command: it must be able to receive nonsense."""
-
-from __future__ import annotations
+"""Which values of a command the robot accepts; hosts may send any."""
 
 from ...oi import Command
-from ...oi.commands import SPEED
 from ...oi.declaration import Tail
+from ...oi.readings import SPEED
 
 
 def obeyable(command: Command) -> Command | None:
-    """Return the command as the robot takes it: velocities clamped; None: out of range."""
+    """Return the command with velocities clamped; None if another value is out of range."""
     if command.tail is not None and not _tail_allowed(command, command.tail):
         return None
     changed: dict[str, int] = {}

@@ -1,21 +1,20 @@
-"""The wait commands: each becomes a question, asked once a slot until the answer is yes."""
-
-from __future__ import annotations
+"""The wait commands: each becomes a function that is called in every slot until it is true."""
 
 from collections.abc import Callable
 import math
 
 from ... import oi
-from ...oi import Event, SLOT
+from ...oi import Event
+from ...robot import SLOT
 from ..body import Body
-from ..body.sensed import Readings
+from ..body.sensed import Sensed
 
 Over = Callable[[], bool]
 """Whether a wait is over."""
-_REACHED = 1e-6
-"""Millimetres or degrees by which a sum of floats may miss what it means to be."""
+REACHED = 1e-6
+"""Millimetres or degrees by which a sum of floats may fall short of the value it stands for."""
 
-_SENSORS: dict[Event, tuple[str, ...]] = {
+SENSORS: dict[Event, tuple[str, ...]] = {
     Event.WHEEL_DROP: ('drop_caster', 'drop_left', 'drop_right'),
     Event.FRONT_WHEEL_DROP: ('drop_caster',),
     Event.LEFT_WHEEL_DROP: ('drop_left',),
@@ -40,19 +39,19 @@ _SENSORS: dict[Event, tuple[str, ...]] = {
 }
 
 
-def cliff(readings: Readings) -> bool:
-    """Tell whether any of the four cliff sensors sees one."""
-    return any(getattr(readings, name) for name in _SENSORS[Event.CLIFF])
+def cliff(sensed: Sensed) -> bool:
+    """Return whether any of the four cliff sensors sees a cliff."""
+    return any(getattr(sensed, name) for name in SENSORS[Event.CLIFF])
 
 
-def wheel_drop(readings: Readings) -> bool:
-    """Tell whether any of the three wheels has dropped."""
-    return any(getattr(readings, name) for name in _SENSORS[Event.WHEEL_DROP])
+def wheel_drop(sensed: Sensed) -> bool:
+    """Return whether any of the three wheels has dropped."""
+    return any(getattr(sensed, name) for name in SENSORS[Event.WHEEL_DROP])
 
 
 def waiting(command: oi.Command, body: Body, slots: Callable[[], int],
             passive: Callable[[], bool]) -> Over:
-    """Return the question that a wait command asks."""
+    """Start a wait; return the function that tells when it is over."""
     match command:
         case oi.WaitTime(time=tenths):
             return until_slot(slots, slots_of(tenths))
@@ -72,33 +71,33 @@ def until_slot(slots: Callable[[], int], count: int) -> Over:
 
 
 def slots_of(tenths: int) -> int:
-    """Return the slots that Wait Time takes: 'with a resolution of 15 ms'."""
-    return math.ceil(tenths / 10 / SLOT - _REACHED)
+    """Return the slots that Wait Time takes (manual: 'with a resolution of 15 ms')."""
+    return math.ceil(tenths / 10 / SLOT - REACHED)
 
 
 def until_travelled(body: Body, distance: int) -> Over:
-    """Wait for a travel in mm, forwards positive; resets the distance of packet 19."""
+    """Wait for a distance in mm, forward positive; resets packet 19."""
     body.take_distance()
     start = body.distance_total
     return lambda: _reached(body.distance_total - start, distance)
 
 
 def until_turned(body: Body, angle: int) -> Over:
-    """Wait for a turn in degrees, counter-clockwise positive; resets the angle of packet 20."""
+    """Wait for a turn in degrees, counter-clockwise positive; resets packet 20."""
     body.take_angle()
     start = body.angle_total
     return lambda: _reached(body.angle_total - start, angle)
 
 
 def _reached(value: float, goal: int) -> bool:
-    return value >= goal - _REACHED if goal >= 0 else value <= goal + _REACHED
+    return value >= goal - REACHED if goal >= 0 else value <= goal + REACHED
 
 
 def until_event(body: Body, passive: Callable[[], bool], event: int) -> Over:
-    """Wait for an event, or, where it is negative, for its inverse."""
+    """Wait for an event, or for its inverse if the number is negative."""
     wanted = event > 0
     number = Event(abs(event))
     if number is Event.OI_MODE_PASSIVE:
         return lambda: passive() is wanted
-    names = _SENSORS[number]
+    names = SENSORS[number]
     return lambda: any(getattr(body.sense(), name) for name in names) is wanted

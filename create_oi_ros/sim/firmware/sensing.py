@@ -1,6 +1,4 @@
-"""From what the body senses to the values of the packets."""
-
-from __future__ import annotations
+"""From what the body senses to the values of the packets, replies and stream frames."""
 
 from collections.abc import Callable
 from enum import IntFlag
@@ -17,13 +15,13 @@ from ...oi import (
     PacketList,
 )
 from ..body import Body
-from ..body.sensed import Readings
+from ..body.sensed import Sensed
 
 
-def _flags(places: dict[str, IntFlag]) -> Callable[[Readings], int]:
-    """Return a function that gathers sensors into one byte; mostly in C, for it runs often."""
+def _flags(places: dict[str, IntFlag]) -> Callable[[Sensed], int]:
+    """Return a function that packs sensors into one byte; called often, so mostly in C."""
     get, weights = attrgetter(*places), tuple(map(int, places.values()))
-    return lambda readings: sum(map(mul, get(readings), weights))
+    return lambda sensed: sum(map(mul, get(sensed), weights))
 
 
 bumps_and_wheel_drops = _flags({
@@ -54,9 +52,9 @@ _charging_sources = _flags({
 })
 
 
-def sensed(readings: Readings) -> dict[str, int]:
-    """Return the values that come from the body, by the packets' names, but 19 and 20."""
-    r = readings
+def packet_values(sensed: Sensed) -> dict[str, int]:
+    """Return the values that the body gives by packet name, except 19 and 20."""
+    r = sensed
     return {
         'bumps_and_wheel_drops': bumps_and_wheel_drops(r),
         'wall': r.wall,
@@ -89,14 +87,14 @@ def sensed(readings: Readings) -> dict[str, int]:
 
 @lru_cache(maxsize=256)
 def packet_list(ids: tuple[int, ...]) -> PacketList:
-    """Compile a list; a host that polls asks for the same ones over and over."""
+    """Compile a list; cached, because a host that polls repeats its lists."""
     return PacketList(ids)
 
 
 class Telemetry:
-    """What the host wants to know, and the stream that tells it without being asked."""
+    """Replies to input commands, and the frames of the stream."""
 
-    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_sensed', '_take')
+    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_from_body', '_take')
 
     def __init__(self, body: Body, checksum: oi.Checksum) -> None:
         self._body = body
@@ -104,21 +102,21 @@ class Telemetry:
         self._take = {'distance': body.take_distance, 'angle': body.take_angle}
         self.frames = 0
         """Frames made so far."""
-        self.forget()
+        self.reset()
 
-    def forget(self) -> None:
-        """Be as after power-on."""
+    def reset(self) -> None:
+        """Return to the state after power-on."""
         self.streaming = False
-        """Whether a frame is due in every slot."""
+        """Whether a frame is sent in every slot."""
         self._list = PacketList(())
-        self._sensed: dict[str, int] | None = None
+        self._from_body: dict[str, int] | None = None
 
     def refresh(self) -> None:
-        """Look anew; values are updated every 15 ms (manual: Input Commands)."""
-        self._sensed = None
+        """Read the sensors again; values change every 15 ms (manual: Input Commands)."""
+        self._from_body = None
 
     def answer(self, command: oi.Command, own: dict[str, int]) -> bytes:
-        """Return the reply to an input command; `own` has the packets that the body lacks."""
+        """Return the reply to an input command; `own` has the packets not from the body."""
         match command:
             case oi.Sensors(packet=packet):
                 return self._reply((packet,), own)
@@ -136,19 +134,19 @@ class Telemetry:
         return packets.pack_reply(self._values(packets, own))
 
     def frame(self, own: dict[str, int]) -> bytes:
-        """Return the next frame of the stream; only its values where it has no length."""
+        """Return the next frame of the stream; values only, if it is too long for a frame."""
         self.frames += 1
         values = self._values(self._list, own)
         if self._list.frame_size > oi.FRAME_LIMIT:
-            # Groups can ask for more than the length byte can say, and than any baud rate carries
-            # in a slot (manual: Stream, 'will eventually become corrupted').
+            # Groups can add up to more than the length byte can hold, and more than any baud rate
+            # carries in a slot (manual: Stream, 'will eventually become corrupted').
             return self._list.pack_reply(values)
         return self._list.pack_frame(values, header_in_sum=self._header_in_sum)
 
     def _values(self, packets: PacketList, own: dict[str, int]) -> list[int]:
-        """Return values in the order of a list; asking for distance and angle resets them."""
-        if self._sensed is None:
-            self._sensed = sensed(self._body.sense())
-        known = {**self._sensed, **own, 'stream_packets': len(self._list.ids)}
+        """Return values in the order of a list; reading distance and angle resets them."""
+        if self._from_body is None:
+            self._from_body = packet_values(self._body.sense())
+        known = {**self._from_body, **own, 'stream_packets': len(self._list.ids)}
         take = self._take
         return [take[name]() if name in take else known[name] for name in packets.names]

@@ -1,40 +1,40 @@
 """
-The robot's serial port: its rate, what a wrong rate makes of bytes, and what fits on the wire.
+The robot's serial port: its baud rate, bytes at a wrong rate, and what fits on the wire.
 
-The port does not delay anything: what is sent is there to be fetched at once, and whoever wants
-bytes to leave at the baud rate paces them (the server does, when asked).  It keeps account of
-the time that the wire would need, so that a stream that asks for too much is corrupted.
+The port delays nothing: bytes can be fetched as soon as they are sent. The server can delay them
+as the wire would (`create_sim --wire-time`). The port does compute the time that the wire would
+need, so that a stream that asks for too much is corrupted.
 """
 
-from __future__ import annotations
-
-from ...oi import BaudCode, BITS_PER_BYTE, SLOT
+from ...oi import BaudCode, BITS_PER_BYTE
+from ...robot import SLOT
+from ..timing import TOLERANCE
 
 DEFAULT_BAUD = BaudCode.B57600.rate
 SLOW_BAUD = BaudCode.B19200.rate
 """Bits per second at power-on, and after the two ways of the manual's Serial Port Settings."""
 BAUD_PAUSE = 0.1
-"""Seconds after Baud in which nothing is heard or said (manual: Baud)."""
+"""Seconds after Baud in which nothing is received or sent (manual: Baud)."""
 FAST_BAUD = BaudCode.B115200.rate
 FAST_SPACING = 0.0002
-"""Seconds between the onsets of characters at 115200, or some are lost (manual: Baud)."""
+"""Least seconds between the starts of two characters at 115200 (manual: Baud)."""
 LONGEST_REPLY = 1 << 14
-"""Bytes: more than the longest reply, so only a host that never stops asking loses any."""
+"""Bytes; more than any reply has, so only a host that never stops asking loses some."""
 
 
-def heard(data: bytes, sent_at: int, heard_at: int) -> bytes:
+def resampled(data: bytes, sent_at: int, read_at: int) -> bytes:
     """
-    Return what a receiver at one rate makes of bytes sent at another, both in bits per second.
+    Return the bytes that a receiver at one rate reads from bytes sent at another (bits/s).
 
     The line is sampled as a UART does it: a falling edge, then eight bits, each in its middle.
     """
-    if sent_at == heard_at:
+    if sent_at == read_at:
         return data
     levels: list[int] = []
     for byte in data:
         levels += [0, *(byte >> place & 1 for place in range(8)), 1]
-    line, end = levels + [1] * (BITS_PER_BYTE * (1 + sent_at // heard_at)), len(levels)
-    ratio = sent_at / heard_at
+    line, end = levels + [1] * (BITS_PER_BYTE * (1 + sent_at // read_at)), len(levels)
+    ratio = sent_at / read_at
     received = bytearray()
     at = 0.0
     while at < end:
@@ -50,7 +50,7 @@ def heard(data: bytes, sent_at: int, heard_at: int) -> bytes:
 
 
 class Uart:
-    """One end of the line; times are seconds on the robot's clock."""
+    """The robot's end of the serial line; times are seconds on the robot's clock."""
 
     __slots__ = ('baud', 'host_baud', '_out', '_wire_free', '_paused_until', '_last_onset',
                  '_overrun', '_buffer')
@@ -58,7 +58,7 @@ class Uart:
     def __init__(self, *, overrun: bool, buffer: int) -> None:
         self.baud = DEFAULT_BAUD
         self.host_baud: int | None = None
-        """What the other end is set to; None: always the right rate."""
+        """Baud rate of the host; None: always the right one."""
         self._out = bytearray()
         self._wire_free = 0.0
         self._paused_until = 0.0
@@ -67,20 +67,20 @@ class Uart:
         self._buffer = buffer
 
     def change(self, baud: int, time: float) -> None:
-        """Change the rate by the Baud command."""
+        """Carry out the Baud command."""
         self.baud = baud
         self._paused_until = time + BAUD_PAUSE
 
     def paused(self, time: float) -> bool:
-        """Tell whether a change of rate is not over yet."""
+        """Return whether the pause after a change of rate still lasts."""
         return time < self._paused_until
 
     def receive(self, data: bytes, time: float) -> bytes:
-        """Return what arrives of the bytes that the host sent, the last of them just now."""
+        """Return what the robot reads of bytes from the host; the last one arrives now."""
         if self.paused(time):
             return b''
         if self.host_baud not in (None, self.baud):
-            data = heard(data, self.host_baud or self.baud, self.baud)
+            data = resampled(data, self.host_baud or self.baud, self.baud)
         return self._without_overrun(data, time) if self._overrun else data
 
     def _without_overrun(self, data: bytes, time: float) -> bytes:
@@ -96,11 +96,11 @@ class Uart:
         return bytes(kept)
 
     def reply(self, data: bytes, time: float) -> None:
-        """Say the answer to a command."""
+        """Send the reply to a command."""
         self._send(data, time, LONGEST_REPLY)
 
     def stream(self, frame: bytes, time: float) -> None:
-        """Say a frame of the stream, as far as it fits into the buffer."""
+        """Send a frame of the stream, as much of it as fits into the buffer."""
         self._send(frame, time, self._buffer)
 
     def _send(self, data: bytes, time: float, room: int) -> None:
@@ -111,17 +111,17 @@ class Uart:
         data = data[:max(0, room - int((start - time) / byte_time))]
         self._wire_free = start + len(data) * byte_time
         if self.host_baud not in (None, self.baud):
-            data = heard(data, self.baud, self.host_baud or self.baud)
+            data = resampled(data, self.baud, self.host_baud or self.baud)
         self._out += data
 
     def take(self) -> bytes:
-        """Return what was said since the last call."""
+        """Return the bytes sent since the last call."""
         data = bytes(self._out)
         self._out.clear()
         return data
 
     def reset(self, baud: int, time: float) -> None:
-        """Begin anew after the power was gone."""
+        """Start again at power-on."""
         self.baud = baud
         self._wire_free = self._paused_until = time
 
@@ -131,20 +131,21 @@ class BaudPin:
 
     PULSES = 3
     SHORTEST, LONGEST = 0.05, 0.5
-    """Seconds."""
+    """Limits of a pulse, seconds."""
     AFTER_POWER_ON = 2.0
+    """Seconds in which pulses do not count."""
     GAP = 2.0
-    """Seconds high after which the count begins anew (guess)."""
-    SLACK = SLOT - 1e-6
-    """Seconds by which a pulse may seem shorter or longer, as the pin is looked at once a slot."""
+    """Seconds high after which the count starts again (guess)."""
+    SLACK = SLOT - TOLERANCE
+    """Error of a measured pulse, seconds: the pin is read once in a slot."""
 
-    __slots__ = ('_count', '_high', '_since', '_deaf_until')
+    __slots__ = ('_count', '_high', '_since', '_ignored_until')
 
     def __init__(self, power_on: float) -> None:
         self._count = 0
         self._high = True
         self._since = power_on
-        self._deaf_until = power_on + self.AFTER_POWER_ON
+        self._ignored_until = power_on + self.AFTER_POWER_ON
 
     def see(self, high: bool, time: float) -> bool:
         """Look at the pin; True when the third pulse has just ended."""
@@ -157,7 +158,7 @@ class BaudPin:
                 self._count = 0
             return False
         right = self.SHORTEST - self.SLACK <= lasted <= self.LONGEST + self.SLACK
-        begun = time - lasted >= self._deaf_until
+        begun = time - lasted >= self._ignored_until
         self._count = self._count + 1 if right and begun else 0
         if self._count < self.PULSES:
             return False

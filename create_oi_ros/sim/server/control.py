@@ -1,10 +1,8 @@
 """
-The language in which a test or a teacher sets the simulated world: a line for each wish.
+The language of the control socket: lines that change the simulated world or ask about it.
 
-Every line is answered by one line that begins with `ok` or `error`.  `help` lists the words.
+Every line is answered by one line that starts with `ok` or `error`. `help` lists the words.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 import json
@@ -15,27 +13,27 @@ from typing import Any, NamedTuple
 
 from ..body.sensed import RANGES
 from ..firmware import Create
+from ..timing import TOLERANCE
 from ..world import Pose
 from .faults import Fault, Faults
 from .lines import Line
 
 PRESS = 0.2
-"""Seconds a button is pressed where nothing else is said."""
-PATIENCE = 10.0
-"""Seconds after which `wait` gives up where nothing else is said."""
-_EARLY = 1e-6
-_COMPARE: dict[str, Callable[[Any, Any], bool]] = {
+"""Default of how long a button is pressed, seconds."""
+WAIT_TIMEOUT = 10.0
+"""Default of the timeout of `wait`, seconds."""
+COMPARE: dict[str, Callable[[Any, Any], bool]] = {
     '>=': operator.ge, '<=': operator.le, '!=': operator.ne,
     '=': operator.eq, '>': operator.gt, '<': operator.lt,
 }
-_CONDITION = re.compile(r'(\w+)(>=|<=|!=|=|>|<)(.+)')
+CONDITION = re.compile(r'(\w+)(>=|<=|!=|=|>|<)(.+)')
 
 
 class Waiting:
     """
-    A `wait` whose answer is not there yet.
+    A `wait` or `after` that has no answer yet.
 
-    It looks for the first time after the next slot, when the robot has seen what was said before.
+    Its condition is first checked after the next slot, when earlier lines have had their effect.
     """
 
     def __init__(self, met: Callable[[], bool], since: float, deadline: float,
@@ -44,18 +42,18 @@ class Waiting:
         self._truth, self._words = truth, words
 
     def answer(self, time: float) -> str | None:
-        """Return the answer if there is one at this time of the robot's clock, in seconds."""
+        """Return the answer at this time on the robot's clock, in seconds; None: not yet."""
         if time <= self._since:
             return None
         if self._met():
             return self._truth()
         if time >= self._deadline:
-            return f'error waited in vain for {self._words}'
+            return f'error timeout while waiting for {self._words}'
         return None
 
 
-class Control:
-    """Obeys lines.  It is told the time of the robot's clock, in seconds."""
+class Interpreter:
+    """Runs the lines that arrive on the control socket."""
 
     def __init__(self, create: Create, line: Line, faults: Faults,
                  stop: Callable[[], None]) -> None:
@@ -64,28 +62,28 @@ class Control:
         self._now = 0.0
 
     def obey(self, text: str, now: float) -> str | Waiting:
-        """Do what a line says; the answer, or what waits for it.  No text raises."""
+        """Run a line; return the answer or what waits for it. No text raises."""
         self._now = now
         words = text.split()
         if not words:
-            return 'error nothing said: try help'
+            return 'error empty line: try help'
         word = WORDS.get(words[0])
         if word is None:
-            return f'error {words[0]!r} is not known: try help'
+            return f'error unknown word {words[0]!r}: try help'
         try:
             answer = word.obey(self, words[1:])
         except (ValueError, OSError) as error:
             return f'error {words[0]}: {error}'.replace('\n', ' ')
         return 'ok' if answer is None else answer
 
-    # Asking.
+    # Questions.
 
     def _help(self, words: list[str]) -> str:
         return 'ok ' + '; '.join(f'{name} {word.form}: {word.meaning}'.replace(' :', ':')
                                  for name, word in WORDS.items())
 
     def facts(self) -> dict[str, Any]:
-        """Return all there is to know: the world's truth and the robot's state."""
+        """Return the true motion and the robot's state."""
         create, truth = self._create, self._body.truth()
         actuators, speaker = create.actuators, create.speaker
         return {
@@ -111,15 +109,15 @@ class Control:
         return 'ok ' + json.dumps(self._body.sense()._asdict())
 
     def _wait(self, words: list[str]) -> Waiting:
-        conditions, timeout = [], PATIENCE
+        conditions, timeout = [], WAIT_TIMEOUT
         for word in words:
-            match = _CONDITION.fullmatch(word)
+            match = CONDITION.fullmatch(word)
             if match is None:
-                raise ValueError(f'{word!r} is no condition such as mode=SAFE or x>0.5')
+                raise ValueError(f'{word!r} is no condition; allowed: such as mode=SAFE or x>0.5')
             if match[1] == 'timeout':
                 timeout = _number(match[3])
             else:
-                conditions.append((match[1], _COMPARE[match[2]], _value(match[3])))
+                conditions.append((match[1], COMPARE[match[2]], _value(match[3])))
         return self._waiting(conditions, timeout, ' '.join(words))
 
     def _waiting(self, conditions: list[tuple[str, Callable[[Any, Any], bool], Any]],
@@ -127,10 +125,10 @@ class Control:
         known = self._known()
         for name, compare, value in conditions:
             if name not in known:
-                raise ValueError(f'no {name!r}: one of {", ".join(known)}')
+                raise ValueError(f'no {name!r}; allowed: {", ".join(known)}')
             if compare not in (operator.eq, operator.ne) and not (
                     isinstance(value, float) and isinstance(known[name], int | float)):
-                raise ValueError(f'{name} cannot be compared so')
+                raise ValueError(f'{name} and {value!r} are not both numbers; allowed: = and !=')
 
         def met() -> bool:
             facts = self._known()
@@ -144,7 +142,7 @@ class Control:
     def _after(self, words: list[str]) -> Waiting:
         seconds, = _numbers(words, 1)
         time = self._create.time
-        end = time + seconds - _EARLY
+        end = time + seconds - TOLERANCE
         return Waiting(lambda: self._create.time >= end, time, math.inf,
                        lambda: self._truth([]), f'{seconds} s')
 
@@ -166,7 +164,7 @@ class Control:
         seconds = values.pop('seconds', math.inf)
         whole = {name: int(value) for name, value in values.items() if value == int(value)}
         if not values or len(whole) < len(values):
-            raise ValueError('whole numbers are wanted, such as bump_left=1 infrared=130')
+            raise ValueError('allowed: whole numbers, such as bump_left=1 infrared=130')
         self._body.force(seconds=seconds, **whole)
 
     def _unforce(self, words: list[str]) -> None:
@@ -252,7 +250,7 @@ def _number(text: str) -> float:
 
 def _numbers(words: list[str], count: int) -> list[float]:
     if len(words) != count:
-        raise ValueError(f'{count} numbers are wanted, not {len(words)}')
+        raise ValueError(f'{len(words)} numbers; allowed: {count}')
     return [_number(word) for word in words]
 
 
@@ -262,7 +260,7 @@ def _seconds(words: list[str], otherwise: float) -> float:
 
 def _choice(words: list[str], *allowed: str) -> str:
     if not words or words[0] not in allowed:
-        raise ValueError(f'one of {", ".join(allowed)} is wanted')
+        raise ValueError(f'allowed: {", ".join(allowed)}')
     return words[0]
 
 
@@ -282,7 +280,7 @@ def _assignments(words: list[str], allowed: tuple[str, ...]) -> dict[str, float]
 
 
 def _value(text: str) -> Any:
-    """Return what a condition compares with: a truth value, nothing, a number, or the text."""
+    """Return the value of a condition: true, false, none, a number, or else the text."""
     named = {'true': True, 'false': False, 'none': None}
     if text.lower() in named:
         return named[text.lower()]
@@ -292,55 +290,63 @@ def _value(text: str) -> Any:
         return text
 
 
-class _Word(NamedTuple):
+class ControlWord(NamedTuple):
     """What a word does, its form and its meaning."""
 
-    obey: Callable[[Control, list[str]], str | Waiting | None]
+    obey: Callable[[Interpreter, list[str]], str | Waiting | None]
     form: str
     meaning: str
 
 
 WORDS = {
-    'help': _Word(Control._help, '', 'list the words'),
-    'truth': _Word(
-        Control._truth, '',
+    'help': ControlWord(Interpreter._help, '', 'list the words'),
+    'truth': ControlWord(
+        Interpreter._truth, '',
         'pose, velocities (m, rad, s), mode, wheels (mm/s), all else, as JSON'),
-    'sense': _Word(Control._sense, '', 'what the sensors see, as JSON'),
-    'wait': _Word(
-        Control._wait, 'NAME=VALUE ... [timeout=S]',
-        'until truth or sense say so (also != < > <= >=)'),
-    'after': _Word(Control._after, 'SECONDS', "answer so much later on the robot's clock"),
-    'bump': _Word(Control._bump, 'left|right|both|off [SECONDS]', 'press the bumper'),
-    'button': _Word(Control._button, 'play|advance [SECONDS]', 'press a button'),
-    'force': _Word(
-        Control._force, 'NAME=VALUE ... [seconds=S]',
+    'sense': ControlWord(Interpreter._sense, '', 'what the sensors see, as JSON'),
+    'wait': ControlWord(
+        Interpreter._wait, 'NAME=VALUE ... [timeout=S]',
+        'answer when truth or sense meet these (also != < > <= >=)'),
+    'after': ControlWord(
+        Interpreter._after, 'SECONDS',
+        "answer this much later on the robot's clock"),
+    'bump': ControlWord(Interpreter._bump, 'left|right|both|off [SECONDS]', 'press the bumper'),
+    'button': ControlWord(Interpreter._button, 'play|advance [SECONDS]', 'press a button'),
+    'force': ControlWord(
+        Interpreter._force, 'NAME=VALUE ... [seconds=S]',
         'hold sensors (the names of sense) at values'),
-    'unforce': _Word(Control._unforce, '[NAME ...]', 'give sensors back to the physics'),
-    'lift': _Word(Control._lift, '', 'take the robot off the floor'),
-    'down': _Word(Control._down, '', 'put it on the floor again'),
-    'drop': _Word(
-        Control._drop, '[right] [left] [caster]',
-        'let these wheels hang, and no others'),
-    'hold': _Word(Control._hold, '[right] [left]', 'hold these wheels, and no others'),
-    'push': _Word(Control._push, 'SPEED RATE SECONDS', 'roll the robot by hand (m/s, rad/s)'),
-    'slip': _Word(
-        Control._slip, 'RIGHT LEFT SECONDS',
+    'unforce': ControlWord(Interpreter._unforce, '[NAME ...]', 'give sensors back to the physics'),
+    'lift': ControlWord(Interpreter._lift, '', 'take the robot off the floor'),
+    'down': ControlWord(Interpreter._down, '', 'put the robot back on the floor'),
+    'drop': ControlWord(
+        Interpreter._drop, '[right] [left] [caster]',
+        'let these wheels and no others hang down'),
+    'hold': ControlWord(Interpreter._hold, '[right] [left]', 'hold these wheels and no others'),
+    'push': ControlWord(
+        Interpreter._push, 'SPEED RATE SECONDS',
+        'roll the robot by hand (m/s, rad/s)'),
+    'slip': ControlWord(
+        Interpreter._slip, 'RIGHT LEFT SECONDS',
         'let the wheels lose these parts (0 to 1) of their travel'),
-    'place': _Word(Control._place, 'X Y YAW', 'put the robot elsewhere (metres, degrees)'),
-    'load': _Word(
-        Control._load, '[ld0=A] [ld1=A] [ld2=A]',
-        'hang loads (amperes) on the low side drivers'),
-    'charger': _Word(Control._charger, 'on|off', 'plug in the internal charger'),
-    'dock': _Word(Control._dock, 'on|off', 'give mains to the Home Bases, or take it'),
-    'battery': _Word(Control._battery, '[charge=0..1] [temperature=C] [fault=0|1]', 'set it'),
-    'power': _Word(
-        Control._power, 'on|off|toggle|fail',
-        'the power button; fail: the battery out and in again'),
-    'cable': _Word(
-        Control._cable, 'cut|mend|unplug|plug',
-        'lose all bytes; let the port vanish; and undo it'),
-    'fault': _Word(
-        Control._fault, 'SPEC ...|off',
-        'let go wrong what --fault can, instead of what did; or nothing'),
-    'quit': _Word(Control._quit, '', 'end the simulator'),
+    'place': ControlWord(
+        Interpreter._place, 'X Y YAW',
+        'put the robot elsewhere (metres, degrees)'),
+    'load': ControlWord(
+        Interpreter._load, '[ld0=A] [ld1=A] [ld2=A]',
+        'connect loads (amperes) to the low side drivers'),
+    'charger': ControlWord(Interpreter._charger, 'on|off', 'plug in the internal charger'),
+    'dock': ControlWord(Interpreter._dock, 'on|off', 'switch the Home Bases on or off'),
+    'battery': ControlWord(
+        Interpreter._battery, '[charge=0..1] [temperature=C] [fault=0|1]',
+        'set the state of the battery'),
+    'power': ControlWord(
+        Interpreter._power, 'on|off|toggle|fail',
+        'press the power button; fail: take the battery out and put it back'),
+    'cable': ControlWord(
+        Interpreter._cable, 'cut|mend|unplug|plug',
+        'lose all bytes; remove the port; undo each'),
+    'fault': ControlWord(
+        Interpreter._fault, 'SPEC ...|off',
+        'replace the faults by these (as in --fault), or by none'),
+    'quit': ControlWord(Interpreter._quit, '', 'end the simulator'),
 }

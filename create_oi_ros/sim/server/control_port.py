@@ -1,6 +1,4 @@
-"""The Unix socket on which `Control` is spoken with."""
-
-from __future__ import annotations
+"""The control socket: a Unix socket whose lines go to the `Interpreter`."""
 
 from contextlib import suppress
 import errno
@@ -9,101 +7,101 @@ from pathlib import Path
 import socket
 import stat
 
-from .control import Control, Waiting
+from .control import Interpreter, Waiting
 
 LONGEST_LINE = 4096
-"""Bytes; who sends more without an end of line is hung up on."""
+"""Bytes; a client that sends more without an end of line is disconnected."""
 
 
-class _Visitor:
-    """One who is connected: what was said and not yet answered, in order."""
+class ControlConnection:
+    """One client: its bytes that are not yet obeyed, and the wait it is blocked on."""
 
     def __init__(self, connection: socket.socket) -> None:
-        self.connection = connection
-        self.heard = b''
+        self.socket = connection
+        self.received = b''
         self.waiting: Waiting | None = None
         self.gone = False
 
 
 class ControlPort:
-    """Serves any number of visitors; whoever waits holds up only himself."""
+    """Serves any number of clients; a client that waits does not block the others."""
 
-    def __init__(self, path: Path, control: Control) -> None:
-        """Listen; OSError: the path cannot be had, or is no socket."""
+    def __init__(self, path: Path, control: Interpreter) -> None:
+        """Listen; OSError if the path is not available or is no socket."""
         self._path, self._control = path, control
         if path.exists() or path.is_symlink():
             if not stat.S_ISSOCK(os.lstat(path).st_mode):
-                raise FileExistsError(errno.EEXIST, 'is no socket; left alone', str(path))
+                raise FileExistsError(errno.EEXIST, 'is no socket, so it is kept', str(path))
             path.unlink()
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._listener.bind(str(path))
         self._listener.listen()
         self._listener.setblocking(False)
         self._inode = os.stat(path).st_ino
-        self._visitors: list[_Visitor] = []
+        self._clients: list[ControlConnection] = []
 
     def watched(self) -> list[int]:
-        """Return the descriptors that have news for `serve`."""
-        return [self._listener.fileno(), *(each.connection.fileno() for each in self._visitors)]
+        """Return the descriptors that become readable when `serve` has something to do."""
+        return [self._listener.fileno(), *(each.socket.fileno() for each in self._clients)]
 
     def serve(self, time: float) -> None:
-        """Hear and answer everybody; `time` is the robot's clock, in seconds."""
+        """Read and answer all clients; `time` is the robot's clock, in seconds."""
         with suppress(BlockingIOError):
             connection, _ = self._listener.accept()
             connection.setblocking(False)
-            self._visitors.append(_Visitor(connection))
-        for visitor in self._visitors:
-            self._hear(visitor)
-            self._answer(visitor, time)
-        for visitor in self._visitors:
-            if visitor.gone:
-                visitor.connection.close()
-        self._visitors = [each for each in self._visitors if not each.gone]
+            self._clients.append(ControlConnection(connection))
+        for client in self._clients:
+            self._read(client)
+            self._answer(client, time)
+        for client in self._clients:
+            if client.gone:
+                client.socket.close()
+        self._clients = [each for each in self._clients if not each.gone]
 
     @property
     def waited_on(self) -> bool:
-        """Whether somebody waits for something to happen."""
-        return any(each.waiting is not None for each in self._visitors)
+        """Whether a client waits for something to happen."""
+        return any(each.waiting is not None for each in self._clients)
 
-    def _hear(self, visitor: _Visitor) -> None:
+    def _read(self, client: ControlConnection) -> None:
         try:
-            data = visitor.connection.recv(LONGEST_LINE)
+            data = client.socket.recv(LONGEST_LINE)
         except BlockingIOError:
             return
         except OSError:
             data = b''
-        visitor.heard += data
-        visitor.gone = not data or len(visitor.heard) > 2 * LONGEST_LINE
+        client.received += data
+        client.gone = not data or len(client.received) > 2 * LONGEST_LINE
 
-    def _answer(self, visitor: _Visitor, time: float) -> None:
-        while not visitor.gone:
-            if visitor.waiting is not None:
-                answer = visitor.waiting.answer(time)
+    def _answer(self, client: ControlConnection, time: float) -> None:
+        while not client.gone:
+            if client.waiting is not None:
+                answer = client.waiting.answer(time)
                 if answer is None:
                     return
-                visitor.waiting = None
-                self._say(visitor, answer)
+                client.waiting = None
+                self._send(client, answer)
                 continue
-            line, end, rest = visitor.heard.partition(b'\n')
+            line, end, rest = client.received.partition(b'\n')
             if not end:
                 return
-            visitor.heard = rest
+            client.received = rest
             result = self._control.obey(line.decode('utf-8', 'replace'), time)
             if isinstance(result, Waiting):
-                visitor.waiting = result
+                client.waiting = result
             else:
-                self._say(visitor, result)
+                self._send(client, result)
 
-    def _say(self, visitor: _Visitor, text: str) -> None:
+    def _send(self, client: ControlConnection, text: str) -> None:
         try:
-            visitor.connection.sendall(text.encode() + b'\n')
+            client.socket.sendall(text.encode() + b'\n')
         except OSError:
-            visitor.gone = True
+            client.gone = True
 
     def close(self) -> None:
-        """Hang up and leave nothing behind."""
-        for visitor in self._visitors:
-            visitor.connection.close()
+        """Disconnect all clients and remove the socket."""
+        for client in self._clients:
+            client.socket.close()
         self._listener.close()
         with suppress(OSError):
             if os.stat(self._path).st_ino == self._inode:

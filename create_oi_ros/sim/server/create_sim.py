@@ -1,6 +1,4 @@
-"""The command `create_sim`: its options, and what it prints."""
-
-from __future__ import annotations
+"""The program `create_sim`: its options, and what it prints."""
 
 import argparse
 from collections.abc import Callable, Sequence
@@ -28,13 +26,13 @@ from .show import CLEAR, Show
 SHOW_EVERY = 7
 """Slots: about ten pictures a second."""
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
-"""Options that a replay knows."""
+"""Options that work with --replay."""
 
 
 def _address(text: str) -> tuple[str, int]:
     host, _, port = text.rpartition(':')
     if not port.isdecimal() or int(port) > 65535:
-        raise argparse.ArgumentTypeError(f'{text!r}: HOST:PORT or :PORT is wanted')
+        raise argparse.ArgumentTypeError(f'{text!r}; allowed: HOST:PORT or :PORT')
     return host.strip('[]') or '127.0.0.1', int(port)
 
 
@@ -46,7 +44,7 @@ def _world(text: str) -> World:
         return parse(Path(text).read_text('utf-8'), text)
     except FileNotFoundError:
         raise argparse.ArgumentTypeError(
-            f'{text!r} is neither a file nor one of {", ".join(shipped_names())}') from None
+            f'{text!r}; allowed: a file, or one of {", ".join(shipped_names())}') from None
     except (ValueError, OSError) as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 
@@ -64,7 +62,7 @@ def _speed(text: str) -> float:
     except ValueError:
         speed = 0.0
     if not 0 < speed <= 1000:
-        raise argparse.ArgumentTypeError(f'{text!r}: a number above 0, at most 1000, is wanted')
+        raise argparse.ArgumentTypeError(f'{text!r}; allowed: above 0, at most 1000')
     return speed
 
 
@@ -75,7 +73,7 @@ def _arguments() -> argparse.ArgumentParser:
     add = parser.add_argument
     where = parser.add_mutually_exclusive_group()
     where.add_argument('--link', type=Path, metavar='PATH',
-                       help='symbolic link that leads to the pseudo terminal')
+                       help='symbolic link to the pseudo terminal')
     where.add_argument('--tcp', type=_address, metavar='HOST:PORT',
                        help='serve socket:// clients instead (no host: loopback only)')
     add('--world', type=_world, default='empty', metavar='NAME|FILE',
@@ -87,18 +85,18 @@ def _arguments() -> argparse.ArgumentParser:
         default=Checksum.HARDWARE.value,
         help='of stream frames: without the header (manual) or with it (default: %(default)s)')
     add('--guess', action='append', default=[], metavar='NAME=VALUE',
-        help='change what the manual leaves open; see docs/simulator.md')
+        help='change a guess about what the manual leaves open; see docs/simulator.md')
     add('--fault', action='append', type=_fault, default=[], metavar='SPEC',
-        help='let something go wrong, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
-    add('--seed', type=int, default=0, help='of all chance (default: %(default)s)')
+        help='cause a fault, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
+    add('--seed', type=int, default=0, help='of all random numbers (default: %(default)s)')
     add('--speed', type=_speed, default=1.0, help='times real time (default: %(default)s)')
-    add('--wire-time', action='store_true', help='let bytes take their time at the baud rate')
-    add('--control', type=Path, metavar='PATH', help='Unix socket to set the world by')
+    add('--wire-time', action='store_true', help='delay bytes as the baud rate does')
+    add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
     add('--show', action='store_true', help='draw room and robot in this terminal (80 by 24)')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
     add('--replay', type=Path, metavar='FILE',
-        help="say what a robot said whose driver's parameter `capture` was FILE, at its times, "
-        'beginning when a host speaks; nothing is simulated')
+        help="send again what the robot sent in FILE, written by the driver's parameter "
+        '`capture`; starts when a host sends a byte, nothing is simulated')
     return parser
 
 
@@ -111,8 +109,8 @@ def _end_on_signals(serving: Server | Player) -> None:
         signal.signal(number, lambda *_: serving.stop())
 
 
-def _recorder(create: Create, server: Server, path: Path, stack: ExitStack) -> Callable[[], None]:
-    """Return what writes a row of the truth."""
+def _recorder(server: Server, path: Path, stack: ExitStack) -> Callable[[], None]:
+    """Return a function that writes a row of the truth."""
     file = stack.enter_context(path.open('w', newline=''))
     names = [name for name, value in server.control.facts().items()
              if not isinstance(value, list)]
@@ -122,7 +120,7 @@ def _recorder(create: Create, server: Server, path: Path, stack: ExitStack) -> C
 
 
 def _shower(create: Create) -> Callable[[], None]:
-    """Return what draws, when it is time to."""
+    """Return a function that is called in every slot and draws in some."""
     show, slots = Show(create), 0
     sys.stdout.write(CLEAR)
 
@@ -135,14 +133,14 @@ def _shower(create: Create) -> Callable[[], None]:
     return draw
 
 
-def _say(options: argparse.Namespace, line: Line) -> None:
+def _announce(options: argparse.Namespace, line: Line) -> None:
     print(f'A simulated Create is on {line.name} (world {options.world.name}, odometry '
           f'{options.odometry}, checksum {options.checksum}). Ctrl-C ends it.')
     print(f'  create_node --ros-args -p port:={line.name}')
     if options.tcp and not _is_loopback(options.tcp[0]):
-        print('Everybody who reaches this computer can drive it: there is no password.')
+        print('Everybody who can reach this computer can drive it: there is no password.')
     if options.control:
-        print(f'The world is set by lines on {options.control}; the first one to try is "help".')
+        print(f'Lines on {options.control} change the world; try "help" first.')
     sys.stdout.flush()
 
 
@@ -167,15 +165,15 @@ def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
             server.control_port = ControlPort(options.control, server.control)
             stack.callback(server.control_port.close)
         if options.record:
-            server.watchers.append(_recorder(create, server, options.record, stack))
-        _say(options, line)
+            server.watchers.append(_recorder(server, options.record, stack))
+        _announce(options, line)
         if options.show:
             server.watchers.append(_shower(create))
         server.serve()
 
 
-def _simulating(options: argparse.Namespace, parser: argparse.ArgumentParser) -> str | None:
-    """Name an option that says how to simulate, if one was given."""
+def _unfit_for_replay(options: argparse.Namespace, parser: argparse.ArgumentParser) -> str | None:
+    """Return a given option that does not work with --replay, if any."""
     return next((name for name, value in vars(options).items()
                  if name not in REPLAY_HAS and value != parser.get_default(name)
                  and not (name == 'world' and value.name == parser.get_default(name))), None)
@@ -189,9 +187,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         guesses = Guesses.parse(options.guess)
     except ValueError as error:
         parser.error(str(error))
-    unfit = _simulating(options, parser) if options.replay else None
+    unfit = _unfit_for_replay(options, parser) if options.replay else None
     if unfit is not None:
-        parser.error(f'--{unfit.replace("_", "-")}: with --replay nothing is simulated')
+        unfit = unfit.replace('_', '-')
+        parser.error(f'--{unfit} does not work with --replay: nothing is simulated then')
     try:
         if options.replay:
             play(options.replay, lambda: _line(options), options.speed, _end_on_signals)

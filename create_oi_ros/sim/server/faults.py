@@ -1,24 +1,22 @@
 """
-What goes wrong on purpose: `create_sim --fault SPEC`, as often as wanted.
+Faults that happen on purpose: `create_sim --fault SPEC`, any number of times.
 
     SPEC = KIND[:RATE][@START][+DURATION][~PERIOD]        seconds, on the robot's clock
 
-    flip, drop, garbage       one bit flipped, one byte lost, 1 to 20 random bytes put in front,
-                              in a part RATE (0 to 1) of what the robot sends: a frame, a reply.
-                              With `.in` (flip.in) of what the host sends.
+    flip, drop, garbage       one bit flipped, one byte lost, 1 to 20 random bytes put in front;
+                              happens to the part RATE (0 to 1) of the robot's frames and replies,
+                              with `.in` (flip.in) to that part of what the host sends
     silence, deaf, cut        bytes from the robot, to the robot, both ways are lost
-    unplug                    the port vanishes, and comes back
+    unplug                    the port disappears and comes back
     brownout                  the battery fails for a moment
 
-The last five happen RATE times a second at random, or at START, for DURATION (1 s), every
-PERIOD; `@10` without more is once.  The first three can be kept within such a time, too.
+The last five happen RATE times a second at random, or at START; each lasts DURATION (1 s) and
+repeats every PERIOD (`@10` alone is once). The first three can be limited to such times.
 
     --fault flip:0.05 --fault unplug@20+3 --fault cut:0.1+0.5 --fault garbage:1@30+5~60
 
-The same seed gives the same faults.  Nothing here knows a clock.
+The same seed gives the same faults.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,15 +25,15 @@ import math
 from random import Random
 import re
 
-from ...oi import SLOT
+from ...robot import SLOT
+from ..timing import TOLERANCE
 
 MOST_GARBAGE = 20
 """Bytes at once."""
-_EARLY = 1e-6
 
 
-class Kind(Enum):
-    """What can go wrong."""
+class FaultKind(Enum):
+    """The kinds of faults."""
 
     FLIP = 'flip'
     DROP = 'drop'
@@ -50,70 +48,72 @@ class Kind(Enum):
     BROWNOUT = 'brownout'
 
 
-_DAMAGE = (Kind.FLIP, Kind.DROP, Kind.GARBAGE, Kind.FLIP_IN, Kind.DROP_IN, Kind.GARBAGE_IN)
-_NUMBER = r'(\d+\.?\d*|\.\d+)'
-_SPEC = re.compile(
-    rf'([a-z.]+)(?::{_NUMBER})?(?:@{_NUMBER})?(?:\+{_NUMBER})?(?:~{_NUMBER})?')
+DAMAGE = (FaultKind.FLIP, FaultKind.DROP, FaultKind.GARBAGE,
+          FaultKind.FLIP_IN, FaultKind.DROP_IN, FaultKind.GARBAGE_IN)
+NUMBER = r'(\d+\.?\d*|\.\d+)'
+SPEC = re.compile(
+    rf'([a-z.]+)(?::{NUMBER})?(?:@{NUMBER})?(?:\+{NUMBER})?(?:~{NUMBER})?')
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One thing that goes wrong at a rate, at times, or both; see above."""
+    """One fault: its kind, and its rate, its times or both, as in a SPEC."""
 
-    kind: Kind
+    kind: FaultKind
     rate: float | None = None
     start: float | None = None
     duration: float = math.inf
     period: float = math.inf
 
     @classmethod
-    def parse(cls, spec: str) -> Fault:
-        """Read a SPEC; ValueError says what is wrong with it."""
-        match = _SPEC.fullmatch(spec)
-        kinds = {kind.value: kind for kind in Kind}
+    def parse(cls, spec: str) -> 'Fault':
+        """Read a SPEC; ValueError says what is wrong and what is allowed."""
+        match = SPEC.fullmatch(spec)
+        kinds = {kind.value: kind for kind in FaultKind}
         if match is None or match[1] not in kinds:
-            raise ValueError(f'fault {spec!r}: KIND[:RATE][@START][+DURATION][~PERIOD] is wanted, '
-                             f'with a kind of {", ".join(kinds)}')
+            raise ValueError(
+                f'fault {spec!r}; allowed: KIND[:RATE][@START][+DURATION][~PERIOD] with KIND one '
+                f'of {", ".join(kinds)}')
         kind = kinds[match[1]]
         rate, start, duration, period = (
             None if text is None else float(text) for text in match.groups()[1:])
-        damage = kind in _DAMAGE
+        damage = kind in DAMAGE
         if rate is None and (damage or start is None):
-            raise ValueError(f'fault {spec!r}: a rate (":0.1") '
-                             f'{"" if damage else "or a start (@10) "}is wanted')
+            missing = 'a rate (":0.1")' if damage else 'a rate (":0.1") or a start ("@10")'
+            raise ValueError(f'fault {spec!r}: add {missing}')
         if damage and rate is not None and rate > 1:
-            raise ValueError(f'fault {spec!r}: a rate of {kind.value} is a part, 0 to 1')
+            raise ValueError(f'fault {spec!r}: rate {rate:g}; allowed for {kind.value}: 0 to 1')
         return cls(kind, rate, start, duration if duration is not None else
                    math.inf if damage else 1.0, period or math.inf)
 
     def within(self, time: float) -> bool:
-        """Tell whether a time, in seconds, is one at which it is to happen."""
+        """Return whether the fault may happen at this time, in seconds."""
         if self.start is None:
             return True
-        since = time - self.start + _EARLY
+        since = time - self.start + TOLERANCE
         return since >= 0 and (since % self.period) < self.duration
 
 
 class Faults:
-    """All that goes wrong with one robot."""
+    """All faults of one robot and its line."""
 
     def __init__(self, faults: list[Fault], seed: int = 0) -> None:
         self.faults = faults
         self._random = Random(seed)
         self._until: dict[Fault, float] = {}
-        self._active: set[Kind] = set()
+        self._active: set[FaultKind] = set()
         self.cable_cut = False
-        """Whether somebody has cut the cable, until it is mended."""
+        """Whether the control socket has cut the cable."""
 
-    def step(self, time: float) -> set[Kind]:
-        """Tell what has begun in the slot that ends at `time`; `active` tells what goes on."""
+    def step(self, time: float) -> set[FaultKind]:
+        """Advance to `time`, a slot at a time; return the kinds that started in this slot."""
         before = self._active
         self._active = {fault.kind for fault in self.faults
-                        if fault.kind not in _DAMAGE and self._goes_on(fault, time)}
+                        if fault.kind not in DAMAGE and self._goes_on(fault, time)}
         return self._active - before
 
-    def active(self, kind: Kind) -> bool:
-        """Tell whether something goes on that lasts."""
+    def active(self, kind: FaultKind) -> bool:
+        """Return whether a fault of this kind lasts now; never true for flip, drop, garbage."""
         return kind in self._active
 
     def _goes_on(self, fault: Fault, time: float) -> bool:
@@ -124,21 +124,23 @@ class Faults:
         return time < self._until.get(fault, -math.inf)
 
     def from_robot(self, data: bytes, time: float) -> bytes:
-        """Return what becomes of bytes on their way to the host."""
-        if self.cable_cut or self._active & {Kind.SILENCE, Kind.CUT, Kind.UNPLUG}:
+        """Return what the host receives of bytes from the robot."""
+        if self.cable_cut or self._active & {FaultKind.SILENCE, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
         return self._damaged(data, time, {
-            Kind.FLIP: self._flip, Kind.DROP: self._drop, Kind.GARBAGE: self._garbage})
+            FaultKind.FLIP: self._flip, FaultKind.DROP: self._drop,
+            FaultKind.GARBAGE: self._garbage})
 
     def to_robot(self, data: bytes, time: float) -> bytes:
-        """Return what becomes of bytes on their way to the robot."""
-        if self.cable_cut or self._active & {Kind.DEAF, Kind.CUT, Kind.UNPLUG}:
+        """Return what the robot receives of bytes from the host."""
+        if self.cable_cut or self._active & {FaultKind.DEAF, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
         return self._damaged(data, time, {
-            Kind.FLIP_IN: self._flip, Kind.DROP_IN: self._drop, Kind.GARBAGE_IN: self._garbage})
+            FaultKind.FLIP_IN: self._flip, FaultKind.DROP_IN: self._drop,
+            FaultKind.GARBAGE_IN: self._garbage})
 
     def _damaged(self, data: bytes, time: float,
-                 kinds: dict[Kind, Callable[[bytes], bytes]]) -> bytes:
+                 kinds: dict[FaultKind, Callable[[bytes], bytes]]) -> bytes:
         for fault in self.faults:
             damage = kinds.get(fault.kind)
             if (data and damage is not None and fault.within(time)

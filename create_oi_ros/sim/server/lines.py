@@ -1,11 +1,9 @@
 """
 The line on which a host meets the robot: a pseudo terminal, or a TCP port.
 
-Both behave as a serial port does.  What is said while nobody has the port open is lost, what
-nobody reads in time is lost, and the robot never notices that a host has come or gone.
+Both behave like a serial port. Bytes are lost while no host has the port open, and when the host
+does not read them in time. The robot does not notice that a host comes or goes.
 """
-
-from __future__ import annotations
 
 from contextlib import suppress
 import errno
@@ -21,11 +19,11 @@ from typing import Protocol
 
 from ..firmware.uart import DEFAULT_BAUD
 
-_AT_ONCE = 4096
-"""Bytes."""
-_TCGETS2 = 0x802C542A
-_TERMIOS2 = struct.Struct('4I B 19s 2I')
-"""Linux's own structure: the portable one cannot tell 14400 baud."""
+AT_ONCE = 4096
+"""Bytes that are read at once."""
+TCGETS2 = 0x802C542A
+TERMIOS2 = struct.Struct('4I B 19s 2I')
+"""Linux's own structure: the portable one has no 14400 baud."""
 
 
 class Line(Protocol):
@@ -33,39 +31,39 @@ class Line(Protocol):
 
     @property
     def name(self) -> str:
-        """What a host opens."""
+        """The name under which a host opens the port."""
 
     def watched(self) -> list[int]:
-        """Return the descriptors that have news for `read`."""
+        """Return the descriptors that become readable when `read` has something to do."""
 
     def read(self) -> bytes:
-        """Return what has arrived; b'' where that is nothing, never waits."""
+        """Return the bytes that have arrived, b'' if none; never blocks."""
 
     def write(self, data: bytes) -> int:
         """
-        Say bytes; whatever cannot be taken now is lost, as on a wire.
+        Write as many bytes as fit now and return their number; the rest is lost.
 
-        Returns how many were taken; where no host is there, all of them.
+        Without a host, all bytes are lost and count as written.
         """
 
     def baud(self) -> int | None:
-        """Return the rate the host has set, bits per second; None: the right one."""
+        """Return the rate that the host has set, bits per second; None: the right one."""
 
     def unplug(self) -> None:
-        """Let the port vanish, as a cable that is pulled out of the computer."""
+        """Remove the port, as if the cable were pulled out of the computer."""
 
     def plug(self) -> None:
-        """Let the port appear (again)."""
+        """Make the port appear, if it is not there."""
 
     def close(self) -> None:
-        """Leave nothing behind."""
+        """Remove the port and everything that belongs to it."""
 
 
 class PtyLine:
-    """A pseudo terminal and, where one is wanted, a symbolic link that always leads to it."""
+    """A pseudo terminal, with an optional symbolic link that always points to it."""
 
     def __init__(self, link: Path | None = None) -> None:
-        """FileExistsError: something that is no symbolic link is in the link's place."""
+        """Make the terminal; FileExistsError if `link` is a file but no symbolic link."""
         self._link = link
         self._master = -1
         self._slave_name = ''
@@ -74,11 +72,11 @@ class PtyLine:
 
     @property
     def name(self) -> str:
-        """The link, or the terminal itself."""
+        """The link, or the terminal if there is no link."""
         return str(self._link or self._slave_name)
 
     def plug(self) -> None:
-        """Make a new terminal and lead the link to it."""
+        """Make a new terminal and point the link to it."""
         if self._master >= 0:
             return
         self._master, slave = os.openpty()
@@ -87,37 +85,37 @@ class PtyLine:
         settings[4] = settings[5] = getattr(termios, f'B{DEFAULT_BAUD}')
         termios.tcsetattr(slave, termios.TCSANOW, settings)
         self._slave_name = os.ttyname(slave)
-        # Held open by us it would never tell whether a host is there.
+        # If we kept it open, the master could not tell whether a host has it open.
         os.close(slave)
         os.set_blocking(self._master, False)
         self._poll = select.poll()
         self._poll.register(self._master, select.POLLIN)
         if self._link is not None:
-            self._lead(self._link)
+            self._point(self._link)
 
-    def _lead(self, link: Path) -> None:
+    def _point(self, link: Path) -> None:
         if link.exists() and not link.is_symlink():
-            raise FileExistsError(errno.EEXIST, 'is no symbolic link; left alone', str(link))
+            raise FileExistsError(errno.EEXIST, 'is no symbolic link, so it is kept', str(link))
         beside = link.with_name(f'.{link.name}.{os.getpid()}')
         beside.symlink_to(self._slave_name)
         beside.replace(link)
 
     def unplug(self) -> None:
-        """Close the terminal; who has it open gets an error."""
+        """Close the terminal; a host that has it open gets an error."""
         if self._master < 0:
             return
-        if self._link is not None and self._leads_here(self._link):
+        if self._link is not None and self._points_here(self._link):
             self._link.unlink()
         os.close(self._master)
         self._master, self._present = -1, False
 
-    def _leads_here(self, link: Path) -> bool:
+    def _points_here(self, link: Path) -> bool:
         return link.is_symlink() and os.readlink(link) == self._slave_name
 
     close = unplug
 
     def watched(self) -> list[int]:
-        """Without a host a terminal would be ready, to say so, all the time."""
+        """Return the terminal while a host has it open; without one it is always readable."""
         self._look()
         return [self._master] if self._present else []
 
@@ -128,12 +126,12 @@ class PtyLine:
         self._present = not events or bool(events[0][1] & select.POLLIN)
 
     def read(self) -> bytes:
-        """Read; notice when a host has gone."""
+        """Read, and notice when the host has gone."""
         self._look()
         if not self._present:
             return b''
         try:
-            return os.read(self._master, _AT_ONCE)
+            return os.read(self._master, AT_ONCE)
         except BlockingIOError:
             return b''
         except OSError as error:
@@ -144,7 +142,7 @@ class PtyLine:
         return b''
 
     def _discard(self) -> None:
-        """Drop what the host that has gone did not read: the next one must not find it."""
+        """Drop what the last host did not read, so that the next one does not get it."""
         with suppress(OSError):
             slave = os.open(self._slave_name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             try:
@@ -153,7 +151,7 @@ class PtyLine:
                 os.close(slave)
 
     def write(self, data: bytes) -> int:
-        """Write what fits; lose the rest."""
+        """Write what fits; the rest is lost."""
         if not data or not self._present:
             return len(data)
         try:
@@ -162,18 +160,18 @@ class PtyLine:
             return 0
 
     def baud(self) -> int | None:
-        """Return what the host has set the terminal to."""
+        """Return the rate that the host has set on the terminal."""
         if self._master < 0:
             return None
-        settings = _TERMIOS2.unpack(fcntl.ioctl(self._master, _TCGETS2, bytes(_TERMIOS2.size)))
+        settings = TERMIOS2.unpack(fcntl.ioctl(self._master, TCGETS2, bytes(TERMIOS2.size)))
         return int(settings[-1])
 
 
 class TcpLine:
-    """A TCP port for `socket://` clients, one at a time: who comes later takes over."""
+    """A TCP port for one `socket://` client at a time; a new client replaces the old one."""
 
     def __init__(self, host: str, port: int) -> None:
-        """OSError: the address cannot be had.  Port 0 finds a free one."""
+        """Listen; OSError if the address is not available. Port 0 finds a free port."""
         self._address = (host, port)
         self._listener: socket.socket | None = None
         self._client: socket.socket | None = None
@@ -181,7 +179,7 @@ class TcpLine:
 
     @property
     def name(self) -> str:
-        """The address as pyserial wants it."""
+        """The address as a pyserial URL."""
         host, port = self._address
         return f'socket://{f"[{host}]" if ":" in host else host}:{port}'
 
@@ -194,36 +192,36 @@ class TcpLine:
             self._address = self._listener.getsockname()[:2]
 
     def unplug(self) -> None:
-        """Hang up and stop listening."""
-        self._hang_up()
+        """Disconnect the client and stop listening."""
+        self._disconnect()
         if self._listener is not None:
             self._listener.close()
             self._listener = None
 
     close = unplug
 
-    def _hang_up(self) -> None:
+    def _disconnect(self) -> None:
         if self._client is not None:
             self._client.close()
             self._client = None
 
     def watched(self) -> list[int]:
-        """Return the listening socket and the host's."""
+        """Return the listening socket and the client's."""
         return [each.fileno() for each in (self._listener, self._client) if each is not None]
 
     def read(self) -> bytes:
-        """Read; notice who comes and goes."""
+        """Read, and notice clients that connect or disconnect."""
         self._accept()
         if self._client is None:
             return b''
         try:
-            data = self._client.recv(_AT_ONCE)
+            data = self._client.recv(AT_ONCE)
         except BlockingIOError:
             return b''
         except OSError:
             data = b''
         if not data:
-            self._hang_up()
+            self._disconnect()
         return data
 
     def _accept(self) -> None:
@@ -231,13 +229,13 @@ class TcpLine:
             return
         with suppress(BlockingIOError):
             client, _ = self._listener.accept()
-            self._hang_up()
+            self._disconnect()
             client.setblocking(False)
             client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._client = client
 
     def write(self, data: bytes) -> int:
-        """Write what fits; lose the rest."""
+        """Write what fits; the rest is lost."""
         if not data or self._client is None:
             return len(data)
         try:
@@ -245,9 +243,9 @@ class TcpLine:
         except BlockingIOError:
             return 0
         except OSError:
-            # A host that has gone is noticed when it is read from.
+            # `read` notices that the client has gone.
             return len(data)
 
     def baud(self) -> int | None:
-        """TCP has no rate, so it is always the right one."""
+        """Return None: TCP has no baud rate."""
         return None

@@ -1,12 +1,10 @@
-"""Bytes that take their time on the wire, as they do at a baud rate (`create_sim --wire-time`)."""
-
-from __future__ import annotations
+"""Bytes delayed by the time they take on the wire (`create_sim --wire-time`)."""
 
 from ...oi import BITS_PER_BYTE
+from ..timing import TOLERANCE
 
 PIECE = 0.001
-"""Seconds: bytes are handed on in pieces as long as this, as a USB adapter does."""
-_EARLY = 1e-6
+"""Seconds of bytes that are passed on at once, as a USB adapter does."""
 
 
 class Pacer:
@@ -18,10 +16,10 @@ class Pacer:
         self._waiting = bytearray()
         self._byte_time = 0.0
         self._next = 0.0
-        """When the first waiting byte has wholly arrived."""
+        """When the first waiting byte has arrived completely."""
 
     def put(self, data: bytes, now: float, baud: int) -> None:
-        """Send bytes behind those that wait."""
+        """Queue bytes behind those that wait."""
         if not data:
             return
         self._byte_time = BITS_PER_BYTE / baud
@@ -30,17 +28,17 @@ class Pacer:
         self._waiting += data
 
     def due(self) -> float:
-        """Return when there is something worth taking; inf: nothing is on its way."""
+        """Return when to call `take` next; inf if no byte is on the wire."""
         if not self._waiting:
             return float('inf')
         last = self._next + (len(self._waiting) - 1) * self._byte_time
         return min(last, self._next + PIECE)
 
     def take(self, now: float) -> bytes:
-        """Return what has arrived."""
-        if not self._waiting or now < self._next - _EARLY:
+        """Return the bytes that have arrived."""
+        if not self._waiting or now < self._next - TOLERANCE:
             return b''
-        count = 1 + int((now - self._next + _EARLY) / self._byte_time)
+        count = 1 + int((now - self._next + TOLERANCE) / self._byte_time)
         arrived = bytes(self._waiting[:count])
         del self._waiting[:count]
         self._next += len(arrived) * self._byte_time

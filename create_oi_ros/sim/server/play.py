@@ -1,7 +1,5 @@
 """`create_sim --replay`: a captured robot on a line, in real time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import chain
@@ -9,15 +7,15 @@ from pathlib import Path
 import select
 import time
 
-from ...oi import SLOT
 from ...oi.tools.capture_format import CaptureError, CaptureReader, Record, records_of
+from ...robot import SLOT
 from .lines import Line
 from .replay import Replay
 
 LINGER = 1.0
-"""Seconds that the port stays when all was said: closing it would take back what is unread."""
+"""Seconds for which the port stays open at the end: closing it would drop unread bytes."""
 AT_ONCE = 4096
-"""Bytes of the file."""
+"""Bytes that are read from the file at once."""
 
 
 class Player:
@@ -29,23 +27,23 @@ class Player:
         self._stopping = False
 
     def stop(self) -> None:
-        """End `serve` soon; may be called from a signal's function."""
+        """End `serve` soon; may be called from a signal handler."""
         self._stopping = True
 
     def serve(self) -> None:
-        """Serve until the capture is over, or until `stop`; CaptureError where it is cut short."""
+        """Serve to the end of the capture or until `stop`; CaptureError if it is cut short."""
         try:
             while not self._stopping and not self._replay.over:
-                self._turn(self._replay.step)
+                self._turn(self._replay.poll)
         finally:
             until = time.monotonic() + LINGER
             while not self._stopping and time.monotonic() < until:
                 self._turn(lambda now: None)
 
-    def _turn(self, step: Callable[[float], None]) -> None:
+    def _turn(self, poll: Callable[[float], None]) -> None:
         replay = self._replay
-        step(self._now())
-        self._say()
+        poll(self._now())
+        self._write()
         if replay.plugged:
             self._line.plug()
         else:
@@ -55,8 +53,8 @@ class Player:
         if ready:
             replay.receive(self._line.read(), self._now())
 
-    def _say(self) -> None:
-        """Say what is to be said; what the host has no room for waits."""
+    def _write(self) -> None:
+        """Write what is due; what the host has no room for waits."""
         self._unsent += self._replay.data_to_send()
         self._unsent = self._unsent[self._line.write(self._unsent):]
 
@@ -65,7 +63,7 @@ class Player:
 
 
 def _read(path: Path) -> tuple[dict[str, str], Iterator[Record]]:
-    """Return facts and records of a file, read as they are wanted; CaptureError names the file."""
+    """Return facts and records of a file, read on demand; CaptureError names the file."""
     reader = CaptureReader()
 
     def records() -> Iterator[Record]:
@@ -83,17 +81,18 @@ def play(
     path: Path, open_line: Callable[[], Line], speed: float,
     end_on_signals: Callable[[Player], None],
 ) -> None:
-    """Play a capture to its end; OSError or CaptureError say what is wrong with it."""
+    """Replay a capture to its end; OSError or CaptureError say what is wrong with it."""
     facts, records = _read(path)
     replay = Replay(records)
     with closing(open_line()) as line:
         player = Player(replay, line, speed)
         end_on_signals(player)
         print(f'The robot of {path} ({facts.get("port")}, {facts.get("started")}) is on '
-              f'{line.name}; it begins when a host speaks. Ctrl-C ends it.')
+              f'{line.name}; it starts when a host sends a byte. Ctrl-C ends it.')
         print(f'  create_node --ros-args -p port:={line.name}', flush=True)
         try:
             player.serve()
         finally:
-            print(f'Played {replay.time:.1f} s: {replay.said} bytes to the host, {replay.heard} '
-                  f'bytes from it ({replay.heard_then} when it was captured).', flush=True)
+            print(f'Played {replay.time:.1f} s: {replay.sent} bytes to the host, '
+                  f'{replay.received} bytes from it '
+                  f'({replay.received_then} when it was captured).', flush=True)

@@ -1,29 +1,27 @@
 """
-One simulated robot on one line, in the time of this computer.
+One simulated robot on one line, in real time.
 
-The robot's clock is the computer's, cut into slots of 15 ms with absolute deadlines, so that it
-does not drift.  A slot that is late is made up for at once, up to `LONGEST_STALL`; what a longer
-stall (a laptop that slept) has cost is left out, for robot and world alike.
+The robot's clock is the computer's, in slots of 15 ms with absolute deadlines, so it does not
+drift. Late slots are run at once. A delay longer than `LONGEST_STALL` (a laptop that slept) is
+skipped: it never happened for the robot and its world.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 import math
 import select
 import time
 
-from ...oi import SLOT
+from ...robot import SLOT
 from ..firmware import Create
-from .control import Control
+from ..timing import TOLERANCE
+from .control import Interpreter
 from .control_port import ControlPort
-from .faults import Faults, Kind
+from .faults import FaultKind, Faults
 from .lines import Line
 from .pacing import Pacer
 
 LONGEST_STALL = 0.25
 """Seconds on the computer's clock."""
-_EARLY = 1e-6
 
 
 class Server:
@@ -35,7 +33,7 @@ class Server:
         self._faults = faults or Faults([])
         self._to_host = Pacer() if wire_time else None
         self._to_robot = Pacer() if wire_time else None
-        self.control = Control(create, line, self._faults, self.stop)
+        self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
         self.watchers: list[Callable[[], None]] = []
         """Called after every slot."""
@@ -44,28 +42,28 @@ class Server:
         self._stopping = False
 
     def stop(self) -> None:
-        """End `serve` soon; may be called from a signal's function."""
+        """End `serve` soon; may be called from a signal handler."""
         self._stopping = True
 
     def serve(self) -> None:
-        """Serve until `stop`; the robot's time begins now."""
+        """Serve until `stop`; the robot's clock starts now."""
         self._origin = time.monotonic()
-        # The robot's slots are to begin with ours.
-        self._create.step(0.0)
+        # Start the robot's slots together with ours.
+        self._create.poll(0.0)
         while not self._stopping:
             now = self._now()
-            if now >= (self._slots + 1) * SLOT - _EARLY:
-                # One at a time, however late, so that watchers see the end of every slot.
+            if now >= (self._slots + 1) * SLOT - TOLERANCE:
+                # One at a time, even if late, so that watchers see the end of every slot.
                 self._slots += 1
                 self._slot(self._slots * SLOT)
             self._pass_on(now)
             wait = min((self._slots + 1) * SLOT, self._due()) - self._now()
             ready, _, _ = select.select(self._watched(), [], [], max(0.0, wait / self._speed))
             if ready:
-                self._hear(self._now())
+                self._read(self._now())
 
     def _now(self) -> float:
-        """Return seconds on the robot's clock; a long stall never happened."""
+        """Return seconds on the robot's clock, without long stalls."""
         now = (time.monotonic() - self._origin) * self._speed
         late = now - (self._slots + 1) * SLOT
         if late > LONGEST_STALL * self._speed:
@@ -74,40 +72,40 @@ class Server:
         return now
 
     def _slot(self, now: float) -> None:
-        self._go_wrong(now)
+        self._cause_faults(now)
         self._create.host_baud(self._line.baud())
-        self._create.step(now)
-        self._say(now)
+        self._create.poll(now)
+        self._send(now)
         for watch in self.watchers:
             watch()
         if self.control_port is not None and self.control_port.waited_on:
             self.control_port.serve(self._create.time)
 
-    def _go_wrong(self, now: float) -> None:
-        unplugged = self._faults.active(Kind.UNPLUG)
+    def _cause_faults(self, now: float) -> None:
+        unplugged = self._faults.active(FaultKind.UNPLUG)
         begun = self._faults.step(now)
-        if Kind.BROWNOUT in begun:
+        if FaultKind.BROWNOUT in begun:
             self._create.lose_battery(now)
-        if Kind.UNPLUG in begun:
+        if FaultKind.UNPLUG in begun:
             self._line.unplug()
-        elif unplugged and not self._faults.active(Kind.UNPLUG):
+        elif unplugged and not self._faults.active(FaultKind.UNPLUG):
             self._line.plug()
 
-    def _hear(self, now: float) -> None:
+    def _read(self, now: float) -> None:
         data = self._faults.to_robot(self._line.read(), now)
         if self._to_robot is not None:
             self._to_robot.put(data, now, self._line.baud() or self._create.baud)
         elif data:
-            self._obey(data, now)
+            self._give_to_robot(data, now)
         if self.control_port is not None:
             self.control_port.serve(self._create.time)
-            self._say(now)
+            self._send(now)
 
-    def _obey(self, data: bytes, now: float) -> None:
+    def _give_to_robot(self, data: bytes, now: float) -> None:
         self._create.receive(data, now, self._line.baud())
-        self._say(now)
+        self._send(now)
 
-    def _say(self, now: float) -> None:
+    def _send(self, now: float) -> None:
         data = self._faults.from_robot(self._create.data_to_send(), now)
         if self._to_host is not None:
             self._to_host.put(data, now, self._create.baud)
@@ -115,13 +113,13 @@ class Server:
             self._line.write(data)
 
     def _pass_on(self, now: float) -> None:
-        """Hand on what has arrived at either end of the wire."""
+        """Pass on the bytes that have arrived at either end of the wire."""
         if self._to_host is not None:
             self._line.write(self._to_host.take(now))
         if self._to_robot is not None:
             data = self._to_robot.take(now)
             if data:
-                self._obey(data, now)
+                self._give_to_robot(data, now)
 
     def _due(self) -> float:
         pacers = (self._to_host, self._to_robot)

@@ -1,44 +1,43 @@
-"""The room, the robot, its track and its sensors as 24 lines of 80 characters."""
-
-from __future__ import annotations
+"""A picture of room, robot, track and sensors as text: 24 lines of 80 characters."""
 
 from collections.abc import Iterator
 import math
 
+from ...robot import MILLI
 from ..firmware import Create
 from ..world import World
-from ..world.geometry import Disc, Point, Segment
+from ..world.geometry import Disc, LineSegment, Point
 
 COLUMNS, ROWS = 80, 24
 STATUS_ROWS = 3
 CELL_SHAPE = 2.0
-"""How much higher than wide a character is."""
+"""Height of a character over its width."""
 AROUND = 1.5
-"""Metres that are shown around the track where there are no walls."""
+"""Metres that are shown around the track in a room without walls."""
 ARROWS = '→↗↑↖←↙↓↘'
 HOME_CURSOR, CLEAR, CLEAR_REST = '\x1b[H', '\x1b[2J', '\x1b[K'
 
 
-def outline(world: World) -> Iterator[tuple[str, Segment]]:
-    """Yield what is drawn of a room: a character and a line."""
+def outline(world: World) -> Iterator[tuple[str, LineSegment]]:
+    """Yield the lines of a room, each with the character that draws it."""
     for polygon in (*world.ground, *world.cliffs):
         yield from (('~', edge) for edge in polygon.edges)
     for wall in world.virtual_walls:
-        yield ':', Segment((wall.pose.x, wall.pose.y), wall.pose.ahead(wall.reach))
+        yield ':', LineSegment((wall.pose.x, wall.pose.y), wall.pose.ahead(wall.reach))
     for each in world.obstacles:
         match each:
-            case Segment():
+            case LineSegment():
                 yield '#', each
             case Disc(x=x, y=y, radius=radius):
                 ring = [(x + radius * math.cos(turn * math.tau / 12),
                          y + radius * math.sin(turn * math.tau / 12)) for turn in range(13)]
-                yield from (('O', Segment(a, b)) for a, b in zip(ring, ring[1:], strict=False))
+                yield from (('O', LineSegment(a, b)) for a, b in zip(ring, ring[1:], strict=False))
     for base in world.home_bases:
         yield 'H', base.plate
 
 
-class View:
-    """Where the points of a room lie on a sheet of characters."""
+class RoomMap:
+    """A sheet of characters, scaled so that it shows all the given points of a room."""
 
     def __init__(self, points: list[Point], columns: int, rows: int) -> None:
         xs, ys = [x for x, _ in points], [y for _, y in points]
@@ -50,13 +49,13 @@ class View:
         self._sheet = [[' '] * columns for _ in range(rows)]
 
     def put(self, character: str, x: float, y: float) -> None:
-        """Draw one character, unless it lies outside."""
+        """Draw one character, unless it is outside the sheet."""
         column = round((x - self._left) / self._cell)
         row = round((self._top - y) / self._cell / CELL_SHAPE)
         if 0 <= column < self._columns and 0 <= row < self._rows:
             self._sheet[row][column] = character
 
-    def line(self, character: str, segment: Segment) -> None:
+    def line(self, character: str, segment: LineSegment) -> None:
         """Draw a line."""
         (ax, ay), (bx, by) = segment.ends
         steps = max(1, math.ceil(segment.length / self._cell))
@@ -64,14 +63,15 @@ class View:
             self.put(character, ax + (bx - ax) * step / steps, ay + (by - ay) * step / steps)
 
     def text(self) -> list[str]:
-        """Return the lines."""
+        """Return the lines of the sheet."""
         return [''.join(row).rstrip() for row in self._sheet]
 
 
 class Show:
-    """Remembers the track, and draws."""
+    """Remembers the robot's track and draws the picture."""
 
     LONGEST_TRACK = 3000
+    """Points."""
 
     def __init__(self, create: Create) -> None:
         self._create = create
@@ -79,7 +79,7 @@ class Show:
         self._track: list[Point] = []
 
     def picture(self) -> str:
-        """Return what is to be written to a terminal that was cleared once."""
+        """Return the picture as text for a terminal that was cleared once."""
         lines = self._map() + self._status()
         return HOME_CURSOR + '\n'.join(line[:COLUMNS] + CLEAR_REST for line in lines)
 
@@ -90,13 +90,13 @@ class Show:
             self._track = [*self._track[-self.LONGEST_TRACK:], here]
         points = [end for _, segment in self._outline for end in segment.ends] or [
             (x + side, y + side) for x, y in self._track for side in (-AROUND, AROUND)]
-        view = View(points, COLUMNS, ROWS - STATUS_ROWS)
+        room_map = RoomMap(points, COLUMNS, ROWS - STATUS_ROWS)
         for x, y in self._track:
-            view.put('·', x, y)
+            room_map.put('·', x, y)
         for character, segment in self._outline:
-            view.line(character, segment)
-        view.put(ARROWS[round(pose.yaw / (math.tau / 8)) % 8], *here)
-        return view.text()
+            room_map.line(character, segment)
+        room_map.put(ARROWS[round(pose.yaw / (math.tau / 8)) % 8], *here)
+        return room_map.text()
 
     def _status(self) -> list[str]:
         create, truth = self._create, self._create.body.truth()
@@ -109,7 +109,7 @@ class Show:
             f'y {truth.pose.y:.2f} m  {math.degrees(truth.pose.yaw):.0f}°  '
             f'{truth.speed:.2f} m/s {math.degrees(truth.rate):.0f}°/s',
             f'wheels {create.actuators.wheels.left:.0f} {create.actuators.wheels.right:.0f} mm/s'
-            f'  {sense.voltage / 1000:.1f} V {sense.current} mA  wall {sense.wall_signal}'
+            f'  {sense.voltage * MILLI:.1f} V {sense.current} mA  wall {sense.wall_signal}'
             f'  infrared {sense.infrared}  frames {create.frames}',
             f'{on or "nothing touched"}',
         ]

@@ -1,6 +1,4 @@
-"""Plane geometry for rooms: segments, discs and polygons, in metres in the world frame."""
-
-from __future__ import annotations
+"""Plane geometry for rooms: line segments, discs, polygons; metres in the world frame."""
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
@@ -9,8 +7,8 @@ import math
 Point = tuple[float, float]
 
 
-class Segment:
-    """A straight piece of wall without thickness."""
+class LineSegment:
+    """A straight line between two points: a wall without thickness, or a border."""
 
     __slots__ = ('ax', 'ay', 'ux', 'uy', 'length')
 
@@ -18,7 +16,7 @@ class Segment:
         self.ax, self.ay = a
         self.length = math.dist(a, b)
         if self.length == 0:
-            raise ValueError(f'a wall from {a} to the same point has no length')
+            raise ValueError(f'a line from {a} to the same point has no length')
         self.ux, self.uy = (b[0] - a[0]) / self.length, (b[1] - a[1]) / self.length
 
     @property
@@ -28,7 +26,7 @@ class Segment:
                 (self.ax + self.ux * self.length, self.ay + self.uy * self.length))
 
     def away(self, x: float, y: float) -> tuple[float, float]:
-        """Return the vector from the segment's nearest point to (x, y)."""
+        """Return the vector from the nearest point of the line to (x, y)."""
         x -= self.ax
         y -= self.ay
         ux, uy = self.ux, self.uy
@@ -41,7 +39,7 @@ class Segment:
         return math.hypot(*self.away(x, y))
 
     def hit(self, x: float, y: float, dx: float, dy: float) -> float:
-        """Return how far a ray from (x, y) along the unit vector (dx, dy) runs; inf: for ever."""
+        """Return how far a ray from (x, y) along (dx, dy), a unit vector, runs; inf: no hit."""
         cross = dx * self.uy - dy * self.ux
         if abs(cross) < 1e-12:
             return math.inf
@@ -58,11 +56,11 @@ class Disc:
 
     def __init__(self, x: float, y: float, radius: float) -> None:
         if not radius > 0:
-            raise ValueError(f'a radius of {radius} must be above 0')
+            raise ValueError(f'radius {radius}; allowed: above 0')
         self.x, self.y, self.radius = x, y, radius
 
     def away(self, x: float, y: float) -> tuple[float, float]:
-        """Return the vector from the disc's nearest point to (x, y)."""
+        """Return the vector from the nearest point of the disc to (x, y)."""
         dx, dy = x - self.x, y - self.y
         far = math.hypot(dx, dy) or 1e-9
         part = 1 - self.radius / far
@@ -73,7 +71,7 @@ class Disc:
         return math.hypot(x - self.x, y - self.y) - self.radius
 
     def hit(self, x: float, y: float, dx: float, dy: float) -> float:
-        """Return how far a ray from (x, y) along the unit vector (dx, dy) runs; inf: for ever."""
+        """Return how far a ray from (x, y) along (dx, dy), a unit vector, runs; inf: no hit."""
         x, y = self.x - x, self.y - y
         along = x * dx + y * dy
         inside = self.radius ** 2 - (x * x + y * y - along * along)
@@ -83,7 +81,7 @@ class Disc:
         return ray if ray >= 0 else math.inf
 
 
-Obstacle = Segment | Disc
+Obstacle = LineSegment | Disc
 
 
 class Polygon:
@@ -93,7 +91,7 @@ class Polygon:
 
     def __init__(self, points: Sequence[Point]) -> None:
         if len(points) < 3:
-            raise ValueError(f'a polygon of {len(points)} points: at least 3 are wanted')
+            raise ValueError(f'a polygon of {len(points)} points; allowed: 3 or more')
         self.points = tuple(points)
         self.edges = chain([*points, points[0]])
 
@@ -108,22 +106,22 @@ class Polygon:
         return inside
 
     def edge_gap(self, x: float, y: float) -> float:
-        """Return the distance from (x, y) to the border, from inside as from outside."""
+        """Return the distance of (x, y) from the border, inside or outside."""
         return min(edge.gap(x, y) for edge in self.edges)
 
 
-def chain(points: Sequence[Point]) -> tuple[Segment, ...]:
-    """Return the segments that join the points in their order."""
-    return tuple(Segment(a, b) for a, b in pairwise(points))
+def chain(points: Sequence[Point]) -> tuple[LineSegment, ...]:
+    """Return the line segments that join the points in their order."""
+    return tuple(LineSegment(a, b) for a, b in pairwise(points))
 
 
 def reach(obstacles: Iterable[Obstacle], x: float, y: float, dx: float, dy: float) -> float:
-    """Return how far a ray runs before it meets the first of the obstacles; inf: for ever."""
+    """Return how far a ray runs to the first obstacle; inf: it meets none."""
     return min((each.hit(x, y, dx, dy) for each in obstacles), default=math.inf)
 
 
 def sees(obstacles: Iterable[Obstacle], a: Point, b: Point) -> bool:
-    """Return whether nothing stands between a and b."""
+    """Return whether no obstacle stands between a and b."""
     far = math.dist(a, b)
     if far == 0:
         return True

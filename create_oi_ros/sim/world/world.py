@@ -1,13 +1,13 @@
 """
-Rooms: what stands in them, what floor they have, and where a robot starts.
+Rooms: their obstacles, their floor, and where a robot starts.
 
-A room is a text of lines, each a word and its numbers, in metres and degrees (counter-clockwise
-from x).  `#` starts a comment; blank lines say nothing.
+A room file has a keyword and its numbers on each line, in metres and degrees (counter-clockwise
+from x). `#` starts a comment; blank lines are ignored.
 
     start X Y YAW               the robot's first pose (0 0 0)
-    floor R                     what the floor reflects, 0 (black) to 1 (white); 0.6 if not said
-    patch R X Y X Y X Y ...     another floor on a polygon; later lines lie on top
-    ground X Y X Y X Y ...      there is floor inside this polygon only: a table, a stage
+    floor R                     reflectance of the floor, 0 (black) to 1 (white); default 0.6
+    patch R X Y X Y X Y ...     another reflectance in a polygon; later lines lie on top
+    ground X Y X Y X Y ...      a polygon outside of which there is no floor: a table, a stage
     cliff X Y X Y X Y ...       a polygon without floor: stairs, a pit
     wall X Y X Y ...            straight walls from point to point
     box X Y X Y                 a closed box between two corners
@@ -15,10 +15,8 @@ from x).  `#` starts a comment; blank lines say nothing.
     virtual_wall X Y YAW L      an iRobot Virtual Wall whose beam runs L metres along YAW
     home_base X Y YAW           a Home Base that faces YAW; X Y is the middle of its front
 
-`parse` raises WorldError with the file's name and the line for anything else.
+`parse` raises WorldError with the file's name and the line number for anything else.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -26,26 +24,26 @@ from importlib import resources
 import math
 from typing import NamedTuple
 
-from .geometry import chain, Disc, Obstacle, Point, Polygon, Segment
+from .geometry import chain, Disc, LineSegment, Obstacle, Point, Polygon
 
-_PLATE = 0.1
+PLATE = 0.1
 """Half the width of a Home Base's front, metres (guess)."""
 BUOY_REACH = 2.4
-"""Metres at which a Home Base's two buoy beams are still seen (reported: 8 feet)."""
+"""Range of a Home Base's two buoy beams, metres (reported: 8 feet)."""
 BUOY_SPREAD = math.radians(50)
-"""How far a buoy beam opens to its own side (guess)."""
+"""Angle by which a buoy beam opens to its own side (guess)."""
 BUOY_OVERLAP = math.radians(3)
-"""How far it reaches over to the other side: between, both are seen (guess)."""
+"""Angle by which it reaches to the other side; there, both beams are seen (guess)."""
 FIELD_REACH = 0.5
-"""Metres of force field in front of a Home Base (guess)."""
+"""Range of the force field in front of a Home Base, metres (guess)."""
 HALO = 0.3
-"""Metres around a Virtual Wall within which it is seen from all sides (guess)."""
+"""Distance within which a Virtual Wall is seen from all sides, metres (guess)."""
 VIRTUAL_WALL_SPREAD = math.radians(8)
 """Half the opening of a Virtual Wall's beam (guess)."""
 
 
 class WorldError(ValueError):
-    """A line of a world file cannot be understood; the message says where, why and what can."""
+    """A line of a world file is wrong; the message says where, why, and what is allowed."""
 
 
 class Pose(NamedTuple):
@@ -56,7 +54,7 @@ class Pose(NamedTuple):
     yaw: float = 0.0
 
     def ahead(self, forward: float, left: float = 0.0) -> Point:
-        """Return the world's name for a point given in this pose's frame."""
+        """Return the world coordinates of a point given in this pose's frame."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return self.x + forward * cos - left * sin, self.y + forward * sin + left * cos
 
@@ -89,11 +87,11 @@ class HomeBase:
     """
 
     pose: Pose
-    plate: Segment = field(init=False, compare=False)
+    plate: LineSegment = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, 'plate', Segment(self.pose.ahead(0, -_PLATE),
-                                                  self.pose.ahead(0, _PLATE)))
+        object.__setattr__(self, 'plate', LineSegment(self.pose.ahead(0, -PLATE),
+                                                  self.pose.ahead(0, PLATE)))
 
     def beams_on(self, point: Point) -> tuple[bool, bool, bool]:
         """Return whether red buoy, green buoy and force field cover the point."""
@@ -106,15 +104,15 @@ class HomeBase:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class World:
-    """A room; immutable.  Without arguments: endless floor and nothing on it."""
+    """A room; immutable. Without arguments: endless floor and nothing on it."""
 
     name: str = 'empty'
     start: Pose = Pose()
     reflectance: float = 0.6
-    """Of the floor where no patch lies: 0 to 1."""
+    """Of the floor where no patch is, 0 to 1."""
     patches: tuple[tuple[float, Polygon], ...] = ()
     ground: tuple[Polygon, ...] = ()
-    """Where given, there is floor only inside one of these."""
+    """If given, there is floor only inside one of these."""
     cliffs: tuple[Polygon, ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
     virtual_walls: tuple[VirtualWall, ...] = ()
@@ -139,7 +137,7 @@ class World:
 
 
 class _Draft:
-    """A world while its lines are being read: one method for each word."""
+    """A world while its lines are read: one method for each keyword."""
 
     __slots__ = ('start', 'reflectance', 'patches', 'ground', 'cliffs', 'obstacles',
                  'virtual_walls', 'home_bases')
@@ -181,7 +179,7 @@ class _Draft:
 
     def add_virtual_wall(self, numbers: Sequence[float]) -> None:
         if not numbers[3] > 0:
-            raise ValueError(f'a beam of {numbers[3]} metres must be longer than 0')
+            raise ValueError(f'a beam of {numbers[3]} metres; allowed: above 0')
         self.virtual_walls.append(VirtualWall(_pose(numbers), numbers[3]))
 
     def add_home_base(self, numbers: Sequence[float]) -> None:
@@ -196,8 +194,8 @@ class _Draft:
                      home_bases=tuple(self.home_bases))
 
 
-class _Word(NamedTuple):
-    """How a line is read: its method, its form for messages, how many numbers it wants."""
+class Keyword(NamedTuple):
+    """How a line is read: its method, its form for messages, how many numbers it takes."""
 
     read: Callable[[_Draft, Sequence[float]], None]
     form: str
@@ -205,27 +203,27 @@ class _Word(NamedTuple):
     most: float
 
     def fits(self, count: int) -> bool:
-        """Return whether a line may have so many numbers; an open end takes whole points."""
+        """Return whether a line may have this many numbers; an open end takes X Y pairs."""
         return self.least <= count <= self.most and (
             self.most < math.inf or (count - self.least) % 2 == 0)
 
 
-_WORDS = {
-    'start': _Word(_Draft.set_start, 'X Y YAW', 3, 3),
-    'floor': _Word(_Draft.set_floor, 'R', 1, 1),
-    'patch': _Word(_Draft.add_patch, 'R X Y X Y X Y ...', 7, math.inf),
-    'ground': _Word(_Draft.add_ground, 'X Y X Y X Y ...', 6, math.inf),
-    'cliff': _Word(_Draft.add_cliff, 'X Y X Y X Y ...', 6, math.inf),
-    'wall': _Word(_Draft.add_wall, 'X Y X Y ...', 4, math.inf),
-    'box': _Word(_Draft.add_box, 'X Y X Y', 4, 4),
-    'post': _Word(_Draft.add_post, 'X Y R', 3, 3),
-    'virtual_wall': _Word(_Draft.add_virtual_wall, 'X Y YAW L', 4, 4),
-    'home_base': _Word(_Draft.add_home_base, 'X Y YAW', 3, 3),
+KEYWORDS = {
+    'start': Keyword(_Draft.set_start, 'X Y YAW', 3, 3),
+    'floor': Keyword(_Draft.set_floor, 'R', 1, 1),
+    'patch': Keyword(_Draft.add_patch, 'R X Y X Y X Y ...', 7, math.inf),
+    'ground': Keyword(_Draft.add_ground, 'X Y X Y X Y ...', 6, math.inf),
+    'cliff': Keyword(_Draft.add_cliff, 'X Y X Y X Y ...', 6, math.inf),
+    'wall': Keyword(_Draft.add_wall, 'X Y X Y ...', 4, math.inf),
+    'box': Keyword(_Draft.add_box, 'X Y X Y', 4, 4),
+    'post': Keyword(_Draft.add_post, 'X Y R', 3, 3),
+    'virtual_wall': Keyword(_Draft.add_virtual_wall, 'X Y YAW L', 4, 4),
+    'home_base': Keyword(_Draft.add_home_base, 'X Y YAW', 3, 3),
 }
 
 
 def parse(text: str, name: str) -> World:
-    """Read a room; `name` is its name and stands in the messages of WorldError."""
+    """Read a room; messages of WorldError begin with its name."""
     draft = _Draft()
     for number, line in enumerate(text.splitlines(), 1):
         words = line.partition('#')[0].split()
@@ -238,14 +236,14 @@ def parse(text: str, name: str) -> World:
 
 
 def _read(draft: _Draft, words: Sequence[str]) -> None:
-    word = _WORDS.get(words[0])
-    if word is None:
-        raise ValueError(f'{words[0]!r} is not known: one of {", ".join(_WORDS)}')
+    keyword = KEYWORDS.get(words[0])
+    if keyword is None:
+        raise ValueError(f'unknown {words[0]!r}; allowed: {", ".join(KEYWORDS)}')
     numbers = [_number(each) for each in words[1:]]
-    if not word.fits(len(numbers)):
-        raise ValueError(f'{len(numbers)} numbers after {words[0]!r}: '
-                         f'"{words[0]} {word.form}" is wanted')
-    word.read(draft, numbers)
+    if not keyword.fits(len(numbers)):
+        raise ValueError(f'{len(numbers)} numbers after {words[0]!r}; '
+                         f'allowed: "{words[0]} {keyword.form}"')
+    keyword.read(draft, numbers)
 
 
 def _number(text: str) -> float:
@@ -260,7 +258,7 @@ def _number(text: str) -> float:
 
 def _fraction(number: float) -> float:
     if not 0 <= number <= 1:
-        raise ValueError(f'a reflectance of {number} is not within 0 to 1')
+        raise ValueError(f'reflectance {number}; allowed: 0 to 1')
     return number
 
 
@@ -273,15 +271,15 @@ def _pose(numbers: Sequence[float]) -> Pose:
 
 
 def shipped_names() -> tuple[str, ...]:
-    """Return the names of the rooms that come with the package."""
+    """Return the names of the rooms in the package."""
     folder = resources.files(__package__) / 'shipped'
     return tuple(sorted(each.name.removesuffix('.world') for each in folder.iterdir()
                         if each.name.endswith('.world')))
 
 
 def shipped(name: str) -> World:
-    """Read a room that comes with the package; ValueError names them all."""
+    """Read a room of the package; ValueError lists all their names."""
     if name not in shipped_names():
-        raise ValueError(f'no world {name!r}: one of {", ".join(shipped_names())}')
+        raise ValueError(f'no world {name!r}; allowed: {", ".join(shipped_names())}')
     text = (resources.files(__package__) / 'shipped' / f'{name}.world').read_text('utf-8')
     return parse(text, name)

@@ -1,0 +1,129 @@
+"""
+What a script does to the wheels: waits that never end, and how long it takes.
+
+The firmware compares a wait's distance or angle with the robot's own motion, with its sign
+(manual: Wait Distance, Wait Angle). So a wait that the script's own speeds lead away from, or that
+stands, never ends, and a waiting robot ignores everything but its Power button.
+"""
+
+from math import copysign, degrees, inf
+from typing import NamedTuple
+
+from .codes import Mode
+from .commands import (
+    Demo,
+    Drive,
+    DriveDirect,
+    PlayScript,
+    Script,
+    Start,
+    WaitAngle,
+    WaitDistance,
+    WaitEvent,
+    WaitTime,
+)
+from .declaration import Command
+from .script import commands_of
+from .steering import wheel_speeds, WheelSpeeds
+
+TENTHS = 10
+"""Units of Wait Time in a second."""
+STANDING = WheelSpeeds(0.0, 0.0)
+
+
+class EndlessWait(NamedTuple):
+    """A wait that never ends, and why."""
+
+    place: int
+    """Of the command in the script; the first is 1."""
+    command: Command
+    why: str
+
+
+class _Motion(NamedTuple):
+    """What the robot does at one place of a script."""
+
+    mode: Mode
+    speeds: WheelSpeeds | None
+    """None where they are not known."""
+
+
+def endless_wait(script: Script, mode: Mode, separation: float) -> EndlessWait | None:
+    """
+    Return the first wait that never ends in a script that starts at rest, in this mode.
+
+    The separation is in mm. After a Demo, which moves the robot in its own way, nothing is said.
+    """
+    motion = _Motion(mode, STANDING)
+    for place, command in enumerate(commands_of(script), 1):
+        motion = _after(command, motion, separation)
+        if motion.speeds is None:
+            return None
+        if _left(command, motion.speeds, separation) == inf:
+            return EndlessWait(place, command, _reason(command, motion.speeds))
+    return None
+
+
+def duration(script: Script, mode: Mode, separation: float) -> float | None:
+    """
+    Return how many seconds a script takes if the wheels turn as requested.
+
+    None where that is not known: it waits for an event, plays a demo, or does not end. The
+    script starts at rest, in this mode; the separation is in mm.
+    """
+    motion, total = _Motion(mode, STANDING), 0.0
+    for command in commands_of(script):
+        motion = _after(command, motion, separation)
+        if motion.speeds is None or isinstance(command, WaitEvent | PlayScript):
+            return None
+        total += _left(command, motion.speeds, separation)
+    return total if total < inf else None
+
+
+def _after(command: Command, before: _Motion, separation: float) -> _Motion:
+    """Return what the robot does after a command, which it ignores in the wrong mode."""
+    if before.mode not in command.modes:
+        return before
+    match command:
+        case Drive():
+            return before._replace(
+                speeds=wheel_speeds(command.velocity, command.radius, separation))
+        case DriveDirect():
+            return before._replace(speeds=WheelSpeeds(command.right, command.left))
+        case Start():
+            return _Motion(Mode.PASSIVE, STANDING)
+        case Demo():
+            return _Motion(Mode.PASSIVE, None)
+        case _:
+            return before if command.enters is None else before._replace(mode=command.enters)
+
+
+def _left(command: Command, speeds: WheelSpeeds, separation: float) -> float:
+    """Return how many seconds a command takes at these speeds: a wait some, any other none."""
+    match command:
+        case WaitTime():
+            return command.time / TENTHS
+        case WaitDistance():
+            return _seconds(command.distance, (speeds.right + speeds.left) / 2)
+        case WaitAngle():
+            return _seconds(command.angle, degrees((speeds.right - speeds.left) / separation))
+        case _:
+            return 0.0
+
+
+def _seconds(goal: float, rate: float) -> float:
+    if not goal:
+        return 0.0
+    return goal / rate if rate and copysign(1, goal) == copysign(1, rate) else inf
+
+
+def _reason(command: Command, speeds: WheelSpeeds) -> str:
+    if speeds == STANDING:
+        return 'the wheels stand'
+    if isinstance(command, WaitAngle):
+        turn = speeds.right - speeds.left
+        return ('the robot does not turn' if not turn else
+                'the robot turns ' + ('counter-clockwise' if turn > 0 else 'clockwise'))
+    forward = speeds.right + speeds.left
+    return ('the robot turns in place' if not forward else
+            'the robot drives ' + ('forwards' if forward > 0 else 'backwards'))

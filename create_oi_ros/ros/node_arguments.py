@@ -1,0 +1,55 @@
+"""The command line of `create_node`: ROS arguments, and help with everything else."""
+
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from collections.abc import Sequence
+from dataclasses import fields
+import textwrap
+
+from rclpy.utilities import remove_ros_args
+
+from .. import __version__
+from .parameter_checks import listed, suggestion
+from .parameters import Parameters
+
+WIDTH = 96
+
+
+def parse(arguments: Sequence[str]) -> None:
+    """Answer --help and --version, and refuse what is no ROS argument, with exit code 2."""
+    parser = ArgumentParser(
+        prog='create_node', formatter_class=RawDescriptionHelpFormatter,
+        usage='create_node [--help] [--version] [--ros-args -p NAME:=VALUE ...]',
+        description='Run the driver of an iRobot Create as a ROS 2 node.',
+        epilog=parameter_help())
+    parser.add_argument('--version', action='version', version=f'create_node {__version__}')
+    _, unknown = parser.parse_known_args(remove_ros_args(['', *arguments])[1:])
+    if unknown:
+        parser.error(refusal(unknown))
+
+
+def parameter_help() -> str:
+    """Return all parameters with defaults, as help text."""
+    lines = ['parameters (give them as --ros-args -p NAME:=VALUE, or --params-file FILE):']
+    for declared in fields(Parameters):
+        facts = declared.metadata
+        allowed = f' One of {listed(facts["choices"])}.' if facts['choices'] else ''
+        if facts['low'] is not None:
+            allowed = f' {facts["low"]} to {facts["high"]}.'
+        value = declared.default
+        default = str(value).lower() if isinstance(value, bool) else str(value) or "''"
+        lines.append(f'  {declared.name}:={default}')
+        lines += textwrap.wrap(f'{facts["description"]}.{allowed}', WIDTH,
+                               initial_indent=' ' * 6, subsequent_indent=' ' * 6)
+    return '\n'.join(lines)
+
+
+def refusal(unknown: Sequence[str]) -> str:
+    """Say that an argument is not known, and how to write what may be meant."""
+    first = unknown[0]
+    name, _, value = first.lstrip('-').partition('=')
+    known = [declared.name for declared in fields(Parameters)]
+    name = name.replace('-', '_')
+    if name in known:
+        value = value or (unknown[1] if len(unknown) > 1 else 'VALUE')
+        return f'{first} is a parameter: write --ros-args -p {name}:={value}'
+    return f'unknown argument {first}{suggestion(name, [*known, "help", "version"])}'

@@ -1,0 +1,4 @@
+"""How exactly the simulator compares times."""
+
+TOLERANCE = 1e-6
+"""Seconds by which a sum of floats may fall short of the time it stands for."""

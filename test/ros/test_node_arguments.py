@@ -1,0 +1,82 @@
+"""What a user may mistype when starting `create_node`, and what is said then."""
+
+from dataclasses import fields, replace
+
+import pytest
+
+from create_oi_ros import __version__
+from create_oi_ros.ros import node_arguments
+from create_oi_ros.ros.parameter_checks import contradiction, refusal, wrong_type
+from create_oi_ros.ros.parameters import Parameters
+from support.ros import scene
+
+
+@pytest.mark.parametrize(('arguments', 'words'), [
+    (['--port', '/dev/ttyUSB3'], '--port is a parameter: write --ros-args -p port:=/dev/ttyUSB3'),
+    (['--cmd-vel-timeout=1.0'], 'write --ros-args -p cmd_vel_timeout:=1.0'),
+    (['--bogus'], 'unknown argument --bogus'),
+    (['--versoin'], 'did you mean version?'),
+    (['/dev/ttyUSB0'], 'unknown argument /dev/ttyUSB0'),
+])
+def test_an_unknown_argument_is_refused_with_what_may_be_meant(capsys, arguments, words):
+    with pytest.raises(SystemExit) as ended:
+        node_arguments.parse(arguments)
+    assert ended.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+def test_ros_arguments_pass():
+    node_arguments.parse(['--ros-args', '-p', 'port:=/dev/create', '-r', '__ns:=/robot'])
+
+
+def test_help_names_every_parameter_with_its_default(capsys):
+    with pytest.raises(SystemExit) as ended:
+        node_arguments.parse(['--help'])
+    shown = capsys.readouterr().out
+    assert not ended.value.code
+    assert 'cmd_vel_timeout:=0.5' in shown
+    for declared in fields(Parameters):
+        assert f'\n  {declared.name}:=' in shown
+
+
+def test_version_is_told(capsys):
+    with pytest.raises(SystemExit):
+        node_arguments.parse(['--version'])
+    assert capsys.readouterr().out == f'create_node {__version__}\n'
+
+
+@pytest.mark.parametrize(('changes', 'words'), [
+    ({'odom_frame': 'base', 'base_frame': 'base'}, 'a frame cannot move in itself'),
+    ({'battery_low': 12.0, 'battery_empty': 13.0}, 'low before it is empty'),
+])
+def test_values_that_contradict_each_other_are_refused(changes, words):
+    assert words in contradiction(replace(Parameters(), **changes))
+    assert contradiction(Parameters()) is None
+
+
+def test_a_frame_with_a_leading_slash_is_refused():
+    assert "write 'odom'" in refusal('odom_frame', '/odom')
+    assert refusal('odom_frame', 'robot_1/odom') is None
+
+
+@pytest.mark.parametrize(('name', 'value', 'words'), [
+    ('cmd_vel_timeout', 1, 'write 1.0'), ('baud', 'fast', 'takes a int, such as 57600'),
+    ('publish_tf', 'yes', 'such as true'),
+])
+def test_a_value_of_the_wrong_type_says_how_to_write_it(name, value, words):
+    assert words in wrong_type(name, value)
+
+
+def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(tmp_path):
+    with scene(tmp_path) as stage:
+        node = stage.node(stage.folder / 'none', cmd_vel_timeout=1)
+        assert node.ended() == 2
+        assert node.output.strip().endswith(
+            'create_node: parameter cmd_vel_timeout = 1 is of the wrong type: write 1.0')
+
+
+def test_a_mistyped_parameter_is_named_with_the_right_one(tmp_path):
+    with scene(tmp_path) as stage:
+        node = stage.node(stage.folder / 'none', cmd_vel_timout=1.0)
+        stage.ros.until(lambda: 'cmd_vel_timout is unknown and ignored: did you mean '
+                        'cmd_vel_timeout?' in node.output)
