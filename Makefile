@@ -20,7 +20,7 @@ bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 faults: build ; @$(ENTER) python test faults $(ARGS)
 soak: build ; @$(ENTER) python test soak $(ARGS)
 fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
-docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
+docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 

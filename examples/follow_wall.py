@@ -1,12 +1,12 @@
 """
-Follow a wall on the right: go ahead until something is touched, then along it.
+Follow a wall on the right: drive ahead until the bumper touches something, then along it.
 
     python examples/follow_wall.py
     python examples/follow_wall.py --ros-args -p signal:=250.0
 
-`signal` is what the wall sensor is to say: the stronger, the nearer. The default suits the
-simulator; for a real wall put the robot beside it and read topic `wall`. The program ends when
-the robot leaves Safe mode: at a cliff, lifted, or on a charger.
+`signal` is the wanted signal of the wall sensor; a stronger signal means a nearer wall. The
+default suits the simulator; for a real wall put the robot beside it and read topic `wall`. The
+program ends when the robot leaves Safe mode: at a cliff, lifted, or on a charger.
 """
 from math import sqrt
 import signal
@@ -22,35 +22,35 @@ SIGNAL = 500.0
 PERIOD = 0.05
 """Seconds between two commands."""
 SPEED, GAIN, SHARPEST = 0.2, 3.0, 0.8
-"""m/s; rad/s for an error of 1; rad/s, so that the robot rounds a corner in an arc."""
+"""Speed, m/s; turning speed for an error of 1, rad/s; fastest turn, rad/s."""
 AWAY = ((-0.1, 0.0),) * 6 + ((0.0, 1.2),) * 12
-"""After a touch, period by period: m/s and rad/s, back a little, then to the left."""
+"""Moves after a touch, one a period, m/s and rad/s: back a little, then turn left."""
 
 
 class Steering:
-    """What to do next, from what the robot feels and sees."""
+    """Decides the next move from the bumper and the wall sensor."""
 
     def __init__(self, wanted: float = SIGNAL) -> None:
         self.wanted = wanted
-        self.found = False  # whether there was a wall already
+        self.found = False  # whether a wall has been found
         self.away: list[tuple[float, float]] = []
 
     def next_move(self, touched: bool, signal: int) -> tuple[float, float]:
-        """Return the speed, m/s, and the turning speed, rad/s to the left."""
+        """Return the speed, m/s, and the turning speed to the left, rad/s."""
         if touched and not self.away:
             self.away = list(AWAY)
         self.found = self.found or touched or signal > 0
         if self.away:
             return self.away.pop(0)
-        if signal == 0:  # look for a wall, or round the corner where it ended
+        if signal == 0:  # drive ahead to find a wall, or turn right where the wall ended
             return SPEED, -SHARPEST if self.found else 0.0
-        # Light fades with the square of the distance: above 0 is too far away.
+        # The signal falls with the square of the distance: an error above 0 is too far away.
         error = sqrt(self.wanted / signal) - 1.0
         return SPEED, max(-SHARPEST, min(SHARPEST, -GAIN * error))
 
 
 class FollowWall(Node):
-    """Listens to bumper and wall sensor, and commands a velocity each period."""
+    """Subscribes to bumper and wall sensor, and commands a velocity each period."""
 
     def __init__(self) -> None:
         super().__init__('follow_wall')
@@ -74,13 +74,13 @@ class FollowWall(Node):
         self.signal = wall.signal
 
     def on_mode(self, mode: Mode) -> None:
-        # Not yet Safe is no reason to end: the first command brings it back.
+        # Before the first Safe, go on: the driver enters Safe with the first command.
         if self.mode == Mode.SAFE and mode.mode != Mode.SAFE:
             self.ended.set_result(f'the robot has left Safe mode, {mode.reason}')
         self.mode = mode.mode
 
     def on_ctrl_c(self, *_: object) -> None:
-        self.asked_to_end = True  # heeded in the next period: a signal may come amid anything
+        self.asked_to_end = True  # `drive` ends the program: a signal may interrupt anything
 
     def drive(self) -> None:
         if self.asked_to_end:
@@ -91,7 +91,7 @@ class FollowWall(Node):
 
 
 def main() -> None:
-    # With rclpy's own handlers Ctrl-C would end ROS under the feet of whoever publishes.
+    # With rclpy's own handler, Ctrl-C would shut ROS down while `drive` publishes.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = FollowWall()
     signal.signal(signal.SIGINT, node.on_ctrl_c)

@@ -1,1 +1,1 @@
-"""The programs, a file or a package each. They know each other by name only."""
+"""The programs, a file or a package each. None imports another; they start each other by name."""

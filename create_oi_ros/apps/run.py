@@ -1,75 +1,36 @@
 """
-`create_run`: a robot and its node in one terminal, with a status line a second.
+`create_run`: a robot and its node in one terminal, with a status line every second.
 
 Without `--port` the robot is a simulated one on a pseudo terminal.
 """
 
 import argparse
-from math import atan2, degrees
+from math import degrees
 import os
 from pathlib import Path
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 
 from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
-from .. import oi
-from ..ros.process import call_on_signal, end_with_parent, spin_until
-from ..ros.programs import PROGRAMS
-
-GRACE = 1.5
-"""Seconds that a child has to end by itself once it was asked to."""
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-MODES = {**{mode.value: mode.name for mode in oi.Mode}, Mode.UNKNOWN: 'NO ROBOT'}
+from ..ros.children import Children
+from ..ros.messages import mode_name
+from ..ros.process import call_on_signal, ros_executor, spin_until
+from ..ros.rotation import yaw_of
+from ..ros.topics import LATCHED
 
 
-class Children:
-    """The processes that were started, in the order in which they are to end."""
-
-    def __init__(self) -> None:
-        self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
-
-    def start(self, program: str, *arguments: str) -> None:
-        """Start one of our executables, out of reach of the terminal's Ctrl-C."""
-        command = [sys.executable, '-c', PROGRAMS[program], *arguments]
-        process = subprocess.Popen(command, start_new_session=True, preexec_fn=end_with_parent)
-        self._processes.insert(0, (program, process))
-
-    def ended(self) -> str | None:
-        """Name a process that has ended, with its exit code."""
-        for program, process in self._processes:
-            if process.poll() is not None:
-                return f'{program} has ended with exit code {process.returncode}'
-        return None
-
-    def end(self) -> None:
-        """End all: the node first, so that it can say goodbye to the robot."""
-        for _, process in self._processes:
-            if process.poll() is None:
-                process.send_signal(signal.SIGINT)
-            try:
-                process.wait(GRACE)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-
-
-class Status(Node):
-    """Listens to the driver and prints a line a second."""
+class StatusNode(Node):
+    """Subscribes to the driver's topics and prints a status line every second."""
 
     def __init__(self, children: Children, ended: Future) -> None:
+        """Watch the children too: when one ends by itself, `ended` gets exit code 1."""
         super().__init__('create_run')
         self._ended = ended
         self._children = children
@@ -116,13 +77,13 @@ class Status(Node):
         if self._mode is None:
             return 'no node yet'
         reason = f' ({self._mode.reason})' if self._mode.reason else ''
-        return f'{MODES[self._mode.mode]:7s}{reason}'
+        return f'{mode_name(self._mode.mode):7s}{reason}'
 
     def _odom_text(self) -> str:
         if self._odom is None:
             return 'no odometry yet'
         pose, twist = self._odom.pose.pose, self._odom.twist.twist
-        yaw = degrees(2 * atan2(pose.orientation.z, pose.orientation.w))
+        yaw = degrees(yaw_of(pose.orientation))
         return (f'x {pose.position.x:+.3f} m  y {pose.position.y:+.3f} m  yaw {yaw:+6.1f} deg  '
                 f'{twist.linear.x:+.2f} m/s  {twist.angular.z:+.2f} rad/s')
 
@@ -133,7 +94,7 @@ class Status(Node):
 
 
 def introduction(port: str, simulated: bool) -> str:
-    """Say what runs and what to try next, with commands that work on this machine."""
+    """Return what runs and what to try next, with commands that work on this machine."""
     robot = 'a simulated Create' if simulated else 'the robot'
     lines = [
         f'create_run: node /create drives {robot} on {port}, '
@@ -152,27 +113,26 @@ def introduction(port: str, simulated: bool) -> str:
 
 
 def _watch(children: Children, ended: Future) -> int:
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    status = Status(children, ended)
-    executor = SingleThreadedExecutor()
-    executor.add_node(status)
-    spin_until(executor, ended)
-    # Ending the children comes before tearing down: the robot may be moving.
-    children.end()
-    executor.shutdown()
-    status.destroy_node()
-    rclpy.shutdown()
+    with ros_executor() as executor:
+        executor.add_node(StatusNode(children, ended))
+        spin_until(executor, ended)
+        # Before ROS shuts down: the robot may be moving.
+        children.end()
     return int(ended.result())
 
 
-def main() -> int:
-    """Run until Ctrl-C; the exit code is 1 when a part ended by itself."""
+def _arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog='create_run', description=__doc__)
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
     parser.add_argument('--world', default='room', help='world of the simulated robot')
     parser.add_argument('--capture', metavar='FILE', help=(
-        'write every byte of the line to FILE, for whoever is to see what went wrong'))
-    arguments = parser.parse_args()
+        'write every byte of the serial line to FILE, to be sent with a bug report'))
+    return parser
+
+
+def main() -> int:
+    """Run until Ctrl-C; the exit code is 1 when a child ended by itself."""
+    arguments = _arguments().parse_args()
     children, ended = Children(), Future()
     call_on_signal(lambda: ended.set_result(0))
     with tempfile.TemporaryDirectory(prefix='create-') as folder:
@@ -181,12 +141,8 @@ def main() -> int:
         try:
             if arguments.port is None:
                 children.start('create_sim', '--link', port, '--world', arguments.world)
-            captured = ['-p', f'capture:={arguments.capture}'] if arguments.capture else []
-            children.start('create_node', '--ros-args', '-p', f'port:={port}', *captured)
+            capture = ['-p', f'capture:={arguments.capture}'] if arguments.capture else []
+            children.start('create_node', '--ros-args', '-p', f'port:={port}', *capture)
             return _watch(children, ended)
         finally:
             children.end()
-
-
-if __name__ == '__main__':
-    sys.exit(main())

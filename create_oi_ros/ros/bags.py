@@ -1,7 +1,7 @@
 """
-Bags by the library `rosbags`: which reads and writes them without an installed rosbag2.
+Bags through the library `rosbags`, which reads and writes them without an installed rosbag2.
 
-`rosbags` and matplotlib are loaded by who makes a report, never by the node.
+`rosbags` is imported inside functions: the node never loads it.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ Item = TypeVar('Item')
 
 
 class BagError(Exception):
-    """A bag cannot be read, or tells nothing of our robot; the message is one sentence."""
+    """A bag cannot be read or is not of this driver; the message is one sentence."""
 
 
 class DamageError(Exception):
-    """What is in a bag cannot be read; the message is what the library said of it."""
+    """The content of a bag cannot be read; the message is that of the library."""
 
 
 @contextmanager
 def reading() -> Iterator[None]:
-    """Let DamageError come, whatever a broken file makes rosbags raise: it may be anything."""
+    """Turn any exception into DamageError: on a broken file rosbags may raise anything."""
     try:
         yield
     except Exception as error:
@@ -38,20 +38,20 @@ def reading() -> Iterator[None]:
 
 
 def guarded(items: Iterable[Item]) -> Iterator[Item]:
-    """Go through what rosbags reads, as `reading` does; who takes the items raises as ever."""
+    """Yield what rosbags reads, under `reading`; exceptions of the caller are not changed."""
     with reading():
         yield from items
 
 
 def missing(module: str) -> str:
-    """Say how to get a Python module that is not installed."""
+    """Return a sentence on how to install a missing Python module."""
     apt = {'matplotlib': ' or `sudo apt-get install python3-matplotlib`'}.get(module, '')
     return (f'the Python module {module} is not installed: '
             f'`python3 -m pip install --break-system-packages {module}`{apt}')
 
 
 def message_files() -> list[Path]:
-    """Return the files that define our messages: as installed, else as in the repository."""
+    """Return the definitions of our messages, installed or else in the repository."""
     try:
         share = Path(get_package_share_directory('create_oi_msgs'))
     except PackageNotFoundError:
@@ -60,7 +60,7 @@ def message_files() -> list[Path]:
 
 
 def definitions() -> Typestore:
-    """Return ROS 2 Jazzy's message definitions and ours."""
+    """Return the message definitions of ROS 2 Jazzy and ours."""
     from rosbags.typesys import get_types_from_msg, get_typestore, Stores
     store = get_typestore(Stores.ROS2_JAZZY)
     for path in message_files():

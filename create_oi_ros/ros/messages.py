@@ -1,12 +1,12 @@
 """
-Readings and estimates to ROS messages, requests to the core's terms, in SI units. Pure.
+Converts readings and estimates to ROS messages, and requests to the protocol's types. Pure.
 
-What is published often is filled into a message that was made once: making an Odometry costs
-more than sending it. Publishing copies, so nobody sees a message change.
+Units are SI here; nowhere else are they converted. A message that is published often is created
+once and filled again: creating an Odometry costs more than sending it. Publishing copies it.
 """
 
 from collections.abc import Callable
-from math import cos, nan, sin
+from math import nan
 
 from builtin_interfaces.msg import Time
 from create_oi_msgs.msg import (
@@ -22,7 +22,6 @@ from create_oi_msgs.msg import (
     Wall,
     WheelDrop,
 )
-from geometry_msgs.msg import Quaternion
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 from std_msgs.msg import Header
@@ -46,19 +45,20 @@ from ..oi import (
 )
 from ..oi.script import commands_of
 from ..oi.tools.text import format_commands, parse_script
+from ..robot import MILLI
+from .rotation import set_yaw
 
-MILLI = 0.001
 VOLTS_PER_STEP = 5 / 1023
-"""Of the analog input (manual: Cargo Bay Analog Signal)."""
+"""Resolution of the analog input (manual: Cargo Bay Analog Signal)."""
 NANOSECONDS = 1_000_000_000
 NOT_MEASURED = 1e6
-"""Variance of what a robot on a floor cannot measure: height, roll and pitch."""
+"""Variance of axes that are not measured: height, roll, pitch, and speeds along them."""
 POSE_AXES, TWIST_AXES = (0, 1, 5), (0, 5)
-"""Places of x, y, yaw and of forward and turning speed among the six axes of a covariance."""
+"""Indices of x, y, yaw, and of forward and turning speed, among the six axes of ROS."""
 POSE_PLACES = tuple(6 * row + column for row in POSE_AXES for column in POSE_AXES)
-"""Where the covariance of x, y and yaw, row by row, stands among the 36 numbers of ROS."""
+"""Indices of the covariance of x, y and yaw, row by row, in the 36 numbers of ROS."""
 TWIST_PLACES = tuple(7 * axis for axis in TWIST_AXES)
-"""Where the variances of the speeds stand there."""
+"""Indices of the variances of the speeds in the same 36 numbers."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
 
 
@@ -70,32 +70,26 @@ def time(nanoseconds: int) -> Time:
 
 
 def set_time(stamp: Time, nanoseconds: int) -> None:
-    """Make it the time so many nanoseconds after the epoch."""
+    """Set a ROS time to nanoseconds since the epoch."""
     stamp.sec, stamp.nanosec = divmod(nanoseconds, NANOSECONDS)
 
 
 def header(frame: str, stamp: Time) -> Header:
-    """Return a header."""
+    """Return a header with a frame and a stamp."""
     return Header(frame_id=frame, stamp=stamp)
 
 
-def turn(rotation: Quaternion, yaw: float) -> None:
-    """Make it a rotation about the vertical."""
-    rotation.z = sin(yaw / 2)
-    rotation.w = cos(yaw / 2)
-
-
 def unmeasured() -> list[float]:
-    """Return a covariance over the six axes of ROS that knows none of them."""
+    """Return a covariance of the six axes of ROS, none of them measured."""
     return [NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
 
 
 def odometry(message: Odometry) -> Callable[[Estimate], None]:
     """
-    Return what fills in an estimate.
+    Return a function that fills the message with an estimate.
 
     The pose is in the frame of the header, the twist in the base frame (REP 105, 103). Parts of
-    the message are looked up here and never again: each is a call of Python.
+    the message are looked up only once, here: each access is a Python call.
     """
     message.pose.covariance = message.twist.covariance = unmeasured()
     position, orientation = message.pose.pose.position, message.pose.pose.orientation
@@ -104,7 +98,7 @@ def odometry(message: Odometry) -> Callable[[Estimate], None]:
 
     def fill(estimate: Estimate) -> None:
         position.x, position.y = estimate.x, estimate.y
-        turn(orientation, estimate.yaw)
+        set_yaw(orientation, estimate.yaw)
         for place, known in zip(POSE_PLACES, estimate.pose_covariance):
             of_pose[place] = known
         linear.x, angular.z = estimate.linear, estimate.angular
@@ -114,18 +108,18 @@ def odometry(message: Odometry) -> Callable[[Estimate], None]:
 
 
 def transforms(message: TFMessage) -> Callable[[Estimate], None]:
-    """Return what fills in the base frame's place in that of the header, the only transform."""
+    """Return a function that fills the only transform: from the header's frame to the base."""
     transform = message.transforms[0].transform
     translation, rotation = transform.translation, transform.rotation
 
     def fill(estimate: Estimate) -> None:
         translation.x, translation.y = estimate.x, estimate.y
-        turn(rotation, estimate.yaw)
+        set_yaw(rotation, estimate.yaw)
     return fill
 
 
 def joint_states(message: JointState) -> Callable[[Estimate], None]:
-    """Return what fills in the wheels' measured angles, rad, and speeds, rad/s."""
+    """Return a function that fills the measured angles, rad, and speeds, rad/s, of the wheels."""
     message.name = WHEEL_JOINTS
     message.position = message.velocity = [0.0] * len(WHEEL_JOINTS)
     angles, speeds = message.position, message.velocity
@@ -144,7 +138,7 @@ def bumper(message: Bumper, readings: Readings) -> None:
 
 
 def wheel_drop(message: WheelDrop, readings: Readings) -> None:
-    """Fill in which wheels hang (packet 7)."""
+    """Fill in the wheel drop sensors (packet 7)."""
     bits = readings.bumps_and_wheel_drops
     message.left = BumpsAndWheelDrops.WHEEL_DROP_LEFT in bits
     message.right = BumpsAndWheelDrops.WHEEL_DROP_RIGHT in bits
@@ -170,15 +164,15 @@ CHARGING = {
     ChargingState.WAITING: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
     ChargingState.FAULT: BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING,
 }
-"""What a charging state with a source means; without one the battery is discharging."""
+"""Power supply status of a charging state; any other state is discharging."""
 
 
 def battery_state(message: BatteryState, readings: Readings, *, charge_known: bool) -> None:
     """
-    Fill in the battery, true to its message: NaN for what is not known (packets 21 to 26).
+    Fill in the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
 
-    The charge is not known with the alkaline pack (manual: Battery Charge). Real robots may
-    report a charge above the capacity, and a capacity of 0.
+    The charge of the alkaline pack is not known (manual: Battery Charge). Real robots may report
+    a charge above the capacity, and a capacity of 0.
     """
     status = CHARGING.get(readings.charging_state, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
     if readings.charging_state == ChargingState.NOT_CHARGING and readings.charging_sources:
@@ -204,10 +198,25 @@ def battery_state(message: BatteryState, readings: Readings, *, charge_known: bo
 
 
 def mode(status: ModeStatus, header: Header) -> Mode:
-    """Return the actual and the wanted mode, and why they differ."""
+    """Return a message with the actual and the wanted mode, and why they differ."""
     return Mode(
         header=header, mode=Mode.UNKNOWN if status.actual is None else status.actual,
         wanted=status.wanted, reason=status.reason)
+
+
+MODE_NAMES = {mode.value: mode.name for mode in oi.Mode}
+
+
+def mode_name(code: int) -> str:
+    """Return the name of a mode in the message Mode; NO ROBOT for any other code."""
+    return MODE_NAMES.get(code, 'NO ROBOT')
+
+
+def charging_name(code: int) -> str:
+    """Return the name of a charging state in words; `state CODE` for an unknown code."""
+    if code not in list(ChargingState):
+        return f'state {code}'
+    return ChargingState(code).name.lower().replace('_', ' ')
 
 
 def wall(message: Wall, readings: Readings) -> None:
@@ -224,7 +233,7 @@ def buttons(message: Buttons, readings: Readings) -> None:
 
 
 def ir_omni(message: IrOmni, readings: Readings) -> None:
-    """Fill in the infrared character that is received, and its name (packet 17)."""
+    """Fill in the infrared character and its name (packet 17)."""
     character = readings.infrared
     message.character = character
     message.name = Infrared(character).name.lower() if character in list(Infrared) else ''
@@ -239,7 +248,7 @@ def charging(message: Charging, readings: Readings) -> None:
 
 
 def overcurrent(message: Overcurrent, readings: Readings) -> None:
-    """Fill in what draws too much current (packet 14)."""
+    """Fill in which wheels and drivers draw too much current (packet 14)."""
     bits = readings.overcurrents
     message.left_wheel = Overcurrents.LEFT_WHEEL in bits
     message.right_wheel = Overcurrents.RIGHT_WHEEL in bits
@@ -249,7 +258,7 @@ def overcurrent(message: Overcurrent, readings: Readings) -> None:
 
 
 def song(message: Song, readings: Readings) -> None:
-    """Fill in the song that plays, or played last (packets 36 and 37)."""
+    """Fill in the number of the song and whether it plays (packets 36 and 37)."""
     message.number = readings.song_number
     message.playing = readings.song_playing
 
@@ -266,7 +275,7 @@ def cargo_bay(message: CargoBay, readings: Readings) -> None:
 
 
 def age(stamp: Time, nanoseconds: int) -> float:
-    """Return the seconds from a stamp to a time; 0 where there is no stamp."""
+    """Return the seconds from a stamp to a time in nanoseconds; 0 if the stamp is not set."""
     stamped = stamp.sec * NANOSECONDS + stamp.nanosec
     return (nanoseconds - stamped) / NANOSECONDS if stamped else 0.0
 
@@ -282,14 +291,14 @@ def output_bits(*outputs: bool) -> OutputBits:
 
 
 def script(text: str, code: bytes) -> Script:
-    """Return a script given as text or as bytes; ValueError says what is wrong with it."""
+    """Return a script from text or from bytes; ValueError says what is wrong."""
     if text and code:
         raise ValueError('both text and code are given: leave one empty')
     return parse_script(text) if text else Script(script=code)
 
 
 def script_text(code: bytes) -> str:
-    """Return a script's commands, a line each; '' where its bytes are no commands."""
+    """Return the commands of a script, one a line; '' if its bytes are no commands."""
     try:
         return format_commands(commands_of(Script(script=code)))
     except ValueError:

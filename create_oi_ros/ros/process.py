@@ -1,23 +1,26 @@
 """
-Ending on a signal, for programs whose main thread waits in C.
+Start and end of a program that uses rclpy: signals, rclpy itself, and waiting for the end.
 
-There a Python signal handler would not run until the wait is over, and rclpy's own handlers end
-the context before the robot has been told goodbye. So the interpreter notes the signal on a
-socket, whichever thread it came to, and a thread of ours reads that socket.
+A Python signal handler runs in the main thread only, and not while that waits in C. rclpy's own
+handlers shut rclpy down before the driver has stopped the robot. So here Python writes each signal
+to a socket, whichever thread receives it, and a thread of ours reads that socket.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 import ctypes
 import signal
 import socket
 import threading
 
-from rclpy.executors import Executor
+import rclpy
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 PR_SET_PDEATHSIG = 1
 """Linux, prctl(2)."""
-STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def end_with_parent() -> None:
@@ -26,30 +29,49 @@ def end_with_parent() -> None:
 
 
 def call_on_signal(end: Callable[[], None]) -> None:
-    """Call `end` on a thread of its own when a signal says to stop; from the main thread only."""
-    noted, note = socket.socketpair()
-    note.setblocking(False)
+    """Call `end` on a thread of its own at the first stop signal; from the main thread only."""
+    reader, writer = socket.socketpair()
+    writer.setblocking(False)
 
     def wait() -> None:
-        noted.recv(1)
+        reader.recv(1)
         end()
-        # The sockets live as long as the handler may write to them.
-        noted.recv(1)
-        note.close()
+        with writer:  # stays open: Python writes every later signal to it
+            while reader.recv(1):
+                pass
 
-    signal.set_wakeup_fd(note.fileno(), warn_on_full_buffer=False)
-    for number in STOPPING:
+    signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+    for number in STOP_SIGNALS:
         signal.signal(number, lambda *_: None)
     threading.Thread(target=wait, name='signals', daemon=True).start()
 
 
+@contextmanager
+def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedExecutor]:
+    """
+    Initialise rclpy and yield an executor; at the end, destroy its nodes and shut rclpy down.
+
+    rclpy installs no signal handlers: use `call_on_signal`. Create the nodes inside and add them
+    to the executor. What must end before ROS does, such as the robot's wheels, ends inside too.
+    """
+    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    executor = SingleThreadedExecutor()
+    try:
+        yield executor
+    finally:
+        nodes = executor.get_nodes()
+        executor.shutdown()
+        for node in nodes:
+            node.destroy_node()
+        rclpy.shutdown()
+
+
 def spin_until(executor: Executor, ended: Future) -> None:
     """
-    Run callbacks until a future is done, and end at once then.
+    Run callbacks until a future is done, then return at once.
 
-    rclpy's own function of this kind adds a callback to the future each time round, so that a
-    program that runs for days grows. `Executor.wake` does not end a wait: it takes a callback
-    that is run.
+    `Executor.spin_until_future_complete` adds a callback to the future in every round, so memory
+    grows for days. `Executor.wake` does not end a wait; a guard condition with a callback does.
     """
     bell = executor.get_nodes()[0].create_guard_condition(lambda: None)
     ended.add_done_callback(lambda _: bell.trigger())

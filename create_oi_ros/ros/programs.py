@@ -1,8 +1,8 @@
 """
-The executables: named, loaded when they are started, and quiet while they load.
+The executables: a function each, which imports the program and runs its `main`.
 
-Loading rclpy takes most of a second, in which Ctrl-C would print a traceback from the depths of
-an import. Nothing has been started yet, so Python's handler gives way to the system's.
+Importing rclpy takes most of a second, in which Ctrl-C would print a traceback. Nothing has been
+started by then, so the system's default handler for SIGINT replaces Python's.
 """
 
 from importlib import import_module
@@ -13,16 +13,16 @@ MODULES = {
     'create_calibrate': 'apps.calibrate.create_calibrate',
     'create_demo': 'apps.demo.create_demo',
     'create_node': 'ros.node',
-    'create_record': 'apps.record.create_record',
+    'create_record': 'apps.record',
     'create_report': 'apps.report.create_report',
     'create_run': 'apps.run',
     'create_sim': 'sim.server.create_sim',
     'create_view': 'apps.view.create_view',
 }
-"""Where the `main` of each program is, by the program's name."""
+"""Module with the `main` of each program."""
 PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run())'
             for name in MODULES}
-"""Python code that runs a program wherever this package can be imported, installed or not."""
+"""Python code that runs a program, for `python -c`; the package need not be installed."""
 
 
 def _run(program: str) -> int:
@@ -40,12 +40,12 @@ def _run(program: str) -> int:
 
 
 def create_calibrate() -> int:
-    """Work out the parameters of the odometry."""
+    """Compute the parameters of the odometry from measured drives."""
     return _run('create_calibrate')
 
 
 def create_demo() -> int:
-    """Let a simulated robot show itself, and report on it."""
+    """Drive a simulated robot through a tour, and report on it."""
     return _run('create_demo')
 
 

@@ -1,11 +1,12 @@
 """
-The ROS interface as Markdown tables and as a parameter file, made from the declarations.
+Writes what follows from the declarations of topics, services and parameters: `make docs`.
 
-`python -m create_oi_ros.ros.reference README.md config/create.yaml` writes them: tables between
-their markers, a parameter file as a whole.
+`python -m create_oi_ros.ros.reference FILE ...` writes a .yaml file as a whole: the parameters
+with their defaults. In any other file it replaces the blocks between their markers: the tables of
+README.md, and the names in config/sros2_policy.xml.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 import json
 from pathlib import Path
@@ -16,10 +17,11 @@ from typing import Any
 from ..oi.tools import markdown
 from .parameters import Parameters
 from .services import SERVICES
-from .topics import PUBLISHED
+from .topics import PUBLISHED, TF
 
 CONFIG_WIDTH = 93
-"""Characters of a comment line."""
+"""Characters of a comment line at most."""
+POLICY_INDENT = 12 * ' '
 
 
 def type_name(type_: type) -> str:
@@ -29,37 +31,44 @@ def type_name(type_: type) -> str:
 
 
 def topics() -> str:
-    """Return the published topics."""
+    """Return the table of published topics."""
     return markdown.table(('topic', 'type', 'when', 'what'), (
         (f'`{topic.name}`', type_name(topic.type), topic.when, topic.about)
         for topic in PUBLISHED))
 
 
 def services() -> str:
-    """Return the services."""
+    """Return the table of services."""
     return markdown.table(('service', 'type', 'what'), (
         (f'`{service.name}`', type_name(service.type), service.about) for service in SERVICES))
 
 
 def parameters() -> str:
-    """Return the parameters."""
+    """Return the table of parameters."""
     rows = []
     for declared in fields(Parameters):
-        facts = declared.metadata
-        allowed = ', '.join(str(choice) for choice in facts['choices'])
-        if facts['low'] is not None:
-            allowed = f'{facts["low"]} to {facts["high"]}'
-        value = declared.default
+        facts, value = declared.metadata, declared.default
         default = str(value).lower() if isinstance(value, bool) else str(value) or "''"
         rows.append((
-            f'`{declared.name}`', f'`{default}`', allowed,
+            f'`{declared.name}`', f'`{default}`', _allowed(facts),
             'at start' if facts['fixed'] else 'any time', facts['description']))
     return markdown.table(('parameter', 'default', 'allowed', 'set', 'what'), rows)
 
 
+def policy_names(element: str, names: Iterable[str]) -> str:
+    """Return names as elements of an SROS 2 policy."""
+    return ''.join(f'{POLICY_INDENT}<{element}>{name}</{element}>\n' for name in names) \
+        + POLICY_INDENT
+
+
 TABLES = {'topics': topics, 'services': services, 'parameters': parameters}
-
-
+POLICY = {
+    'all topics': lambda: policy_names('topic', (topic.name for topic in PUBLISHED)),
+    'all topics but /tf': lambda: policy_names(
+        'topic', (topic.name for topic in PUBLISHED if topic is not TF)),
+    'all services': lambda: policy_names('service', (service.name for service in SERVICES)),
+}
+BLOCKS = {**TABLES, **POLICY}
 CONFIG_HEAD = (
     '# Every parameter of create_node with its default; made by `make docs`. Copy it, change it:\n'
     '# ros2 run create_oi_ros create_node --ros-args --params-file my_create.yaml\n'
@@ -71,21 +80,22 @@ def config() -> str:
     """Return a parameter file with all defaults."""
     lines = []
     for declared in fields(Parameters):
-        about = declared.metadata['description'] + _allowed(declared.metadata)
+        about, allowed = declared.metadata['description'], _allowed(declared.metadata)
+        about += f' ({allowed})' if allowed else ''
         lines += [f'    # {line}' for line in wrap(about, CONFIG_WIDTH)]
         lines.append(f'    {declared.name}: {json.dumps(declared.default)}')
     return CONFIG_HEAD + '\n'.join(lines) + '\n'
 
 
 def _allowed(facts: Mapping[str, Any]) -> str:
-    if facts['choices']:
-        return f' ({", ".join(str(choice) for choice in facts["choices"])})'
-    return '' if facts['low'] is None else f' ({facts["low"]} to {facts["high"]})'
+    if facts['low'] is not None:
+        return f'{facts["low"]} to {facts["high"]}'
+    return ', '.join(str(choice) for choice in facts['choices'])
 
 
 def rewritten(text: str) -> str:
-    """Return a page with its tables made again."""
-    return markdown.rewritten(text, '|'.join(TABLES), lambda name: TABLES[name]())
+    """Return a file with its generated blocks made again."""
+    return markdown.rewritten(text, '|'.join(BLOCKS), lambda name: BLOCKS[name]())
 
 
 if __name__ == '__main__':

@@ -1,7 +1,8 @@
 """
-The topics, declared once: name, type, quality of service, when, how.
+The topics, each declared once: name, type, quality of service, when and how it is published.
 
-Publishers, their documentation and the decision what is due derive from these tables.
+The publishers, the tables of the README and the decision when a topic is due come from here. A new
+sensor topic takes three files: its .msg file in msg_defs, its row here, its function in messages.
 """
 
 from collections.abc import Callable
@@ -31,13 +32,14 @@ from sensor_msgs.msg import BatteryState, JointState
 
 from tf2_msgs.msg import TFMessage
 
-from ..oi import BumpsAndWheelDrops, Readings, SLOT
-from . import messages as convert
+from ..oi import BumpsAndWheelDrops, Readings
+from ..robot import SLOT
+from . import messages
 
 RELIABLE = QoSProfile(depth=10)
 TRANSFORMS = QoSProfile(depth=100)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""For what changes rarely: who comes late gets the present state."""
+"""For topics that change rarely: a late subscriber gets the present state."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,24 +55,24 @@ class Topic:
 
 @dataclass(frozen=True, kw_only=True)
 class SensorTopic(Topic):
-    """One topic made of readings."""
+    """A topic that is made from readings."""
 
     when: str = 'on change at once, else at `sensor_rate`'
     needs: tuple[str, ...]
-    """Readings that must have arrived."""
+    """Readings that must have arrived before the first message."""
     watch: tuple[str, ...]
-    """Readings of which a change is published at once."""
+    """Readings whose change is published at once."""
     bits: int | None = None
-    """The bits of the only one that count; None: all."""
+    """Bits of the only watched reading that count; None: all."""
     fill: Callable[..., None]
-    """Fills a message, its header apart, with readings."""
+    """Fills all of a message but its header, from readings."""
     period: float | None = None
-    """Seconds after which it is published though nothing changed; None: at `sensor_rate`."""
+    """Seconds between two messages while nothing changes; None: at `sensor_rate`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StateTopic(SensorTopic):
-    """One topic that is published on change only, and kept for who comes late."""
+    """A topic that is published on change only, and kept for late subscribers."""
 
     when: str = 'on change, latched'
     period: float | None = inf
@@ -85,7 +87,7 @@ TF = Topic(
     about='`odom_frame` -> `base_frame`; can be remapped')
 JOINT_STATES = Topic(
     name='joint_states', type=JointState, when='every frame',
-    about=f'measured angle and speed of {" and ".join(f"`{n}`" for n in convert.WHEEL_JOINTS)}')
+    about=f'measured angle and speed of {" and ".join(f"`{n}`" for n in messages.WHEEL_JOINTS)}')
 MODE = Topic(
     name='mode', type=Mode, when='on change, latched', qos=LATCHED,
     about='the actual mode, the wanted one, and why they differ')
@@ -97,52 +99,52 @@ BUMPS = int(BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT)
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        name='bumper', type=Bumper, fill=convert.bumper, needs=('bumps_and_wheel_drops',),
+        name='bumper', type=Bumper, fill=messages.bumper, needs=('bumps_and_wheel_drops',),
         watch=('bumps_and_wheel_drops',), bits=BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
-        name='wheel_drop', type=WheelDrop, fill=convert.wheel_drop,
+        name='wheel_drop', type=WheelDrop, fill=messages.wheel_drop,
         needs=('bumps_and_wheel_drops',),
         watch=('bumps_and_wheel_drops',), bits=~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
-        name='cliff', type=Cliff, fill=convert.cliff,
+        name='cliff', type=Cliff, fill=messages.cliff,
         needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
         watch=CLIFFS,
         about='the four cliff sensors, with signal strengths'),
     SensorTopic(
-        name='wall', type=Wall, fill=convert.wall,
+        name='wall', type=Wall, fill=messages.wall,
         needs=('wall', 'virtual_wall', 'wall_signal'),
         watch=('wall', 'virtual_wall'),
         about='the wall sensor on the right, with its signal strength, and virtual walls'),
     SensorTopic(
-        name='cargo_bay', type=CargoBay, fill=convert.cargo_bay, qos=LATCHED,
+        name='cargo_bay', type=CargoBay, fill=messages.cargo_bay, qos=LATCHED,
         needs=('digital_inputs', 'analog_signal'),
         watch=('digital_inputs',),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts, baud rate pin'),
     StateTopic(
-        name='buttons', type=Buttons, fill=convert.buttons, needs=('buttons',),
+        name='buttons', type=Buttons, fill=messages.buttons, needs=('buttons',),
         watch=('buttons',), about='Play and Advance'),
     StateTopic(
-        name='ir_omni', type=IrOmni, fill=convert.ir_omni, needs=('infrared',),
+        name='ir_omni', type=IrOmni, fill=messages.ir_omni, needs=('infrared',),
         watch=('infrared',),
         about='infrared character that is received, with its name'),
     StateTopic(
-        name='charging', type=Charging, fill=convert.charging,
+        name='charging', type=Charging, fill=messages.charging,
         needs=('charging_state', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
         about='charging state, charger and Home Base'),
     StateTopic(
-        name='overcurrent', type=Overcurrent, fill=convert.overcurrent, needs=('overcurrents',),
+        name='overcurrent', type=Overcurrent, fill=messages.overcurrent, needs=('overcurrents',),
         watch=('overcurrents',),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
-        name='song', type=Song, fill=convert.song, needs=('song_number', 'song_playing'),
+        name='song', type=Song, fill=messages.song, needs=('song_number', 'song_playing'),
         watch=('song_number', 'song_playing'),
         about='the song that plays, or played last'),
     SensorTopic(
-        name='battery_state', type=BatteryState, fill=convert.battery_state, period=1.0,
+        name='battery_state', type=BatteryState, fill=messages.battery_state, period=1.0,
         needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
                'battery_capacity', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
@@ -152,22 +154,22 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
 PUBLISHED: tuple[Topic, ...] = (ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, MODE, DIAGNOSTICS)
 
 WATCHED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.watch})
-"""Readings of which a change is published at once, on one topic or another."""
+"""All readings whose change is published at once."""
 
 
 def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
-    """Return the table for a battery whose charge the robot can tell, or cannot."""
+    """Return SENSOR_TOPICS, set for a battery whose charge is known or not."""
     return [
         replace(topic, fill=partial(topic.fill, charge_known=charge_known))
         if topic.type is BatteryState else topic for topic in SENSOR_TOPICS]
 
 
 EARLY = SLOT / 2
-"""Seconds by which a frame may come before a topic is due: the nearest slot is the one meant."""
+"""A topic is published in the frame nearest to its due time, so up to this early, s."""
 
 
 class Edge:
-    """Tells when a topic is due: at once on change, else after its period."""
+    """Decides when a topic is due: at once on a change, else after its period."""
 
     def __init__(self, topic: SensorTopic) -> None:
         self._topic = topic
@@ -175,10 +177,10 @@ class Edge:
         self._complete = False
         self._last: Any = None
         self.due_at = -inf
-        """When it is due though nothing has changed, in the time of stamps."""
+        """Stamp, s, from which it is due without a change."""
 
     def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
-        """Take the newest of all readings in, of a frame at `stamp` seconds."""
+        """Return whether the topic is due in the frame with this stamp, s."""
         self._complete = self._complete or readings.has(*self._topic.needs)
         if not self._complete:
             return False
@@ -188,7 +190,7 @@ class Edge:
         period = self._topic.period or sensor_period
         if value == self._last and stamp < self.due_at - EARLY:
             return False
-        # The next moment is a period after this one was due, so that the rate is right.
+        # Count the period from the due time, not from the frame: the mean rate is exact.
         next_at = self.due_at + period
         in_step = value == self._last and next_at > stamp
         self._last, self.due_at = value, next_at if in_step else stamp + period

@@ -1,4 +1,4 @@
-"""Calibration: what a tape says becomes parameters."""
+"""Calibration: measured drives become parameters."""
 
 from math import degrees, pi
 
@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 import pytest
 import yaml
 
-from create_oi_ros.apps.calibrate.calibration import Calibration, line, Return, Run, square, turns
+from create_oi_ros.apps.calibrate.calibration import (
+    Calibration,
+    EndOffset,
+    line,
+    Run,
+    square,
+    turns,
+)
 from create_oi_ros.apps.calibrate.create_calibrate import main
 from create_oi_ros.apps.calibrate.listen import Tally
 from create_oi_ros.driver import Settings
@@ -18,7 +25,7 @@ from support.loop import Loop
 FACTORS = st.floats(0.9, 1.1)
 
 
-def test_what_is_in_force_at_first_is_the_parameters_own_default():
+def test_defaults_are_those_of_the_parameters():
     for name, value in vars(Calibration()).items():
         assert getattr(Parameters, name) == value
 
@@ -30,7 +37,7 @@ def test_a_line_finds_the_scale(scale, lengths):
 
 
 @given(FACTORS, FACTORS)
-def test_what_is_in_force_is_built_upon(first, second):
+def test_a_correction_builds_on_the_old_value(first, second):
     once = line([Run(first, 1)], Calibration())
     assert line([Run(second, 1)], once).linear_scale == pytest.approx(first * second)
 
@@ -41,7 +48,7 @@ def test_turns_change_the_separation_the_other_way():
     assert found.wheel_separation == pytest.approx(0.258 * 7099 / 7200)
 
 
-def test_a_robot_with_closer_wheels_is_set_right():
+def test_a_robot_with_closer_wheels_is_calibrated():
     """Turn ten times by odometry, compare with the truth, calibrate, and turn again."""
     def drive(calibration: Calibration) -> Run:
         loop = Loop(Settings(geometry=Geometry(
@@ -63,26 +70,26 @@ def test_a_robot_with_closer_wheels_is_set_right():
 @given(st.floats(0.95, 1.05))
 def test_a_square_finds_a_wrong_separation(share):
     """
-    Ends computed for wheels `share` times as far apart as was thought, by small errors.
+    Ends for wheels `share` times as far apart as assumed, computed for small errors.
 
     Each corner turns by 90/share degrees instead of 90 (Borenstein and Feng, type A).
     """
     side, alpha = 2.0, pi / 2 - pi / 2 / share
-    ends = [Return(-2 * side * alpha, 0.0)]
+    ends = [EndOffset(-2 * side * alpha, 0.0)]
     found = square(ends, ends, side, Calibration())
     assert found.calibration.wheel_separation == pytest.approx(0.258 * share, rel=0.002)
     assert found.wheel_ratio == pytest.approx(1.0)
 
 
-def test_a_square_tells_of_unequal_wheels():
-    found = square([Return(0.1, 0)], [Return(-0.1, 0)], 2.0, Calibration())
+def test_a_square_reports_unequal_wheels():
+    found = square([EndOffset(0.1, 0)], [EndOffset(-0.1, 0)], 2.0, Calibration())
     assert found.calibration == Calibration()
     assert found.wheel_ratio != 1
     assert found.worst == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize('runs', [[Run(2, -2)], [Run(0, 1)], [Run(2, 0)], [Run(2000, 2)]])
-def test_absurd_figures_are_refused(runs):
+def test_unbelievable_values_are_refused(runs):
     with pytest.raises(ValueError, match='measured|believable'):
         line(runs, Calibration())
 
@@ -98,13 +105,13 @@ def test_the_command_writes_a_file_that_ros_reads(tmp_path, capsys):
 
 @pytest.mark.parametrize('arguments', [
     ['line', '2.0'], ['turns'], ['square', '--side', '2', '--clockwise', '1'], []])
-def test_the_command_says_what_it_wants(arguments, capsys):
+def test_the_command_explains_its_arguments(arguments, capsys):
     with pytest.raises(SystemExit):
         main(arguments)
     assert 'create_calibrate' in capsys.readouterr().err
 
 
-def test_the_command_refuses_what_cannot_be(capsys):
+def test_the_command_refuses_unbelievable_values(capsys):
     assert main(['line', '2000:2']) == 2
     assert 'same unit' in capsys.readouterr().err
 

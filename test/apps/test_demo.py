@@ -1,4 +1,4 @@
-"""The demo: its pieces, a short one as a user sees it, and its ends."""
+"""The demo: the pilot, a short demo as a user sees it, and how it ends."""
 
 from math import hypot, pi
 import os
@@ -17,9 +17,9 @@ pytest.importorskip('matplotlib')
 
 from create_oi_ros.apps.demo import tour
 from create_oi_ros.apps.demo.pilot import Pilot, Stopped, TourError
-from create_oi_ros.apps.record.recorder import written
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.recorder import bag_qos
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.world import shipped
 from support.ros import scene
@@ -36,7 +36,7 @@ def stage(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def pilot(stage):
-    """Return one who drives it, once it answers."""
+    """Return a pilot, once the robot answers."""
     made = Pilot(stage.ros.node, stage.ros._executor, lambda: None)
     made.until(lambda: made.odom and made.mode.mode == Mode.SAFE, 'the robot answers', 30.0)
     return made
@@ -66,19 +66,19 @@ def test_a_spiral_ends_after_its_turns(pilot):
     assert before - pilot.turned == pytest.approx(pi, abs=0.2)
 
 
-def test_what_does_not_happen_is_named_and_the_robot_stands(pilot, stage):
+def test_a_timeout_names_the_event_and_stops_the_robot(pilot, stage):
     pilot.command(0.1, 0.0)
     with pytest.raises(TourError, match='a miracle did not happen within 1 s'):
         pilot.until(lambda: False, 'a miracle', 1.0)
     stage.ros.until(lambda: pilot.standing)
 
 
-def test_a_refusal_is_told_in_the_services_words(pilot):
+def test_a_refusal_has_the_text_of_the_service(pilot):
     with pytest.raises(TourError, match='play_song: '):
         pilot.call(tour.PlaySong, 'play_song', number=99)
 
 
-def test_whoever_asks_for_the_end_gets_it(stage):
+def test_stopped_ends_any_wait(stage):
     asked = threading.Event()
 
     def check():
@@ -91,8 +91,8 @@ def test_whoever_asks_for_the_end_gets_it(stage):
 
 
 def test_latched_topics_are_latched_in_the_bag():
-    assert written(LATCHED).durability.name == 'TRANSIENT_LOCAL'
-    assert written(QoSProfile(depth=7)).depth == 7
+    assert bag_qos(LATCHED).durability.name == 'TRANSIENT_LOCAL'
+    assert bag_qos(QoSProfile(depth=7)).depth == 7
 
 
 def demo(folder: Path, domain: int, *arguments: str) -> subprocess.Popen[str]:
@@ -125,7 +125,7 @@ def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
         assert f'name: /{name.lstrip("/")}\n' in metadata
 
 
-def test_ctrl_c_leaves_nothing_running_and_a_bag_that_can_be_read(tmp_path):
+def test_ctrl_c_leaves_no_process_and_a_readable_bag(tmp_path):
     with scene(tmp_path) as made:
         shown = demo(tmp_path / 'demo', made.domain)
         assert shown.stdout is not None
@@ -142,7 +142,7 @@ def test_ctrl_c_leaves_nothing_running_and_a_bag_that_can_be_read(tmp_path):
     assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
 
 
-def test_a_folder_that_is_there_is_left_alone(tmp_path):
+def test_an_existing_folder_is_left_alone(tmp_path):
     shown = demo(tmp_path, 1)
     printed, _ = shown.communicate(timeout=20)
     assert shown.returncode == 2 and 'is there already' in printed

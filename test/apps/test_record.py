@@ -1,4 +1,4 @@
-"""`create_record` as a user sees it: a real terminal, the real node, a bag that is whole."""
+"""`create_record` as a user sees it: a real terminal, the real node, a complete bag."""
 
 import re
 import resource
@@ -15,7 +15,7 @@ from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import PUBLISHED
 from support.ros import Program, scene
-from support.screen import seats
+from support.screen import terminals
 
 CTRL_C = '\x03'
 
@@ -28,26 +28,26 @@ def stage(tmp_path):
 
 
 @pytest.fixture
-def seat(stage):
-    """Return what sits somebody down before a recorder in the scene."""
-    with seats('create_record', stage.domain) as sit:
-        yield sit
+def start_recorder(stage):
+    """Return a function that starts a recorder in the scene."""
+    with terminals('create_record', stage.domain) as start:
+        yield start
 
 
 def amount(recorder) -> tuple[int, int]:
-    """Return how many messages of how many topics were said to be recorded at last."""
-    found = re.findall(r'(\d+) messages of (\d+) topics, \d+\.\d MB', recorder.said)
+    """Return the last printed number of messages and of topics."""
+    found = re.findall(r'(\d+) messages of (\d+) topics, \d+\.\d MB', recorder.output)
     return (int(found[-1][0]), int(found[-1][1])) if found else (0, 0)
 
 
-def test_ctrl_c_leaves_a_whole_bag_of_all_that_the_driver_says(stage, seat, tmp_path):
+def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, start_recorder, tmp_path):
     stage.node(stage.robot().link)
-    recorder = seat('-o', str(tmp_path / 'walk'))
+    recorder = start_recorder('-o', str(tmp_path / 'walk'))
     recorder.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
     recorder.type(CTRL_C)
     assert recorder.ended() == 0
-    assert 'records /odom, /tf, /joint_states, /bumper' in recorder.said
-    assert recorder.said.rstrip().endswith(f'MB are in {tmp_path / "walk"}')
+    assert 'records /odom, /tf, /joint_states, /bumper' in recorder.output
+    assert recorder.output.rstrip().endswith(f'MB are in {tmp_path / "walk"}')
     with Reader(tmp_path / 'walk') as bag:
         counts = {each.topic: each.msgcount for each in bag.connections}
     assert sum(counts.values()) == amount(recorder)[0] > 50
@@ -59,9 +59,10 @@ def test_ctrl_c_leaves_a_whole_bag_of_all_that_the_driver_says(stage, seat, tmp_
     assert recording.spans['mode'].all and len(recording.odom) > 10
 
 
-def test_a_robot_in_a_namespace_with_stamped_commands(stage, seat, tmp_path):
+def test_a_robot_in_a_namespace_with_stamped_commands(stage, start_recorder, tmp_path):
     stage.node(stage.robot().link, '__ns:=/robot1', enable_stamped_cmd_vel=True)
-    recorder = seat('-o', str(tmp_path / 'walk'), '--stamped', '--ros-args', '-r', '__ns:=/robot1')
+    recorder = start_recorder(
+        '-o', str(tmp_path / 'walk'), '--stamped', '--ros-args', '-r', '__ns:=/robot1')
     recorder.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
     publisher = stage.ros.node.create_publisher(TwistStamped, '/robot1/cmd_vel', 1)
     stage.ros.until(lambda: publisher.get_subscription_count() == 2)
@@ -75,7 +76,7 @@ def test_a_robot_in_a_namespace_with_stamped_commands(stage, seat, tmp_path):
     assert read(tmp_path / 'walk', lambda part: None).robot == 'robot1'
 
 
-def test_who_records_nothing_is_told(stage, tmp_path):
+def test_an_empty_recording_is_reported(stage, tmp_path):
     recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
     stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
     recorder.send(signal.SIGINT)
@@ -96,20 +97,20 @@ def test_a_full_disk_gets_a_sentence(stage, tmp_path):
     assert len(recorder.printed) == 2
 
 
-def test_a_folder_that_is_there_is_left_alone(stage, tmp_path):
+def test_an_existing_folder_is_left_alone(stage, tmp_path):
     recorder = stage.program('create_record', '-o', str(tmp_path))
     assert recorder.ended() == 2
     assert recorder.output.endswith(f'create_record: error: {tmp_path} is there already\n')
 
 
-def test_a_place_that_is_no_folder_gets_a_sentence(stage, tmp_path):
+def test_a_wrong_folder_gets_a_sentence(stage, tmp_path):
     (tmp_path / 'file').touch()
     recorder = stage.program('create_record', '-o', str(tmp_path / 'file' / 'walk'))
     assert recorder.ended() == 1
     assert 'Not a directory' in recorder.output and 'Traceback' not in recorder.output
 
 
-def test_without_the_library_the_way_to_get_it_is_said(stage, tmp_path):
+def test_a_missing_library_is_named_with_how_to_install_it(stage, tmp_path):
     code = f'import sys; sys.modules["rosbags.rosbag2"] = None; {PROGRAMS["create_record"]}'
     recorder = Program('-c', code, '-o', str(tmp_path / 'walk'), domain=stage.domain)
     try:

@@ -1,4 +1,4 @@
-"""A report tells what is in a bag, and says in a sentence when there is nothing to tell."""
+"""A report shows what is in a bag, or prints one sentence why it cannot."""
 
 from math import inf, isnan, nan
 from pathlib import Path
@@ -13,9 +13,9 @@ pytest.importorskip('matplotlib')
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from create_oi_ros.apps.report import create_report as command
-from create_oi_ros.apps.report.bag_reader import POINTS, read, Taker
+from create_oi_ros.apps.report.bag_reader import POINTS, read, RecordingBuilder
 from create_oi_ros.apps.report.recording import Curve, Spans
-from create_oi_ros.apps.report.story import clock, complaints, happenings, summary, travelled
+from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
 from create_oi_ros.ros.bags import BagError, missing
 from create_oi_ros.ros.programs import PROGRAMS
 from support import bags
@@ -36,12 +36,12 @@ def bag(request, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope='module')
 def recording(bag):
-    """Return what is read of it."""
+    """Return the recording of this bag."""
     return read(bag, quiet)
 
 
 def refusal(path: Path, capsys) -> str:
-    """Return what the command says of a bag that it cannot show."""
+    """Return the error of the command for a bag that it cannot show."""
     assert command.main([str(path), '-o', str(path.parent / 'none.html')]) == 2
     said = capsys.readouterr().err
     assert said.count('\n') == 1 and said.startswith('create_report: ')
@@ -58,14 +58,14 @@ def test_curves_are_those_of_the_bag(recording):
     assert recording.link['frames'][0] == 66
 
 
-def test_happenings_come_with_their_time_and_cause(recording):
-    told = {(each.kind, each.text): each.time for each in happenings(recording)}
-    assert told['bumper', 'Bump left and right, 0.5 s'] == pytest.approx(3.0, abs=0.05)
-    assert told['cliff', 'Cliff front left, 1.0 s'] == pytest.approx(8.0, abs=0.05)
-    gap = told['gap', 'Gap, 1.0 s: no odometry: the robot was not heard']
+def test_events_have_their_time_and_cause(recording):
+    found = {(each.kind, each.text): each.time for each in events(recording)}
+    assert found['bumper', 'Bump left and right, 0.5 s'] == pytest.approx(3.0, abs=0.05)
+    assert found['cliff', 'Cliff front left, 1.0 s'] == pytest.approx(8.0, abs=0.05)
+    gap = found['gap', 'Gap, 1.0 s: no odometry: the robot was not heard']
     assert gap == pytest.approx(10.0, abs=0.1)
-    assert told['mode', 'Mode Passive (a cliff)'] == pytest.approx(8.9, abs=0.1)
-    assert any(kind == 'song' for kind, _ in told)
+    assert found['mode', 'Mode Passive (a cliff)'] == pytest.approx(8.9, abs=0.1)
+    assert any(kind == 'song' for kind, _ in found)
 
 
 def test_the_robot_is_placed_where_it_was(recording):
@@ -74,9 +74,9 @@ def test_the_robot_is_placed_where_it_was(recording):
     assert (x, y - 0.4) == (pytest.approx(0.4, abs=0.01), pytest.approx(-0.03, abs=0.03))
 
 
-def test_version_parameters_and_warnings_are_told(recording):
+def test_version_parameters_and_warnings_are_shown(recording):
     assert recording.settings == {'version': '9.8.7', 'port': '/dev/robot'}
-    warned, = complaints(recording)
+    warned, = warnings(recording)
     assert warned.text.startswith('warning: bytes arrive damaged')
     assert '6 damaged frames' in ' '.join(summary(recording))
 
@@ -94,7 +94,7 @@ def test_a_picture_is_a_picture(bag, tmp_path):
     assert (tmp_path / 'report.png').read_bytes().startswith(PNG)
 
 
-def test_the_file_of_a_bag_does_without_its_folder(bag):
+def test_the_file_of_a_bag_can_be_read_without_its_folder(bag):
     file, = (path for path in bag.iterdir() if path.suffix != '.yaml')
     assert read(file, quiet).seconds == pytest.approx(12.0, abs=0.02)
 
@@ -105,7 +105,7 @@ def test_markup_in_a_bag_stays_text(tmp_path):
     assert '&lt;b&gt;walk' in (tmp_path / 'report.html').read_text()
 
 
-def test_of_several_robots_one_is_named(tmp_path, capsys):
+def test_of_several_robots_one_must_be_named(tmp_path, capsys):
     bag = bags.write(tmp_path / 'fleet', 2.0, robots=('robot1', 'robot2'))
     assert 'robot1, robot2' in refusal(bag, capsys)
     chosen = read(bag, quiet, 'robot2')
@@ -114,7 +114,7 @@ def test_of_several_robots_one_is_named(tmp_path, capsys):
         read(bag, quiet, 'robot3')
 
 
-def test_what_is_no_bag_gets_a_sentence(tmp_path, capsys):
+def test_something_else_than_a_bag_gets_a_sentence(tmp_path, capsys):
     (tmp_path / 'folder').mkdir()
     (tmp_path / 'a.mcap').write_bytes(b'')
     (tmp_path / 'b.db3').write_bytes(b'no database at all')
@@ -151,7 +151,7 @@ def test_a_bag_that_was_cut_off_is_no_traceback(bag, tmp_path, capsys, part):
     assert bool(said) == (code == 2)
 
 
-def test_of_a_bag_that_was_never_closed_what_is_whole_is_shown(tmp_path, capsys):
+def test_the_intact_part_of_an_unclosed_bag_is_shown(tmp_path, capsys):
     bag = bags.write(tmp_path / 'walk', 40.0)
     whole = read(bag, quiet)
     file, = bag.glob('*.mcap')
@@ -179,7 +179,7 @@ def test_a_bag_with_rubbish_in_it_is_no_traceback(bag, tmp_path, capsys, start):
 
 
 @pytest.mark.parametrize('value', [nan, inf, -inf, 1e300, -1e300])
-def test_values_that_cannot_be_are_left_out(tmp_path, monkeypatch, value):
+def test_impossible_values_are_left_out(tmp_path, monkeypatch, value):
     honest = bags.twist
     monkeypatch.setattr(bags, 'twist', lambda _, turn: honest(value, turn))
     bag = bags.write(tmp_path / 'bag', 1.0)
@@ -189,10 +189,10 @@ def test_values_that_cannot_be_are_left_out(tmp_path, monkeypatch, value):
     assert not any(map(isnan, recording.odom['turn']))
 
 
-def test_a_fault_of_ours_is_not_told_as_damage(bag, monkeypatch):
+def test_our_own_error_is_not_reported_as_damage(bag, monkeypatch):
     def fail(*_):
         raise ZeroDivisionError
-    monkeypatch.setattr(Taker, '_take_odom', fail)
+    monkeypatch.setattr(RecordingBuilder, '_add_odom', fail)
     with pytest.raises(ZeroDivisionError):
         read(bag, quiet)
 
@@ -205,10 +205,10 @@ def test_a_long_bag_is_thinned_out():
     assert POINTS / 2 < len(curve) <= POINTS + 1
 
 
-def test_touches_that_follow_without_a_pause_are_one():
+def test_contacts_without_a_pause_are_one_span():
     spans = Spans()
     for time, names in ((1, ['left']), (2, ['left', 'right']), (3, ['right']), (4, [])):
-        spans.touch(time, names)
+        spans.contact(time, names)
     span, = spans.all
     assert (span.start, span.end, span.text) == (1, 4, 'left and right')
 
@@ -229,13 +229,13 @@ def test_a_bag_without_odometry_is_still_shown(tmp_path):
     assert recording.gaps[0].text == 'nothing was recorded'
 
 
-def test_without_a_library_the_way_to_get_it_is_said(bag, tmp_path, monkeypatch, capsys):
+def test_a_missing_library_is_named_with_how_to_install_it(bag, tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, 'rosbags.highlevel', None)
     assert 'pip install' in missing('rosbags')
     assert 'rosbags' in refusal(bag, capsys)
 
 
-def test_the_node_does_not_load_what_reports_need():
+def test_the_node_does_not_import_what_reports_need():
     done = subprocess.run(
         [sys.executable, '-c', 'import sys, create_oi_ros.ros.node; '
          'print({"rosbags", "matplotlib"} & set(sys.modules))'], capture_output=True, text=True)

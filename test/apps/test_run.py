@@ -26,7 +26,7 @@ def children_of(pid: int) -> list[int]:
     return [int(child) for child in listed.split()]
 
 
-def test_it_says_what_runs_drives_it_and_ends_cleanly(stage):
+def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     run = stage.program('create_run', '--world', 'empty')
     odom = stage.ros.listen(Odometry, 'odom')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
@@ -46,7 +46,7 @@ def test_it_says_what_runs_drives_it_and_ends_cleanly(stage):
     assert not any(Path(f'/proc/{child}').exists() for child in children)
 
 
-def test_it_hands_on_what_is_to_be_captured(stage):
+def test_capture_is_passed_on_to_the_node(stage):
     path = stage.folder / 'walk.capture'
     run = stage.program('create_run', '--world', 'empty', '--capture', str(path))
     stage.ros.until(lambda: 'robot answers' in run.output)
@@ -56,14 +56,14 @@ def test_it_hands_on_what_is_to_be_captured(stage):
     assert last.kind is RecordKind.END
 
 
-def test_a_port_that_is_missing_is_said_and_run_goes_on(stage):
+def test_a_missing_port_is_reported_and_run_continues(stage):
     run = stage.program('create_run', '--port', str(stage.folder / 'nothing'))
     stage.ros.until(lambda: 'does not exist' in run.output and 'NO ROBOT' in run.output)
     run.send(signal.SIGINT)
     assert run.ended() == 0
 
 
-def test_children_end_with_it_however_it_dies(stage):
+def test_children_end_with_it_even_when_it_is_killed(stage):
     run = stage.program('create_run', '--world', 'empty')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
@@ -72,7 +72,7 @@ def test_children_end_with_it_however_it_dies(stage):
     stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
 
 
-def test_a_part_that_ends_ends_all(stage):
+def test_when_a_child_ends_everything_ends(stage):
     run = stage.program('create_run', '--world', 'no such world')
     assert run.ended() == 1
     assert 'create_sim has ended' in run.output

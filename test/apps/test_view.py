@@ -1,4 +1,4 @@
-"""The picture of `create_view`: any state fits any terminal, and what matters is to be seen."""
+"""The picture of `create_view`: any state fits any terminal, and alarms are visible."""
 
 from math import cos, hypot, inf, nan, pi, sin
 
@@ -15,9 +15,14 @@ from create_oi_ros.apps.view import panels
 from create_oi_ros.apps.view.canvas import Canvas
 from create_oi_ros.apps.view.keys import BINDINGS
 from create_oi_ros.apps.view.picture import KEYS, LEAST_COLUMNS, LEAST_ROWS, picture
-from create_oi_ros.apps.view.robot_state import MOST_POINTS, Note, Pose, State, Track
-from create_oi_ros.ros import messages as convert
-from create_oi_ros.ros import topics
+from create_oi_ros.apps.view.robot_state import (
+    CallStatus,
+    MOST_POINTS,
+    OdomPose,
+    RobotState,
+    Trail,
+)
+from create_oi_ros.ros import messages, topics
 from support.anything import anything
 
 HEARD = [topic.type for topic in topics.PUBLISHED
@@ -40,28 +45,28 @@ def status(name: str, level: bytes, message: str, **values: object) -> Diagnosti
         KeyValue(key=key.replace('_', ' '), value=str(value)) for key, value in values.items()])
 
 
-def heard(*messages: object, at: float = 0.0) -> State:
-    """Return a state in which these were heard."""
-    state = State(title='create_view  /create', listened=True)
+def heard(*messages: object, at: float = 0.0) -> RobotState:
+    """Return a state that has received these messages."""
+    state = RobotState(title='create_view  /create', driver_listens=True)
     for message in messages:
-        state.take(message, at)
+        state.update(message, at)
     return state
 
 
-def shown(state: State, columns: int = 80, rows: int = 24, now: float = 0.0, *,
+def shown(state: RobotState, columns: int = 80, rows: int = 24, now: float = 0.0, *,
           plain: bool = False) -> str:
-    """Return what is on the screen."""
+    """Return the text on the screen."""
     return '\n'.join(picture(state, now, columns, rows, plain=plain).lines())
 
 
-def panel(state: State, about: str, now: float = 0.0) -> tuple[str, bool]:
-    """Return a line of the panel, and whether any of it is loud."""
+def panel(state: RobotState, about: str, now: float = 0.0) -> tuple[str, bool]:
+    """Return a line of the panel, and whether any of it is highlighted."""
     line = dict(panels.lines(state, now))[about]
-    return ' '.join(piece.text.strip() for piece in line), any(piece.loud for piece in line)
+    return ' '.join(piece.text.strip() for piece in line), any(piece.highlighted for piece in line)
 
 
 def exact(canvas: Canvas) -> bool:
-    """Tell whether a sheet is as large as asked, and has nothing that a terminal obeys."""
+    """Return whether a canvas has its size, and no character that a terminal obeys."""
     lines = canvas.lines()
     return (len(lines) == canvas.rows and all(len(line) == canvas.columns for line in lines)
             and all(line.isprintable() for line in lines)
@@ -70,11 +75,12 @@ def exact(canvas: Canvas) -> bool:
 
 @settings(max_examples=150, suppress_health_check=list(HealthCheck))
 @given(st.data(), SIZES, st.booleans(), st.booleans(), st.floats(0, 1e9))
-def test_any_state_fits_any_terminal(data, size, plain, helping, now):
-    state = State(title=data.draw(st.text(max_size=300)), helping=helping,
-                  note=Note(data.draw(st.text(max_size=300)), loud=True))
+def test_any_state_fits_any_terminal(data, size, plain, help_shown, now):
+    state = RobotState(
+        title=data.draw(st.text(max_size=300)), help_shown=help_shown,
+        call_status=CallStatus(data.draw(st.text(max_size=300)), highlighted=True))
     for type_ in data.draw(st.lists(st.sampled_from(HEARD), max_size=5)):
-        state.take(data.draw(anything(type_)), data.draw(st.floats(0, 1e9)))
+        state.update(data.draw(anything(type_)), data.draw(st.floats(0, 1e9)))
     state.diagnostics = {name: status(name, level, text) for name, level, text in data.draw(
         st.lists(st.tuples(st.text(), st.binary(min_size=1, max_size=1), st.text(max_size=200))))}
     state.periods = {topic.type: (topic.name, 0.05) for topic in topics.PUBLISHED}
@@ -103,14 +109,14 @@ def test_a_small_terminal_gets_a_sentence(columns, rows):
 
 
 @pytest.mark.parametrize('about', [about for about, _ in panels.ROWS if about != 'cargo'])
-def test_the_least_terminal_has_all_that_is_essential(about):
+def test_the_smallest_terminal_shows_every_line(about):
     assert f'│{about:8}' in shown(heard(odom()))
 
 
 def test_a_large_terminal_gives_a_large_map():
     state = heard(odom(4.0))
     for step in range(40):
-        state.take(odom(4.0 - step / 10, 0.0), step / 10)
+        state.update(odom(4.0 - step / 10, 0.0), step / 10)
 
     def dots(columns: int, rows: int) -> int:
         return sum(0x2800 <= ord(character) < 0x2900
@@ -126,10 +132,10 @@ def test_the_robot_looks_where_it_goes(eighths, arrow):
     assert arrow in shown(heard(odom(1.0, 1.0, eighths * pi / 4)))
 
 
-def test_a_way_is_drawn_the_right_way_up():
+def test_the_trail_is_drawn_the_right_way_up():
     state = heard()
     for step in range(100):
-        state.take(odom(0.02 * step, 0.01 * step), 0.1 * step)
+        state.update(odom(0.02 * step, 0.01 * step), 0.1 * step)
     lines = shown(state, now=10.0).split('\n')
     row, column = next((row, line.index('→')) for row, line in enumerate(lines) if '→' in line)
     dots = [(r, c) for r, line in enumerate(lines) for c, character in enumerate(line)
@@ -140,52 +146,52 @@ def test_a_way_is_drawn_the_right_way_up():
 
 def test_bumps_and_cliffs_are_marked_where_they_happened_once():
     state = heard(odom(0.0, 0.0))
-    state.take(Bumper(left=True), 0.0)
-    state.take(Bumper(left=True, right=True), 0.1)
+    state.update(Bumper(left=True), 0.0)
+    state.update(Bumper(left=True, right=True), 0.1)
     for step in range(100):
-        state.take(odom(0.02 * step, 0.0), 0.1 * step)
-    state.take(Cliff(front_left=True), 10.0)
-    assert [(mark.sign, mark.x > 1) for mark in state.track.marks] == [('x', False), ('!', True)]
-    state.take(odom(1.0, 0.5), 12.0)
+        state.update(odom(0.02 * step, 0.0), 0.1 * step)
+    state.update(Cliff(front_left=True), 10.0)
+    assert [(mark.sign, mark.x > 1) for mark in state.trail.marks] == [('x', False), ('!', True)]
+    state.update(odom(1.0, 0.5), 12.0)
     chart = '\n'.join(line.split('│')[0] for line in shown(state, now=12.0).split('\n')[1:-4])
     assert 'x' in chart
     assert '!' in chart
 
 
 @pytest.mark.parametrize('place', [(nan, 0.0), (inf, 0.0), (1e300, 0.0), (0.0, -1e7)])
-def test_a_place_that_is_none_is_said_and_not_drawn(place):
+def test_an_impossible_position_is_named_and_not_drawn(place):
     state = heard(odom(*place))
     assert 'no place on a map' in shown(state)
-    assert not state.track.points
+    assert not state.trail.points
 
 
-def test_a_turn_that_is_none_is_not_drawn():
+def test_an_impossible_heading_is_not_drawn():
     lost = odom()
     lost.pose.pose.orientation = Quaternion(z=nan, w=nan)
     assert 'no place on a map' in shown(heard(lost))
 
 
-def test_a_long_way_is_kept_in_few_points():
-    track = Track()
+def test_a_long_trail_keeps_few_points():
+    trail = Trail()
     for step in range(100_000):
-        track.add(Pose(0.01 * step, 0.0, 0.0), 0.1 * step)
-    assert len(track.points) <= MOST_POINTS
-    assert track.points[0] == (0.0, 0.0)
-    assert track.points[-1][0] > 990
+        trail.add(OdomPose(0.01 * step, 0.0, 0.0), 0.1 * step)
+    assert len(trail.points) <= MOST_POINTS
+    assert trail.points[0] == (0.0, 0.0)
+    assert trail.points[-1][0] > 990
 
 
 @given(st.lists(st.tuples(st.floats(-100, 100), st.floats(-100, 100)), max_size=50))
-def test_a_way_begins_again_where_the_robot_cannot_have_driven(places):
-    track = Track()
+def test_a_jump_starts_a_new_trail(places):
+    trail = Trail()
     for second, (x, y) in enumerate(places):
-        track.add(Pose(x, y, 0.0), second)
-    for (x0, y0), (x1, y1) in zip(track.points, track.points[1:], strict=False):
+        trail.add(OdomPose(x, y, 0.0), second)
+    for (x0, y0), (x1, y1) in zip(trail.points, trail.points[1:], strict=False):
         # Between two points lie at least a second, and those that were too near to be kept.
         assert hypot(x1 - x0, y1 - y0) <= 1.3 + 0.02
 
 
-def test_nothing_heard_is_said():
-    assert 'Nothing heard yet. Is a driver running' in shown(State(), 120)
+def test_without_messages_it_says_so():
+    assert 'Nothing heard yet. Is a driver running' in shown(RobotState(), 120)
 
 
 def test_a_text_from_outside_cannot_command_the_terminal():
@@ -197,17 +203,17 @@ def test_a_text_from_outside_cannot_command_the_terminal():
 BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage=0.9)
 
 
-@pytest.mark.parametrize(('message', 'about', 'text', 'loud'), [
+@pytest.mark.parametrize(('message', 'about', 'text', 'highlighted'), [
     (odom(1.0, -2.0), 'pose', 'x +1.000 y -2.000 m', False),
     (odom(1e5, 0.0), 'pose', 'x +1.0e+05 y +0.000 m', False),
     (odom(nan, 0.0), 'pose', 'x +nan y +0.000 m', False),
     (odom(yaw=pi / 2), 'yaw', '+90.0 degrees', False),
     (odom(linear=0.2), 'speed', '+0.200 m/s +0.00 rad/s', False),
     (Twist(linear=Vector3(x=0.3)), 'cmd_vel', '+0.300 m/s +0.00 rad/s', False),
-    (JointState(name=convert.WHEEL_JOINTS, velocity=[1.0, -2.0]), 'wheels',
+    (JointState(name=messages.WHEEL_JOINTS, velocity=[1.0, -2.0]), 'wheels',
      'L +1.00 R -2.00 rad/s', False),
     (JointState(name=['elbow'], velocity=[1.0]), 'wheels', '-', False),
-    (JointState(name=convert.WHEEL_JOINTS), 'wheels', '-', False),
+    (JointState(name=messages.WHEEL_JOINTS), 'wheels', '-', False),
     (Bumper(), 'bumper', 'left right', False),
     (Bumper(left=True), 'bumper', 'LEFT right', True),
     (WheelDrop(caster=True), 'drops', 'left right CASTER', True),
@@ -228,23 +234,23 @@ BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage
     (IrOmni(character=255), 'ir', 'none', False),
     (IrOmni(character=248, name='home_base_red_buoy'), 'ir', '248 red buoy', False),
 ])
-def test_what_the_panel_says(message, about, text, loud):
-    assert panel(heard(message), about) == (text, loud)
+def test_what_the_panel_says(message, about, text, highlighted):
+    assert panel(heard(message), about) == (text, highlighted)
 
 
 def test_an_old_command_is_not_shown_as_one():
     assert panel(heard(Twist(linear=Vector3(x=0.3))), 'cmd_vel', 3.0) == ('none for 3 s', False)
 
 
-def test_that_nobody_listens_is_seen():
-    assert panel(State(), 'cmd_vel') == ('nobody listens', True)
+def test_a_missing_driver_is_shown():
+    assert panel(RobotState(), 'cmd_vel') == ('nobody listens', True)
 
 
 def test_the_volts_stand_below_the_charge():
     assert '15.50 V -0.48 A 24 C' in shown(heard(BATTERY))
 
 
-def test_the_link_is_told_by_the_diagnostics():
+def test_the_link_is_shown_from_the_diagnostics():
     state = heard()
     state.diagnostics = {'serial link': status(
         'serial link', DiagnosticStatus.WARN, 'bytes arrive damaged', frames_per_second=66.7,
@@ -260,8 +266,8 @@ def test_the_link_is_told_by_the_diagnostics():
 ])
 def test_silence_is_an_alarm(wall, mode, alarms):
     state = heard(odom())
-    state.take(Wall(), wall)
-    state.take(Mode(mode=2, wanted=2), mode)
+    state.update(Wall(), wall)
+    state.update(Mode(mode=2, wanted=2), mode)
     state.periods = {Odometry: ('odom', 0.0), Wall: ('wall', 0.05), Mode: ('mode', inf)}
     assert panels.alarms(state, 1.0) == []
     assert panels.alarms(state, 10.0) == alarms
@@ -279,7 +285,7 @@ def test_alarms_come_the_worst_first_and_the_mode_once():
         'battery: low: charge it soon']
 
 
-def test_who_drives_in_passive_is_told_what_to_do():
+def test_driving_in_passive_shows_what_to_do():
     state = heard(Mode(mode=1, wanted=1))
     assert panels.alarms(state, 0.0) == []
     state.driving = True
@@ -288,20 +294,21 @@ def test_who_drives_in_passive_is_told_what_to_do():
 
 def test_two_drivers_in_one_place_are_an_alarm():
     state = heard(odom())
-    state.drivers = 2
+    state.driver_count = 2
     assert '2 drivers publish here' in shown(state)
 
 
-def test_an_answer_and_a_wait_are_seen():
+def test_a_reply_and_a_wait_are_shown():
     state = heard(odom())
-    state.note = Note('set_mode: refused, the robot is on a charger', loud=True)
+    state.call_status = CallStatus(
+        'set_mode: refused, the robot is on a charger', highlighted=True)
     assert 'refused, the robot is on a charger' in shown(state)
-    state.note = Note('set_mode', waiting_since=1.0)
+    state.call_status = CallStatus('set_mode', waiting_since=1.0)
     assert 'set_mode ... 4 s' in shown(state, now=5.0)
 
 
-def test_the_help_names_every_key_whole():
+def test_the_help_names_every_key():
     state = heard(odom())
-    state.helping = True
+    state.help_shown = True
     drawn = shown(state)
     assert all(each.shown in drawn and each.about in drawn for each in BINDINGS)

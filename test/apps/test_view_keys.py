@@ -1,4 +1,4 @@
-"""What keys mean to `create_view`, and how long they drive."""
+"""Keys of `create_view`: their actions, and how long they drive."""
 
 from math import inf
 from pathlib import Path
@@ -7,7 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.apps.view.keys import action_of, Ask, BINDINGS, Drive, Keyboard, Own, SONG, STOP
+from create_oi_ros.apps.view.keys import (
+    action_of,
+    BINDINGS,
+    DriveKey,
+    KeyDecoder,
+    ServiceCall,
+    SONG,
+    STOP,
+    ViewCommand,
+)
 from create_oi_ros.apps.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
 from create_oi_ros.ros.services import SERVICES
 
@@ -18,24 +27,28 @@ TYPED = (b'w', b'\x1b[A', b'\x1bOA', b'\x1b[1;5C', b'\x1b[D', b'\x1b[3~', b'\x1b
 
 
 def actions(typed: bytes) -> list[object]:
-    """Return what some bytes are for."""
-    return [action for key in Keyboard().keys(typed) if (action := action_of(key))]
+    """Return the actions of some bytes."""
+    return [action for key in KeyDecoder().decode(typed) if (action := action_of(key))]
 
 
 @pytest.mark.parametrize(('typed', 'action'), [
-    (b'w', Drive(forward=1)), (b'W', Drive(forward=1)), (b'\x1b[A', Drive(forward=1)),
-    (b'\x1bOA', Drive(forward=1)), (b'\x1b[1;2A', Drive(forward=1)),
-    (b's', Drive(forward=-1)), (b'\x1b[B', Drive(forward=-1)),
-    (b'a', Drive(turn=1)), (b'\x1b[D', Drive(turn=1)),
-    (b'd', Drive(turn=-1)), (b'\x1b[C', Drive(turn=-1)),
-    (b' ', Own.STOP), (b'+', Own.FASTER), (b'=', Own.FASTER), (b'-', Own.SLOWER),
-    (b'1', Ask('set_mode', {'mode': 1})), (b'2', Ask('set_mode', {'mode': 2})),
-    (b'3', Ask('set_mode', {'mode': 3})), (b'g', Ask('dock')), (b'r', Ask('reset_odometry')),
-    (b'c', Own.CLEAR), (b'\x0c', Own.REDRAW), (b'h', Own.HELP), (b'?', Own.HELP),
-    (b'q', Own.QUIT), (b'Q', Own.QUIT), (b'\x03', Own.QUIT), (b'\x04', Own.QUIT),
-    (b'\x1bq', Own.QUIT), (b'\x1b\x1b[A', Drive(forward=1)),
+    (b'w', DriveKey(forward=1)), (b'W', DriveKey(forward=1)), (b'\x1b[A', DriveKey(forward=1)),
+    (b'\x1bOA', DriveKey(forward=1)), (b'\x1b[1;2A', DriveKey(forward=1)),
+    (b's', DriveKey(forward=-1)), (b'\x1b[B', DriveKey(forward=-1)),
+    (b'a', DriveKey(turn=1)), (b'\x1b[D', DriveKey(turn=1)),
+    (b'd', DriveKey(turn=-1)), (b'\x1b[C', DriveKey(turn=-1)),
+    (b' ', ViewCommand.STOP), (b'+', ViewCommand.FASTER), (b'=', ViewCommand.FASTER),
+    (b'-', ViewCommand.SLOWER),
+    (b'1', ServiceCall('set_mode', {'mode': 1})), (b'2', ServiceCall('set_mode', {'mode': 2})),
+    (b'3', ServiceCall('set_mode', {'mode': 3})),
+    (b'g', ServiceCall('dock')), (b'r', ServiceCall('reset_odometry')),
+    (b'c', ViewCommand.CLEAR), (b'\x0c', ViewCommand.REDRAW),
+    (b'h', ViewCommand.HELP), (b'?', ViewCommand.HELP),
+    (b'q', ViewCommand.QUIT), (b'Q', ViewCommand.QUIT),
+    (b'\x03', ViewCommand.QUIT), (b'\x04', ViewCommand.QUIT),
+    (b'\x1bq', ViewCommand.QUIT), (b'\x1b\x1b[A', DriveKey(forward=1)),
 ])
-def test_what_a_key_is_for(typed, action):
+def test_action_of_a_key(typed, action):
     assert actions(typed) == [action]
 
 
@@ -49,25 +62,25 @@ def test_other_keys_do_nothing(typed):
 @given(st.lists(st.sampled_from(TYPED), max_size=8).map(b''.join), st.data())
 def test_however_bytes_are_cut_the_keys_are_the_same(typed, data):
     cut = data.draw(st.integers(0, len(typed)))
-    keyboard = Keyboard()
-    assert [*keyboard.keys(typed[:cut]), *keyboard.keys(typed[cut:])] == [
-        *Keyboard().keys(typed)]
+    decoder = KeyDecoder()
+    assert [*decoder.decode(typed[:cut]), *decoder.decode(typed[cut:])] == [
+        *KeyDecoder().decode(typed)]
 
 
 @given(st.binary(max_size=100))
-def test_no_bytes_are_too_odd(typed):
+def test_any_bytes_are_accepted(typed):
     actions(typed)
 
 
-def test_no_key_is_for_two_things():
+def test_no_key_has_two_actions():
     keys = [key for each in BINDINGS for key in each.keys]
     assert len(keys) == len(set(keys))
 
 
 @pytest.mark.parametrize('ask', [
-    *(each.action for each in BINDINGS if isinstance(each.action, Ask)), STOP],
+    *(each.action for each in BINDINGS if isinstance(each.action, ServiceCall)), STOP],
     ids=lambda ask: f'{ask.service}{ask.fields.get("mode", "")}')
-def test_what_is_asked_for_is_a_service(ask):
+def test_every_service_call_is_valid(ask):
     TYPES[ask.service].Request(**ask.fields)
 
 
@@ -76,15 +89,15 @@ def test_the_tune_leaves_the_songs_that_others_use_most():
     assert tune.fields['number'] == SONG == 15
 
 
-def test_the_page_tells_every_key_and_how_long_it_drives():
+def test_the_page_names_every_key_and_how_long_it_drives():
     page = (ROOT / 'docs' / 'view.md').read_text()
     letters = [next(key for key in each.keys if len(key) == 1) for each in BINDINGS]
     assert all(f'`{key}`' in page for key in letters if key > ' ')
     assert f'{HOLD} s' in page
 
 
-def said(teleop: Teleop, begin: float, end: float) -> list[Velocity]:
-    """Return what is commanded between two moments, looked at as often as it wants."""
+def commands(teleop: Teleop, begin: float, end: float) -> list[Velocity]:
+    """Return the commands between two times, polled as often as `wait` asks."""
     heard, now = [], begin
     while now < end:
         velocity = teleop.due(now)
@@ -93,15 +106,15 @@ def said(teleop: Teleop, begin: float, end: float) -> list[Velocity]:
     return heard
 
 
-def test_nothing_is_said_before_a_key():
-    assert said(Teleop(), 0.0, 10.0) == []
+def test_nothing_is_commanded_before_a_key():
+    assert commands(Teleop(), 0.0, 10.0) == []
     assert Teleop().wait(0.0) == inf
 
 
-def test_a_press_drives_for_a_moment_then_there_is_one_zero_and_silence():
+def test_a_press_drives_for_a_while_then_sends_one_zero():
     teleop = Teleop(0.2, 1.0)
-    teleop.press(Drive(forward=1), 0.0)
-    heard = said(teleop, 0.0, 10.0)
+    teleop.press(DriveKey(forward=1), 0.0)
+    heard = commands(teleop, 0.0, 10.0)
     assert set(heard[:-1]) == {Velocity(0.2, 0.0)}
     assert HOLD / PERIOD <= len(heard[:-1]) + 1 <= HOLD / PERIOD + 2
     assert heard[-1] == Velocity(0.0, 0.0)
@@ -111,15 +124,15 @@ def test_a_press_drives_for_a_moment_then_there_is_one_zero_and_silence():
 def test_a_key_that_is_held_drives_on_without_a_gap():
     teleop, heard = Teleop(), []
     for step in range(100):
-        teleop.press(Drive(turn=-1), 0.1 * step)
-        heard += said(teleop, 0.1 * step, 0.1 * step + 0.1)
+        teleop.press(DriveKey(turn=-1), 0.1 * step)
+        heard += commands(teleop, 0.1 * step, 0.1 * step + 0.1)
     assert set(heard) == {Velocity(0.0, -1.0)}
 
 
-def test_two_keys_together_are_a_curve_and_run_out_each_by_itself():
+def test_two_keys_together_are_a_curve_and_end_separately():
     teleop = Teleop(0.2, 1.0)
-    teleop.press(Drive(forward=1), 0.0)
-    teleop.press(Drive(turn=1), 0.3)
+    teleop.press(DriveKey(forward=1), 0.0)
+    teleop.press(DriveKey(turn=1), 0.3)
     assert teleop.due(0.3) == Velocity(0.2, 1.0)
     assert teleop.due(HOLD + 0.1) == Velocity(0.0, 1.0)
     assert teleop.due(HOLD + 0.31) == Velocity(0.0, 0.0)
@@ -127,67 +140,68 @@ def test_two_keys_together_are_a_curve_and_run_out_each_by_itself():
 
 def test_the_opposite_key_counts_at_once():
     teleop = Teleop(0.2, 1.0)
-    teleop.press(Drive(forward=1), 0.0)
+    teleop.press(DriveKey(forward=1), 0.0)
     assert teleop.due(0.0) == Velocity(0.2, 0.0)
-    teleop.press(Drive(forward=-1), 0.01)
+    teleop.press(DriveKey(forward=-1), 0.01)
     assert teleop.due(0.01) == Velocity(-0.2, 0.0)
 
 
-def test_letting_go_is_one_zero_at_once():
+def test_release_sends_one_zero_at_once():
     teleop = Teleop()
-    teleop.press(Drive(forward=1, turn=1), 0.0)
+    teleop.press(DriveKey(forward=1, turn=1), 0.0)
     teleop.due(0.0)
     teleop.release()
     assert teleop.wait(0.01) == 0.0
-    assert said(teleop, 0.01, 10.0) == [Velocity(0.0, 0.0)]
+    assert commands(teleop, 0.01, 10.0) == [Velocity(0.0, 0.0)]
 
 
-def test_letting_go_of_nothing_says_nothing():
+def test_release_without_a_key_sends_nothing():
     teleop = Teleop()
     teleop.release()
-    assert said(teleop, 0.0, 10.0) == []
+    assert commands(teleop, 0.0, 10.0) == []
 
 
-def test_who_was_held_up_does_not_drive_on():
+def test_after_a_delay_it_does_not_drive_on():
     teleop = Teleop()
-    teleop.press(Drive(forward=1), 0.0)
+    teleop.press(DriveKey(forward=1), 0.0)
     teleop.due(0.0)
-    assert said(teleop, 100.0, 110.0) == [Velocity(0.0, 0.0)]
+    assert commands(teleop, 100.0, 110.0) == [Velocity(0.0, 0.0)]
 
 
 def test_speeds_change_within_what_the_robot_can():
     teleop = Teleop(0.2, 1.0)
-    teleop.faster(1)
+    teleop.change_speed(1)
     assert teleop.speeds == Velocity(0.25, 1.25)
-    teleop.faster(-1)
+    teleop.change_speed(-1)
     assert teleop.speeds == Velocity(0.2, 1.0)
     for _ in range(50):
-        teleop.faster(1)
+        teleop.change_speed(1)
     assert teleop.speeds == Velocity(FASTEST, FASTEST_TURN)
     for _ in range(50):
-        teleop.faster(-1)
+        teleop.change_speed(-1)
     assert 0.0 < teleop.speeds.linear < 0.05
 
 
 KEYS = st.sampled_from([
-    Drive(forward=1), Drive(forward=-1), Drive(turn=1), Drive(turn=-1), 'stop', '+', '-'])
+    DriveKey(forward=1), DriveKey(forward=-1), DriveKey(turn=1), DriveKey(turn=-1),
+    'stop', '+', '-'])
 
 
 @given(st.lists(st.tuples(st.floats(0, 1), KEYS), max_size=30))
 def test_whatever_is_typed_it_ends_with_a_zero_and_is_never_too_fast(typed):
     teleop, now, heard = Teleop(), 0.0, []
     for wait, key in typed:
-        heard += said(teleop, now, now + wait)
+        heard += commands(teleop, now, now + wait)
         now += wait
         match key:
-            case Drive():
+            case DriveKey():
                 teleop.press(key, now)
             case 'stop':
                 teleop.release()
             case _:
-                teleop.faster(1 if key == '+' else -1)
-    heard += said(teleop, now, now + 5)
-    drives = any(isinstance(key, Drive) for _, key in typed)
+                teleop.change_speed(1 if key == '+' else -1)
+    heard += commands(teleop, now, now + 5)
+    drives = any(isinstance(key, DriveKey) for _, key in typed)
     assert bool(heard) == drives
     assert not drives or heard[-1] == Velocity(0.0, 0.0)
     assert all(abs(each.linear) <= FASTEST and abs(each.angular) <= FASTEST_TURN

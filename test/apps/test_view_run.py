@@ -14,7 +14,7 @@ import pytest
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import scene
-from support.screen import seats
+from support.screen import terminals
 
 KEYS = 'q quit'
 
@@ -27,31 +27,30 @@ def stage(tmp_path):
 
 
 @pytest.fixture
-def seat(stage):
-    """Return what sits somebody down before a view in the scene."""
-    with seats('create_view', stage.domain) as sit:
-        yield sit
+def start_view(stage):
+    """Return a function that starts a view in the scene."""
+    with terminals('create_view', stage.domain) as start:
+        yield start
 
 
 def ready(stage, *remaps, **parameters):
-    """Switch a robot on and wait until it may be driven; return it with its node."""
+    """Start a robot and its node; return both."""
     robot = stage.robot()
     node = stage.node(robot.link, *remaps, **parameters)
     return robot, node
 
 
 def place(view) -> float:
-    """Return x as the screen shows it."""
+    """Return the x that the screen shows."""
     found = re.match(r'x ([+-][\d.]+) ', view.screen.after('pose'))
     return float(found[1]) if found else 0.0
 
 
 def hold(view, key, until, what):
     """
-    Hold a key down until something has happened.
+    Hold a key down until a condition holds.
 
-    One press might be too early: a service may answer, and a driver may be told to drive, before
-    it knows whom it speaks with.
+    One press may come too early: discovery between view and driver may not be complete.
     """
     def repeated():
         view.type(key)
@@ -60,14 +59,14 @@ def hold(view, key, until, what):
 
 
 def commanded(stage, type_=Twist, name='cmd_vel'):
-    """Return a list that fills with what is commanded, once whoever commands is known."""
+    """Return a list that fills with velocity commands, once their publisher is known."""
     heard = stage.ros.listen(type_, name, 100)
     stage.ros.until(lambda: stage.ros.node.count_publishers(name), f'a publisher of {name}')
     return heard
 
 
 def drive(stage, view, commands):
-    """Hold a key down until somebody else has heard of it as well."""
+    """Hold a key down until another subscriber has received its command as well."""
     def heard():
         view.type('w')
         view.look()
@@ -77,15 +76,15 @@ def drive(stage, view, commands):
 
 
 def safe(view):
-    """Wait until the robot is seen to be ready, and velocity commands are wanted."""
+    """Wait until the screen shows the robot in SAFE, and a driver subscribes to cmd_vel."""
     view.until(lambda: view.screen.after('mode') == 'SAFE' and view.screen.after('pose') != '-'
                and 'frames/s' in view.screen.after('link')
                and view.screen.after('cmd_vel') == 'none heard', 'a robot in SAFE')
 
 
-def test_it_shows_drives_stops_and_leaves_the_terminal_as_it_was(stage, seat):
+def test_it_shows_drives_stops_and_leaves_the_terminal_as_it_was(stage, start_view):
     ready(stage)
-    view = seat()
+    view = start_view()
     safe(view)
     commands = commanded(stage)
     assert KEYS in view.screen.text
@@ -95,7 +94,7 @@ def test_it_shows_drives_stops_and_leaves_the_terminal_as_it_was(stage, seat):
     hold(view, ' ', lambda: 'stop: done' in view.screen.text, 'a stop that is answered')
     view.until(lambda: view.screen.after('speed') == '+0.000 m/s +0.00 rad/s', 'standing')
     stage.ros.until(lambda: commands and commands[-1] == Twist())
-    # Nothing is said any more, so that others may drive.
+    # Nothing more is published, so that others may drive.
     count = len(commands)
     odom = stage.ros.listen(Odometry, 'odom')
     view.type('p')
@@ -106,13 +105,13 @@ def test_it_shows_drives_stops_and_leaves_the_terminal_as_it_was(stage, seat):
     view.type('q')
     assert view.ended() == 0
     assert view.restored
-    assert view.screen.beside == 0
-    assert 'Traceback' not in view.said
+    assert view.screen.outside == 0
+    assert 'Traceback' not in view.output
 
 
-def test_modes_are_asked_for_and_refusals_are_seen(stage, seat):
+def test_modes_are_asked_for_and_refusals_are_seen(stage, start_view):
     robot, _ = ready(stage)
-    view = seat()
+    view = start_view()
     safe(view)
     view.type('1')
     view.until(lambda: view.screen.after('mode') == 'PASSIVE', 'PASSIVE')
@@ -125,9 +124,9 @@ def test_modes_are_asked_for_and_refusals_are_seen(stage, seat):
     assert view.ended() == 0
 
 
-def test_a_key_that_is_let_go_drives_no_more(stage, seat):
+def test_a_key_that_is_let_go_drives_no_more(stage, start_view):
     ready(stage)
-    view = seat()
+    view = start_view()
     safe(view)
     commands = commanded(stage)
     drive(stage, view, commands)
@@ -135,9 +134,9 @@ def test_a_key_that_is_let_go_drives_no_more(stage, seat):
     assert view.process.poll() is None
 
 
-def test_it_speaks_as_the_driver_listens_in_its_namespace(stage, seat):
+def test_it_speaks_as_the_driver_listens_in_its_namespace(stage, start_view):
     ready(stage, '__ns:=/robot1', enable_stamped_cmd_vel=True)
-    view = seat('--ascii', '--ros-args', '-r', '__ns:=/robot1')
+    view = start_view('--ascii', '--ros-args', '-r', '__ns:=/robot1')
     safe(view)
     commands = commanded(stage, TwistStamped, '/robot1/cmd_vel')
     view.sees('/robot1/create')
@@ -148,9 +147,9 @@ def test_it_speaks_as_the_driver_listens_in_its_namespace(stage, seat):
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_stops_the_robot_and_restores_the_terminal(stage, seat, number):
+def test_a_signal_stops_the_robot_and_restores_the_terminal(stage, start_view, number):
     ready(stage)
-    view = seat()
+    view = start_view()
     safe(view)
     commands = commanded(stage)
     drive(stage, view, commands)
@@ -163,9 +162,9 @@ def test_a_signal_stops_the_robot_and_restores_the_terminal(stage, seat, number)
     stage.ros.until(lambda: commands and commands[-1] == Twist())
 
 
-def test_when_the_terminal_goes_the_robot_stops(stage, seat):
+def test_when_the_terminal_goes_the_robot_stops(stage, start_view):
     ready(stage)
-    view = seat()
+    view = start_view()
     safe(view)
     commands = commanded(stage)
     drive(stage, view, commands)
@@ -174,8 +173,8 @@ def test_when_the_terminal_goes_the_robot_stops(stage, seat):
     stage.ros.until(lambda: commands and commands[-1] == Twist())
 
 
-def test_without_a_driver_it_says_so_and_waits_for_one(stage, seat):
-    view = seat()
+def test_without_a_driver_it_says_so_and_waits_for_one(stage, start_view):
+    view = start_view()
     view.sees('Nothing heard yet')
     view.type('w')
     assert view.screen.after('cmd_vel') == 'nobody listens'
@@ -188,8 +187,8 @@ def test_without_a_driver_it_says_so_and_waits_for_one(stage, seat):
     view.sees('nothing heard for')
 
 
-def test_a_window_may_be_dragged(stage, seat):
-    view = seat()
+def test_a_window_may_be_dragged(stage, start_view):
+    view = start_view()
     view.sees(KEYS)
     view.resize(60, 20)
     view.sees('here are 60 x 20')
@@ -199,11 +198,11 @@ def test_a_window_may_be_dragged(stage, seat):
 
 @pytest.mark.parametrize(('terminal', 'complaint'), [
     ({}, 'it needs a terminal'), ({'TERM': 'dumb'}, 'cannot move its cursor')])
-def test_where_there_is_no_terminal_it_says_so(stage, seat, terminal, complaint):
+def test_where_there_is_no_terminal_it_says_so(stage, start_view, terminal, complaint):
     if terminal:
-        view = seat(**terminal)
+        view = start_view(**terminal)
         assert view.ended() == 2
-        assert complaint in view.said
+        assert complaint in view.output
         assert view.restored
         return
     done = subprocess.run(
@@ -214,17 +213,17 @@ def test_where_there_is_no_terminal_it_says_so(stage, seat, terminal, complaint)
     assert 'Traceback' not in done.stderr
 
 
-def test_a_stalled_terminal_does_not_keep_it_from_ending(stage, seat):
+def test_a_stalled_terminal_does_not_keep_it_from_ending(stage, start_view):
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     odom = stage.ros.listen(Odometry, 'odom')
     ready(stage)
     stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
-    view = seat(size=(200, 60))
+    view = start_view(size=(200, 60))
     safe(view)
     begun = len(odom)
 
     def stalled() -> bool:
-        # Whole pictures that nobody reads soon fill what a terminal holds.
+        # Whole pictures that nobody reads soon fill the buffer of the terminal.
         view.type('\x0cw')
         return len(odom) > begun + 150 and odom[-1].pose.pose.position.x > 0.05
     stage.ros.until(stalled)

@@ -48,11 +48,14 @@ RULES = {
     'sim.server': Rule(ours=('sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi', 'oi.tools',
                              'robot'), pure=False),
     'link': Rule(ours=('driver', 'oi', 'oi.tools', 'robot'), others='serial', pure=False),
-    'ros': Rule(ours=('ros.messages', 'link', 'driver', 'odometry', 'oi', 'oi.tools', 'robot', ''),
+    'ros': Rule(ours=('ros.messages', 'ros.rotation', 'link', 'driver', 'odometry', 'oi',
+                      'oi.tools', 'robot', ''),
                 others=rf'{ROS}|{BAGS}', pure=False),
-    'ros.messages': Rule(ours=('driver', 'odometry', 'oi', 'oi.tools', 'robot'), others=MESSAGES),
-    'apps': Rule(ours=('ros', 'ros.messages', 'link', 'driver', 'odometry', 'oi', 'oi.tools',
-                       'robot'),
+    'ros.messages': Rule(ours=('ros.rotation', 'driver', 'odometry', 'oi', 'oi.tools', 'robot'),
+                         others=MESSAGES),
+    'ros.rotation': Rule(),
+    'apps': Rule(ours=('ros', 'ros.messages', 'ros.rotation', 'link', 'driver', 'odometry', 'oi',
+                       'oi.tools', 'robot'),
                  others=rf'{ROS}|{BAGS}|matplotlib', pure=False),
 }
 PROGRAMS = 'apps'

@@ -1,14 +1,19 @@
 """The README agrees with the code."""
 
-from create_oi_ros.ros.reference import rewritten, TABLES
+import pytest
+
+from create_oi_ros.ros.reference import POLICY, rewritten, TABLES
 from support.source import ROOT
 
 README = (ROOT / 'README.md').read_text()
 
 
-def test_the_tables_are_made_from_the_code():
-    assert all(f'<!-- {name} -->' in README for name in TABLES)
-    assert rewritten(README) == README, 'run `make docs`'
+@pytest.mark.parametrize(('name', 'labels'), [
+    ('README.md', TABLES), ('config/sros2_policy.xml', POLICY)])
+def test_generated_blocks_are_made_from_the_code(name, labels):
+    text = (ROOT / name).read_text('utf-8')
+    assert all(f'<!-- {label} -->' in text for label in labels)
+    assert rewritten(text) == text, 'run `make docs`'
 
 
 def test_the_script_in_the_readme_is_the_example():

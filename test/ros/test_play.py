@@ -22,10 +22,10 @@ from rosbags.rosbag2 import Reader
 
 from create_oi_ros.apps.demo import tour
 from create_oi_ros.apps.demo.pilot import Pilot
-from create_oi_ros.apps.record.recorder import Recorder
 from create_oi_ros.apps.report import bag_reader as reading
 from create_oi_ros.apps.report.recording import Recording
-from create_oi_ros.apps.report.story import complaints, happenings, summary
+from create_oi_ros.apps.report.summary import events, summary, warnings
+from create_oi_ros.ros.recorder import Recorder
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support import player
 from support.ros import scene
@@ -110,7 +110,7 @@ def told(recording: Recording) -> dict[str, object]:
     curves = {'odom': ('x', 'y', 'yaw', 'speed', 'turn'), 'commands': ('speed', 'turn'),
               'battery': ('volts', 'amperes', 'charge'), 'link': ('frames', 'damaged', 'garbage')}
     words = defaultdict(list)
-    for each in (*happenings(recording), *complaints(recording)):
+    for each in (*events(recording), *warnings(recording)):
         words[each.kind].append(SECONDS.sub('#', each.text))
     # Milliseconds decide the order of two kinds of entry, and whether a pause counts as a gap.
     words.pop('gap', None)

@@ -19,8 +19,8 @@ import pytest
 import rclpy
 from rclpy.task import Future
 
-from create_oi_ros.apps.view.graph import Graph
-from create_oi_ros.apps.view.robot_state import State
+from create_oi_ros.apps.view.robot_state import RobotState
+from create_oi_ros.apps.view.view_node import ViewNode
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
@@ -54,11 +54,11 @@ def node():
     """Return the node, in a domain of its own, with a view that has discovered it."""
     with domain_coordinator.domain_id() as domain:
         rclpy.init(args=[], domain_id=domain)
-        made, view = CreateNode(Future()), Graph(State())
+        made, view = CreateNode(Future()), ViewNode(RobotState())
         deadline = time.monotonic() + TIMEOUT
-        while not view.state.listened:
+        while not view.state.driver_listens:
             assert time.monotonic() < deadline
-            view.look_around(time.monotonic())
+            view.find_driver(time.monotonic())
         yield made
         view.destroy_node()
         made.destroy_node()

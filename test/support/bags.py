@@ -1,4 +1,4 @@
-"""Bags of a robot that was never there: a circle, a bump, a cliff, a song, a gap."""
+"""Writes synthetic bags of a robot: a circle, a bump, a cliff, a song, a gap."""
 
 from collections.abc import Iterator
 from math import cos, sin
@@ -22,14 +22,14 @@ TOPICS = {
 
 
 def make(kind: str, **fields):
-    """Make a message; what is not given is zero."""
+    """Return a message; fields that are not given are zero."""
     names = STORE.fielddefs[kind][1]
     return TYPES[kind](**{name: fields.get(name, zero(definition))
                           for name, definition in names if name.islower()})
 
 
 def zero(definition):
-    """Return the zero of a field's type."""
+    """Return the zero value of a field's type."""
     sort, rest = definition
     if sort == 2:
         return make(rest)
@@ -59,7 +59,7 @@ def twist(speed: float, turn: float):
 
 
 def odometry(time: float, turn: float = 0.5):
-    """Return where a robot is that drives a circle of 0.4 m."""
+    """Return the odometry of a robot that drives a circle of 0.4 m radius."""
     yaw = turn * time
     point = make('geometry_msgs/msg/Point', x=0.4 * sin(yaw), y=0.4 - 0.4 * cos(yaw), z=0.0)
     heading = make('geometry_msgs/msg/Quaternion', x=0.0, y=0.0, z=sin(yaw / 2), w=cos(yaw / 2))
@@ -78,7 +78,7 @@ def status(name: str, level: int, message: str, **values: str):
 
 
 def diagnostics(time: float, node: str):
-    """Return what the node says once a second; a bad line from 5 s to 7 s."""
+    """Return the diagnostics of the node; the serial link is bad from 5 s to 7 s."""
     bad = 5 <= time < 7
     return make('diagnostic_msgs/msg/DiagnosticArray', header=header(time), status=[
         status(f'{node}: serial link', int(bad), 'bytes arrive damaged' if bad else 'all well',
@@ -87,22 +87,22 @@ def diagnostics(time: float, node: str):
 
 
 def modes(time: float):
-    """Return the mode from a time on: Safe, for a while Passive."""
+    """Return the mode at a time: Passive from 8 s to 9 s, else Safe."""
     passive = 8 <= time < 9
     return make('create_oi_msgs/msg/Mode', header=header(time), mode=1 if passive else 2,
                 wanted=2, reason='a cliff' if passive else '')
 
 
 def battery(time: float):
-    """Return a battery that is being emptied."""
+    """Return a battery that is discharging."""
     return make('sensor_msgs/msg/BatteryState', header=header(time), voltage=15.0 - time / 1000,
                 current=-0.3, percentage=max(0.0, 0.9 - time / 10000))
 
 
-def told(
+def messages(
     seconds: float, gap: tuple[float, float], node: str,
 ) -> Iterator[tuple[float, str, object]]:
-    """Yield times, topics and messages in the order of time."""
+    """Yield time, topic and message, in order of time."""
     ours = 'create_oi_msgs/msg/'
     yield 0.0, 'buttons', make(f'{ours}Buttons', header=header(0.0))
     yield 0.0, 'charging', make(f'{ours}Charging', header=header(0.0))
@@ -134,7 +134,7 @@ def write(
         made = {}
         for robot in robots:
             node = f'{robot}/create'.lstrip('/')
-            for time, topic, message in told(seconds, gap, node):
+            for time, topic, message in messages(seconds, gap, node):
                 name = topic if topic.startswith('/') else f'{robot}/{topic}'
                 name = f'/{name.lstrip("/")}'
                 kind = TOPICS[topic]

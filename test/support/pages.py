@@ -1,4 +1,4 @@
-"""What documentation pages hold: fenced blocks, and the names in `ros2` commands."""
+"""Reads documentation pages: fenced blocks, and the names in `ros2` commands."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,12 +34,12 @@ class Block:
 
 
 def blocks(path: Path) -> list[Block]:
-    """Return the fenced blocks of a page in their order."""
+    """Return the fenced blocks of a page, in order."""
     return [Block(*found) for found in BLOCK.findall(path.read_text('utf-8'))]
 
 
 def commands(text: str) -> list[list[str]]:
-    """Return the commands of a block as words; a line may go on after a backslash."""
+    """Return the commands of a block as words; a backslash continues a line."""
     lines = text.replace('\\\n', ' ').splitlines()
     return [shlex.split(line, comments=True) for line in lines if line and line[0] != '#']
 
@@ -52,9 +52,9 @@ def type_name(kind: Any) -> str:
 
 def check_ros2(words: list[str], foreign: frozenset[str] = frozenset()) -> None:
     """
-    Check a `ros2` command: what it names of ours exists, what is not ours is in `foreign`.
+    Check that every name in a `ros2` command exists here or is in `foreign`.
 
-    `foreign` holds packages and topics.
+    `foreign` holds packages and topics of others.
     """
     assert words[0] == 'ros2', words
     match words[1:]:
@@ -94,7 +94,7 @@ def check_parameters(arguments: list[str]) -> None:
 
 
 def check_fields(kind: Any, values: dict[str, Any]) -> None:
-    """Check that a message has these fields, and those in them."""
+    """Check that a message has these fields, nested ones too."""
     made = kind()
     for name, value in values.items():
         assert name in kind.get_fields_and_field_types(), f'{kind.__name__} has no {name}'

@@ -1,14 +1,13 @@
 """
-Plays a bag into the graph as `ros2 bag play` of Jazzy does; that itself cannot be installed here.
+Plays a bag as `ros2 bag play` of Jazzy does, which cannot be installed here.
 
-What it does of its own accord is from the sources of rosbag2: it offers each topic with the
-recorded quality of service, but always with a history of ten; with rosbag2's own one where
-recorded publishers differ in what matters; and it publishes the bytes as they are, in the order
-in which they were recorded, each at its time.
+As in the sources of rosbag2, it offers each topic with the recorded quality of service, but with
+a history of ten, and with the default one if recorded publishers differ in more than history. It
+publishes the recorded bytes unchanged, in their order and at their pace.
 
     python player.py BAG
 
-plays a bag, once somebody listens to every topic, and ends when all has arrived.
+plays a bag as soon as every topic has a subscriber, and ends when everything has arrived.
 """
 
 from collections.abc import Iterable
@@ -33,33 +32,33 @@ from rosbags.interfaces import Qos, QosTime
 from rosbags.rosbag2 import Reader
 
 DEPTH = 10
-"""Of the history that `ros2 bag play` offers, whatever was recorded."""
+"""History that `ros2 bag play` offers, whatever was recorded."""
 DEFAULT = QoSProfile(depth=DEPTH)
-PATIENCE = Duration(seconds=30)
+TIMEOUT = Duration(seconds=30)
 
 
 @dataclass(frozen=True)
 class Played:
-    """A message as it is in the bag."""
+    """A message of the bag."""
 
     time: int
-    """Nanoseconds since the epoch at which it was recorded."""
+    """When it was recorded, nanoseconds since the epoch."""
     topic: str
     raw: bytes
 
 
 def messages(bag: Path) -> list[Played]:
-    """Return all that is in a bag, in the order of recording."""
+    """Return all messages of a bag, in the order of recording."""
     with Reader(bag) as reader:
         return [Played(time, connection.topic, bytes(raw))
                 for connection, time, raw in reader.messages()]
 
 
 def offer(profiles: list[Qos]) -> QoSProfile:
-    """Return what to offer for a topic, of whose publishers these were the offers."""
-    matters = {(each.reliability, each.durability, each.deadline, each.liveliness,
+    """Return the quality of service to offer, from those of the recorded publishers."""
+    offers = {(each.reliability, each.durability, each.deadline, each.liveliness,
                 each.liveliness_lease_duration) for each in profiles}
-    if len(matters) != 1:
+    if len(offers) != 1:
         return DEFAULT
     first = profiles[0]
     return QoSProfile(
@@ -70,7 +69,7 @@ def offer(profiles: list[Qos]) -> QoSProfile:
 
 
 def duration(time: QosTime) -> Duration:
-    """Return a duration of the bag."""
+    """Convert a duration of the bag."""
     return Duration(seconds=time.sec, nanoseconds=time.nsec)
 
 
@@ -81,16 +80,16 @@ def message_class(name: str) -> type:
 
 
 class Player:
-    """A node that offers what is in a bag, from its making until `close`."""
+    """A node that publishes the topics of a bag, until `close`."""
 
     def __init__(self, bag: Path, domain: int | None = None) -> None:
-        """Offer every topic; `domain`: else that of the environment."""
+        """Create the publishers; without a `domain`, in that of the environment."""
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = rclpy.create_node('player', context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        # Nothing is done when somebody comes, but `wait` wakes up.
+        # A new subscriber only wakes up `wait`.
         wakes = PublisherEventCallbacks(matched=lambda _: None)
         with Reader(bag) as reader:
             self.publishers = {
@@ -99,17 +98,17 @@ class Player:
                     offer(each.ext.offered_qos_profiles), event_callbacks=wakes)
                 for each in reader.connections}
 
-    def heard(self) -> bool:
-        """Tell whether somebody listens to every topic."""
+    def subscribed(self) -> bool:
+        """Return whether every topic has a subscriber."""
         return all(each.get_subscription_count() for each in self.publishers.values())
 
     def wait(self) -> None:
-        """Wait until somebody listens to every topic."""
-        while not self.heard():
+        """Wait until every topic has a subscriber."""
+        while not self.subscribed():
             self._executor.spin_once()
 
     def play(self, played: Iterable[Played], *, paced: bool = True) -> None:
-        """Publish messages, each as long after the first as when it was recorded."""
+        """Publish messages; `paced`: with the delays of the recording."""
         ahead: float | None = None
         for each in played:
             now, recorded = time.monotonic(), each.time / 1e9
@@ -119,8 +118,8 @@ class Player:
             self.publishers[each.topic].publish(each.raw)
 
     def arrived(self) -> bool:
-        """Wait until all who listen have got everything; False: they have not."""
-        return all(each.wait_for_all_acked(PATIENCE) for each in self.publishers.values())
+        """Wait until all subscribers have received everything; False: timeout."""
+        return all(each.wait_for_all_acked(TIMEOUT) for each in self.publishers.values())
 
     def close(self) -> None:
         """Leave the graph."""
@@ -130,7 +129,7 @@ class Player:
 
 
 def main(bag: Path) -> int:
-    """Play a bag; 1: not everything has arrived."""
+    """Play a bag; 1: not everything arrived in time."""
     player = Player(bag)
     player.wait()
     player.play(messages(bag))

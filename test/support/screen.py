@@ -1,4 +1,4 @@
-"""A program on a pseudo terminal: what it shows is read as a person would see it."""
+"""Runs a program on a pseudo terminal, and reads its screen as a person would."""
 
 import codecs
 from collections.abc import Callable, Iterator
@@ -18,20 +18,20 @@ from typing import Any
 
 from create_oi_ros.ros.programs import PROGRAMS
 
-PATIENCE = 30.0
-"""Seconds after which what a test waits for is taken not to come."""
+TIMEOUT = 30.0
+"""Seconds after which a test that waits fails."""
 SEQUENCE = re.compile(r'\x1b\[([?\d;]*)([A-Za-z])')
 
 
 class Screen:
-    """As much of a terminal as `create_view` uses: a cursor, and clearing."""
+    """The part of a terminal that `create_view` uses: a cursor, and clearing."""
 
     def __init__(self, columns: int, rows: int) -> None:
         self.columns, self.rows = columns, rows
-        self.other = False
-        """Whether the other screen is shown."""
-        self.beside = 0
-        """Characters that were written where there is no screen."""
+        self.alternate = False
+        """Whether the alternate screen is shown."""
+        self.outside = 0
+        """Characters written outside the screen."""
         self._rest = ''
         self._row = self._column = 0
         self._clear()
@@ -40,7 +40,7 @@ class Screen:
         self._cells = [[' '] * self.columns for _ in range(self.rows)]
 
     def feed(self, text: str) -> None:
-        """Take in what was written; a sequence may be cut anywhere."""
+        """Process output; an escape sequence may be cut anywhere."""
         text, self._rest = self._rest + text, ''
         at = 0
         while at < len(text):
@@ -52,7 +52,7 @@ class Screen:
                 at = found.end()
             else:
                 self._rest = text[at:]
-                assert len(self._rest) < 20, f'no sequence: {self._rest!r}'
+                assert len(self._rest) < 20, f'unknown sequence: {self._rest!r}'
                 return
 
     def _obey(self, arguments: str, command: str) -> None:
@@ -63,33 +63,33 @@ class Screen:
                 row, column = map(int, arguments.split(';'))
                 self._row, self._column = row - 1, column - 1
             case '?1049', _:
-                self.other = command == 'h'
+                self.alternate = command == 'h'
             case _:
                 assert (arguments, command) in {
                     ('?25', 'l'), ('?25', 'h'), ('?7', 'l'), ('?7', 'h'), ('0', 'm'), ('7', 'm')}
 
     def _put(self, character: str) -> None:
-        if not self.other or character in '\r\n':
+        if not self.alternate or character in '\r\n':
             return
         if self._row < self.rows and self._column < self.columns:
             self._cells[self._row][self._column] = character
         else:
-            self.beside += 1
+            self.outside += 1
         self._column += 1
 
     @property
     def text(self) -> str:
-        """All that is seen."""
+        """Everything on the screen."""
         return '\n'.join(''.join(row) for row in self._cells)
 
     def after(self, label: str) -> str:
-        """Return what the panel says after a label."""
+        """Return the text of the panel after a label."""
         found = re.search(rf'[│|]{label:8}(.*)', self.text)
         return found[1].strip() if found else ''
 
 
-class Typist:
-    """A program on a terminal of its own, somebody who types, and the screen."""
+class TerminalProgram:
+    """A program on a terminal of its own, with its keyboard and its screen."""
 
     def __init__(
         self, program: str, *arguments: str, domain: int, size: tuple[int, int] = (80, 24),
@@ -99,8 +99,8 @@ class Typist:
         self._open = [self.master, self.slave]
         self.screen = Screen(*size)
         self._decoder = codecs.getincrementaldecoder('utf-8')()  # reads may cut characters
-        self.said = ''
-        """All that it has written."""
+        self.output = ''
+        """Everything that it has written."""
         self.resize(*size)
         self.settings = termios.tcgetattr(self.slave)
         command = [sys.executable, '-c', PROGRAMS[program], *arguments]
@@ -115,33 +115,33 @@ class Typist:
         fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
     def resize(self, columns: int, rows: int) -> None:
-        """Drag the window."""
+        """Resize the window."""
         fcntl.ioctl(self.slave, termios.TIOCSWINSZ, struct.pack('HHHH', rows, columns, 0, 0))
         self.screen = Screen(columns, rows)
-        self.screen.other = bool(self.said)
+        self.screen.alternate = bool(self.output)
 
     def type(self, keys: str) -> None:
         """Press keys."""
         os.write(self.master, keys.encode())
 
     def look(self, seconds: float = 0.0) -> None:
-        """Take in what was written."""
+        """Read its output."""
         while select.select([self.master], [], [], seconds)[0]:
             seconds = 0.0
             text = self._decoder.decode(os.read(self.master, 65536))
-            self.said += text
+            self.output += text
             self.screen.feed(text)
 
     def until(self, happened: Callable[[], Any], what: str = '') -> None:
-        """Watch until something has happened; fail when it does not."""
-        deadline = time.monotonic() + PATIENCE
+        """Read its output until a condition holds; fail after TIMEOUT."""
+        deadline = time.monotonic() + TIMEOUT
         while not happened():
             assert time.monotonic() < deadline, f'{what} did not happen:\n{self.screen.text}'
-            assert self.process.poll() is None, f'it has ended:\n{self.said[-3000:]}'
+            assert self.process.poll() is None, f'it has ended:\n{self.output[-3000:]}'
             self.look(0.05)
 
     def sees(self, text: str) -> None:
-        """Wait until a text is seen."""
+        """Wait until a text is on the screen."""
         self.until(lambda: text in self.screen.text, f'{text!r}')
 
     def send(self, number: signal.Signals) -> None:
@@ -150,7 +150,7 @@ class Typist:
 
     def ended(self) -> int:
         """Wait for its end; return its exit code."""
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while self.process.poll() is None:
             assert time.monotonic() < deadline, f'it does not end:\n{self.screen.text}'
             self.look(0.05)
@@ -159,8 +159,8 @@ class Typist:
 
     @property
     def restored(self) -> bool:
-        """Tell whether the terminal is as it was."""
-        return termios.tcgetattr(self.slave) == self.settings and not self.screen.other
+        """Return whether the terminal has its first settings and the normal screen again."""
+        return termios.tcgetattr(self.slave) == self.settings and not self.screen.alternate
 
     def hang_up(self) -> None:
         """Close the window."""
@@ -169,7 +169,7 @@ class Typist:
         self._open = []
 
     def close(self) -> None:
-        """End it, whatever it is doing."""
+        """Kill it if it runs, and close the terminal."""
         if self.process.poll() is None:
             self.process.kill()
         self.process.wait()
@@ -177,15 +177,15 @@ class Typist:
 
 
 @contextmanager
-def seats(program: str, domain: int) -> Iterator[Callable[..., Typist]]:
-    """Give what sits somebody down before a program; all of them are ended."""
-    taken: list[Typist] = []
+def terminals(program: str, domain: int) -> Iterator[Callable[..., TerminalProgram]]:
+    """Yield a function that starts a program on a terminal; kill all of them at the end."""
+    started: list[TerminalProgram] = []
 
-    def sit(*arguments: str, **more: Any) -> Typist:
-        taken.append(Typist(program, *arguments, domain=domain, **more))
-        return taken[-1]
+    def start(*arguments: str, **more: Any) -> TerminalProgram:
+        started.append(TerminalProgram(program, *arguments, domain=domain, **more))
+        return started[-1]
     try:
-        yield sit
+        yield start
     finally:
-        for each in taken:
+        for each in started:
             each.close()

@@ -1,1 +1,1 @@
-"""`create_calibrate`: the odometry's parameters from what a tape measure says."""
+"""`create_calibrate`: computes the parameters of the odometry from measured drives."""

@@ -1,8 +1,8 @@
 """
-The arithmetic of calibration: what was measured against what the odometry said.
+The arithmetic of calibration: measured motion against the motion that the odometry reported.
 
-Pure functions in SI units. What they work out are the node's parameters `linear_scale`,
-`angular_scale` and `wheel_separation`.
+Pure functions in SI units. They compute the node's parameters `linear_scale`, `angular_scale` and
+`wheel_separation`.
 """
 
 from collections.abc import Sequence
@@ -10,20 +10,22 @@ from dataclasses import dataclass, replace
 from math import pi, sin
 from statistics import mean
 
+from ...robot import WHEEL_SEPARATION
+
 PLAUSIBLE = 0.2
-"""A correction of more than this share is more likely a slip of the tape, or of the pen."""
+"""Largest believable correction; a larger one is more likely a mistake in measuring."""
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """Values of the parameters; those that were in force, or those to set."""
+    """Values of the parameters: those used in the drives, or those to set."""
 
     linear_scale: float = 1.0
     angular_scale: float = 1.0
-    wheel_separation: float = 0.258
+    wheel_separation: float = WHEEL_SEPARATION
 
     def yaml(self) -> str:
-        """Return them as a ROS parameter file."""
+        """Return the values as a ROS parameter file."""
         return '\n'.join([
             '/**:', '  ros__parameters:',
             *(f'    {name}: {value:.5f}' for name, value in vars(self).items()), ''])
@@ -31,23 +33,23 @@ class Calibration:
 
 @dataclass(frozen=True)
 class Run:
-    """One drive: what the tape or the marks said, and what `odom` said, in the same unit."""
+    """One drive: its length or angle as measured and as reported by `odom`, in one unit."""
 
     measured: float
     reported: float
 
 
 def line(runs: Sequence[Run], before: Calibration) -> Calibration:
-    """Correct the distance by drives along a measured line; ValueError for absurd figures."""
+    """Correct the distance by measured straight drives; ValueError: not believable."""
     return replace(before, linear_scale=before.linear_scale * _correction(runs))
 
 
 def turns(runs: Sequence[Run], before: Calibration) -> Calibration:
     """
-    Correct the angle by measured turns in place; ValueError for absurd figures.
+    Correct the angle by measured turns in place; ValueError: not believable.
 
-    The robot turns by the difference of its wheels over their separation: where it turns further
-    than it reports, its wheels are closer together than was thought.
+    The angle is the difference of the wheels' distances over their separation. A robot that turns
+    further than it reports has wheels that are closer together than assumed.
     """
     correction = _correction(runs)
     return replace(
@@ -56,7 +58,7 @@ def turns(runs: Sequence[Run], before: Calibration) -> Calibration:
 
 
 def _correction(runs: Sequence[Run]) -> float:
-    """Return true over reported, longer runs counting more."""
+    """Return measured over reported motion; longer drives count more."""
     for run in runs:
         if run.measured * run.reported <= 0:
             raise ValueError(
@@ -66,39 +68,38 @@ def _correction(runs: Sequence[Run]) -> float:
     if abs(correction - 1) > PLAUSIBLE:
         raise ValueError(
             f'a correction by {correction:.2f} is not believable (up to {PLAUSIBLE:.0%} is): are '
-            'measured and reported in the same unit, and the same way round?')
+            'measured and reported in the same unit, with the same sign?')
     return correction
 
 
 @dataclass(frozen=True)
-class Return:
-    """Where a robot ended that was to come back, measured less reported, m, in its first frame."""
+class EndOffset:
+    """End of a square drive, measured less reported, metres, in the frame of its start."""
 
     x: float
     y: float
 
 
 @dataclass(frozen=True)
-class Square:
-    """What UMBmark finds."""
+class SquareResult:
+    """Result of UMBmark."""
 
     calibration: Calibration
     wheel_ratio: float
-    """Diameter of the right wheel over that of the left; the driver has no parameter for it."""
+    """Diameter of the right wheel over the left; no parameter of the driver corrects it."""
     worst: float
-    """Metres: the larger distance of the two centres of gravity, the benchmark's own figure."""
+    """Metres from the start to the mean end of either direction, whichever is larger."""
 
 
 def square(
-    clockwise: Sequence[Return], counter: Sequence[Return], side: float, before: Calibration,
-) -> Square:
+    clockwise: Sequence[EndOffset], counter: Sequence[EndOffset], side: float, before: Calibration,
+) -> SquareResult:
     """
     Correct the angle by driving a square of `side` metres both ways round (UMBmark).
 
     Borenstein and Feng, "Measurement and correction of systematic odometry errors in mobile
-    robots", 1996: errors that are alike both ways come from the wheels' separation, errors that
-    are opposite from unequal wheels. The robot starts along x and turns by 90 degrees at every
-    corner, to the right when clockwise.
+    robots", 1996: equal errors both ways come from the wheel separation, opposite errors from
+    unequal wheels. The robot starts along x and turns by 90 degrees at each corner.
     """
     if side <= 0 or not clockwise or not counter:
         raise ValueError('a square needs a positive side and runs both ways round')
@@ -112,11 +113,11 @@ def square(
     half = before.wheel_separation / 2
     radius = side / 2 / sin(beta / 2) if beta else float('inf')
     ratio = (radius + half) / (radius - half) if beta else 1.0
-    return Square(
+    return SquareResult(
         replace(before, angular_scale=before.angular_scale / share,
                 wheel_separation=before.wheel_separation * share),
         ratio, max((end.x ** 2 + end.y ** 2) ** 0.5 for end in (cw, ccw)))
 
 
-def _centre(ends: Sequence[Return]) -> Return:
-    return Return(mean(end.x for end in ends), mean(end.y for end in ends))
+def _centre(ends: Sequence[EndOffset]) -> EndOffset:
+    return EndOffset(mean(end.x for end in ends), mean(end.y for end in ends))

@@ -1,5 +1,5 @@
 """
-`create_calibrate`: from measured drives to the parameters of the odometry.
+`create_calibrate`: compute the parameters of the odometry from measured drives.
 
     create_calibrate line 2.000:1.984 2.000:1.986      metres, measured:reported
     create_calibrate turns 3600:3548                   degrees, measured:reported
@@ -13,52 +13,51 @@ from collections.abc import Sequence
 from pathlib import Path
 import sys
 
-from .calibration import Calibration, line, Return, Run, square, turns
+from .calibration import Calibration, EndOffset, line, Run, square, turns
 
 
 def _run(text: str) -> Run:
     try:
         measured, reported = map(float, text.split(':'))
     except ValueError:
-        raise argparse.ArgumentTypeError(f'{text!r}: MEASURED:REPORTED is wanted') from None
+        raise argparse.ArgumentTypeError(f'{text!r}: give MEASURED:REPORTED') from None
     return Run(measured, reported)
 
 
-def _return(text: str) -> Return:
+def _offset(text: str) -> EndOffset:
     try:
         x, y = map(float, text.split(','))
     except ValueError:
-        raise argparse.ArgumentTypeError(f'{text!r}: X,Y in metres is wanted') from None
-    return Return(x, y)
+        raise argparse.ArgumentTypeError(f'{text!r}: give X,Y in metres') from None
+    return EndOffset(x, y)
 
 
-def parser() -> argparse.ArgumentParser:
+def _arguments() -> argparse.ArgumentParser:
     """Return the command's arguments."""
-    known = Calibration()
-    made = argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         prog='create_calibrate', description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.add_argument('-o', '--output', type=Path, help='YAML file to write; default: print it')
-    for name, value in vars(known).items():
-        made.add_argument(
+    parser.add_argument('-o', '--output', type=Path, help='YAML file to write; default: print it')
+    for name, value in vars(Calibration()).items():
+        parser.add_argument(
             f'--{name.replace("_", "-")}', type=float, default=value,
-            help=f'in force during the drives (default {value})')
-    ways = made.add_subparsers(dest='way', required=True)
+            help=f'value used during the drives (default {value})')
+    ways = parser.add_subparsers(dest='way', required=True)
     for way, about in (('line', 'drives along a line, metres'),
                        ('turns', 'turns in place, degrees')):
         ways.add_parser(way, help=about).add_argument(
             'runs', type=_run, nargs='+', metavar='MEASURED:REPORTED')
     marks = ways.add_parser(
-        'square', help='UMBmark: where the robot ended, measured less reported')
+        'square', help='UMBmark: ends of square drives, measured less reported')
     marks.add_argument('--side', type=float, required=True, help='metres')
     for name in ('--clockwise', '--counter'):
-        marks.add_argument(name, type=_return, nargs='+', required=True, metavar='X,Y')
+        marks.add_argument(name, type=_offset, nargs='+', required=True, metavar='X,Y')
     ways.add_parser('listen', help='add up what odom reports while you drive')
-    return made
+    return parser
 
 
 def calibrated(options: argparse.Namespace) -> tuple[Calibration, list[str]]:
-    """Return the new values, and what else there is to say; ValueError for absurd figures."""
+    """Return the new values and remarks for the user; ValueError: not believable."""
     before = Calibration(
         options.linear_scale, options.angular_scale, options.wheel_separation)
     if options.way == 'line':
@@ -72,8 +71,8 @@ def calibrated(options: argparse.Namespace) -> tuple[Calibration, list[str]]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_calibrate`; 2 when the figures cannot be true."""
-    options = parser().parse_args(arguments)
+    """Run `create_calibrate`; 2: the values are not believable."""
+    options = _arguments().parse_args(arguments)
     if options.way == 'listen':
         from .listen import listen
         return listen()

@@ -1,19 +1,17 @@
-"""`create_calibrate listen`: how far and how much the robot has moved, as `odom` reports it."""
+"""`create_calibrate listen`: distance and angle since the start, as `odom` reports them."""
 
-from math import atan2, degrees, pi
+from math import degrees, pi
 
 from nav_msgs.msg import Odometry
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from ...ros.process import call_on_signal, spin_until
+from ...ros.process import call_on_signal, ros_executor, spin_until
+from ...ros.rotation import yaw_of
 
 
 class Tally:
-    """Adds up distance along the way and turning, without limit."""
+    """Adds up distance and angle; the angle may exceed a full turn."""
 
     def __init__(self) -> None:
         self.distance = 0.0
@@ -23,7 +21,7 @@ class Tally:
         self._before: tuple[float, float, float] | None = None
 
     def add(self, x: float, y: float, yaw: float, *, forward: bool) -> None:
-        """Take a pose in."""
+        """Add the motion since the last pose."""
         if self._before is not None:
             x0, y0, yaw0 = self._before
             step = ((x - x0) ** 2 + (y - y0) ** 2) ** 0.5
@@ -41,9 +39,10 @@ class _Listener(Node):
         self.create_timer(0.5, self._print)
 
     def _on_odom(self, odom: Odometry) -> None:
-        at, turned = odom.pose.pose.position, odom.pose.pose.orientation
+        pose = odom.pose.pose
         self._tally.add(
-            at.x, at.y, 2 * atan2(turned.z, turned.w), forward=odom.twist.twist.linear.x >= 0)
+            pose.position.x, pose.position.y, yaw_of(pose.orientation),
+            forward=odom.twist.twist.linear.x >= 0)
 
     def _print(self) -> None:
         print(f'\rreported: {self._tally.distance:+8.3f} m  {degrees(self._tally.turned):+9.1f} '
@@ -54,13 +53,8 @@ def listen() -> int:
     """Print the tally until Ctrl-C."""
     ended = Future()
     call_on_signal(lambda: ended.set_result(0))
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = _Listener(Tally())
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    spin_until(executor, ended)
-    print()
-    executor.shutdown()
-    node.destroy_node()
-    rclpy.shutdown()
+    with ros_executor() as executor:
+        executor.add_node(_Listener(Tally()))
+        spin_until(executor, ended)
+        print()
     return 0

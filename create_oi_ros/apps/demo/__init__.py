@@ -1,6 +1,6 @@
 """
-A robot that shows itself: the command `create_demo`.
+`create_demo`: a simulated robot drives a tour, which is recorded and reported.
 
-`pilot` drives and waits for what the robot reports, `tour` is what it shows, `command` starts,
-records and ends all of it.
+`pilot` drives and waits for what the robot reports, `tour` lists the steps, `create_demo` starts
+and ends the processes.
 """

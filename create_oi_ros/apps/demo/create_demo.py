@@ -1,4 +1,4 @@
-"""The command `create_demo`: a simulated robot, the node, a tour, a bag, a report."""
+"""The command `create_demo`: a simulated robot, its node, a tour, a bag, a report."""
 
 from __future__ import annotations
 
@@ -8,49 +8,47 @@ from contextlib import contextmanager, ExitStack
 from datetime import datetime
 import os
 from pathlib import Path
+import subprocess
 import tempfile
 import threading
 import time
 
 import rclpy
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 
-from ...ros.bags import BagError, missing
-from ...ros.process import call_on_signal
-from ..record.recorder import Recorder
-from ..report.create_report import report
-from ..run import Children
+from ...ros.bags import missing
+from ...ros.children import Children, start
+from ...ros.process import call_on_signal, ros_executor
+from ...ros.recorder import Recorder
 from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, Step, TOUR, WORLD
 
 BAG = 'create_demo'
 STOPPED = 130
-"""The exit code of a program that Ctrl-C has ended."""
+"""Exit code of a program that Ctrl-C has ended."""
 
 
-def go_private() -> None:
-    """Keep to this computer and to a ROS domain of our own: no other robot is to obey."""
+def isolate() -> None:
+    """Use this computer only, and a ROS domain of our own, so that no other robot obeys."""
     os.environ.setdefault('ROS_DOMAIN_ID', str(40 + os.getpid() % 60))
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
 
 def say(text: str) -> None:
-    """Print a line at once, to be read by who watches."""
+    """Print a line and flush it."""
     print(f'create_demo: {text}', flush=True)
 
 
 def tour(steps: Sequence[Step], pilot: Pilot) -> None:
-    """Show everything, saying what is shown."""
+    """Do all steps, and print each one."""
     began = time.monotonic()
     for number, step in enumerate(steps, 1):
-        say(f'{time.monotonic() - began:5.1f} s  {number} of {len(steps)}: {step.what}')
+        say(f'{time.monotonic() - began:5.1f} s  {number} of {len(steps)}: {step.title}')
         step.do(pilot)
 
 
 @contextmanager
 def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[Pilot]:
-    """Yield who drives, while everything is recorded."""
+    """Record everything to a bag and yield the pilot; at the end, stop the children first."""
     def check() -> None:
         if stop.is_set():
             raise Stopped
@@ -58,25 +56,21 @@ def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[
         if ended is not None:
             raise TourError(f'{ended}; see above for why')
 
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node('create_demo')
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    recorder = Recorder(node, bag)
-    recorder.describe()
-    try:
-        yield Pilot(node, executor, check)
-    finally:
-        # The wheels come first: without the node the robot stops.
-        children.end()
-        recorder.close()
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.shutdown()
+    with ros_executor() as executor:
+        node = rclpy.create_node('create_demo')
+        executor.add_node(node)
+        recorder = Recorder(node, bag)
+        recorder.describe()
+        try:
+            yield Pilot(node, executor, check)
+        finally:
+            # The wheels come first: the robot stops when its node ends.
+            children.end()
+            recorder.close()
 
 
 def record(steps: Sequence[Step], bag: Path, stop: threading.Event) -> None:
-    """Let a simulated robot go on a tour; TourError and Stopped say why it ended early."""
+    """Start a simulated robot and its node, and record the tour; TourError, Stopped: cut short."""
     children = Children()
     with ExitStack() as stack:
         port = f'{stack.enter_context(tempfile.TemporaryDirectory(prefix="create-"))}/create'
@@ -87,19 +81,23 @@ def record(steps: Sequence[Step], bag: Path, stop: threading.Event) -> None:
         tour(steps, stack.enter_context(recording(bag, children, stop)))
 
 
-def show(folder: Path) -> None:
-    """Make the report in both forms, and name it."""
+def report(folder: Path) -> int:
+    """Run `create_report` for a picture and a page; return 0, or 2 when it fails."""
     say('the report is being made')
     for name in ('report.png', 'report.html'):
-        report(folder / BAG, folder / name)
+        made = start('create_report', str(folder / BAG), '-o', str(folder / name),
+                     stdout=subprocess.DEVNULL)
+        if made.wait() != 0:
+            return 2
     say(f'the bag is {folder / BAG}')
     say(f'look at {folder / "report.png"} or {folder / "report.html"}')
+    return 0
 
 
 def _arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='create_demo', description='Let a simulated Create show itself for two minutes, '
-        'record everything to a bag and make a report of it.')
+        prog='create_demo', description='Drive a simulated Create through a tour of two minutes, '
+        'record everything to a bag, and make a report of it.')
     parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
                         default=Path(f'demo-{datetime.now():%Y%m%d-%H%M%S}'),
                         help='a new folder for bag and report (default: demo-DATE-TIME)')
@@ -108,14 +106,14 @@ def _arguments() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_demo`; 1: something did not happen, 2: there is no report."""
+    """Run `create_demo`; 1: the tour failed, 2: no bag or no report could be made."""
     parser = _arguments()
     options = parser.parse_args(arguments)
     if options.folder.exists():
         parser.error(f'{options.folder} is there already')
     stop, code = threading.Event(), 0
     call_on_signal(stop.set)
-    go_private()
+    isolate()
     try:
         record(SHORT if options.short else TOUR, options.folder / BAG, stop)
     except TourError as error:
@@ -127,9 +125,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         say(missing((error.name or '').partition('.')[0]))
         return 2
-    try:
-        show(options.folder)
-    except (BagError, OSError) as error:
-        say(str(error))
-        return 2
-    return code
+    return report(options.folder) or code

@@ -14,6 +14,7 @@ from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from ...ros.rotation import yaw_of
 from ...ros.topics import LATCHED
 
 PERIOD = 0.05
@@ -21,11 +22,13 @@ PERIOD = 0.05
 CRUISE, TURN = 0.3, 1.2
 """m/s and rad/s."""
 SPIRAL_TURN = 1.6
+"""rad/s at most."""
 BRAKING, SLOWEST = 2.5, 0.2
-"""Turning speed for each radian that is left to turn, and at least."""
+"""Turning speed, rad/s, for each radian left to turn, and at least."""
 CLOSE, STRAIGHT = 0.02, 0.03
-"""Metres and radians that are near enough."""
+"""Metres and radians: tolerance of a drive and of a turn."""
 STANDING = 0.01
+"""m/s; a slower robot stands."""
 
 
 class TourError(Exception):
@@ -33,16 +36,16 @@ class TourError(Exception):
 
 
 class Stopped(Exception):
-    """Somebody has asked for the end."""
+    """A signal has ended the tour."""
 
 
 class Pilot:
-    """One who drives; each method returns when what it says is done."""
+    """Drives the robot; each method returns when its motion is complete."""
 
     def __init__(
         self, node: Node, executor: SingleThreadedExecutor, check: Callable[[], None],
     ) -> None:
-        """`check` is called all the time, and may raise."""
+        """`check` is called while waiting, and may raise to end the tour."""
         self._node, self._executor, self._check = node, executor, check
         self._velocity = node.create_publisher(Twist, 'cmd_vel', 1)
         self._commanded: Twist | None = None
@@ -51,7 +54,7 @@ class Pilot:
         self.mode, self.bumped, self.song = Mode(mode=Mode.UNKNOWN), False, Song()
         self.warnings: list[str] = []
         self.turned = 0.0
-        """Radians since the beginning, not folded."""
+        """Angle turned since the start, rad; may exceed a full turn."""
         node.create_subscription(Odometry, 'odom', self._on_odom, 10)
         node.create_subscription(Bumper, 'bumper', self._on_bumper, 10)
         node.create_subscription(Mode, 'mode', self._on_mode, LATCHED)
@@ -78,22 +81,21 @@ class Pilot:
 
     @property
     def place(self) -> tuple[float, float]:
-        """Where the odometry says that the robot is, metres."""
+        """Position by the odometry, metres."""
         if self.odom is None:
             return 0.0, 0.0
         return self.odom.pose.pose.position.x, self.odom.pose.pose.position.y
 
     @property
     def yaw(self) -> float:
-        """Where the robot looks, radians."""
+        """Heading by the odometry, rad."""
         if self.odom is None:
             return 0.0
-        heading = self.odom.pose.pose.orientation
-        return 2 * atan2(heading.z, heading.w)
+        return yaw_of(self.odom.pose.pose.orientation)
 
     @property
     def standing(self) -> bool:
-        """Whether neither wheel turns."""
+        """Whether the robot stands still."""
         twist = self.odom.twist.twist if self.odom else Twist()
         return bool(abs(twist.linear.x) < STANDING and abs(twist.angular.z) < 5 * STANDING)
 
@@ -101,7 +103,7 @@ class Pilot:
         self, happened: Callable[[], Any], what: str, seconds: float = 10.0,
         steer: Callable[[], None] = lambda: None,
     ) -> None:
-        """Wait until something has happened, steering meanwhile; TourError: it did not."""
+        """Wait for a condition, steering meanwhile; TourError: it did not come in time."""
         deadline = time.monotonic() + seconds
         while not happened():
             self._check()
@@ -116,11 +118,11 @@ class Pilot:
                     self._velocity.publish(self._commanded)
 
     def command(self, speed: float, turn: float) -> None:
-        """Set the velocity that is sent from now on."""
+        """Set the velocity to send from now on, m/s and rad/s."""
         self._commanded = Twist(linear=Vector3(x=speed), angular=Vector3(z=turn))
 
     def release(self) -> None:
-        """Stop, and send no more commands."""
+        """Send a zero velocity, then no more commands."""
         self._velocity.publish(Twist())
         self._commanded = None
 
@@ -130,7 +132,7 @@ class Pilot:
         self.until(lambda: self.standing, 'the robot stands', 3.0)
 
     def call(self, type_: type, name: str, **fields: Any) -> str:
-        """Call a service; TourError: it refuses. Return its message."""
+        """Call a service and return its message; TourError: it was refused."""
         client = self._node.create_client(type_, name)
         self.until(client.service_is_ready, f'service {name} is offered')
         future = client.call_async(type_.Request(**fields))  # type: ignore[attr-defined]
@@ -142,7 +144,7 @@ class Pilot:
         return str(reply.message)
 
     def turn_to(self, yaw: float) -> None:
-        """Turn on the spot, the short way."""
+        """Turn in place to a heading, the short way."""
         def left() -> float:
             return remainder(yaw - self.yaw, tau)
 
@@ -152,7 +154,7 @@ class Pilot:
         self.stop()
 
     def go_to(self, x: float, y: float) -> None:
-        """Turn to a point and drive there; TourError: something is in the way."""
+        """Turn towards a point and drive there; TourError: an obstacle is in the way."""
         def bearing() -> float:
             return atan2(y - self.place[1], x - self.place[0])
 
@@ -161,7 +163,7 @@ class Pilot:
 
         def steer() -> None:
             off = remainder(bearing() - self.yaw, tau)
-            # So near that the bearing says nothing, keep straight on.
+            # Close to the point the bearing jumps, so drive straight on.
             turn = 2.0 * off if away() > 0.1 and abs(off) < pi / 2 else 0.0
             self.command(min(CRUISE, max(0.08, 2.0 * away())), turn)
 
@@ -178,7 +180,7 @@ class Pilot:
         self.stop()
 
     def back(self, distance: float) -> None:
-        """Drive straight back."""
+        """Drive straight backwards."""
         x, y = self.place
         self.command(-0.15, 0.0)
         self.until(lambda: hypot(self.place[0] - x, self.place[1] - y) >= distance,
@@ -186,7 +188,7 @@ class Pilot:
         self.stop()
 
     def spiral(self, turns: float, inner: float, outer: float) -> None:
-        """Drive clockwise round and round, farther out each time."""
+        """Drive a clockwise spiral from an inner to an outer radius, metres."""
         began = self.turned
 
         def left() -> float:
@@ -202,5 +204,5 @@ class Pilot:
 
 
 def braked(left: float) -> float:
-    """Return the most, rad/s, at which to turn so many radians further, to end there."""
+    """Return the turning speed limit, rad/s, with `left` radians left to turn."""
     return max(SLOWEST, BRAKING * abs(left))

@@ -1,4 +1,4 @@
-"""What the robot shows: a way through the world `apartment`, which it enters at (0, 0)."""
+"""The steps of the tour through the world `apartment`; the robot starts at (0, 0)."""
 
 from __future__ import annotations
 
@@ -13,20 +13,23 @@ from .pilot import Pilot, TourError
 
 WORLD = 'apartment'
 GREEN, ORANGE, RED = 0, 96, 255
+"""Colours of the power LED."""
 HELLO, GOODBYE = 0, 1
+"""Numbers of the songs."""
 SIDE = 0.6
-"""Metres of the square."""
+"""Side of the square, metres."""
 WALL_AHEAD = (-0.1, -1.5)
-"""A point from which the living room's wall can be hit; x is the robot's first heading."""
+"""A point in front of a wall of the living room; x is the robot's first heading."""
 DOORS = ((0.4, -1.05), (2.85, -1.05), (2.85, -3.25))
 """The way to the hall, through two doors."""
 EDGE_SPEED = 0.15
+"""m/s towards the stairs."""
 
 
 class Step(NamedTuple):
-    """A part of the tour."""
+    """A step of the tour: its title and what it does."""
 
-    what: str
+    title: str
     do: Callable[[Pilot], None]
 
 
@@ -43,13 +46,13 @@ def hello(pilot: Pilot) -> None:
 
 
 def song_ends(pilot: Pilot) -> None:
-    """Wait for a song's beginning and end; its number may come later."""
+    """Wait until a song has begun and ended."""
     pilot.until(lambda: pilot.song.playing, 'a song begins')
     pilot.until(lambda: not pilot.song.playing, 'a song ends')
 
 
 def square(pilot: Pilot) -> None:
-    """Drive a square to the right, and look ahead again."""
+    """Drive a square to the right, and turn back to the first heading."""
     for x, y in ((SIDE, 0.0), (SIDE, -SIDE), (0.0, -SIDE), (0.0, 0.0)):
         pilot.go_to(x, y)
     pilot.turn_to(0.0)
@@ -62,7 +65,7 @@ def spiral(pilot: Pilot) -> None:
 
 
 def bump_and_turn(pilot: Pilot) -> None:
-    """Run into two walls, turning away each time."""
+    """Bump into two walls, backing off each time."""
     pilot.go_to(*WALL_AHEAD)
     for heading in (-pi / 2, 0.0):
         pilot.turn_to(heading)
@@ -81,7 +84,7 @@ def to_the_hall(pilot: Pilot) -> None:
 
 
 def cliff(pilot: Pilot) -> None:
-    """Drive to the stairs, where the robot itself stops and falls to Passive; come back."""
+    """Drive to the stairs, where the robot stops by itself in Passive; come back."""
     pilot.command(EDGE_SPEED, 0.0)
     pilot.until(lambda: pilot.mode.mode == Mode.PASSIVE, 'a cliff drops the robot to Passive',
                 20.0)
@@ -96,7 +99,7 @@ def cliff(pilot: Pilot) -> None:
 
 
 def goodbye(pilot: Pilot) -> None:
-    """Turn round and play the other song."""
+    """Turn round, play the other song, and release the wheels."""
     pilot.turn_to(pi)
     pilot.call(SetLeds, 'set_leds', power_color=RED, power_intensity=60)
     pilot.call(PlaySong, 'play_song', number=GOODBYE)

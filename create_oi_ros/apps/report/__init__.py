@@ -1,6 +1,6 @@
 """
-One page that tells what a robot did, made from a bag: the command `create_report`.
+`create_report`: shows on one page what a robot did, from a bag.
 
-`bag` opens bags, `reading` streams one into a `Recording`, `story` puts that into words,
-`drawing` into a picture, `page` both into a file.
+`bag_reader` reads a bag into a `Recording`, with `recovery` for files that were never closed.
+`summary` describes it in words, `drawing` as a picture, `page` writes both to a file.
 """

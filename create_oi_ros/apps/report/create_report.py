@@ -1,4 +1,4 @@
-"""The command `create_report`: a bag in, one page out."""
+"""The command `create_report`: make one page from a bag."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WIDTH = 30
 
 
 def bar(label: str) -> Callable[[float], None]:
-    """Return what draws a progress bar, where somebody watches."""
+    """Return a function that draws a progress bar on stderr, if that is a terminal."""
     def show(part: float) -> None:
         done = round(WIDTH * min(1.0, max(0.0, part)))
         end = '\n' if part >= 1 else ''
@@ -24,7 +24,7 @@ def bar(label: str) -> Callable[[float], None]:
 
 
 def report(bag: Path, target: Path, robot: str | None = None) -> None:
-    """Make a report; BagError and OSError say why there is none."""
+    """Make a report; BagError or OSError says why it failed."""
     try:
         recording = read(bag, bar(f'reading {bag.name}'), robot)
         from .page import write
@@ -41,14 +41,15 @@ def _target(text: str) -> Path:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_report`; 2: there is nothing to report on."""
+    """Run `create_report`; 2: no report could be made."""
     parser = argparse.ArgumentParser(
         prog='create_report', description='Show on one page what a robot did, from a bag.')
     parser.add_argument('bag', type=Path, metavar='BAG',
                         help='folder of a bag, or its .mcap or .db3 file')
     parser.add_argument('-o', dest='target', type=_target, default=Path('report.html'),
                         metavar='FILE', help='.html or .png (default: %(default)s)')
-    parser.add_argument('--robot', metavar='NAMESPACE', help='which of several in the bag')
+    parser.add_argument('--robot', metavar='NAMESPACE',
+                        help='which robot, if the bag holds several')
     options = parser.parse_args(arguments)
     try:
         report(options.bag, options.target, options.robot)

@@ -1,4 +1,4 @@
-"""A recording as one picture: the track on top, below it everything over time."""
+"""Draws a recording: the track on top, everything over time below."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from textwrap import shorten, wrap
 from typing import Any, TYPE_CHECKING
 
 from .recording import Curve, Recording, Span, SPANS
-from .story import clock, Happening, happenings, summary
+from .summary import clock, events, summary, TimelineEvent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 
 INCHES = (12.0, 15.0)
 LISTED = 24
-"""Happenings that are numbered on the track; a page has room for no more."""
+"""Events numbered on the track; a page has no room for more."""
 HEADINGS = 30
+"""Arrows along the track."""
 AVERAGED = 0.5
-"""Seconds over which speeds are averaged: a frame measures them in steps of 67 mm/s."""
+"""Seconds over which speeds are averaged: one frame resolves only steps of 67 mm/s."""
 MEASURED, COMMANDED, GAP = '#1f6fb4', '#e08214', '#bbbbbb'
 MODES = {'Off': '#555555', 'Passive': '#f4b942', 'Safe': '#5aae61', 'Full': '#9970ab',
          'no robot': '#dddddd'}
@@ -36,9 +37,9 @@ def draw(recording: Recording) -> Figure:
     from matplotlib.figure import Figure
     figure = Figure(figsize=INCHES, layout='constrained')
     grid = figure.add_gridspec(6, 2, height_ratios=(4.6, 1.3, 1.3, 1.5, 2.2, 1.1))
-    told = happenings(recording)
-    _track(figure.add_subplot(grid[0, 0]), recording, told[:LISTED])
-    _words(figure.add_subplot(grid[0, 1]), recording, told)
+    shown = events(recording)
+    _track(figure.add_subplot(grid[0, 0]), recording, shown[:LISTED])
+    _words(figure.add_subplot(grid[0, 1]), recording, shown)
     first = figure.add_subplot(grid[1, :])
     rows = [first, *(figure.add_subplot(grid[row, :], sharex=first) for row in range(2, 6))]
     _speeds(rows[0], recording, 'speed', 'forward, m/s')
@@ -53,12 +54,12 @@ def draw(recording: Recording) -> Figure:
     return figure
 
 
-def _track(axes: Axes, recording: Recording, told: list[Happening]) -> None:
+def _track(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> None:
     axes.set(xlabel='x, m', ylabel='y, m')
     axes.set_aspect('equal', adjustable='datalim')
     axes.grid(alpha=0.3)
-    axes.set_title('Track by odometry, from dark to light; arrows: where it looks;\n'
-                   'numbers: as listed on the right, at the same place side by side',
+    axes.set_title('Track by odometry, from dark to light; arrows: heading;\n'
+                   'numbers: events listed on the right, side by side at one place',
                    fontsize=9)
     odom = recording.odom
     if not odom:
@@ -70,12 +71,12 @@ def _track(axes: Axes, recording: Recording, told: list[Happening]) -> None:
     _headings(axes, odom)
     axes.plot(odom['x'][0], odom['y'][0], 'o', color='#2ca02c', markersize=15, label='start')
     axes.plot(odom['x'][-1], odom['y'][-1], 's', color='black', markersize=9, label='end')
-    _marks(axes, recording, told)
+    _marks(axes, recording, shown)
     axes.legend(loc='best', fontsize=8)
 
 
 def _headings(axes: Axes, odom: Curve) -> None:
-    """Draw arrows that are equally far from each other along the track."""
+    """Draw arrows at equal distances along the track."""
     known = [each for each in zip(odom['x'], odom['y'], odom['yaw'], strict=True)
              if all(map(isfinite, each))]
     if not known:
@@ -83,7 +84,7 @@ def _headings(axes: Axes, odom: Curve) -> None:
     xs, ys, _ = zip(*known, strict=True)
     size = max(max(xs) - min(xs), max(ys) - min(ys), 0.5)
     whole = sum(hypot(b - a, d - c) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:]))
-    # Room for marks at the rim: margins are lost when the axes are made equal.
+    # Invisible points leave room for marks: equal axes have no margins.
     axes.plot([min(xs) - size / 8, max(xs) + size / 8], [min(ys) - size / 8, max(ys) + size / 8],
               alpha=0)
     apart, gone, chosen = max(whole / HEADINGS, size / 40), 0.0, known[:1]
@@ -97,13 +98,13 @@ def _headings(axes: Axes, odom: Curve) -> None:
                 angles='xy', scale=28, width=0.006, color='#333333', zorder=3)
 
 
-def _marks(axes: Axes, recording: Recording, told: list[Happening]) -> None:
-    """Mark what happened where it happened; numbers at one place stand side by side."""
+def _marks(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> None:
+    """Mark each event at its place; numbers at one place stand side by side."""
     from matplotlib.transforms import ScaledTranslation
     inches = axes.figure.dpi_scale_trans
     seen: set[str] = set()
     here: dict[tuple[float, float], list[str]] = {}
-    for number, each in enumerate(told, 1):
+    for number, each in enumerate(shown, 1):
         place = recording.place(each.time)
         if place is None:
             continue
@@ -122,7 +123,7 @@ def _marks(axes: Axes, recording: Recording, told: list[Happening]) -> None:
                             'alpha': 0.75})
 
 
-def _words(axes: Axes, recording: Recording, told: list[Happening]) -> None:
+def _words(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> None:
     axes.axis('off')
     lines = [line for each in summary(recording) for line in wrap(each, 78)]
     rows = LISTED + 14
@@ -131,7 +132,7 @@ def _words(axes: Axes, recording: Recording, told: list[Happening]) -> None:
     first = min(len(lines), 11) + 1
     axes.text(0.0, 1 - first / rows, 'What happened when (minutes:seconds)', fontsize=10,
               fontweight='bold', transform=axes.transAxes)
-    for number, each in enumerate(told[:LISTED], 1):
+    for number, each in enumerate(shown[:LISTED], 1):
         height = 1 - (first + number) / rows
         axes.text(0.04, height, f'{number}', ha='right', fontsize=9, fontweight='bold',
                   color=COLORS[each.kind], transform=axes.transAxes)
@@ -139,8 +140,8 @@ def _words(axes: Axes, recording: Recording, told: list[Happening]) -> None:
                   transform=axes.transAxes)
         axes.text(0.15, height, shorten(each.text, 66, placeholder=' ...'), fontsize=9,
                   transform=axes.transAxes)
-    if len(told) > LISTED:
-        axes.text(0.15, 0, f'and {len(told) - LISTED} more: see the HTML page', fontsize=9,
+    if len(shown) > LISTED:
+        axes.text(0.15, 0, f'and {len(shown) - LISTED} more: see the HTML page', fontsize=9,
                   style='italic', transform=axes.transAxes)
 
 
@@ -151,16 +152,16 @@ def _speeds(axes: Axes, recording: Recording, name: str, label: str) -> None:
               label='measured, each frame')
     axes.plot(times, smooth(times, values), color=MEASURED, linewidth=1.5,
               label=f'measured, mean of {AVERAGED} s')
-    # A command that nobody repeats ends by itself, so its line ends there as well.
+    # A command ends unless it is repeated, and so does its line.
     axes.plot(*broken(commands, name, pauses(commands)), color=COMMANDED, linewidth=1.2,
               linestyle='--', drawstyle='steps-post', label='commanded (cmd_vel)')
     axes.set_ylabel(label)
-    _open(axes, 0.1)
+    _widen(axes, 0.1)
     axes.legend(loc='upper right', fontsize=8, ncols=3)
 
 
-def _open(axes: Axes, least: float) -> None:
-    """Show no less than this span of values, so that noise does not look like a mountain."""
+def _widen(axes: Axes, least: float) -> None:
+    """Widen the axis to a least span of values, so that noise does not fill it."""
     low, high = axes.get_ylim()
     more = max(0.0, least - (high - low)) / 2
     axes.set_ylim(low - more, high + more + 0.2 * max(least, high - low))
@@ -172,10 +173,10 @@ def _battery(axes: Axes, recording: Recording) -> None:
     axes.plot(battery.times, battery['volts'], color=MEASURED, label='voltage, V')
     current = axes.twinx()
     current.plot(battery.times, battery['amperes'], color='#d62728', linewidth=1,
-                 label='current, A (negative: it discharges)')
+                 label='current, A (negative: discharging)')
     current.set_ylabel('A', color='#d62728', labelpad=0)
-    _open(axes, 0.5)
-    _open(current, 0.5)
+    _widen(axes, 0.5)
+    _widen(current, 0.5)
     charge = axes.twinx()
     charge.plot(battery.times, battery['charge'], color='#2ca02c', linestyle=':',
                 label='charge, %')
@@ -202,7 +203,7 @@ def _timeline(axes: Axes, recording: Recording) -> None:
 
 
 def _bar(axes: Axes, row: int, kind: str, span: Span, seconds: float) -> None:
-    # The shortest is to be seen as well.
+    # Even the shortest bar is visible.
     width = max(span.end - span.start, seconds / 400)
     color = MODES.get(span.text, '#888888') if kind == 'mode' else COLORS[kind]
     axes.barh(row, width, left=span.start, height=0.75, color=color)
@@ -240,7 +241,7 @@ def _time_axis(axes: Axes, recording: Recording, *, labelled: bool) -> None:
 
 
 def smooth(times: list[float], values: list[float]) -> list[float]:
-    """Return the mean of the values around each time; a hole stays one."""
+    """Return the mean of the values around each time; nan stays nan."""
     made, first, last, total = [], 0, 0, 0.0
     for time, value in zip(times, values):
         if not isfinite(value):
@@ -258,17 +259,17 @@ def smooth(times: list[float], values: list[float]) -> list[float]:
 
 
 def finite(values: Iterable[float]) -> list[float]:
-    """Leave out what is not known."""
+    """Return the finite values."""
     return [each for each in values if isfinite(each)]
 
 
 def pauses(curve: Curve, longest: float = 0.6) -> list[Span]:
-    """Return the times in which a curve has no values."""
+    """Return the periods in which a curve has no points."""
     return [Span(a, '', b) for a, b in zip(curve.times, curve.times[1:]) if b - a > longest]
 
 
 def broken(curve: Curve, name: str, gaps: list[Span]) -> tuple[list[float], list[float]]:
-    """Return a curve's times and values with a hole where there is a gap."""
+    """Return times and values of a curve, with nan at each gap so that the line breaks."""
     times, values = list(curve.times), list(curve[name])
     for gap in reversed(gaps):
         at = curve.at(gap.start)

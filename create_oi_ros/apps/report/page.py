@@ -1,4 +1,4 @@
-"""The report as one HTML page with nothing beside it, or as a picture alone."""
+"""Writes the report: one HTML page that needs no other file, or a picture."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from pathlib import Path
 
 from .drawing import draw, save
 from .recording import Recording
-from .story import clock, complaints, Happening, happenings, summary
+from .summary import clock, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
-"""Rows of a table; what is beyond is counted only."""
+"""Rows of a table; the rest is only counted."""
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width"><title>{title}</title>
@@ -29,9 +29,9 @@ td:first-child {{ font-variant-numeric: tabular-nums; }}
 <img alt="Track, speeds, battery, timeline and link of the recording"
  src="data:image/png;base64,{picture}">
 <h2>What happened</h2>
-{happened}
-<h2>What the diagnostics warned of</h2>
-{warned}
+{events}
+<h2>Warnings of the diagnostics</h2>
+{warnings}
 <h2>Driver version and parameters</h2>
 {settings}
 </body></html>
@@ -39,7 +39,7 @@ td:first-child {{ font-variant-numeric: tabular-nums; }}
 
 
 def write(recording: Recording, target: Path) -> None:
-    """Write the report; the suffix says as what."""
+    """Write the report as HTML or PNG, by the suffix of the file."""
     figure = draw(recording)
     if target.suffix == '.png':
         save(figure, target)
@@ -50,24 +50,24 @@ def write(recording: Recording, target: Path) -> None:
         title=escape(f'What the robot did: {recording.name}'),
         summary='<br>'.join(map(escape, summary(recording))),
         picture=b64encode(picture.getvalue()).decode('ascii'),
-        happened=_happenings(happenings(recording), ''),
-        warned=_happenings(complaints(recording), 'Nothing.'),
+        events=_event_table(events(recording), ''),
+        warnings=_event_table(warnings(recording), 'Nothing.'),
         settings=_settings(recording)), 'utf-8')
 
 
-def _happenings(told: list[Happening], nothing: str) -> str:
-    if not told:
+def _event_table(shown: list[TimelineEvent], nothing: str) -> str:
+    if not shown:
         return f'<p>{nothing or "Nothing."}</p>'
     rows = [(str(number), clock(each.time), each.kind, each.text)
-            for number, each in enumerate(told[:LONGEST], 1)]
-    rest = len(told) - LONGEST
+            for number, each in enumerate(shown[:LONGEST], 1)]
+    rest = len(shown) - LONGEST
     more = f'<p>And {rest} more.</p>' if rest > 0 else ''
     return _table(('', 'time', 'what', ''), rows) + more
 
 
 def _settings(recording: Recording) -> str:
     if not recording.settings:
-        return '<p>The bag does not have them: record /diagnostics.</p>'
+        return '<p>Not in the bag: record /diagnostics to have them.</p>'
     return _table(('name', 'value'), list(recording.settings.items()))
 
 

@@ -1,4 +1,4 @@
-"""What is kept of a bag: curves that are thinned out, and every change of state."""
+"""What is kept of a bag: thinned curves, and every change of state."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from math import inf, nan
 
 MOST = 1e6
-"""Metres, m/s, volts or bytes a second that nothing here reaches: beyond it a bag is broken."""
+"""A larger value of any curve (m, m/s, V, bytes/s) is an error in the bag."""
 
 
 class Curve:
-    """Values over time, no two nearer to each other than `spacing` seconds."""
+    """Named values over time, at least `spacing` seconds apart."""
 
     def __init__(self, *names: str, spacing: float = 0.0) -> None:
         self.times = array('d')
@@ -28,25 +28,25 @@ class Curve:
         return len(self.times)
 
     def due(self, time: float) -> bool:
-        """Tell whether a value at this time would be kept: only then it need be worked out."""
+        """Return whether a point at this time is kept; if not, do not compute it."""
         return time >= self._next
 
     def add(self, time: float, *values: float) -> None:
-        """Keep values, in the order of their names; nan stands for what cannot be."""
+        """Add a point, its values in the order of the names; impossible values become nan."""
         self._next = time + self._spacing
         self.times.append(time)
         for column, value in zip(self._columns.values(), values, strict=True):
             column.append(value if abs(value) <= MOST else nan)
 
     def at(self, time: float) -> int | None:
-        """Return the place of the last value up to a time; None: there is none."""
+        """Return the index of the last point up to a time; None: there is none."""
         place = bisect_right(self.times, time) - 1
         return place if place >= 0 else None
 
 
 @dataclass
 class Span:
-    """A time in which something was so; `end` is inf while it still is."""
+    """A period in one state; `end` is inf while it lasts."""
 
     start: float
     text: str
@@ -55,7 +55,7 @@ class Span:
 
 
 class Spans:
-    """The times in which something was so, one after the other."""
+    """The periods of one kind of state, one after the other."""
 
     def __init__(self) -> None:
         self.all: list[Span] = []
@@ -67,41 +67,41 @@ class Spans:
     def _open(self) -> Span | None:
         return self.all[-1] if self.all and self.all[-1].end == inf else None
 
-    def become(self, time: float, text: str, reason: str = '') -> None:
-        """Note what is so from now on; '': nothing."""
-        now = self._open
-        if now is not None:
-            if (now.text, now.reason) == (text, reason):
+    def change(self, time: float, text: str, reason: str = '') -> None:
+        """Begin a new state; an empty text means none."""
+        span = self._open
+        if span is not None:
+            if (span.text, span.reason) == (text, reason):
                 return
-            now.end = time
+            span.end = time
         if text:
             self.all.append(Span(time, text, reason=reason))
 
-    def touch(self, time: float, names: Iterable[str]) -> None:
-        """Note what is touched; from the first to the last touch is one time."""
-        names, now = list(names), self._open
-        if now is None:
+    def contact(self, time: float, names: Iterable[str]) -> None:
+        """Note the contacts that are active; all until none is active make one span."""
+        names, span = list(names), self._open
+        if span is None:
             if names:
                 self.all.append(Span(time, ' and '.join(names)))
         elif names:
-            known = now.text.split(' and ')
-            now.text = ' and '.join([*known, *(name for name in names if name not in known)])
+            known = span.text.split(' and ')
+            span.text = ' and '.join([*known, *(name for name in names if name not in known)])
         else:
-            now.end = time
+            span.end = time
 
     def close(self, time: float) -> None:
-        """End what is still so where the recording ends."""
+        """End the span that is still open."""
         if self._open is not None:
             self.all[-1].end = time
 
 
 SPANS = ('mode', 'bumper', 'cliff', 'wheel drop', 'overcurrent', 'buttons', 'song', 'charging')
-"""What a timeline shows, from top to bottom."""
+"""Rows of the timeline, from top to bottom."""
 
 
 @dataclass
 class Recording:
-    """All that the report tells of a bag; times are seconds from its first message."""
+    """Everything that the report shows of a bag; times are seconds from its first message."""
 
     name: str
     storage: str
@@ -114,17 +114,17 @@ class Recording:
     battery: Curve
     link: Curve
     robot: str = ''
-    """The namespace, where the robot has one."""
+    """Namespace of the robot; empty if it has none."""
     spans: dict[str, Spans] = field(default_factory=lambda: {name: Spans() for name in SPANS})
-    complaints: dict[str, Spans] = field(default_factory=dict)
-    """What the diagnostics warned of, by the name of the status."""
+    warnings: dict[str, Spans] = field(default_factory=dict)
+    """Warnings of the diagnostics, by the name of the status."""
     gaps: list[Span] = field(default_factory=list)
     settings: dict[str, str] = field(default_factory=dict)
     """Version and parameters of the driver."""
     damage: str = ''
-    """Where and why reading had to stop before the end."""
+    """Why the bag could not be read to its end; empty if it could."""
 
     def place(self, time: float) -> tuple[float, float] | None:
-        """Return where the robot was, by its odometry."""
+        """Return x and y by the odometry at a time, metres; None before the first."""
         at = self.odom.at(time)
         return None if at is None else (self.odom['x'][at], self.odom['y'][at])

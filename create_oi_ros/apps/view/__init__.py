@@ -1,7 +1,8 @@
 """
-`create_view`: a robot in a terminal, from its topics alone.
+`create_view`: shows a robot in a terminal and drives it by keys, through topics and services only.
 
-What is seen is a pure picture of a `state`: `picture`, of `chart` and `panels` on a `canvas`. What
-a key means is a table, `keys`; how long it drives is `teleop`. None of these knows a clock, a
-terminal or the ROS graph. `terminal` and `graph` are the two ends, `command` joins them.
+`robot_state` holds what was received. `picture` draws it on a `canvas`, from a `chart` (the map)
+and `panels` (the sensors). `keys` maps keys to actions, `teleop` turns drive keys into velocities.
+These are pure: no clock, no terminal, no ROS graph. `terminal` and `view_node` are the two ends,
+`create_view` joins them.
 """

@@ -1,4 +1,4 @@
-"""A sheet of characters of a fixed size; nothing that is put on it leaves it or its cell."""
+"""A grid of characters of fixed size; text outside it is cut off."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from itertools import groupby
 from unicodedata import category, east_asian_width
 
 UNKNOWN = '?'
-"""Stands for what would not fill one cell: control characters, wide or combining ones."""
+"""Replaces every character that does not fill exactly one cell: control, wide, combining."""
 
 
 def one_cell(character: str, *, plain: bool) -> str:
-    """Return the character, or the sign for one that a terminal might obey or draw wider."""
+    """Return the character, or UNKNOWN if a terminal might obey it or draw it wider."""
     if plain:
         return character if ' ' <= character <= '~' else UNKNOWN
     fits = (character.isprintable() and not category(character).startswith('M')
@@ -26,20 +26,22 @@ class Canvas:
         self._cells = [[(' ', False)] * columns for _ in range(rows)]
 
     def put(
-        self, row: int, column: int, text: str, *, loud: bool = False, width: int | None = None,
+        self, row: int, column: int, text: str, *, highlighted: bool = False,
+        width: int | None = None,
     ) -> int:
-        """Write a text, cut to `width` and to the sheet; return the column behind it."""
+        """Write a text, cut to `width` and to the canvas; return the column after it."""
         for character in text[:width]:
             if 0 <= row < self.rows and 0 <= column < self.columns:
-                self._cells[row][column] = one_cell(character, plain=self.plain), loud
+                self._cells[row][column] = one_cell(character, plain=self.plain), highlighted
             column += 1
         return column
 
     def lines(self) -> list[str]:
-        """Return the text, row by row, each exactly as long as the sheet is wide."""
+        """Return the text of each row, exactly `columns` characters long."""
         return [''.join(character for character, _ in row) for row in self._cells]
 
     def runs(self) -> list[list[tuple[str, bool]]]:
-        """Return each row as pieces of text, and whether they are to be seen at once."""
-        return [[(''.join(character for character, _ in piece), loud)
-                 for loud, piece in groupby(row, lambda cell: cell[1])] for row in self._cells]
+        """Return each row as pieces of text, each with whether it is highlighted."""
+        return [[(''.join(character for character, _ in cells), highlighted)
+                 for highlighted, cells in groupby(row, lambda cell: cell[1])]
+                for row in self._cells]

@@ -1,4 +1,4 @@
-"""The map: a track in dots, with the robot on it, as large as it fits."""
+"""The map: the robot and its trail, scaled to fit a box of the canvas."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ from math import ceil, floor, log10, pi
 from typing import NamedTuple
 
 from .canvas import Canvas
-from .robot_state import Pose, Track
+from .robot_state import OdomPose, Trail
 
 CELL_SHAPE = 2.0
-"""How much higher than wide a character is."""
+"""Height of a character over its width."""
 BRAILLE = 0x2800
 DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
-"""Bits of a Braille pattern, by row and column."""
+"""Bits of a Braille character, by row and column."""
 ARROWS, PLAIN_ARROWS = '→↗↑↖←↙↓↘', '>/^\\</v\\'
 """Counter-clockwise from x, in eighths of a turn."""
 LEAST_WIDTH = 3.0
-"""Metres that a map shows at least."""
+"""Metres across the map at least."""
 MARGIN = 2
-"""Cells that stay free around the track."""
+"""Cells left free around the trail."""
 STEPS = (1.0, 2.0, 5.0, 10.0)
-"""Scales and bars are one of these times a power of ten."""
+"""Scales and the scale bar are one of these times a power of ten."""
 
 
 class Box(NamedTuple):
-    """A place on the canvas, in cells."""
+    """A rectangle of the canvas, in cells."""
 
     row: int
     column: int
@@ -33,13 +33,13 @@ class Box(NamedTuple):
 
 
 def round_up(value: float) -> float:
-    """Return the next larger round number."""
+    """Return the smallest round number that is not below a value."""
     power: float = 10.0 ** floor(log10(value))
     return next(step * power for step in STEPS if step * power >= value * (1 - 1e-9))
 
 
 class Chart:
-    """Which point of the floor lies in which cell of a box."""
+    """Maps points of the floor to cells of a box."""
 
     def __init__(self, box: Box, points: list[tuple[float, float]]) -> None:
         xs, ys = [x for x, _ in points], [y for _, y in points]
@@ -48,27 +48,27 @@ class Chart:
         self.cell = round_up(max(
             (max(xs) - min(xs)) / inner[0], (max(ys) - min(ys)) / inner[1] / CELL_SHAPE,
             LEAST_WIDTH / inner[0]))
-        """Metres across a cell: round, so that the map seldom changes its scale."""
+        """Width of a cell, metres; a round number, so that the scale seldom changes."""
         high = self.cell * CELL_SHAPE
-        # The middle lies on whole cells, or the dots would dance while the track grows.
+        # The centre is a whole number of cells, or the dots would jitter while the trail grows.
         middle_x = round((max(xs) + min(xs)) / 2 / self.cell)
         middle_y = round((max(ys) + min(ys)) / 2 / high)
         self._left = (middle_x - box.columns // 2) * self.cell
         self._top = (middle_y + box.rows // 2) * high
 
     def cell_of(self, x: float, y: float, across: int = 1, down: int = 1) -> tuple[int, int]:
-        """Return the row and the column, in cells divided into so many parts."""
+        """Return row and column, in cells divided into `down` by `across` parts."""
         return (floor((self._top - y) / (self.cell * CELL_SHAPE) * down),
                 floor((x - self._left) / self.cell * across))
 
     def inside(self, row: int, column: int) -> bool:
-        """Tell whether a cell is one of the box."""
+        """Return whether a cell lies in the box."""
         return 0 <= row < self._box.rows and 0 <= column < self._box.columns
 
 
-def _dots(canvas: Canvas, box: Box, chart: Chart, track: Track) -> None:
+def _dots(canvas: Canvas, box: Box, chart: Chart, trail: Trail) -> None:
     patterns: dict[tuple[int, int], int] = {}
-    for x, y in track.points:
+    for x, y in trail.points:
         row, column = chart.cell_of(x, y, 2, 4)
         if chart.inside(row // 4, column // 2):
             cell = row // 4, column // 2
@@ -79,30 +79,30 @@ def _dots(canvas: Canvas, box: Box, chart: Chart, track: Track) -> None:
 
 
 def _bar(canvas: Canvas, box: Box, chart: Chart) -> None:
-    """Draw a length that can be laid beside the track."""
+    """Draw the scale bar."""
     length = round_up(6 * chart.cell)
     text = f'|{"-" * (ceil(length / chart.cell - 0.5) - 1)}| {length:g} m'
     canvas.put(box.row + box.rows - 1, box.column + 1, text, width=box.columns - 1)
 
 
-def draw(canvas: Canvas, box: Box, track: Track, pose: Pose | None) -> None:
-    """Draw all of the track, its marks, the origin, and the robot with its heading."""
+def draw(canvas: Canvas, box: Box, trail: Trail, pose: OdomPose | None) -> None:
+    """Draw the scale bar, the trail, the origin, the marks, and the robot as an arrow."""
     here = pose if pose is not None and pose.drawable else None
-    points = [*track.points, *((mark.x, mark.y) for mark in track.marks)]
+    points = [*trail.points, *((mark.x, mark.y) for mark in trail.marks)]
     points += [(here.x, here.y)] if here else []
     chart = Chart(box, points or [(0.0, 0.0)])
 
-    def put(x: float, y: float, sign: str, *, loud: bool = False) -> None:
+    def put(x: float, y: float, sign: str, *, highlighted: bool = False) -> None:
         row, column = chart.cell_of(x, y)
         if chart.inside(row, column):
-            canvas.put(box.row + row, box.column + column, sign, loud=loud)
+            canvas.put(box.row + row, box.column + column, sign, highlighted=highlighted)
     _bar(canvas, box, chart)
-    _dots(canvas, box, chart, track)
+    _dots(canvas, box, chart, trail)
     put(0.0, 0.0, '+')
-    for mark in track.marks:
+    for mark in trail.marks:
         put(mark.x, mark.y, mark.sign)
     if here is not None:
         eighth = round(here.yaw / (pi / 4)) % 8
-        put(here.x, here.y, (PLAIN_ARROWS if canvas.plain else ARROWS)[eighth], loud=True)
+        put(here.x, here.y, (PLAIN_ARROWS if canvas.plain else ARROWS)[eighth], highlighted=True)
     elif pose is not None:
         canvas.put(box.row, box.column + 1, 'the pose is no place on a map', width=box.columns - 1)

@@ -11,95 +11,93 @@ import socket
 import sys
 import time
 
-import rclpy
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from ...ros.process import call_on_signal
-from .graph import Graph, take_in
-from .keys import action_of, Ask, Drive, Keyboard, Own, STOP
+from ...ros.process import call_on_signal, ros_executor
+from .keys import action_of, DriveKey, KeyDecoder, ServiceCall, STOP, ViewCommand
 from .picture import picture
-from .robot_state import State
+from .robot_state import RobotState
 from .teleop import Teleop
-from .terminal import check, HungUp, opened, simple, Terminal, TerminalError
+from .terminal import check, opened, simple, Terminal, TerminalClosed, TerminalError
+from .view_node import spin_ready, ViewNode
 
 REDRAW = 0.1
 """Seconds between two pictures."""
 KEYS_HELP = 'Arrows drive, space stops, h shows all keys, q ends.'
 
 
-class View:
-    """One who sits at the terminal: what is typed becomes action, what is heard a picture."""
+class RobotView:
+    """The main loop: reads keys, drives and calls services, and redraws the picture."""
 
-    def __init__(self, graph: Graph, terminal: Terminal, *, plain: bool) -> None:
-        self._graph, self._terminal, self._plain = graph, terminal, plain
-        self._state = graph.state
-        self._keyboard, self._teleop = Keyboard(), Teleop()
+    def __init__(self, node: ViewNode, terminal: Terminal, *, plain: bool) -> None:
+        self._node, self._terminal, self._plain = node, terminal, plain
+        self._state = node.state
+        self._decoder, self._teleop = KeyDecoder(), Teleop()
         self._ended = False
 
-    def run(self, executor: SingleThreadedExecutor, ending: socket.socket) -> None:
-        """Go on until somebody types q, `ending` can be read, or the terminal has gone."""
+    def run(self, executor: SingleThreadedExecutor, end: socket.socket) -> None:
+        """Run until q is typed, `end` becomes readable, or the terminal closes."""
         next_picture = -inf
         try:
             while not self._ended:
                 now = time.monotonic()
                 wait = min(max(0.0, next_picture - now), self._teleop.wait(now))
                 ready, _, _ = select.select(
-                    [self._terminal.descriptor, ending.fileno()], [], [], wait)
-                if ending.fileno() in ready:
+                    [self._terminal.descriptor, end.fileno()], [], [], wait)
+                if end.fileno() in ready:
                     return
                 if self._terminal.descriptor in ready:
-                    self._typed(time.monotonic())
-                self._steer(time.monotonic())
+                    self._read_keys(time.monotonic())
+                self._drive(time.monotonic())
                 if time.monotonic() >= next_picture:
                     next_picture = time.monotonic() + REDRAW
-                    self._look(executor)
-        except HungUp:
+                    self._redraw(executor)
+        except TerminalClosed:
             return
         finally:
             if self._teleop.driving:
-                self._graph.say_goodbye()
+                self._node.stop_robot()
 
-    def _typed(self, now: float) -> None:
-        for key in self._keyboard.keys(self._terminal.read()):
+    def _read_keys(self, now: float) -> None:
+        for key in self._decoder.decode(self._terminal.read()):
             match action_of(key):
-                case Drive() as drive:
-                    # Who comes later must not drive by a key of before.
-                    if self._state.listened:
+                case DriveKey() as drive:
+                    # Without a driver the key is dropped: one that starts later must not obey it.
+                    if self._state.driver_listens:
                         self._teleop.press(drive, now)
-                case Ask() as ask:
-                    self._graph.ask(ask, now)
-                case Own() as own:
-                    self._do(own, now)
+                case ServiceCall() as call:
+                    self._node.call_service(call, now)
+                case ViewCommand() as command:
+                    self._do(command, now)
 
-    def _do(self, own: Own, now: float) -> None:
-        match own:
-            case Own.STOP:
+    def _do(self, command: ViewCommand, now: float) -> None:
+        match command:
+            case ViewCommand.STOP:
                 self._teleop.release()
-                self._steer(now)
-                self._graph.ask(STOP, now)
-            case Own.FASTER:
-                self._teleop.faster(1)
-            case Own.SLOWER:
-                self._teleop.faster(-1)
-            case Own.CLEAR:
-                self._state.track.clear()
-            case Own.REDRAW:
+                self._drive(now)
+                self._node.call_service(STOP, now)
+            case ViewCommand.FASTER:
+                self._teleop.change_speed(1)
+            case ViewCommand.SLOWER:
+                self._teleop.change_speed(-1)
+            case ViewCommand.CLEAR:
+                self._state.trail.clear()
+            case ViewCommand.REDRAW:
                 self._terminal.redraw()
-            case Own.HELP:
-                self._state.helping = not self._state.helping
-            case Own.QUIT:
+            case ViewCommand.HELP:
+                self._state.help_shown = not self._state.help_shown
+            case ViewCommand.QUIT:
                 self._ended = True
 
-    def _steer(self, now: float) -> None:
+    def _drive(self, now: float) -> None:
         velocity = self._teleop.due(now)
         if velocity is not None:
-            self._graph.drive(velocity)
+            self._node.drive(velocity)
 
-    def _look(self, executor: SingleThreadedExecutor) -> None:
-        self._graph.look_around(time.monotonic())
-        take_in(executor)
+    def _redraw(self, executor: SingleThreadedExecutor) -> None:
+        self._node.find_driver(time.monotonic())
+        spin_ready(executor)
         self._state.speeds, self._state.driving = self._teleop.speeds, self._teleop.driving
         columns, rows = self._terminal.size
         drawn = picture(self._state, time.monotonic(), columns, rows, plain=self._plain)
@@ -107,27 +105,21 @@ class View:
 
 
 def _view(ros_arguments: list[str], *, plain: bool) -> None:
-    ending, end = socket.socketpair()
+    end, writer = socket.socketpair()
 
-    def ended() -> None:
-        with suppress(OSError):  # it may be over already
-            end.send(b'.')
-    call_on_signal(ended)
-    rclpy.init(args=ros_arguments, signal_handler_options=SignalHandlerOptions.NO)
-    graph = Graph(State())
-    executor = SingleThreadedExecutor()
-    executor.add_node(graph)
-    try:
+    def request_end() -> None:
+        with suppress(OSError):  # the view may have ended already
+            writer.send(b'.')
+    call_on_signal(request_end)
+    with ros_executor(ros_arguments) as executor:
+        node = ViewNode(RobotState())
+        executor.add_node(node)
         with opened() as terminal:
-            View(graph, terminal, plain=plain).run(executor, ending)
-    finally:
-        executor.shutdown()
-        graph.destroy_node()
-        rclpy.shutdown()
+            RobotView(node, terminal, plain=plain).run(executor, end)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_view`; 2 where there is no terminal to be seen on."""
+    """Run `create_view`; 2 when this is no usable terminal."""
     given = sys.argv if arguments is None else ['create_view', *arguments]
     parser = argparse.ArgumentParser(
         prog='create_view', description=__doc__, epilog=KEYS_HELP)

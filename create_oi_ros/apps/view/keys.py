@@ -1,4 +1,4 @@
-"""From bytes of a terminal to keys, and from keys to what they are for."""
+"""Decodes the bytes of a terminal to keys, and maps keys to actions."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from ...oi import Mode
 ESCAPE = '\x1b'
 ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}
 FINAL = range(0x40, 0x7f)
-"""Characters that end a control sequence."""
+"""Characters that end an escape sequence."""
 SONG = 15
-"""Number under which our tune is stored: the last, which others use least."""
+"""Song number of our tune: the last one, which others use least."""
 
 
 @dataclass(frozen=True)
-class Drive:
-    """Drive this way: 1 or -1 along an axis, forward or counter-clockwise; 0: leave it."""
+class DriveKey:
+    """A key that drives: 1 or -1 forward or counter-clockwise; 0: that axis is unchanged."""
 
     forward: int = 0
     turn: int = 0
 
 
 @dataclass(frozen=True)
-class Ask:
-    """Call a service."""
+class ServiceCall:
+    """A service to call, with the fields of its request."""
 
     service: str
     fields: Mapping[str, object] = field(default_factory=dict)
 
 
-class Own(Enum):
-    """What the view does by itself."""
+class ViewCommand(Enum):
+    """What the view itself does."""
 
     STOP = 'stop'
     FASTER = 'faster'
@@ -44,12 +44,12 @@ class Own(Enum):
     QUIT = 'quit'
 
 
-Action = Drive | Ask | Own
+Action = DriveKey | ServiceCall | ViewCommand
 
 
 @dataclass(frozen=True)
 class Binding:
-    """Keys, what they do, and how the help page says it."""
+    """Keys, their action, and their line on the help page."""
 
     keys: tuple[str, ...]
     action: Action
@@ -57,67 +57,67 @@ class Binding:
     about: str
 
 
-def _mode(mode: Mode) -> Ask:
-    return Ask('set_mode', {'mode': mode.value})
+def _mode(mode: Mode) -> ServiceCall:
+    return ServiceCall('set_mode', {'mode': mode.value})
 
 
 TUNE: dict[str, object] = {
     'number': SONG, 'pitches': [67, 72, 76, 79], 'seconds': [0.15, 0.15, 0.15, 0.3], 'play': True}
-STOP = Ask('stop')
-"""What a pressed space asks for, besides letting go of the keys."""
+STOP = ServiceCall('stop')
+"""Called when space is pressed, after the keys are released."""
 BINDINGS = (
-    Binding(('up', 'w'), Drive(forward=1), 'up w', 'forward, as long as it is held'),
-    Binding(('down', 's'), Drive(forward=-1), 'down s', 'backward'),
-    Binding(('left', 'a'), Drive(turn=1), 'left a', 'turn left; with up: a curve'),
-    Binding(('right', 'd'), Drive(turn=-1), 'right d', 'turn right'),
-    Binding((' ',), Own.STOP, 'space', 'stop wheels and demos at once'),
-    Binding(('+', '='), Own.FASTER, '+', 'drive faster from now on'),
-    Binding(('-', '_'), Own.SLOWER, '-', 'drive slower'),
-    Binding(('1',), _mode(Mode.PASSIVE), '1', 'Passive: it rests, and charges'),
-    Binding(('2',), _mode(Mode.SAFE), '2', 'Safe: it drives'),
-    Binding(('3',), _mode(Mode.FULL), '3', 'Full: it drives off tables, too'),
-    Binding(('p',), Ask('define_song', TUNE), 'p', f'play a tune (stored as song {SONG})'),
-    Binding(('g',), Ask('dock'), 'g', 'go to the Home Base'),
-    Binding(('r',), Ask('reset_odometry'), 'r', 'begin the odometry again here'),
-    Binding(('c',), Own.CLEAR, 'c', 'clear the track'),
-    Binding(('\x0c',), Own.REDRAW, '^L', 'draw the screen again'),
-    Binding(('h', '?'), Own.HELP, 'h ?', 'show or hide this'),
-    Binding(('q', '\x03', '\x04'), Own.QUIT, 'q', 'stop and end'),
+    Binding(('up', 'w'), DriveKey(forward=1), 'up w', 'forward, as long as it is held'),
+    Binding(('down', 's'), DriveKey(forward=-1), 'down s', 'backward'),
+    Binding(('left', 'a'), DriveKey(turn=1), 'left a', 'turn left; with up: a curve'),
+    Binding(('right', 'd'), DriveKey(turn=-1), 'right d', 'turn right'),
+    Binding((' ',), ViewCommand.STOP, 'space', 'stop wheels and demos at once'),
+    Binding(('+', '='), ViewCommand.FASTER, '+', 'drive faster from now on'),
+    Binding(('-', '_'), ViewCommand.SLOWER, '-', 'drive slower'),
+    Binding(('1',), _mode(Mode.PASSIVE), '1', 'Passive: rests and charges'),
+    Binding(('2',), _mode(Mode.SAFE), '2', 'Safe: drives, stops at cliffs'),
+    Binding(('3',), _mode(Mode.FULL), '3', 'Full: drives off tables, too'),
+    Binding(('p',), ServiceCall('define_song', TUNE), 'p', f'play a tune (stored as song {SONG})'),
+    Binding(('g',), ServiceCall('dock'), 'g', 'go to the Home Base'),
+    Binding(('r',), ServiceCall('reset_odometry'), 'r', 'reset the odometry'),
+    Binding(('c',), ViewCommand.CLEAR, 'c', 'clear the map'),
+    Binding(('\x0c',), ViewCommand.REDRAW, '^L', 'draw the screen again'),
+    Binding(('h', '?'), ViewCommand.HELP, 'h ?', 'show or hide this'),
+    Binding(('q', '\x03', '\x04'), ViewCommand.QUIT, 'q', 'stop and end'),
 )
 ACTIONS: dict[str, Action] = {key: each.action for each in BINDINGS for key in each.keys}
 
 
 def action_of(key: str) -> Action | None:
-    """Return what a key is for; Caps Lock changes nothing."""
+    """Return the action of a key, None if it has none; upper case counts as lower case."""
     return ACTIONS.get(key.lower() if len(key) == 1 else key)
 
 
-class Keyboard:
-    """Cuts what a terminal sends into keys, however it arrives."""
+class KeyDecoder:
+    """Splits the bytes of a terminal into keys; a sequence may arrive in pieces."""
 
     def __init__(self) -> None:
-        self._begun = ''
-        """An escape sequence whose end has not come."""
+        self._sequence = ''
+        """The beginning of an escape sequence that is not complete yet."""
 
-    def keys(self, received: bytes) -> Iterator[str]:
-        """Yield the keys of some bytes: a character or the name of an arrow, '' for others."""
+    def decode(self, received: bytes) -> Iterator[str]:
+        """Yield each key: a character, the name of an arrow, or '' for any other key."""
         for character in received.decode('latin-1'):
-            if not self._begun and character != ESCAPE:
+            if not self._sequence and character != ESCAPE:
                 yield character
             elif character == ESCAPE:
-                # A sequence that breaks off, or Escape by itself: nothing to us.
-                self._begun = ESCAPE
+                # Escape alone, or a sequence that was cut off: ignored.
+                self._sequence = ESCAPE
             else:
-                yield from self._go_on(character)
+                yield from self._continue(character)
 
-    def _go_on(self, character: str) -> Iterator[str]:
-        self._begun += character
-        if len(self._begun) == 2:
+    def _continue(self, character: str) -> Iterator[str]:
+        self._sequence += character
+        if len(self._sequence) == 2:
             if character not in '[O':
-                # Alt and a key, or Escape and then a key: the key.
-                self._begun = ''
+                # Alt with a key, or Escape and then a key, counts as the key alone.
+                self._sequence = ''
                 yield character
         elif ord(character) in FINAL:
-            # Shift and Ctrl come as figures between: an arrow is one all the same.
-            self._begun = ''
+            # Shift and Ctrl add digits before the last character: still the same arrow.
+            self._sequence = ''
             yield ARROWS.get(character, '')

@@ -1,4 +1,4 @@
-"""What the robot senses, line by line; loud is what is to be seen at once."""
+"""The panel: a line for each sensor and status. Alarms are highlighted."""
 
 from __future__ import annotations
 
@@ -24,70 +24,65 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 
-from ... import oi
-from ...ros.messages import WHEEL_JOINTS
-from .robot_state import State
+from ...ros.messages import charging_name, mode_name, WHEEL_JOINTS
+from .robot_state import RobotState
 
 NOTHING = '-'
-"""Stands for what was not heard yet."""
-MODES = {mode.value: mode.name for mode in oi.Mode}
+"""Shown until the first message."""
 LARGEST = 9999
-"""Figures beyond this are written with an exponent, so that they keep their place."""
+"""Larger numbers are written with an exponent, so that they fit their column."""
 BAR = 14
+"""Characters of the battery's bar."""
 LOW = 0.2
-"""Part of the battery's charge below which it is to be seen."""
-QUIET = 2.5
-"""Seconds of silence on all topics after which the driver is taken to be gone."""
+"""Part of the full charge below which the battery is highlighted."""
+SILENCE = 2.5
+"""Seconds without any message after which the driver counts as gone."""
 MOST_NAMES = 4
+"""Topics named in one alarm."""
 FRESH = 0.5
-"""Seconds for which a velocity command counts as being followed."""
+"""Seconds for which a velocity command is shown."""
 
 
 class Piece(NamedTuple):
-    """Some text of a line, at a column of the panel."""
+    """A piece of a line: its column in the panel, its text."""
 
     column: int
     text: str
-    loud: bool = False
+    highlighted: bool = False
 
 
 Line = list[Piece]
 
 
 def number(value: float, digits: int) -> str:
-    """Return a figure with its sign, in few characters whatever it is."""
+    """Return a number with its sign, short for any value."""
     if isfinite(value) and abs(value) > LARGEST:
         return f'{value:+.1e}'
     return f'{value:+.{digits}f}'
 
 
 def plain(*texts: str) -> Line:
-    """Return a line with nothing to be seen at once."""
+    """Return a line without highlights."""
     return [Piece(0, ' '.join(texts))]
 
 
 def flags(*named: tuple[str, bool], width: int = 7) -> Line:
-    """Return names in columns; one that is set is loud, and in capitals for who sees no colour."""
+    """Return names in columns; one that is set is highlighted and in capitals."""
     return [Piece(index * width, name.upper() if is_set else name, is_set)
             for index, (name, is_set) in enumerate(named)]
 
 
-def mode_name(value: int) -> str:
-    """Return the name of a mode of the message Mode."""
-    return MODES.get(value, 'NO ROBOT')
-
-
 def velocity(linear: float, angular: float) -> str:
-    """Return a velocity as it is read."""
+    """Return a velocity as text."""
     return f'{number(linear, 3)} m/s {number(angular, 2)} rad/s'
 
 
-def _position(state: State, _: float) -> Line:
+def _position(state: RobotState, _: float) -> Line:
     pose = state.pose
     return [] if pose is None else plain(f'x {number(pose.x, 3)} y {number(pose.y, 3)} m')
 
 
-def _heading(state: State, _: float) -> Line:
+def _heading(state: RobotState, _: float) -> Line:
     pose = state.pose
     return [] if pose is None else plain(f'{number(degrees(pose.yaw), 1)} degrees')
 
@@ -96,9 +91,9 @@ def _speed(odom: Any) -> Line:
     return plain(velocity(odom.twist.twist.linear.x, odom.twist.twist.angular.z))
 
 
-def _command(state: State, now: float) -> Line:
-    if not state.listened:
-        return [Piece(0, 'nobody listens', loud=True)]
+def _command(state: RobotState, now: float) -> Line:
+    if not state.driver_listens:
+        return [Piece(0, 'nobody listens', highlighted=True)]
     type_ = min((Twist, TwistStamped), key=lambda each: state.age(each, now))
     command, age = state.get(type_), state.age(type_, now)
     if command is None:
@@ -160,14 +155,10 @@ def _volts(battery: Any) -> Line:
 
 
 def _charging(charging: Any) -> Line:
-    try:
-        state = oi.ChargingState(charging.state).name.lower().replace('_', ' ')
-    except ValueError:
-        state = f'state {charging.state}'
     where = [name for name, here in (
         ('home base', charging.home_base), ('charger', charging.internal_charger)) if here]
-    return [Piece(0, ', '.join([state, *where]),
-                  charging.state == Charging.FAULT)]
+    text = ', '.join([charging_name(charging.state), *where])
+    return [Piece(0, text, charging.state == Charging.FAULT)]
 
 
 def _mode(mode: Any) -> Line:
@@ -181,7 +172,7 @@ def _buttons(buttons: Any) -> Line:
 
 
 def _song(song: Any) -> Line:
-    # The robot is asked for the number only once a second: while a song plays it may be old.
+    # The number arrives once a second only: while a song plays, it may be that of the last one.
     return plain('plays' if song.playing else f'{song.number} was the last')
 
 
@@ -197,25 +188,25 @@ def _cargo(cargo: Any) -> Line:
     return plain(f'inputs {bits} analog {cargo.analog:.2f} V')
 
 
-def _link(state: State, _: float) -> Line:
+def _link(state: RobotState, _: float) -> Line:
     link = state.diagnostics.get('serial link')
     if link is None:
         return []
     known = {value.key: value.value for value in link.values}
-    loud = link.level != DiagnosticStatus.OK
+    highlighted = link.level != DiagnosticStatus.OK
     rate, damaged = known.get('frames per second', '-'), known.get('damaged frames', '-')
-    return [Piece(0, f'{rate} frames/s, {damaged} damaged', loud)]
+    return [Piece(0, f'{rate} frames/s, {damaged} damaged', highlighted)]
 
 
-def of(type_: type, line: Callable[[Any], Line]) -> Callable[[State, float], Line]:
-    """Return a line that needs one message, and is empty without it."""
-    def made(state: State, _: float) -> Line:
+def of(type_: type, line: Callable[[Any], Line]) -> Callable[[RobotState, float], Line]:
+    """Return a line made from the newest message of a type; empty before the first."""
+    def made(state: RobotState, _: float) -> Line:
         message = state.get(type_)
         return [] if message is None else line(message)
     return made
 
 
-ROWS: tuple[tuple[str, Callable[[State, float], Line]], ...] = (
+ROWS: tuple[tuple[str, Callable[[RobotState, float], Line]], ...] = (
     ('pose', _position), ('yaw', _heading), ('speed', of(Odometry, _speed)),
     ('cmd_vel', _command), ('wheels', of(JointState, _wheels)),
     ('bumper', of(Bumper, _bumper)), ('drops', of(WheelDrop, _drops)),
@@ -227,19 +218,19 @@ ROWS: tuple[tuple[str, Callable[[State, float], Line]], ...] = (
     ('ir', of(IrOmni, _infrared)), ('link', _link),
     ('cargo', of(CargoBay, _cargo)),
 )
-"""The panel from the top; what a low terminal has no room for stands last."""
+"""The panel from top to bottom; a small terminal leaves out the last ones."""
 
 
-def lines(state: State, now: float) -> list[tuple[str, Line]]:
-    """Return what each line is about, and what it says."""
+def lines(state: RobotState, now: float) -> list[tuple[str, Line]]:
+    """Return the label and the content of each line."""
     return [(about, line(state, now) or plain(NOTHING if about else '')) for about, line in ROWS]
 
 
-def silences(state: State, now: float) -> list[str]:
-    """Return which topics are missed, and since when at least."""
-    if QUIET < (quiet := state.quiet_for(now)) < inf:
+def silences(state: RobotState, now: float) -> list[str]:
+    """Return an alarm for topics that have stopped, and for how long at least."""
+    if SILENCE < (quiet := state.silence(now)) < inf:
         return [f'nothing heard for {quiet:.0f} s: driver or network is gone']
-    missed = state.missed(now)
+    missed = state.late_topics(now)
     if not missed:
         return []
     first, more = [*missed][:MOST_NAMES], len(missed) - MOST_NAMES
@@ -247,16 +238,16 @@ def silences(state: State, now: float) -> list[str]:
     return [f'no {names} for {min(missed.values()):.0f} s']
 
 
-def alarms(state: State, now: float) -> list[str]:
-    """Return what is amiss: the silence, the mode, what the driver complains of."""
+def alarms(state: RobotState, now: float) -> list[str]:
+    """Return all alarms: silence, the mode, warnings of the diagnostics."""
     found, mode = silences(state, now), state.get(Mode)
     if state.driving and mode is not None and mode.mode == mode.wanted == Mode.PASSIVE:
         found.append('in PASSIVE it does not drive: 2 enters SAFE')
-    if state.drivers > 1:
-        found.append(f'{state.drivers} drivers publish here: give each a namespace or domain')
+    if state.driver_count > 1:
+        found.append(f'{state.driver_count} drivers publish here: give each a namespace or domain')
     if mode is not None and mode.reason:
         found.append(f'{mode_name(mode.wanted)} is wanted: {mode.reason}')
     ranked = sorted(state.diagnostics.items(), key=lambda each: each[1].level, reverse=True)
-    # The mode has said it already, and better.
+    # The alarm about the mode above says more than the diagnostics.
     return found + [f'{name}: {status.message}' for name, status in ranked
                     if status.level != DiagnosticStatus.OK and name != 'mode']

@@ -1,4 +1,4 @@
-"""The whole picture of a state, exactly as large as the terminal; pure."""
+"""The whole picture of a robot's state, exactly as large as the terminal. Pure."""
 
 from __future__ import annotations
 
@@ -7,31 +7,33 @@ from textwrap import wrap
 from . import chart, panels
 from .canvas import Canvas
 from .keys import BINDINGS
-from .robot_state import State
+from .robot_state import RobotState
 
 LEAST_COLUMNS, LEAST_ROWS = 80, 24
 PANEL, LABEL = 36, 8
-"""Columns of the panel, and of what its lines are about."""
+"""Columns of the panel, and of its labels."""
 FOOT, ALARM_ROWS = 4, 2
-"""Rows at the bottom: what is amiss, what was answered, which keys there are."""
+"""Rows at the bottom (alarms, reply of a service, keys), and those of alarms among them."""
 KEYS = 'arrows drive  space stop  +- speed  123 mode  p song  g dock  h help  q quit'
 
 
-def picture(state: State, now: float, columns: int, rows: int, *, plain: bool = False) -> Canvas:
-    """Draw all; on too small a terminal say so."""
+def picture(
+    state: RobotState, now: float, columns: int, rows: int, *, plain: bool = False,
+) -> Canvas:
+    """Draw everything; on a terminal that is too small, only say so."""
     canvas = Canvas(columns, rows, plain=plain)
     if columns < LEAST_COLUMNS or rows < LEAST_ROWS:
         _too_small(canvas)
         return canvas
     box = chart.Box(1, 0, rows - 1 - FOOT, columns - PANEL - 1)
     _head(canvas, state)
-    if state.helping:
+    if state.help_shown:
         _help(canvas, box)
-    elif state.silent:
+    elif state.nothing_received:
         _paragraph(canvas, box, 'Nothing heard yet. Is a driver running, in this ROS domain and '
                    'namespace?')
     else:
-        chart.draw(canvas, box, state.track, state.pose)
+        chart.draw(canvas, box, state.trail, state.pose)
     _panel(canvas, state, now, box.rows)
     _foot(canvas, state, now)
     return canvas
@@ -44,12 +46,12 @@ def _too_small(canvas: Canvas) -> None:
         canvas.put(row, 0, line)
 
 
-def _head(canvas: Canvas, state: State) -> None:
+def _head(canvas: Canvas, state: RobotState) -> None:
     linear, angular = state.speeds
-    canvas.put(0, 0, ' ' * canvas.columns, loud=True)
+    canvas.put(0, 0, ' ' * canvas.columns, highlighted=True)
     speeds = f'keys: {linear:.2f} m/s {angular:.2f} rad/s '
-    canvas.put(0, 1, state.title, loud=True, width=canvas.columns - len(speeds) - 2)
-    canvas.put(0, canvas.columns - len(speeds), speeds, loud=True)
+    canvas.put(0, 1, state.title, highlighted=True, width=canvas.columns - len(speeds) - 2)
+    canvas.put(0, canvas.columns - len(speeds), speeds, highlighted=True)
 
 
 def _help(canvas: Canvas, box: chart.Box) -> None:
@@ -65,7 +67,7 @@ def _paragraph(canvas: Canvas, box: chart.Box, text: str) -> None:
         canvas.put(row, box.column + 2, line)
 
 
-def _panel(canvas: Canvas, state: State, now: float, rows: int) -> None:
+def _panel(canvas: Canvas, state: RobotState, now: float, rows: int) -> None:
     left = canvas.columns - PANEL
     for row in range(rows):
         canvas.put(row + 1, left - 1, '|' if canvas.plain else '│')
@@ -73,17 +75,18 @@ def _panel(canvas: Canvas, state: State, now: float, rows: int) -> None:
         canvas.put(row, left, about)
         for piece in line:
             column = left + LABEL + piece.column
-            canvas.put(row, column, piece.text, loud=piece.loud, width=canvas.columns - column)
+            canvas.put(row, column, piece.text, highlighted=piece.highlighted,
+                       width=canvas.columns - column)
 
 
-def _foot(canvas: Canvas, state: State, now: float) -> None:
-    found = '  *  '.join(panels.alarms(state, now)) if not state.silent else ''
-    note, since = state.note, state.note.waiting_since
-    text = note.text if since is None else f'{note.text} ... {now - since:.0f} s'
-    amiss = wrap(found, canvas.columns)[:ALARM_ROWS]
-    said = wrap(text, canvas.columns)[:FOOT - 1 - len(amiss)]
-    for row, line in enumerate(amiss, canvas.rows - FOOT):
-        canvas.put(row, 0, line, loud=True)
-    for row, line in enumerate(said, canvas.rows - 1 - len(said)):
-        canvas.put(row, 0, line, loud=note.loud)
+def _foot(canvas: Canvas, state: RobotState, now: float) -> None:
+    alarms = '' if state.nothing_received else '  *  '.join(panels.alarms(state, now))
+    call, since = state.call_status, state.call_status.waiting_since
+    text = call.text if since is None else f'{call.text} ... {now - since:.0f} s'
+    alarm_lines = wrap(alarms, canvas.columns)[:ALARM_ROWS]
+    call_lines = wrap(text, canvas.columns)[:FOOT - 1 - len(alarm_lines)]
+    for row, line in enumerate(alarm_lines, canvas.rows - FOOT):
+        canvas.put(row, 0, line, highlighted=True)
+    for row, line in enumerate(call_lines, canvas.rows - 1 - len(call_lines)):
+        canvas.put(row, 0, line, highlighted=call.highlighted)
     canvas.put(canvas.rows - 1, 0, KEYS)

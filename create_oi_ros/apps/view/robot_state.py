@@ -1,27 +1,29 @@
-"""What has been heard of a robot, and when; moments are seconds of one rising clock."""
+"""What was received from a robot, and when: seconds of a monotonic clock."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import atan2, hypot, inf, isfinite
+from math import hypot, inf, isfinite
 from typing import Any, NamedTuple
 
 from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
 
+from ...ros.rotation import yaw_of
+
 MOST_POINTS, MOST_MARKS = 2000, 100
 STEP = 0.02
-"""Metres between two points of a new track."""
+"""Metres between two points of a new trail."""
 FARTHEST = 1e6
-"""Metres from the origin beyond which a place is a mistake and is not drawn."""
+"""Metres from the origin beyond which a position is wrong and is not drawn."""
 FASTEST, SLACK = 1.0, 0.3
-"""m/s and metres: a robot that is farther off than this was put elsewhere, or counts anew."""
+"""m/s and metres; a faster step means that the robot was moved or the odometry reset."""
 LATE = 1.5
-"""Seconds beyond its period after which a topic is missed."""
+"""Seconds beyond its period after which a topic counts as late."""
 
 
-class Pose(NamedTuple):
-    """Metres and radians."""
+class OdomPose(NamedTuple):
+    """A pose by the odometry: metres and radians."""
 
     x: float
     y: float
@@ -29,11 +31,11 @@ class Pose(NamedTuple):
 
     @property
     def drawable(self) -> bool:
-        """Whether it is a place on any map."""
+        """Whether it can be drawn on a map."""
         return all(map(isfinite, self)) and max(abs(self.x), abs(self.y)) <= FARTHEST
 
 
-class Heard(NamedTuple):
+class Received(NamedTuple):
     """The newest message of a topic."""
 
     message: Any
@@ -41,25 +43,25 @@ class Heard(NamedTuple):
 
 
 class Mark(NamedTuple):
-    """Something that happened at a place."""
+    """A bump or a cliff, at its place on the map."""
 
     x: float
     y: float
     sign: str
 
 
-class Track:
-    """Where the robot was: the whole way, the coarser the longer it is."""
+class Trail:
+    """All positions of the robot; the longer the trail, the coarser."""
 
     def __init__(self) -> None:
         self.points: list[tuple[float, float]] = []
         self.marks: list[Mark] = []
         self._step = STEP
         self._at = -inf
-        self._last: Pose | None = None
+        self._last: OdomPose | None = None
 
-    def add(self, pose: Pose, at: float) -> None:
-        """Take a pose in; one that cannot be reached from the last begins the track again."""
+    def add(self, pose: OdomPose, at: float) -> None:
+        """Add a pose; one that is too far from the last starts a new trail."""
         if not pose.drawable:
             return
         if self._last is not None and hypot(
@@ -74,96 +76,96 @@ class Track:
             self.points, self._step = self.points[::2], self._step * 2
 
     def mark(self, sign: str) -> None:
-        """Note that something happens where the robot is."""
+        """Put a mark where the robot is."""
         if self._last is not None:
             self.marks = [*self.marks[1 - MOST_MARKS:], Mark(self._last.x, self._last.y, sign)]
 
     def clear(self) -> None:
-        """Forget the way."""
+        """Start a new, empty trail."""
         self.points, self.marks, self._step, self._last = [], [], STEP, None
 
 
 @dataclass
-class Note:
-    """What the line for messages says."""
+class CallStatus:
+    """The last service call: its text for the user."""
 
     text: str = ''
-    loud: bool = False
+    highlighted: bool = False
     waiting_since: float | None = None
-    """When a service was called that has not answered yet."""
+    """When it was called, while its reply is missing."""
 
 
 @dataclass
-class State:
-    """All that the picture shows."""
+class RobotState:
+    """Everything that the picture shows."""
 
     title: str = ''
     periods: dict[type, tuple[str, float]] = field(default_factory=dict)
-    """For each type of message its topic, and seconds between two; inf: only on change."""
-    track: Track = field(default_factory=Track)
+    """Topic and period, s, of each message type; inf: published on change only."""
+    trail: Trail = field(default_factory=Trail)
     diagnostics: dict[str, Any] = field(default_factory=dict)
-    """Each status by its name, without the node's."""
-    note: Note = field(default_factory=Note)
-    listened: bool = False
-    """Whether somebody wants velocity commands."""
-    drivers: int = 0
-    """How many publish the odometry."""
-    helping: bool = False
+    """Each status by its name, without the node's name."""
+    call_status: CallStatus = field(default_factory=CallStatus)
+    driver_listens: bool = False
+    """Whether a driver subscribes to velocity commands."""
+    driver_count: int = 0
+    """Publishers of `odom`; more than one is a mistake."""
+    help_shown: bool = False
     driving: bool = False
-    """Whether a key drives."""
+    """Whether a key drives the robot now."""
     speeds: tuple[float, float] = (0.0, 0.0)
-    """m/s and rad/s of the keys that drive."""
-    _heard: dict[type, Heard] = field(default_factory=dict)
+    """Speeds that the drive keys command, m/s and rad/s."""
+    _received: dict[type, Received] = field(default_factory=dict)
 
-    def take(self, message: Any, at: float) -> None:
-        """Take a message in."""
+    def update(self, message: Any, at: float) -> None:
+        """Store a message; extend the trail and its marks."""
         before = self.get(type(message))
-        self._heard[type(message)] = Heard(message, at)
+        self._received[type(message)] = Received(message, at)
         match message:
             case Odometry() if (pose := self.pose) is not None:
-                self.track.add(pose, at)
+                self.trail.add(pose, at)
             case Bumper() if touched(message) and not touched(before):
-                self.track.mark('x')
+                self.trail.mark('x')
             case Cliff() if touched(message) and not touched(before):
-                self.track.mark('!')
+                self.trail.mark('!')
 
     def get(self, type_: type) -> Any:
         """Return the newest message of a type, or None."""
-        heard = self._heard.get(type_)
-        return None if heard is None else heard.message
+        newest = self._received.get(type_)
+        return None if newest is None else newest.message
 
     def age(self, type_: type, now: float) -> float:
-        """Return the seconds since the newest message of a type; inf: never one."""
-        heard = self._heard.get(type_)
-        return inf if heard is None else now - heard.at
+        """Return the seconds since the newest message of a type; inf: none yet."""
+        newest = self._received.get(type_)
+        return inf if newest is None else now - newest.at
 
     @property
-    def pose(self) -> Pose | None:
-        """Where the odometry says that the robot is."""
+    def pose(self) -> OdomPose | None:
+        """The newest pose by the odometry."""
         odom = self.get(Odometry)
         if odom is None:
             return None
-        at, turned = odom.pose.pose.position, odom.pose.pose.orientation
-        return Pose(at.x, at.y, 2 * atan2(turned.z, turned.w))
+        pose = odom.pose.pose
+        return OdomPose(pose.position.x, pose.position.y, yaw_of(pose.orientation))
 
     @property
-    def silent(self) -> bool:
-        """Whether nothing at all was heard yet."""
-        return not self._heard
+    def nothing_received(self) -> bool:
+        """Whether no message at all has arrived yet."""
+        return not self._received
 
-    def missed(self, now: float) -> dict[str, float]:
-        """Return topics that were heard and should have been again, with the seconds since."""
+    def late_topics(self, now: float) -> dict[str, float]:
+        """Return the age, s, of each topic whose next message is overdue."""
         ages = {name: (self.age(type_, now), period)
                 for type_, (name, period) in self.periods.items()}
         return {name: age for name, (age, period) in ages.items()
                 if period + LATE < age < inf}
 
-    def quiet_for(self, now: float) -> float:
-        """Return the seconds since anything was heard of the driver."""
+    def silence(self, now: float) -> float:
+        """Return the seconds since the newest message of the driver."""
         return min((self.age(type_, now) for type_ in self.periods), default=inf)
 
 
 def touched(message: Any) -> bool:
-    """Tell whether any flag of a message is set."""
+    """Return whether any boolean of a message is true."""
     return message is not None and any(
         getattr(message, name) is True for name in message.get_fields_and_field_types())

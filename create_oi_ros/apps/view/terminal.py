@@ -1,8 +1,8 @@
 """
-A terminal that shows whole screens and hears single keys, and is left as it was found.
+The terminal: shows whole screens, reads single keys, and restores its settings at the end.
 
-It writes to a descriptor of its own that never waits: a terminal that has stalled (a slow line,
-ssh that hangs) loses pictures, but neither the keys nor the end wait for it.
+It writes through a non-blocking descriptor of its own: a stalled terminal (a slow line, a hanging
+ssh) loses pictures, but neither the keys nor the end of the program wait for it.
 """
 
 from __future__ import annotations
@@ -18,48 +18,49 @@ import termios
 from typing import Any, IO
 
 ENTER = '\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J'
-"""Another screen, no cursor, no wrapping at the right edge, empty."""
+"""Alternate screen, no cursor, no line wrap, cleared."""
 LEAVE = '\x1b[0m\x1b[?7h\x1b[?25h\x1b[?1049l'
-LOUD, QUIET = '\x1b[7m', '\x1b[0m'
+REVERSE, NORMAL = '\x1b[7m', '\x1b[0m'
 USUAL_SIZE = (80, 24)
-LAST_WORDS = 0.5
-"""Seconds that a stalled terminal is given to take what restores it."""
+RESTORE_TIMEOUT = 0.5
+"""Seconds that a stalled terminal has to accept what restores it."""
 MOST_ERRORS = 8192
-"""Bytes at the end of what was complained of meanwhile that are shown afterwards."""
+"""Bytes of stderr, the last ones, that are shown when the terminal is restored."""
 DISABLED = b'\0'
 Rows = list[list[tuple[str, bool]]]
 
 
 class TerminalError(Exception):
-    """This is no terminal to be seen on; the message says why."""
+    """This terminal cannot be used; the message says why."""
 
 
-class HungUp(Exception):
-    """The terminal has gone."""
+class TerminalClosed(Exception):
+    """The terminal was closed."""
 
 
 def _encoded(row: list[tuple[str, bool]]) -> str:
-    return ''.join(f'{LOUD}{text}{QUIET}' if loud else text for text, loud in row)
+    return ''.join(
+        f'{REVERSE}{text}{NORMAL}' if highlighted else text for text, highlighted in row)
 
 
 def _keys_alone(settings: list[Any]) -> list[Any]:
-    """Return settings in which keys come one by one, unseen, and Ctrl-C alone is a signal."""
+    """Return settings: no line buffer, no echo; of the keys only Ctrl-C sends a signal."""
     changed = [*settings[:6], list(settings[6])]
     changed[0] &= ~(termios.IXON | termios.ICRNL)
     changed[3] &= ~(termios.ICANON | termios.ECHO | termios.IEXTEN)
-    # Suspended or quit by a key, it would leave the terminal in pieces, and the robot to itself.
+    # Ctrl-Z or Ctrl-\ would leave the terminal unusable and the robot without commands.
     for key in (termios.VSUSP, termios.VQUIT):
         changed[6][key] = DISABLED
     return changed
 
 
 class Terminal:
-    """The terminal of this process, from `open` to its end."""
+    """The terminal of this process; made by `opened`, which restores it."""
 
     def __init__(self, keys: int, screen: int) -> None:
-        """Work on two open descriptors; use `opened`."""
+        """Use two open descriptors: one to read keys, one to write."""
         self.descriptor = keys
-        """Becomes readable when a key was pressed."""
+        """Readable when a key was pressed."""
         self._screen = screen
         self._shown: list[str] = []
         self._size = (0, 0)
@@ -67,30 +68,30 @@ class Terminal:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and rows, as of now; HungUp: it has none any more."""
+        """Columns and rows now; TerminalClosed: the terminal is gone."""
         try:
             columns, rows = os.get_terminal_size(self._screen)
         except OSError as error:
-            raise HungUp from error
+            raise TerminalClosed from error
         # A serial console may not know its size.
         return (columns, rows) if columns and rows else USUAL_SIZE
 
     def read(self) -> bytes:
-        """Return what was typed; HungUp: nobody will type again."""
+        """Return the bytes typed; TerminalClosed: the terminal is gone."""
         try:
             typed = os.read(self.descriptor, 1024)
         except OSError as error:
-            raise HungUp from error
+            raise TerminalClosed from error
         if not typed:
-            raise HungUp
+            raise TerminalClosed
         return typed
 
     def redraw(self) -> None:
-        """Take nothing on the screen for granted."""
+        """Draw the whole screen again with the next picture."""
         self._size = (0, 0)
 
     def show(self, rows: Rows) -> None:
-        """Write what has changed since the last picture, unless that is still on its way."""
+        """Write the rows that changed; skip this picture while the last one is not sent yet."""
         self._send()
         if self._unsent:
             return
@@ -105,7 +106,7 @@ class Terminal:
         self.write(out)
 
     def write(self, text: str) -> None:
-        """Send a text, after what is still on its way."""
+        """Send a text, after what is not sent yet."""
         self._unsent += text.encode(errors='replace')
         self._send()
 
@@ -117,45 +118,45 @@ class Terminal:
         except BlockingIOError:
             return
         except OSError as error:
-            raise HungUp from error
+            raise TerminalClosed from error
 
     def leave(self) -> None:
-        """Give the screen back; a terminal that takes nothing any more is let be."""
-        with suppress(HungUp):
-            # What is left of a picture may have broken off within a sequence: all of it first.
+        """Restore the screen; give up after RESTORE_TIMEOUT if the terminal has stalled."""
+        with suppress(TerminalClosed):
+            # Send the rest of the picture first: it may have been cut within an escape sequence.
             self.write(LEAVE)
-            while self._unsent and select.select([], [self._screen], [], LAST_WORDS)[1]:
+            while self._unsent and select.select([], [self._screen], [], RESTORE_TIMEOUT)[1]:
                 self._send()
 
 
 def check() -> None:
-    """TerminalError: there is nobody to see or to type."""
+    """Check that stdin and stdout are a terminal with a cursor; TerminalError says why not."""
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise TerminalError('it needs a terminal to show and to hear keys: run it in one, not in '
-                            'a pipe (over ssh: ssh -t)')
+        raise TerminalError('it needs a terminal for input and output: do not use a pipe or a '
+                            'redirection; over ssh use ssh -t')
     if os.environ.get('TERM', 'dumb') == 'dumb':
-        raise TerminalError('TERM says that this terminal cannot move its cursor; xterm and its '
-                            'like, screen, tmux and the Linux console can')
+        raise TerminalError('this terminal cannot move its cursor (TERM is dumb or not set): use '
+                            'an xterm or similar, screen, tmux or the Linux console')
 
 
 def simple() -> bool:
-    """Tell whether to keep to ASCII: another encoding, or a console with few characters."""
+    """Return whether to draw in ASCII: no UTF-8 locale, or the Linux console."""
     encoding = locale.getencoding().lower().replace('-', '')
     return encoding != 'utf8' or os.environ.get('TERM') == 'linux'
 
 
 def _screen_of(descriptor: int) -> int:
-    """Open the terminal once more, so that not to wait concerns nobody else."""
+    """Open the terminal again: non-blocking mode must not affect other programs on it."""
     try:
         return os.open(os.ttyname(descriptor), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError:
-        # After su, or in a container, the terminal may have no name that we may open.
+        # After su, or in a container, we may lack the permission, or the terminal a name.
         return os.dup(descriptor)
 
 
 @contextmanager
 def _errors_kept() -> Iterator[None]:
-    """Keep complaints of libraries off the screen, and show the last of them afterwards."""
+    """Keep stderr off the screen, and show the end of it afterwards."""
     if not sys.stderr.isatty():
         yield
         return
@@ -173,13 +174,13 @@ def _errors_kept() -> Iterator[None]:
 
 def _show_end(kept: IO[bytes]) -> None:
     kept.seek(max(0, kept.seek(0, os.SEEK_END) - MOST_ERRORS))
-    with suppress(OSError):  # the terminal may have gone
+    with suppress(OSError):  # the terminal may be closed
         os.write(2, kept.read())
 
 
 @contextmanager
 def opened() -> Iterator[Terminal]:
-    """Yield the terminal, and restore it however this ends."""
+    """Yield the terminal, and restore it at the end, whatever happens."""
     check()
     keys, screen = sys.stdin.fileno(), _screen_of(sys.stdout.fileno())
     settings = termios.tcgetattr(keys)
@@ -192,7 +193,7 @@ def opened() -> Iterator[Terminal]:
                 yield terminal
             finally:
                 terminal.leave()
-                with suppress(termios.error):  # it may have gone
+                with suppress(termios.error):  # it may be closed
                     termios.tcsetattr(keys, termios.TCSANOW, settings)
     finally:
         os.close(screen)

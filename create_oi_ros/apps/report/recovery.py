@@ -1,4 +1,4 @@
-"""A bag whose recorder was killed: what is whole of its files, as files that can be read."""
+"""Recovers bags whose recorder was killed: copies the intact part of each file."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
     from mcap.writer import Writer
 
 MAGIC = b'\x89MCAP0\r\n'
-"""With which an MCAP file begins, and ends when it was closed."""
+"""First bytes of an MCAP file, and its last ones if it was closed."""
 UNFINISHED = 'its recorder did not close it'
 
 
 def files_of(path: Path) -> list[Path]:
     """
-    Return what to open: the bag as it is, or its files where it was never closed.
+    Return what to open: the bag itself, or its files if it was never closed.
 
-    A recorder writes `metadata.yaml`, and the end of an MCAP file, when it ends.
+    A recorder writes `metadata.yaml`, and the end of an MCAP file, when it closes the bag.
     """
     if not path.exists():
         raise BagError(f'there is no {path}')
@@ -29,13 +29,12 @@ def files_of(path: Path) -> list[Path]:
         if path.is_dir() else [path]
     closed = path.is_file() or (path / 'metadata.yaml').exists()
     if not closed and not files:
-        raise BagError(f'{path} is no bag: there is neither metadata.yaml nor a file of messages '
-                       'in it')
+        raise BagError(f'{path} is no bag: it holds neither metadata.yaml nor .mcap or .db3 files')
     return files if not closed or any(map(unfinished, files)) else [path]
 
 
 def unfinished(file: Path) -> bool:
-    """Tell whether a file is an MCAP file without its end."""
+    """Return whether a file is an MCAP file that was not closed."""
     with file.open('rb') as stream:
         if stream.read(len(MAGIC)) != MAGIC:
             return False
@@ -44,14 +43,14 @@ def unfinished(file: Path) -> bool:
         return stream.read() != MAGIC
 
 
-def rescue(file: Path, target: Path) -> None:
-    """Copy what comes before the first damage; a chunk of up to a megabyte is whole or lost."""
+def recover(file: Path, target: Path) -> None:
+    """Copy all chunks (up to a megabyte each) before the first damaged one."""
     from mcap.stream_reader import StreamReader
     from mcap.writer import CompressionType, Writer
     with file.open('rb') as source, target.open('wb') as copy:
         writer = Writer(copy, compression=CompressionType.NONE)
         writer.start(profile='ros2')
-        with suppress(DamageError):  # it is why this is done
+        with suppress(DamageError):  # expected: the rest of the file is lost
             _copy(StreamReader(source, validate_crcs=True), writer)
         writer.finish()  # type: ignore[no-untyped-call]
 

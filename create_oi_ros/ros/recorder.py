@@ -1,4 +1,4 @@
-"""Writes all topics of the driver, and its commands, to a bag."""
+"""Records all topics of the driver, and its velocity commands, to a bag."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from std_msgs.msg import String
 
 from tf2_msgs.msg import TFMessage
 
-from ...ros.bags import definitions
-from ...ros.reference import type_name
-from ...ros.topics import LATCHED, PUBLISHED
+from .bags import definitions
+from .reference import type_name
+from .topics import LATCHED, PUBLISHED
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos
@@ -28,33 +28,33 @@ DESCRIPTION = 'robot_description'
 
 
 class Recorder:
-    """Records from its making until `close`; OSError: the disk is full, or not ours to write."""
+    """Records until `close`; OSError: the disk is full, or the folder cannot be written."""
 
     def __init__(self, node: Node, folder: Path, velocity: type = Twist) -> None:
-        """Create a bag in a folder that is not there yet; `velocity` is the type of cmd_vel."""
+        """Create a bag in a new folder; `velocity` is the type of cmd_vel."""
         from rosbags.rosbag2 import StoragePlugin, Writer
         self._node = node
         self._store = definitions()
         self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
         self._writer.open()
         self.counts: Counter[str] = Counter()
-        """Messages by topic."""
+        """Messages recorded, by topic."""
         self.size = 0
-        """Bytes of all messages."""
+        """Bytes of all messages recorded."""
         for topic in PUBLISHED:
             self._record(topic.name, topic.type, topic.qos)
         self._record('cmd_vel', velocity, QoSProfile(depth=10))
-        # Of robot_state_publisher, where it runs.
+        # Both published by robot_state_publisher, if it runs.
         self._description = self._record(DESCRIPTION, String, LATCHED)
         self._record('/tf_static', TFMessage, LATCHED)
 
     @property
     def topics(self) -> list[str]:
-        """The names of what is recorded."""
+        """Names of the topics that are recorded."""
         return [connection.topic for connection in self._writer.connections]
 
     def describe(self) -> None:
-        """Write the robot's model, as robot_state_publisher latches it where it runs."""
+        """Write the model of the robot, for a bag without robot_state_publisher."""
         model = Path(get_package_share_directory('create_oi_ros')) / 'urdf' / 'create.urdf'
         self._write(self._description, serialize_message(String(data=model.read_text('utf-8'))))
 
@@ -62,7 +62,7 @@ class Recorder:
         package, kind = type_name(type_).split('/')
         connection = self._writer.add_connection(
             self._node.resolve_topic_name(name), f'{package}/msg/{kind}', typestore=self._store,
-            offered_qos_profiles=[written(qos)])
+            offered_qos_profiles=[bag_qos(qos)])
         deep = QoSProfile(depth=1000, durability=qos.durability)
         write: Callable[[bytes], None] = lambda raw: self._write(connection, raw)  # noqa: E731
         self._node.create_subscription(type_, name, write, deep, raw=True)
@@ -74,12 +74,12 @@ class Recorder:
         self.size += len(raw)
 
     def close(self) -> None:
-        """Finish the bag, so that it can be read."""
+        """Close the bag; only then is it complete."""
         self._writer.close()
 
 
-def written(qos: QoSProfile) -> Qos:
-    """Return a quality of service as a bag has it, for `ros2 bag play` to offer it again."""
+def bag_qos(qos: QoSProfile) -> Qos:
+    """Return a quality of service in the form of a bag; `ros2 bag play` offers it again."""
     from rosbags.interfaces import (
         Qos,
         QosDurability,

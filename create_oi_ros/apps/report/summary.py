@@ -1,4 +1,4 @@
-"""A recording in words: what happened when, and how much of it."""
+"""Describes a recording in words: its events, its warnings, a summary."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from math import hypot, isfinite, isnan
 
 from .recording import Recording, Span
 
-TOUCHES = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
+CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
            'overcurrent': 'Too much current', 'buttons': 'Button'}
 
 
 @dataclass(frozen=True)
-class Happening:
-    """Something that a reader should know of."""
+class TimelineEvent:
+    """Something that happened, with its time."""
 
     time: float
     kind: str
@@ -23,52 +23,53 @@ class Happening:
 
 
 def clock(seconds: float) -> str:
-    """Write a time since the beginning, as 1:02:03 or 2:03.4."""
+    """Return seconds as text, such as 1:02:03 or 2:03.4."""
     minutes, rest = divmod(seconds, 60)
     hours, minutes = divmod(int(minutes), 60)
     return f'{hours}:{minutes:02d}:{rest:02.0f}' if hours else f'{minutes}:{rest:04.1f}'
 
 
-def happenings(recording: Recording) -> list[Happening]:
-    """Return all that happened, in the order of time."""
-    found = [*_modes(recording), *_touches(recording)]
+def events(recording: Recording) -> list[TimelineEvent]:
+    """Return all events, in order of time."""
+    found = [*_modes(recording), *_contacts(recording)]
     for span in recording.spans['song'].all:
-        found.append(Happening(span.start, 'song', f'Plays {span.text}{_lasting(span)}'))
+        found.append(TimelineEvent(span.start, 'song', f'Plays {span.text}{_duration(span)}'))
     for span in recording.spans['charging'].all:
-        found.append(Happening(span.start, 'charging', f'Charging: {span.text}{_lasting(span)}'))
+        found.append(TimelineEvent(
+            span.start, 'charging', f'Charging: {span.text}{_duration(span)}'))
     for span in recording.gaps:
-        found.append(Happening(span.start, 'gap', f'Gap{_lasting(span)}: {span.text}'))
+        found.append(TimelineEvent(span.start, 'gap', f'Gap{_duration(span)}: {span.text}'))
     return sorted(found, key=lambda each: each.time)
 
 
-def _modes(recording: Recording) -> Iterator[Happening]:
+def _modes(recording: Recording) -> Iterator[TimelineEvent]:
     before = ''
     for span in recording.spans['mode'].all:
         reason = f' ({span.reason})' if span.reason else ''
         if span.text != before:
-            yield Happening(span.start, 'mode', f'Mode {span.text}{reason}')
+            yield TimelineEvent(span.start, 'mode', f'Mode {span.text}{reason}')
         before = span.text
 
 
-def _touches(recording: Recording) -> Iterator[Happening]:
-    for kind, word in TOUCHES.items():
+def _contacts(recording: Recording) -> Iterator[TimelineEvent]:
+    for kind, word in CONTACTS.items():
         for span in recording.spans[kind].all:
-            yield Happening(span.start, kind, f'{word} {span.text}{_lasting(span)}')
+            yield TimelineEvent(span.start, kind, f'{word} {span.text}{_duration(span)}')
 
 
-def _lasting(span: Span) -> str:
+def _duration(span: Span) -> str:
     return f', {span.end - span.start:.1f} s'
 
 
 def travelled(recording: Recording) -> float:
-    """Return the length of the track, metres; jumps of the odometry are left out."""
+    """Return the length of the track, metres, without jumps of the odometry."""
     xs, ys = recording.odom['x'], recording.odom['y']
     steps = (hypot(b - a, d - c) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:]))
     return sum(step for step in steps if step < 1.0)
 
 
 def summary(recording: Recording) -> list[str]:
-    """Return the report's first sentences."""
+    """Return the sentences at the top of the report."""
     day = datetime.fromtimestamp(recording.began, UTC).strftime('%Y-%m-%d %H:%M:%S UTC')
     robot = f' of {recording.robot}' if recording.robot else ''
     lines = [f'Recorded{robot} on {day}; {clock(recording.seconds)} (minutes:seconds), '
@@ -76,7 +77,7 @@ def summary(recording: Recording) -> list[str]:
     if recording.odom:
         fastest = max((abs(speed) for speed in recording.odom['speed'] if isfinite(speed)),
                       default=0.0)
-        lines.append(f'It went {travelled(recording):.2f} m, at most {fastest:.2f} m/s.')
+        lines.append(f'It drove {travelled(recording):.2f} m, at most {fastest:.2f} m/s.')
     lines += [_times_in_modes(recording), _counts(recording), _battery(recording)]
     lines += [_link(recording), _gaps(recording)]
     version = recording.settings.get('version')
@@ -105,7 +106,7 @@ def _counts(recording: Recording) -> str:
 
 def _battery(recording: Recording) -> str:
     if not recording.battery:
-        return 'The bag tells nothing of the battery.'
+        return 'The bag has no battery state.'
     volts, charge = recording.battery['volts'], recording.battery['charge']
     known = '' if isnan(charge[-1]) else f', {charge[0]:.0f} % to {charge[-1]:.0f} %'
     return f'Battery {volts[0]:.1f} V to {volts[-1]:.1f} V{known}.'
@@ -113,7 +114,7 @@ def _battery(recording: Recording) -> str:
 
 def _link(recording: Recording) -> str:
     if not recording.link:
-        return 'The bag tells nothing of the serial link (/diagnostics).'
+        return 'The bag has nothing about the serial link (/diagnostics).'
     damaged = sum(each for each in recording.link['damaged'] if isfinite(each))
     garbage = sum(each for each in recording.link['garbage'] if isfinite(each))
     rates = sorted(each for each in recording.link['frames'] if isfinite(each))
@@ -126,12 +127,12 @@ def _gaps(recording: Recording) -> str:
         return 'The recording has no gap.'
     longest = max(recording.gaps, key=lambda span: span.end - span.start)
     return (f'Gaps in the recording: {len(recording.gaps)}, the longest at '
-            f'{clock(longest.start)}{_lasting(longest)}.')
+            f'{clock(longest.start)}{_duration(longest)}.')
 
 
-def complaints(recording: Recording) -> list[Happening]:
-    """Return what the diagnostics warned of."""
+def warnings(recording: Recording) -> list[TimelineEvent]:
+    """Return the warnings of the diagnostics, in order of time."""
     return sorted(
-        (Happening(span.start, subject, f'{span.text}{_lasting(span)}')
-         for subject, spans in recording.complaints.items() for span in spans.all),
+        (TimelineEvent(span.start, subject, f'{span.text}{_duration(span)}')
+         for subject, spans in recording.warnings.items() for span in spans.all),
         key=lambda each: each.time)

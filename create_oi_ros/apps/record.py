@@ -1,4 +1,4 @@
-"""The command `create_record`: what a robot of this driver does, in a bag, until Ctrl-C."""
+"""`create_record`: record the driver's topics and its commands to a bag, until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -10,44 +10,36 @@ import sys
 
 from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from ...ros.bags import missing
-from ...ros.process import call_on_signal, spin_until
-from .recorder import Recorder
+from ..ros.bags import missing
+from ..ros.process import call_on_signal, ros_executor, spin_until
+from ..ros.recorder import Recorder
 
 
 def say(text: str, before: str = '', after: str = '\n') -> None:
-    """Print a line at once, for who watches."""
+    """Print a line and flush it."""
     print(f'{before}create_record: {text}', end=after, flush=True)
 
 
 def amount(recorder: Recorder) -> str:
-    """Say how much is recorded."""
+    """Return how much is recorded, in words."""
     return (f'{recorder.counts.total()} messages of {len(recorder.counts)} topics, '
             f'{recorder.size / 1e6:.1f} MB')
 
 
 def record(folder: Path, arguments: list[str], velocity: type, ended: Future) -> Recorder:
-    """Record until the end is asked for; OSError says why it came earlier."""
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node('create_record')
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    try:
+    """Record until `ended` is done; OSError says why recording failed."""
+    with ros_executor(arguments) as executor:
+        node = rclpy.create_node('create_record')
+        executor.add_node(node)
         recorder = Recorder(node, folder, velocity)
         say(f'records {", ".join(recorder.topics)} to {folder} until Ctrl-C')
         if sys.stdout.isatty():
             node.create_timer(1.0, lambda: say(amount(recorder), '\r', ' '))
         spin_until(executor, ended)
         recorder.close()
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.shutdown()
     return recorder
 
 
@@ -65,7 +57,7 @@ def _arguments() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_record`; 1: it ended too early or heard nothing, 2: there is no bag."""
+    """Run `create_record`; 1: recording failed or no message came, 2: rosbags is missing."""
     given = sys.argv if arguments is None else ['create_record', *arguments]
     parser, ended = _arguments(), Future()
     options = parser.parse_args(remove_ros_args(given)[1:])
@@ -81,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         say(f'recording has ended: {error}')
         return 1
-    # Over the line that told how much it was until now.
+    # On a terminal, overwrite the line with the running count.
     say(f'{amount(recorder)} are in {options.folder}', '\r' if sys.stdout.isatty() else '')
     if not recorder.counts:
         say('nothing was heard: does a driver run in this ROS domain and namespace?')
