@@ -97,7 +97,8 @@ OWNERS = {
 REFUSALS = {
     _A.CLOSED: f'{_A.CLOSED.value}: check cable and power, the driver keeps trying',
     _A.CALLING: f'{_A.CALLING.value}: check cable and power, the driver keeps trying',
-    _A.SCRIPT: 'a script plays, and the robot hears nothing while it waits: try again later',
+    _A.SCRIPT: ('a script plays, and the robot ignores everything while it waits, a stop '
+                'included: let it end, or switch the robot off by its Power button'),
     _A.SILENCING: 'the stored script is being read: try again',
     _A.READING: 'the stored script is being read: try again',
 }
