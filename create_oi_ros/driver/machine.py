@@ -131,7 +131,8 @@ class Driver:
         self.scripts.poll(now)
         if self._motion.expired(now):
             self._supervision.commands_paused()
-            self._take(Event.HALTED)
+            if self.state.moving:
+                self._take(Event.HALTED)
         self._send_speeds(now)
         if self.state.takes_commands:
             stream = self._connection.plan.next_stream(

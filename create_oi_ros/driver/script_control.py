@@ -127,6 +127,8 @@ class ScriptControl:
 
     def poll(self, now: float) -> None:
         """Advance timers: the next poll of a playing robot, silence, the reply's timeout."""
+        if self._state.takes_commands:
+            return
         activity = self._state.activity
         if activity is Activity.SILENCING and self._outbox.busy:
             self._due = now + SILENCE
