@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from random import Random
 
-from create_oi_ros.sim.config import BodyConfig, IDEAL
+from create_oi_ros.sim.config import BodyConfig, CENTRE
 from create_oi_ros.sim.electrics import Electrics
 from create_oi_ros.sim.encoders import Rounding
 from create_oi_ros.sim.mechanics import Mechanics, Truth
@@ -46,7 +46,7 @@ class Body:
                  '_overlay', '_sensed', '_random', '_push_end', '_slip_end')
 
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
-                 config: BodyConfig = IDEAL) -> None:
+                 config: BodyConfig = CENTRE) -> None:
         self.config = config
         self.world = world
         self._time, self._deadline = 0.0, math.inf
