@@ -100,7 +100,7 @@ class Driver:
                 case oi.Garbage():
                     self.counts.garbage_bytes += len(event.data)
                     self._calling.overheard(event.data)
-                    self._tracking.clock.suspect()
+                    self._tracking.clock.suspect(len(event.data) / self.plan.short.frame_size)
         self.counts.checksum_failures = self._reader.checksum_failures
 
     def poll(self, now: float) -> None:

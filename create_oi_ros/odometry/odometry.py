@@ -26,7 +26,7 @@ TOP, TOP_TURN = 1.03 * 0.5, 2 * 1.03 * 0.5 / 0.258
 """... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
 NEAR = 1e-7
 """m and rad by which an estimate that stands need not come nearer to its track."""
-COVARIANCE_EVERY = 10
+COVARIANCE_EVERY = 20
 """Frames from one covariance of the prediction to the next."""
 AS_BUILT = Geometry()
 FLOOR = 1e-9
@@ -59,6 +59,8 @@ class Odometry:
         self._driven = self._lifted = False
         self._caught_up = False
         """Whether the estimate stands where the tracks do."""
+        self._goal = (0.0, 0.0, 0.0)
+        """Where the tracks' mean is."""
         self._covariance = self.estimate.pose_covariance
         self._twist_variance = self.estimate.twist_covariance
         self._frames = 0
@@ -96,9 +98,10 @@ class Odometry:
         if not self.window:
             self.estimate = self._as_reported(increment)
             return self.estimate
-        before = self.tracks.pose()
+        before = self._goal
         rested = self._move(increment)
-        after = before if rested else self.tracks.pose()
+        after = before if rested else self._pose()
+        self._goal = after
         if increment.distance is not None and increment.angle is not None:
             self._read(increment.distance, increment.angle)
             self._look()
@@ -108,10 +111,9 @@ class Odometry:
             self._frames += 1
             if self._frames % COVARIANCE_EVERY == 0:
                 self._look()
-        dx, dy, turned = after - before
-        middle = before[2] + turned / 2
-        went = dx * cos(middle) + dy * sin(middle)
-        self.estimate = self._followed(increment.dt, float(went), float(turned))
+        turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
+        went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
+        self.estimate = self._followed(increment.dt, went, turned)
         return self.estimate
 
     def _as_reported(self, increment: Increment) -> Estimate:
@@ -142,7 +144,7 @@ class Odometry:
         lost = self._lost or increment.lost
         in_vain = self._plan.step(
             dt, steady=steady, free=tracks.is_free, known=tracks.rounding_known,
-            rests=None if tracks.rounding_known else tracks.fractions(dt))
+            rests=None if tracks.rounding_known or not tracks.settled else tracks.fractions(dt))
         if in_vain and lost:
             self._missed.append(tracks.held)
         self._lost = lost and not self._plan.due
@@ -164,21 +166,24 @@ class Odometry:
         obedience.restart()
         self._discard = self._doubt = False
 
+    def _pose(self) -> tuple[float, float, float]:
+        x, y, yaw = self.tracks.pose().tolist()
+        return x, y, yaw
+
     def _look(self) -> None:
-        """Ask the tracks how sure they are."""
+        """Ask the tracks where the robot is, and how sure they are."""
+        self._goal = self._pose()
         self._covariance = self.tracks.pose_covariance()
         self._twist_variance = self.tracks.twist_variance()
 
     def _followed(self, dt: float, went: float, turned: float) -> Estimate:
         """Move the estimate as the tracks' mean moved, and some way towards it."""
-        before, g = self.estimate, self.geometry
-        goal = self.tracks.pose()
+        before, g, goal = self.estimate, self.geometry, self._goal
         went = max(-TOP * dt, min(TOP * dt, went))
         turned = max(-TOP_TURN * dt, min(TOP_TURN * dt, turned))
         middle = before.yaw + turned / 2
         dx, dy = went * cos(middle), went * sin(middle)
-        x, y, yaw = (float(goal[0]) - before.x - dx, float(goal[1]) - before.y - dy,
-                     float(goal[2]) - before.yaw - turned)
+        x, y, yaw = goal[0] - before.x - dx, goal[1] - before.y - dy, goal[2] - before.yaw - turned
         part = 1 - exp(-dt / BLEND)
         share = _share(part, hypot(x, y), STEP, FAR, TOP * dt - abs(went))
         self._caught_up = not went and not turned and hypot(x, y) < NEAR and abs(yaw) < NEAR

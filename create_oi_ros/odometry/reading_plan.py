@@ -11,7 +11,7 @@ ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
 WAITS = 0.5, 1.0
 """Windows between readings, at least and at most, ..."""
-STEADY_WAITS = 1.0, 2.5
+STEADY_WAITS = 1.0, 5.0
 """... and once the rounding is known, while the requests stay the same, ..."""
 UNSETTLED = 2.0
 """... and while they change."""

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 ROWS = 48
-"""Steps that are kept."""
-SPEEDS, KEPT, UP = (0, 1), (2, 3), (4, 5)
-"""Rows of the sums, right and left: the speed; the sign of the last speed that was not zero; the
-sign where zero counts as forwards."""
+"""Steps that are kept, ..."""
+STEP = 0.015
+"""... and the seconds between those before the first."""
+RECENT = 0.35
+"""Seconds after which the past of a request no longer matters: longer than any dead time."""
 
 
 class Requests:
@@ -23,18 +24,21 @@ class Requests:
 
     def __init__(self) -> None:
         self.speeds = np.zeros(2)
-        self.kept = np.ones(2)
-        self.age = np.inf
-        """Seconds since the last change."""
-        self._times = np.linspace(-1.0, 0.0, ROWS)
-        self._sums = np.zeros((6, ROWS))
-        self._level()
+        self._kept = np.ones(2)
+        self.settle()
 
     @property
-    def rates(self) -> Array:
-        """What the sums grow by in a second: speeds, kept signs, upward signs."""
+    def signs(self) -> tuple[Array, Array]:
+        """The signs of the last requests that were not zero, and of these where zero is up."""
+        return self._rates[2:4, None, None], self._rates[4:, None, None]
+
+    def settle(self) -> None:
+        """Take the present requests to have held for long."""
+        self.age = np.inf
+        """Seconds since the last change."""
         up = np.where(self.speeds >= 0, 1.0, -1.0)
-        return np.concatenate([self.speeds, self.kept, up])
+        self._rates = np.concatenate([self.speeds, self._kept, up])
+        self._level()
 
     def ask(self, right: float, left: float) -> Array:
         """Take requests that hold from now on; return by how much they changed."""
@@ -43,36 +47,33 @@ class Requests:
         asked = np.array([right, left])
         change = asked - self.speeds
         self.speeds = asked
-        self.kept = np.where(asked != 0, np.sign(asked), self.kept)
+        self._kept = np.where(asked != 0, np.sign(asked), self._kept)
+        self._rates = np.concatenate([asked, self._kept, np.where(asked >= 0, 1.0, -1.0)])
         self.age = 0.0
         return change
 
     def step(self, seconds: float) -> None:
         """Let time pass."""
+        before = self.age
         self.age += seconds
-        if self.age - seconds > RECENT:
+        if before > RECENT:
             return
         self._times[:-1] = self._times[1:]
         self._times[-1] += seconds
         self._sums[:, :-1] = self._sums[:, 1:]
-        self._sums[:, -1] += self.rates * seconds
+        self._sums[:, -1] += self._rates * seconds
 
-    def sums(self, rows: tuple[int, int], ago: Array) -> Array:
-        """Return a pair of sums as they were some seconds ago, for both wheels."""
-        when = self._times[-1] - ago
-        return np.stack([np.interp(when, self._times, self._sums[row]) for row in rows])
+    def sums(self, ago: Array) -> Array:
+        """
+        Return the sums as they were some seconds ago, with the axes of `ago` last.
 
-    def settle(self) -> None:
-        """Take the present requests to have held for long."""
-        self.age = 10.0
-        self._level()
+        Speeds, kept signs, upward signs (zero is up); of both wheels, right first.
+        """
+        when = (self._times[-1] - ago).ravel()
+        sums = [np.interp(when, self._times, row) for row in self._sums]
+        return np.array(sums).reshape((3, 2) + ago.shape)
 
     def _level(self) -> None:
         """Fill the past with the present requests, which have held for long."""
-        past = np.linspace(-ROWS * 0.015, 0.0, ROWS)
-        self._times = past
-        self._sums = np.outer(self.rates, past)
-
-
-RECENT = 0.35
-"""Seconds after which the past of a request no longer matters: longer than any dead time."""
+        self._times = np.linspace(-ROWS * STEP, 0.0, ROWS)
+        self._sums = np.outer(self._rates, self._times)

@@ -28,13 +28,13 @@ class Prior(NamedTuple):
 
 
 COMMON = {
-    GAIN_RIGHT: Prior(1.0, 0.03, 0.6, 1.5, 1e-4),
-    GAIN_LEFT: Prior(1.0, 0.03, 0.6, 1.5, 1e-4),
-    OFFSET_RIGHT: Prior(0.0, 0.003, -0.02, 0.03),
-    OFFSET_LEFT: Prior(0.0, 0.003, -0.02, 0.03),
-    DEAD_TIME: Prior(0.05, 0.035, 0.0, 0.25),
-    BRAKING: Prior(0.0, 0.3, -1.3, 1.3),
-    SEPARATION: Prior(0.0, 0.02, -0.15, 0.15),
+    GAIN_RIGHT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
+    GAIN_LEFT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
+    OFFSET_RIGHT: Prior(0.0, 0.004, -0.02, 0.03),
+    OFFSET_LEFT: Prior(0.0, 0.004, -0.02, 0.03),
+    DEAD_TIME: Prior(0.06, 0.045, 0.0, 0.25),
+    BRAKING: Prior(0.0, 0.5, -1.3, 1.3),
+    SEPARATION: Prior(0.0, 0.04, -0.15, 0.15),
     MOVES_RIGHT: Prior(1.0, 0.0, -0.2, 1.2),
     MOVES_LEFT: Prior(1.0, 0.0, -0.2, 1.2),
 }
@@ -42,6 +42,8 @@ RESPONSES = (
     {LAG: Prior(0.12, 0.08, 0.004, 0.6), SLOW_LAG: Prior(0.04, 0.05, -0.1, 0.4),
      RAMP: Prior(0.1, 0.2, 0.0, 4.0)},
     {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.02, -0.1, 0.4),
-     RAMP: Prior(1.0, 0.6, 0.0, 4.0)},
+     RAMP: Prior(0.7, 0.5, 0.0, 4.0)},
+    {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.02, -0.1, 0.4),
+     RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
 )
 """Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other."""

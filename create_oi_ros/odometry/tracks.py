@@ -8,7 +8,8 @@ the transition matrix. All tracks are rows of the same arrays. docs/odometry.md 
 """
 
 from itertools import product
-from math import cos, log, radians, sin
+from math import log, radians
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +18,11 @@ from .dead_band import DeadBand, FASTEST, OPEN
 from .estimate import Geometry
 from .requests import Array
 from .rounding import cut_normal, interval, Rounding
-from .wheel_model import Wheels
+from .wheel_model import LAST, NONE, Signs, UPWARD, Wheels
 
 MM, DEGREE = 1e-3, radians(1)
 UNITS = ((s.DISTANCE, MM), (s.ANGLE, DEGREE))
-SIGNS = ((0, False), (1, False), (1, True), (2, False), (2, True))
+SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, True))
 """Signs of encoders, and whether they wait for the dead time (`wheel_model.Wheels`)."""
 SMALLEST_STEP = 1e-5
 TICKS = (0.15 * MM, 0.05 * DEGREE)
@@ -33,10 +34,24 @@ UNEVEN = 5e-4
 MISCOUNTED = 0.03
 """Part of what was counted with the wrong sign that the model may be wrong by."""
 IMPLAUSIBLE = 1e-6
-UNLIKELY = 1e-3
-"""Likelihood that is left to a reading that ought not to be."""
+UNLIKELY, LEAST = 1e-2, 4.0
+"""Likelihood that is left to a reading that ought not to be; logarithm of what any track keeps."""
 SURPRISE, LEFT = 3.0, 2.0
 """Standard deviations from which on a reading is a surprise, and what is left of it."""
+CURVED = 0.2
+"""Part of what unknowns are believed to do that is not in proportion to them."""
+LOST, ENOUGH, PAUSE = 30.0, 12, 40
+"""Doubt, for how many readings, from which on other tracks are tried again; readings in between."""
+YOUNG, OLD = 30, 120
+"""Readings from which on only one track of each kind is kept, and none for the sake of variety."""
+NEGLIGIBLE = 1e-4
+"""Weight below which a track has no share in the estimate."""
+REBORN = 1e-2
+"""Weight of all the tracks that are tried again."""
+CLEAR = 5.0
+"""Doubt of the best track from which on no other is given up, ..."""
+LEAST_WEIGHT = 2e-6
+"""... and the weight that others keep then."""
 STRAY = 0.09
 """Metres by which wheels that do not obey stray from their counts, per root metre."""
 FREE_SPEED = 0.3
@@ -49,10 +64,24 @@ class Tracks:
     def __init__(self, geometry: Geometry) -> None:
         self.geometry = geometry
         self.scales = geometry.linear_scale, geometry.angular_scale
+        self._begin()
+        self.wheels.slowest = FASTEST
+        self.band = DeadBand()
+        self._changes = np.zeros(2)
+        self._seconds = 0.0
+        self._known = False
+        self.empty()
+        self._spread()
+
+    def _begin(self) -> None:
+        """Assume anything that is plausible of a robot that nobody knows."""
         kinds = list(product(Rounding, SIGNS, s.RESPONSES))
         count = len(kinds)
+        self._astray = 0
+        """Readings in a row that the best track did not explain."""
         self.roundings = [rounding for rounding, _, _ in kinds]
-        self.weights = np.full(count, 1 / count)
+        self._readings = 0
+        self.weights = self.shares = np.full(count, 1 / count)
         self.doubt = np.ones(count)
         """What process noise is multiplied by, as innovations have it."""
         self.means = np.zeros((count, s.SIZE))
@@ -61,15 +90,39 @@ class Tracks:
             for index, prior in (s.COMMON | response).items():
                 self.means[row, index] = prior.mean
                 self.p[row, index, index] = prior.spread ** 2
-        self.wheels = Wheels(np.array([sign for _, (sign, _), _ in kinds], float),
-                             np.array([late for _, (_, late), _ in kinds]))
-        self.wheels.slowest = FASTEST
-        self.band = DeadBand()
-        self._changes = np.zeros(2)
-        self._seconds = 0.0
-        self._known = False
+        self.wheels = Wheels(Signs(np.array([sign for _, (sign, _), _ in kinds]),
+                                   np.array([late for _, (_, late), _ in kinds])))
+    def _rethink(self) -> None:
+        """Try everything again beside the tracks that have explained little for long."""
+        self._astray = self._astray + 1 if self.doubt[0] > LOST else min(self._astray, 0)
+        if self._astray < ENOUGH or self.is_free:
+            return
+        old, requests, slowest = self._rows(), self.wheels.requests, self.wheels.slowest
+        mean, p = self.means[0], self.p[0]
+        self._begin()
         self.empty()
-        self._spread()
+        self._astray = -PAUSE
+        kept = [*range(s.UNKNOWNS - 4, s.SIZE - 2)]
+        self.means[:, kept] = mean[kept]
+        self.p[:, s.MOVES_RIGHT:s.ANGLE - 1, s.MOVES_RIGHT:s.ANGLE - 1] = p[
+            s.MOVES_RIGHT:s.ANGLE - 1, s.MOVES_RIGHT:s.ANGLE - 1]
+        self.wheels.requests, self.wheels.slowest = requests, slowest
+        self.weights *= REBORN
+        new = self._rows()
+        self._take_rows([a + b if isinstance(a, list) else np.concatenate([a, b])
+                         for a, b in zip(old, new)])
+        self.weights /= self.weights.sum()
+        self._share()
+
+    def _rows(self) -> list[Any]:
+        """Return what is kept of each track."""
+        signs = self.wheels.signs
+        return [self.roundings, self.weights, self.doubt, self.means, self.p, signs.kinds,
+                signs.late]
+
+    def _take_rows(self, rows: list[Any]) -> None:
+        self.roundings, self.weights, self.doubt, self.means, self.p, kinds, late = rows
+        self.wheels.signs = Signs(kinds, late)
 
     # Motion.
 
@@ -120,10 +173,8 @@ class Tracks:
                 self.means[:, index] = answer
 
     def pose(self) -> Array:
-        """Return the mean pose now."""
-        w = self.wheels
-        poses = np.stack([w.x[:, 0], w.y[:, 0], w.yaw[:, 0]])
-        return poses @ self.weights
+        """Return the mean pose now: x, y, yaw."""
+        return self.wheels.poses[:, :, 0] @ self.shares
 
     @property
     def requests(self) -> tuple[float, float]:
@@ -150,13 +201,18 @@ class Tracks:
     def held(self) -> tuple[float, float]:
         """What the accumulators are believed to hold, m and rad."""
         w = self.wheels
-        return (float(self.means[0, s.DISTANCE] + w.distance[0, 0]),
-                float(self.means[0, s.ANGLE] + w.angle[0, 0]))
+        return (float(self.means[0, s.DISTANCE] + w.counts[0, 0, 0]),
+                float(self.means[0, s.ANGLE] + w.counts[1, 0, 0]))
 
     @property
     def rounding_known(self) -> bool:
         """Whether one rounding is left."""
         return self._known
+
+    @property
+    def settled(self) -> bool:
+        """Whether all wheels run at their goals, whatever is assumed of them."""
+        return self.wheels.settled
 
     def fractions(self, dt: float) -> tuple[float, float]:
         """Return the fractions of a unit by which distance and angle grow in a frame."""
@@ -211,10 +267,9 @@ class Tracks:
     def explains(self, distance: int, angle: int) -> bool:
         """Tell whether a plausible track expected such a reading."""
         w = self.wheels
-        f = self._transition()
-        p = f @ self.p @ f.transpose(0, 2, 1) + self._noise()
+        p = self._carried(self._transition())
         fits = self.weights > 1e-3
-        for (index, unit), whole, moved in zip(UNITS, (distance, angle), (w.distance, w.angle)):
+        for (index, unit), whole, moved in zip(UNITS, (distance, angle), w.counts):
             gap = np.abs(self.means[:, index] + moved[:, 0] - whole * unit)
             fits &= gap < 4 * np.sqrt(p[:, index, index]) + 1.2 * unit
         return bool(fits.any())
@@ -232,12 +287,10 @@ class Tracks:
         f = np.zeros((len(self.means), s.SIZE, s.SIZE))
         diagonal = np.arange(s.SIZE)
         f[:, diagonal, diagonal] = 1.0
-        for row, copies in ((s.X, w.x), (s.Y, w.y), (s.YAW, w.yaw), (s.DISTANCE, w.distance),
-                            (s.ANGLE, w.angle), (s.SPEED_RIGHT, w.speed[0]),
-                            (s.SPEED_LEFT, w.speed[1])):
-            f[:, row, :s.UNKNOWNS] = (copies[:, 1:] - copies[:, :1]) / w.steps
-        f[:, s.X, s.YAW] = -(w.y[:, 0] - self._start[:, 1])
-        f[:, s.Y, s.YAW] = w.x[:, 0] - self._start[:, 0]
+        ends = np.concatenate([w.speed, w.poses, w.counts]).transpose(1, 0, 2)
+        f[:, s.SPEED_RIGHT:, :s.UNKNOWNS] = (ends[:, :, 1:] - ends[:, :, :1]) / w.steps[:, None]
+        f[:, s.X, s.YAW] = self._start[:, 1] - w.poses[1, :, 0]
+        f[:, s.Y, s.YAW] = w.poses[0, :, 0] - self._start[:, 0]
         return f
 
     def _noise(self) -> Array:
@@ -245,7 +298,7 @@ class Tracks:
         w, count = self.wheels, len(self.means)
         q = np.zeros((count, s.SIZE, s.SIZE))
         half = w.track_width[:, 0]
-        middle = (w.yaw[:, 0] + self._start[:, 2]) / 2
+        middle = (w.poses[2, :, 0] + self._start[:, 2]) / 2
         path = w.path
         travel = self.doubt * (JITTER ** 2 * self._changes[:, None] + (UNEVEN * path) ** 2)
         if w.free:
@@ -269,15 +322,20 @@ class Tracks:
             q[:, index, index] += moved * self._seconds * prior.drift ** 2
         return q
 
+    def _carried(self, f: Array) -> Array:
+        """Return the covariances now; what is far from linear is noise in part."""
+        g, unknown = f[:, s.X:, :s.UNKNOWNS], self.p[:, :s.UNKNOWNS, :s.UNKNOWNS]
+        p = f @ self.p @ f.transpose(0, 2, 1) + self._noise()
+        p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
+        return p
+
     def close(self) -> None:
         """Bring means and covariances up to now; the copies begin afresh."""
         w = self.wheels
         f = self._transition()
-        self.p = f @ self.p @ f.transpose(0, 2, 1) + self._noise()
-        self.means[:, s.X], self.means[:, s.Y] = w.x[:, 0], w.y[:, 0]
-        self.means[:, s.YAW] = w.yaw[:, 0]
-        self.means[:, s.DISTANCE] += w.distance[:, 0]
-        self.means[:, s.ANGLE] += w.angle[:, 0]
+        self.p = self._carried(f)
+        self.means[:, s.POSE] = w.poses[:, :, 0].T
+        self.means[:, s.DISTANCE:] += w.counts[:, :, 0].T
         self.means[:, s.SPEED_RIGHT:s.SPEED_LEFT + 1] = w.speed[:, :, 0].T
         self._changes = np.zeros(2)
         self._seconds = 0.0
@@ -292,16 +350,16 @@ class Tracks:
             gaps, _ = self._innovation(wholes)
             self._stray(gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2)
         self._calm(wholes)
-        logs = np.zeros(len(self.means))
+        logs = -np.minimum(2 * self._surprises, 3.0)
         for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
             for track, rounding in enumerate(self.roundings):
                 mass = self._cut(track, index, unit, whole, rounding, tick)
                 logs[track] += log(mass + UNLIKELY)
-        self._penalise(logs)
-        self._weigh(logs)
+        self._weigh(np.maximum(logs, logs.max() - LEAST))
         self._take_out(distance, angle)
         self._bound()
         self._learn_band()
+        self._rethink()
         self._spread()
 
     def _innovation(self, wholes: tuple[int, int]) -> tuple[Array, Array]:
@@ -352,23 +410,37 @@ class Tracks:
         p -= np.outer(column, column) * ((1 - kept) / variance)
         return mass
 
-    def _penalise(self, logs: Array) -> None:
-        logs -= 2 * self._surprises
-
     def _weigh(self, logs: Array) -> None:
         """Weigh the tracks by how likely the reading was; drop the implausible."""
         weights = self.weights * np.exp(logs - logs.max())
         weights /= weights.sum()
+        if self.doubt[weights.argmax()] > CLEAR and self._readings < OLD:
+            weights = np.maximum(weights, LEAST_WEIGHT)
+        self._readings += 1
         keep = np.flatnonzero(weights > IMPLAUSIBLE)
         order = keep[np.argsort(-weights[keep])]
-        self.weights = weights[order] / weights[order].sum()
-        if len(order) == len(weights) and (order == np.arange(len(order))).all():
-            return
-        self.roundings = [self.roundings[i] for i in order]
-        self.means, self.p, self.doubt = self.means[order], self.p[order], self.doubt[order]
-        self.wheels.signs = self.wheels.signs[order]
-        self.wheels.late = self.wheels.late[order]
-        self._known = len(set(self.roundings)) == 1
+        if self._readings > YOUNG:
+            order = self._first_of_each_kind(order)
+        self.weights = weights
+        self._take_rows([[row[i] for i in order] if isinstance(row, list) else row[order]
+                         for row in self._rows()])
+        self.weights /= self.weights.sum()
+        self._share()
+
+    def _first_of_each_kind(self, order: Array) -> list[int]:
+        """Leave out tracks that assume the same as a better one, whatever they began with."""
+        signs, seen = self.wheels.signs, {}
+        for i in order:
+            kind = self.roundings[i], int(signs.kinds[i]), bool(signs.late[i])
+            seen.setdefault(kind, int(i))
+        return list(seen.values())
+
+    def _share(self) -> None:
+        """Work out what each track contributes to the mean."""
+        shares = np.where(self.weights < NEGLIGIBLE, 0.0, self.weights)
+        self.shares = shares / shares.sum()
+        self._known = len({rounding for rounding, share in zip(self.roundings, self.shares)
+                           if share}) == 1
 
     def _take_out(self, distance: int, angle: int) -> None:
         for track, rounding in enumerate(self.roundings):
@@ -417,9 +489,9 @@ class Tracks:
         w = self.wheels
         f = self._transition()[0, s.X:s.YAW + 1]
         p = f @ self.p[0] @ f.T + self._noise()[0, s.X:s.YAW + 1, s.X:s.YAW + 1]
-        poses = np.stack([w.x[:, 0], w.y[:, 0], w.yaw[:, 0]])
-        off = poses - (poses @ self.weights)[:, None]
-        p = p + (off * self.weights) @ off.T
+        poses = w.poses[:, :, 0]
+        off = poses - (poses @ self.shares)[:, None]
+        p = p + (off * self.shares) @ off.T
         return tuple(((p + p.T) / 2).ravel().tolist())
 
     def twist_variance(self) -> tuple[float, float]:

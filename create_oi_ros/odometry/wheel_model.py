@@ -10,65 +10,82 @@ Arrays have the axes (wheel, track, copy), right first; copy 0 is the track's ow
 are off by one standard deviation in one unknown each.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from . import states as s
-from .requests import Array, KEPT, Requests, SPEEDS, UP
+from .requests import Array, RECENT, Requests
 
-SLOW = 0.066
-"""m/s at which the speed-dependent part of the lag counts in full; it falls as 1 / speed."""
-SLOWEST = 0.05
+SEPARATION = 0.258
+"""Metres; what a track learns of the firmware's separation is relative to this."""
+SLOW, SLOWEST, SLOWER = 0.066, 0.05, 1.4
+"""m/s at which the speed-dependent part of the lag counts once; it falls as 1 / speed, to that
+speed, and counts so often at most."""
+FADE = 0.3
+"""Seconds in which a wheel that stops forgets how fast it was, as far as its lag goes."""
 EDGE = 0.005
 """m/s below which an offset fades."""
-ARRIVED = 1e-7
+ARRIVED = 3e-5
 """m/s from its goal at which a wheel is there."""
+SHORTEST_LAG = 0.004
+"""Seconds."""
+NONE, LAST, UPWARD = range(3)
+"""Where an encoder takes its sign from: the motion; the last speed asked that was not zero; the
+speed asked, where zero counts as forwards."""
+
+
+class Signs(NamedTuple):
+    """How each track's encoders take their signs."""
+
+    kinds: Array
+    late: Array
+    """Whether a request's sign waits for the dead time."""
 
 
 class Wheels:
     """The copies of all tracks' wheels, and what they have done since the last reading."""
 
-    def __init__(self, signs: Array, late: Array) -> None:
-        """`signs` of tracks: 0 of the motion, 1 kept, 2 up at zero; `late`: after dead time."""
-        self.signs, self.late = signs, late
+    def __init__(self, signs: Signs) -> None:
+        self.signs = signs
         self.requests = Requests()
         self.free = False
         """Whether wheels keep their speed, whatever is asked."""
         self.slowest = 0.0
         """Requests below this may not move a wheel, m/s (`dead_band`)."""
-        self._reference = np.zeros(2)
+        self._fastest = np.zeros(2)
 
     def spread(self, means: Array, steps: Array) -> None:
         """Make copies from the tracks' means (track, state), off by these steps each."""
-        tracks = len(means)
         copies = np.repeat(means[:, None, :], s.UNKNOWNS + 1, axis=1)
         which = np.arange(s.UNKNOWNS)
         copies[:, which + 1, which] += steps
         self.steps = steps
-        self.gain = np.stack([copies[..., s.GAIN_RIGHT], copies[..., s.GAIN_LEFT]])
-        self.moves = np.stack([copies[..., s.MOVES_RIGHT], copies[..., s.MOVES_LEFT]])
-        self.offset = np.stack([copies[..., s.OFFSET_RIGHT], copies[..., s.OFFSET_LEFT]])
-        self.lag = np.maximum(copies[..., s.LAG], 0.004)
-        self.slow_lag = copies[..., s.SLOW_LAG]
-        self.dead_time = np.maximum(copies[..., s.DEAD_TIME], 0.0)
-        self.ramp = np.maximum(copies[..., s.RAMP], 1e-6)
-        self.braking = np.exp(copies[..., s.BRAKING])
-        self.speed = np.stack([copies[..., s.SPEED_RIGHT], copies[..., s.SPEED_LEFT]])
-        self.track_width = SEPARATION * (1 + copies[..., s.SEPARATION])
-        self.x, self.y, self.yaw = (copies[..., i].copy() for i in s.POSE)
-        self.distance = np.zeros((tracks, s.UNKNOWNS + 1))
-        self.angle = np.zeros((tracks, s.UNKNOWNS + 1))
-        self.path = np.zeros((2, tracks))
-        self.miscounted = np.zeros((2, tracks))
+        copies = np.ascontiguousarray(copies.transpose(2, 0, 1))
+        self._gain = copies[s.GAIN_RIGHT:s.GAIN_LEFT + 1]
+        self._offset = copies[s.OFFSET_RIGHT:s.OFFSET_LEFT + 1]
+        self._moves = copies[s.MOVES_RIGHT:s.MOVES_LEFT + 1]
+        self._lag, self._slow_lag = copies[s.LAG], copies[s.SLOW_LAG]
+        self._dead_time = np.maximum(copies[s.DEAD_TIME], 0.0)
+        self._ramp = np.maximum(copies[s.RAMP], 1e-6)
+        self._braking = np.exp(copies[s.BRAKING])
+        self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1].copy()
+        self.track_width = SEPARATION * (1 + copies[s.SEPARATION])
+        self.poses = copies[s.X:s.YAW + 1].copy()
+        self.counts = np.zeros((2,) + copies.shape[1:])
+        """What the encoders made of it: metres forwards, and radians."""
+        self.path = np.zeros((2, len(means)))
+        """Metres that each wheel rolled, and that its encoder miscounted."""
+        self.miscounted = np.zeros((2, len(means)))
         self.settled = False
+        """Whether all wheels run at their goals."""
         self._before = self._sums()
-
-    def _sums(self) -> tuple[Array, Array, Array]:
-        ask = self.requests.sums
-        return ask(SPEEDS, self.dead_time), ask(KEPT, self.dead_time), ask(UP, self.dead_time)
+        self._goal: Array | None = None
 
     def ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
         self.settled = False
+        self._goal = None
         change = self.requests.ask(right, left)
         self._before = self._sums()
         return change
@@ -78,66 +95,78 @@ class Wheels:
         requests = self.requests
         recent = requests.age <= RECENT
         requests.step(h)
+        asked: Array = requests.speeds[:, None, None]
         if recent:
             now = self._sums()
-            asked, kept, up = ((b - a) / h for a, b in zip(self._before, now))
-            self._before = now
+            asked = (now[0] - self._before[0]) / h
+        if self.free or self.settled:
+            travel = self.speed * h
         else:
-            rates = requests.rates[:, None, None]
-            asked, kept, up = rates[:2], rates[2:4], rates[4:]
-        travel = self.speed * h if self.free else self._follow(asked, h)
-        counted = travel
-        if not self.free and self.signs.any():
-            counted = self._counted(travel, kept, up)
+            travel = self._follow(asked, h, recent)
+        counted = travel if self.free else self._counted(travel, h, now if recent else None)
+        if recent:
+            self._before = now
         self._move(travel, counted, scales)
 
-    def _follow(self, asked: Array, h: float) -> Array:
-        """Let wheels run towards their goals; return their travel."""
-        if self.settled:
-            return self.speed * h
-        goal = self.gain * asked + self.offset * np.clip(asked / EDGE, -1.0, 1.0)
-        goal = np.where(np.abs(asked) < self.slowest, goal * self.moves, goal)
-        fast = np.maximum(np.abs(self.requests.speeds), self._reference * np.exp(-h / 0.3))
-        self._reference = fast
-        slow = np.minimum(SLOW / np.maximum(fast, SLOWEST), 1.4)[:, None, None]
-        way = goal - self.speed
-        haste = np.where(way * self.speed < 0, self.braking, 1.0)
-        lag = np.maximum(self.lag + self.slow_lag * slow, 0.004) / haste
-        ramp = self.ramp / haste
-        far = np.abs(way)
-        first = np.clip(far * ramp - lag, 0.0, h)
-        left = far - first / ramp
-        kept = np.exp((first - h) / lag)
-        short = np.copysign((far + left) / 2 * first + left * lag * (1 - kept), way)
-        self.speed = goal - np.copysign(left * kept, way)
-        if self.requests.age > RECENT and float(far.max()) < ARRIVED:
-            self.settled = True
-        return goal * h - short
+    def _sums(self) -> Array:
+        """Return sums over the requests as late as each copy's dead time."""
+        return self.requests.sums(self._dead_time)
 
-    def _counted(self, travel: Array, kept: Array, up: Array) -> Array:
+    def _follow(self, asked: Array, h: float, recent: bool) -> Array:
+        """Let wheels run towards their goals; return their travel."""
+        goal = self._goal
+        if goal is None or recent:
+            goal = self._gain * asked + self._offset * np.minimum(
+                np.maximum(asked * (1 / EDGE), -1.0), 1.0)
+            goal = np.where(np.abs(asked) < self.slowest, goal * self._moves, goal)
+            self._goal = goal
+        way = goal - self.speed
+        haste = np.where(way * self.speed < 0, self._braking, 1.0)
+        lag = np.maximum(self._lag + self._slow_lag * self._slowness(h), SHORTEST_LAG) / haste
+        ramp = self._ramp / haste
+        far = np.abs(way)
+        first = np.minimum(np.maximum(far * ramp - lag, 0.0), h)
+        left = far - first / ramp
+        kept = left * np.exp((first - h) / lag)
+        short = (far + left) * first / 2 + (left - kept) * lag
+        self.speed = goal - np.copysign(kept, way)
+        if not recent and far.max() < ARRIVED:
+            self.speed, self.settled = goal.copy(), True
+        return goal * h - np.copysign(short, way)
+
+    def _slowness(self, h: float) -> Array:
+        """Return how often the speed-dependent part of the lag counts, for both wheels."""
+        fastest = np.maximum(np.abs(self.requests.speeds), self._fastest * (1 - h / FADE))
+        self._fastest = fastest
+        return np.minimum(SLOW / np.maximum(fastest, SLOWEST), SLOWER)[:, None, None]
+
+    def _counted(self, travel: Array, h: float, sums: Array | None) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""
-        now = self.requests.rates[:, None, None]
-        late = self.late[:, None]
-        kept = np.where(late, kept, now[2:4])
-        up = np.where(late, up, now[4:])
-        signs = self.signs[:, None]
-        sign = np.where(signs == 1, kept, up)
-        return np.where(signs == 0, travel, sign * np.abs(travel))
+        kept, up = self.requests.signs
+        if sums is None and (travel * kept).min() >= 0 and (travel * up).min() >= 0:
+            return travel
+        kinds, late = self.signs.kinds[:, None], self.signs.late[:, None]
+        if sums is None:
+            sign = np.where(kinds == LAST, kept, up)
+        else:
+            means = (sums[1:] - self._before[1:]) / h
+            sign = np.where(kinds == LAST, np.where(late, means[0], kept),
+                            np.where(late, means[1], up))
+        return np.where(kinds == NONE, travel, sign * np.abs(travel))
 
     def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
+        poses, counts = self.poses, self.counts
         turn = (travel[0] - travel[1]) / self.track_width
+        counts[0] += (counted[0] + counted[1]) / 2
+        if counted is travel:
+            counts[1] += turn
+        else:
+            counts[1] += (counted[0] - counted[1]) / self.track_width
+            self.miscounted += np.abs(travel[:, :, 0] - counted[:, :, 0])
+        turn *= scales[1]
         went = (travel[0] + travel[1]) * (scales[0] / 2)
-        turn = turn * scales[1]
-        middle = self.yaw + turn / 2
-        self.x += went * np.cos(middle)
-        self.y += went * np.sin(middle)
-        self.yaw += turn
-        self.distance += (counted[0] + counted[1]) / 2
-        self.angle += (counted[0] - counted[1]) / self.track_width
-        rolled, seen = np.abs(travel[:, :, 0]), counted[:, :, 0]
-        self.path += rolled
-        self.miscounted += np.abs(travel[:, :, 0] - seen)
-
-
-SEPARATION = 0.258
-RECENT = 0.35
+        middle = poses[2] + turn / 2
+        poses[0] += went * np.cos(middle)
+        poses[1] += went * np.sin(middle)
+        poses[2] += turn
+        self.path += np.abs(travel[:, :, 0])
