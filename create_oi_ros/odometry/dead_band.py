@@ -25,15 +25,17 @@ class DeadBand:
         self.asked = [0.0, 0.0]
         self.open = [False, False]
 
+    def doubt(self) -> None:
+        """Note that a reading was not what was expected."""
+        if any(0 < speed < FASTEST for speed in self.asked):
+            self.forget()
+
     def forget(self) -> None:
         """Doubt again where the edge lies."""
         self.stands, self.moves = SLOWEST, FASTEST
 
     def ask(self, speeds: Array) -> list[float | None]:
-        """
-        Take a request for both wheels; return what each moves by, None where nobody knows.
-
-        """
+        """Take a request for both wheels; return what each moves by, None where nobody knows."""
         self.asked = [abs(float(speed)) for speed in speeds]
         answers: list[float | None] = []
         for speed in self.asked:
@@ -51,7 +53,7 @@ class DeadBand:
             if not self.open[wheel]:
                 continue
             mean, spread = float(means[wheel]), float(spreads[wheel])
-            if spread > 0.25:
+            if spread > 0.15:
                 continue
             if mean < 0.35 and mean + 2 * spread < 1 - CLEAR:
                 answers[wheel], self.stands = 0.0, max(self.stands, speed)

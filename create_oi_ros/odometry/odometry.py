@@ -143,8 +143,9 @@ class Odometry:
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
         lost = self._lost or increment.lost
         in_vain = self._plan.step(
-            dt, steady=steady, free=tracks.is_free, known=tracks.rounding_known,
-            rests=None if tracks.rounding_known or not tracks.settled else tracks.fractions(dt))
+            dt, steady=steady, free=tracks.is_free,
+            rests=None if tracks.rounding_known or not tracks.settled else tracks.fractions(dt),
+            carries=tracks.may_carry)
         if in_vain and lost:
             self._missed.append(tracks.held)
         self._lost = lost and not self._plan.due

@@ -9,12 +9,14 @@ a row at moments at which the roundings would answer differently.
 
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
-WAITS = 0.5, 1.0
-"""Windows between readings, at least and at most, ..."""
-STEADY_WAITS = 1.0, 5.0
-"""... and once the rounding is known, while the requests stay the same, ..."""
+WAITS = 0.7, 5.0
+"""Windows between readings, at least and at most, while the requests stay the same, ..."""
+GROWTH = 0.8
+"""... and the part of the seconds since the last change: the longer, the better known."""
+VARIED = 0.8, 0.4
+"""Least factor by which waits vary, and how much they vary by."""
 UNSETTLED = 2.0
-"""... and while they change."""
+"""Windows between readings while the requests change."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
 SETTLED = 0.45
@@ -54,13 +56,13 @@ class ReadingPlan:
         """Ask soon: what the robot does has changed for a reason of its own."""
         self._age = max(self._age, UNSETTLED * self.window)
 
-    def step(self, dt: float, *, steady: bool, free: bool, known: bool,
-             rests: tuple[float, float] | None) -> bool:
+    def step(self, dt: float, *, steady: bool, free: bool,
+             rests: tuple[float, float] | None, carries: bool = False) -> bool:
         """
         Let a frame pass; `steady`: with the same requests as the one before.
 
         `rests` are the fractions of a unit by which distance and angle grow in a frame, while the
-        rounding is not known. Return whether this was the last frame in which the answer to a
+        rounding is not known; `carries`: it may carry them. Return whether this was the last frame in which the answer to a
         question could have come.
         """
         self._age += dt
@@ -73,16 +75,16 @@ class ReadingPlan:
             self.due = True
         elif self.pending:
             self.due = False
-        elif rests is not None and self._worth_a_probe(rests):
+        elif rests is not None and self._worth_a_probe(rests, carries):
             self._probe, self._probed = PROBE, 0.0
             self.due = True
         else:
-            self.due = self._age >= self._patience(free, known)
+            self.due = self._age >= self._patience(free)
         if self.due:
             self._asked = 0
         return in_vain
 
-    def _patience(self, free: bool, known: bool) -> float:
+    def _patience(self, free: bool) -> float:
         """
         Return the seconds to wait after the last reading.
 
@@ -92,12 +94,13 @@ class ReadingPlan:
             return FREE * self.window
         if self._steady < SETTLED:
             return UNSETTLED * self.window
-        shortest, longest = STEADY_WAITS if known and self._steady > self._age else WAITS
-        return self.window * (shortest + (longest - shortest) * (self._readings * GOLDEN % 1))
+        shortest, longest = WAITS
+        wait = min(longest, max(shortest, GROWTH * self._steady))
+        return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))
 
-    def _worth_a_probe(self, rests: tuple[float, float]) -> bool:
+    def _worth_a_probe(self, rests: tuple[float, float], carries: bool) -> bool:
         """Tell whether readings in a row would now tell the roundings apart."""
         if self._steady < PROBE_STEADY or self._probed < PROBE_EVERY:
             return False
         # Above a half, rounding gains what truncation loses; below it both lose the same.
-        return any(0.62 < rest < 0.88 or 0.15 < rest < 0.38 for rest in rests)
+        return any(0.62 < rest < 0.88 or carries and 0.15 < rest < 0.38 for rest in rests)

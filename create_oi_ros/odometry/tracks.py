@@ -210,6 +210,12 @@ class Tracks:
         return self._known
 
     @property
+    def may_carry(self) -> bool:
+        """Whether fractions may be carried."""
+        return any(rounding is Rounding.CARRY and share > 0
+                   for rounding, share in zip(self.roundings, self.shares))
+
+    @property
     def settled(self) -> bool:
         """Whether all wheels run at their goals, whatever is assumed of them."""
         return self.wheels.settled
@@ -377,6 +383,8 @@ class Tracks:
         gaps, spreads = self._innovation(wholes)
         z = gaps / spreads
         self._surprises = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
+        if self._surprises[0] > 0:
+            self.band.doubt()
         nis = (z * z).mean(axis=0)
         rate = np.where(nis > 1, 0.15, 0.04)
         self.doubt = np.clip(self.doubt * np.exp(rate * np.clip(nis - 1, -1, 6)), 0.5, 1e4)
