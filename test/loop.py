@@ -1,13 +1,14 @@
 """The driver against the simulated robot, in memory: hours in seconds, no clock, no thread."""
 
 from collections import deque
+from dataclasses import replace
 from math import pi
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.body import Body, Rounding
-from create_oi_ros.sim.config import BodyConfig
+from create_oi_ros.sim.config import BodyConfig, IDEAL
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import shipped, World
 
@@ -22,11 +23,12 @@ class Loop:
         self, settings: Settings | None = None, *, world: World | None = None, delay: float = 0.0,
         rounding: Rounding = Rounding.CARRY, checksum: oi.Checksum = oi.Checksum.HARDWARE,
         robot_baud: int | None = None, wheel_separation: float = 0.258,
+        config: BodyConfig | None = None,
     ) -> None:
         """With `robot_baud` the robot has a rate of its own; else it has always the driver's."""
         self.body = Body(
             world or shipped('empty'), rounding=rounding,
-            config=BodyConfig(wheel_separation=wheel_separation))
+            config=config or replace(IDEAL, wheel_separation=wheel_separation))
         self.robot = Create(self.body, checksum=checksum)
         self.driver = Driver(settings or Settings())
         self.now = 100.0

@@ -3,7 +3,7 @@ What the Create does with each byte, by the manual.
 
 `Create` is the mirror image of the host's driver, with the same verbs: `receive` bytes, `step` to
 a time, fetch `data_to_send`.  Time is what the caller says it is, in seconds; inside, everything
-happens in the slots of 15 ms in which a Create updates its values, so it does not matter how
+happens in the slots of about 15 ms in which a Create updates its values, so it does not matter how
 often one steps.  Bytes take effect as they arrive, between two slots.  No bytes raise.
 
     create = Create(Body(world))
@@ -46,6 +46,8 @@ class Create:
                  guesses: Guesses = LIKELY, seed: int = 0) -> None:
         self.body = body
         self.guesses = guesses
+        self.period = guesses.frame_period
+        """Seconds of a slot, on the robot's clock."""
         self.mode = Mode.OFF
         self.actuators = Actuators(body)
         self.speaker = Speaker()
@@ -158,18 +160,18 @@ class Create:
     @property
     def time(self) -> float:
         """Seconds of the robot's own clock: whole slots since the first time it was told."""
-        return self._slots * oi.SLOT
+        return self._slots * self.period
 
     def step(self, now: float) -> None:
         """Live on until `now`, in seconds; the first call tells where time begins."""
         if self._epoch is None:
             self._epoch = now
-        due = int((now - self._epoch) / oi.SLOT + _EARLY)
+        due = int((now - self._epoch) / self.period + _EARLY)
         while self._slots < due:
             self._slot()
 
     def _slot(self) -> None:
-        self.body.step(oi.SLOT)
+        self.body.step(self.period)
         self._slots += 1
         self._telemetry.refresh()
         if self._power.on and self.body.battery_flat:

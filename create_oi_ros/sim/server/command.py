@@ -13,7 +13,9 @@ import sys
 
 from create_oi_ros.oi import Checksum
 from create_oi_ros.oi.capture import CaptureError
+from create_oi_ros.sim import body_guesses
 from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.config import BodyConfig
 from create_oi_ros.sim.encoders import Rounding
 from create_oi_ros.sim.faults import Fault, Faults
 from create_oi_ros.sim.firmware import Create
@@ -153,8 +155,9 @@ def _is_loopback(host: str) -> bool:
         return host == 'localhost'
 
 
-def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
-    body = Body(options.world, rounding=Rounding(options.odometry), seed=options.seed)
+def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
+    body = Body(options.world, rounding=Rounding(options.odometry), seed=options.seed,
+                config=config)
     create = Create(body, checksum=Checksum(options.checksum), guesses=guesses,
                     seed=options.seed)
     with ExitStack() as stack:
@@ -186,7 +189,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _arguments()
     options = parser.parse_args(arguments)
     try:
-        guesses = Guesses.parse(options.guess)
+        config, others = body_guesses.parse(options.guess)
+        guesses = Guesses.parse(others)
     except ValueError as error:
         parser.error(str(error))
     unfit = _simulating(options, parser) if options.replay else None
@@ -196,7 +200,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.replay:
             play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
         else:
-            _serve(options, guesses)
+            _serve(options, guesses, config)
     except (OSError, CaptureError) as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1

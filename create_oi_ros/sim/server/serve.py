@@ -1,7 +1,7 @@
 """
 One simulated robot on one line, in the time of this computer.
 
-The robot's clock is the computer's, cut into slots of 15 ms with absolute deadlines, so that it
+The robot's clock is the computer's, cut into slots of about 15 ms with absolute deadlines, so that it
 does not drift.  A slot that is late is made up for at once, up to `LONGEST_STALL`; what a longer
 stall (a laptop that slept) has cost is left out, for robot and world alike.
 """
@@ -13,7 +13,6 @@ import math
 import select
 import time
 
-from create_oi_ros.oi import SLOT
 from create_oi_ros.sim.control import Control
 from create_oi_ros.sim.faults import Faults, Kind
 from create_oi_ros.sim.firmware import Create
@@ -54,12 +53,12 @@ class Server:
         self._create.step(0.0)
         while not self._stopping:
             now = self._now()
-            if now >= (self._slots + 1) * SLOT - _EARLY:
+            if now >= (self._slots + 1) * self._create.period - _EARLY:
                 # One at a time, however late, so that watchers see the end of every slot.
                 self._slots += 1
-                self._slot(self._slots * SLOT)
+                self._slot(self._slots * self._create.period)
             self._pass_on(now)
-            wait = min((self._slots + 1) * SLOT, self._due()) - self._now()
+            wait = min((self._slots + 1) * self._create.period, self._due()) - self._now()
             ready, _, _ = select.select(self._watched(), [], [], max(0.0, wait / self._speed))
             if ready:
                 self._hear(self._now())
@@ -67,7 +66,7 @@ class Server:
     def _now(self) -> float:
         """Return seconds on the robot's clock; a long stall never happened."""
         now = (time.monotonic() - self._origin) * self._speed
-        late = now - (self._slots + 1) * SLOT
+        late = now - (self._slots + 1) * self._create.period
         if late > LONGEST_STALL * self._speed:
             self._origin += late / self._speed
             now -= late
