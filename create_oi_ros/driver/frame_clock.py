@@ -73,41 +73,53 @@ class FrameClock:
 
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
-        if self._arrival is not None and arrival - self._arrival > SILENT:
-            self.suspect()
         passed = 1 + self._frames_missing(arrival)
         self._arrival = arrival
         self._slot += passed
+        wrong = self._slots_early(arrival - wire_time)
+        self._slot += wrong
         self._sent.append((self._slot, arrival - wire_time))
-        wrong = self._slots_off()
-        if wrong:
-            self._recount(wrong)
+        late = self._slots_late()
+        if late:
+            self._recount(late)
         self._learn_period()
         stamp = self._slot * self.period + min(self._lateness(0, len(self._sent)))
         self._stamp = max(stamp, self._stamp + LEAST_STEP)
-        return self._stamp, self._duration(passed + wrong)
+        return self._stamp, self._duration(passed + wrong + late)
 
     def _duration(self, slots: int) -> float:
-        """Return the seconds of some slots; what is below one is owed to later frames."""
+        """Return the seconds of some slots; what is below none is owed to later frames."""
         self._owed += slots
         slots = max(0, self._owed)
         self._owed -= slots
         return max(slots * self.period, LEAST_STEP)
 
     def _frames_missing(self, arrival: float) -> int:
-        """Return how many frames the garbage before this one was."""
+        """Return how many frames seem to be lost before this one: garbage came, or nothing did."""
         missing, self._missing = round(self._missing), 0.0
-        if not missing or self._arrival is None:
+        if self._arrival is None:
             return 0
-        return min(missing, int((arrival - self._arrival) / self.period) + 1)
+        slots = (arrival - self._arrival) / self.period
+        if arrival - self._arrival > SILENT:
+            self.suspect()
+            self._missing = 0.0
+            return round(slots) - 1
+        return min(missing, int(slots) + 1)
+
+    def _slots_early(self, sent: float) -> int:
+        """Return by how many slots a frame is early (negative): no line is faster than ever."""
+        if self._suspicious <= 0 or not self._sent:
+            return 0
+        earliest = min(self._lateness(0, len(self._sent)))
+        return min(0, round((sent - self._slot * self.period - earliest) / self.period))
 
     def _lateness(self, begin: int, end: int) -> list[float]:
         """Return how late frames were by their slots, up to a constant."""
         return [sent - slot * self.period for slot, sent in islice(self._sent, begin, end)]
 
-    def _slots_off(self) -> int:
+    def _slots_late(self) -> int:
         """
-        Return by how many slots all recent frames are late; early ones are negative.
+        Return by how many slots all recent frames are late; counted too far they are negative.
 
         One late frame is the line's delay; when none comes in time any more, and there was a
         sign of it, frames are missing. Without a sign a line may just have become slower.

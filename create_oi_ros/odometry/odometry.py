@@ -11,8 +11,8 @@ from math import cos, exp, hypot, pi, sin
 from .estimate import Estimate, Geometry, Increment
 from .obedience import Obedience
 from .plain import PlainOdometry
-from .reading_plan import ANSWER, ReadingPlan
-from .tracks import Tracks
+from .reading_plan import ReadingPlan
+from .tracks import Held, Tracks
 
 DEGREE = pi / 180
 BLEND = 0.1
@@ -51,9 +51,10 @@ class Odometry:
         self._obedience = Obedience()
         self._discard = True
         self._gap = self._doubt = False
-        self._missed: list[tuple[float, float]] = []
-        """What the accumulators were believed to hold when a reading that was asked for had not
-        come, and a frame was lost that may have carried it."""
+        self._missed: list[tuple[Held, Held]] = []
+        """What the accumulators were believed to hold when a reading was asked for that may have
+        been lost, and at the end of the frames that may have carried it."""
+        self._asked = self.tracks.held
         self._lost = False
         """Whether frames were lost since a reading was asked for."""
         self._driven = self._lifted = False
@@ -102,9 +103,14 @@ class Odometry:
         rested = self._move(increment)
         after = before if rested else self._pose()
         self._goal = after
+        read = increment.distance is not None and increment.angle is not None
         if increment.distance is not None and increment.angle is not None:
             self._read(increment.distance, increment.angle)
             self._look()
+        if self._plan.due:
+            self._asked, self._lost = self.tracks.held, False
+        if read:
+            pass
         elif rested and self._caught_up:
             return self.estimate  # nothing has moved, nothing was learned
         elif not rested:
@@ -141,22 +147,22 @@ class Odometry:
             tracks.advance(dt, right, left)
         self._obedience.step(dt, right, left, tracks)
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
-        lost = self._lost or increment.lost
+        self._lost = self._lost or increment.lost
         in_vain = self._plan.step(
-            dt, steady=steady, free=tracks.is_free,
+            dt, steady=steady, free=tracks.is_free, at_rest=rested,
             rests=None if tracks.rounding_known or not tracks.settled else tracks.fractions(dt),
             carries=tracks.may_carry)
-        if in_vain and lost:
-            self._missed.append(tracks.held)
-        self._lost = lost and not self._plan.due
+        if in_vain and self._lost:
+            self._missed.append((self._asked, tracks.held))
         return rested
 
     def _read(self, distance: int, angle: int) -> None:
         self._plan.came()
         tracks, obedience = self.tracks, self._obedience
         missed, self._missed = self._missed, []
-        late = ANSWER * 0.016
-        if self._discard or any(tracks.since(held, distance, angle, late) for held in missed):
+        if self._lost:
+            missed.append((self._asked, tracks.held))
+        if self._discard or any(tracks.since(*held, distance, angle) for held in missed):
             # The first reading may hold travel from before; one that was lost on the line has
             # taken away what this one lacks.
             tracks.discard()

@@ -15,6 +15,8 @@ GROWTH = 0.8
 """... and the part of the seconds since the last change: the longer, the better known."""
 VARIED = 0.8, 0.4
 """Least factor by which waits vary, and how much they vary by."""
+STANDING = 1.0
+"""Windows between readings at rest."""
 UNSETTLED = 2.0
 """Windows between readings while the requests change."""
 FREE = 0.5
@@ -56,7 +58,7 @@ class ReadingPlan:
         """Ask soon: what the robot does has changed for a reason of its own."""
         self._age = max(self._age, UNSETTLED * self.window)
 
-    def step(self, dt: float, *, steady: bool, free: bool,
+    def step(self, dt: float, *, steady: bool, free: bool, at_rest: bool,
              rests: tuple[float, float] | None, carries: bool = False) -> bool:
         """
         Let a frame pass; `steady`: with the same requests as the one before.
@@ -79,12 +81,12 @@ class ReadingPlan:
             self._probe, self._probed = PROBE, 0.0
             self.due = True
         else:
-            self.due = self._age >= self._patience(free)
+            self.due = self._age >= self._patience(free, at_rest)
         if self.due:
             self._asked = 0
         return in_vain
 
-    def _patience(self, free: bool) -> float:
+    def _patience(self, free: bool, rests: bool) -> float:
         """
         Return the seconds to wait after the last reading.
 
@@ -95,7 +97,7 @@ class ReadingPlan:
         if self._steady < SETTLED:
             return UNSETTLED * self.window
         shortest, longest = WAITS
-        wait = min(longest, max(shortest, GROWTH * self._steady))
+        wait = STANDING if rests else min(longest, max(shortest, GROWTH * self._steady))
         return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))
 
     def _worth_a_probe(self, rests: tuple[float, float], carries: bool) -> bool:

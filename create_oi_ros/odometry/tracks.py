@@ -24,7 +24,14 @@ MM, DEGREE = 1e-3, radians(1)
 UNITS = ((s.DISTANCE, MM), (s.ANGLE, DEGREE))
 SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, True))
 """Signs of encoders, and whether they wait for the dead time (`wheel_model.Wheels`)."""
+LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
+LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
+"""How much likelier than the rest these are before the first reading; reported of real robots."""
+SLOT, LATE = 0.015, 0.024
+"""Seconds of a step, and of a frame from which on one before it was lost."""
 SMALLEST_STEP = 1e-5
+MISTRUST, TEMPER = 1000.0, 0.5
+"""Doubt of the best track up to which likelihoods count less, and by which power of it."""
 TICKS = (0.15 * MM, 0.05 * DEGREE)
 """Standard deviations of what an encoder's tick hides."""
 JITTER = 0.003
@@ -58,6 +65,10 @@ FREE_SPEED = 0.3
 """Doubt of the speed of wheels that do not obey, m/s."""
 
 
+Held = tuple[float, float]
+"""What the accumulators hold, m and rad."""
+
+
 class Tracks:
     """All plausible tracks, the best first after each reading."""
 
@@ -68,6 +79,7 @@ class Tracks:
         self.wheels.slowest = FASTEST
         self.band = DeadBand()
         self._changes = np.zeros(2)
+        self._unsure = np.zeros(2)
         self._seconds = 0.0
         self._known = False
         self.empty()
@@ -81,7 +93,9 @@ class Tracks:
         """Readings in a row that the best track did not explain."""
         self.roundings = [rounding for rounding, _, _ in kinds]
         self._readings = 0
-        self.weights = self.shares = np.full(count, 1 / count)
+        weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN.get(sign, 1.0)
+                            for rounding, sign, _ in kinds])
+        self.weights = self.shares = weights / weights.sum()
         self.doubt = np.ones(count)
         """What process noise is multiplied by, as innovations have it."""
         self.means = np.zeros((count, s.SIZE))
@@ -127,19 +141,29 @@ class Tracks:
     # Motion.
 
     def advance(self, dt: float, right: float, left: float) -> None:
-        """Let time pass under these requests."""
-        wheels = self.wheels
-        if (right, left) != tuple(wheels.requests.speeds):
-            self._ask(right, left)
-        self._seconds += dt
-        while dt > 0.03:
-            wheels.roll(min(dt, 0.015), self.scales)
-            dt -= 0.015
-        if dt > 0:
-            wheels.roll(dt, self.scales)
+        """
+        Let time pass under these requests.
 
-    def _ask(self, right: float, left: float) -> None:
-        """Take other requests."""
+        Where frames were lost, nobody knows when within that time the requests came.
+        """
+        if (right, left) != tuple(self.wheels.requests.speeds):
+            if dt > LATE:
+                self._roll(dt / 2)
+                dt /= 2
+            change = self._ask(right, left)
+            if dt > LATE / 2:
+                self._unsure += (change * dt) ** 2 / 3
+        self._roll(dt)
+
+    def _roll(self, dt: float) -> None:
+        self._seconds += dt
+        while dt > LATE:
+            self.wheels.roll(SLOT, self.scales)
+            dt -= SLOT
+        self.wheels.roll(dt, self.scales)
+
+    def _ask(self, right: float, left: float) -> Array:
+        """Take other requests; return by how much they changed."""
         band, before = self.band, list(self.band.open)
         answers = band.ask(np.array([right, left]))
         if band.open != before or any(before):
@@ -150,7 +174,9 @@ class Tracks:
             self.close()
             self._decide(answers)
             self._spread()
-        self._changes += self.wheels.ask(right, left) ** 2
+        change = self.wheels.ask(right, left)
+        self._changes += change * change
+        return change
 
     def _decide(self, answers: list[float | None]) -> None:
         """Set what the wheels move by at their requests; None is open."""
@@ -198,7 +224,7 @@ class Tracks:
         return float(self.means[0, s.GAIN_RIGHT]), float(self.means[0, s.GAIN_LEFT])
 
     @property
-    def held(self) -> tuple[float, float]:
+    def held(self) -> Held:
         """What the accumulators are believed to hold, m and rad."""
         w = self.wheels
         return (float(self.means[0, s.DISTANCE] + w.counts[0, 0, 0]),
@@ -255,20 +281,20 @@ class Tracks:
         self.wheels.requests.settle()
         self.free(self.wheels.free)
 
-    def since(self, held: tuple[float, float], distance: int, angle: int, late: float) -> bool:
+    def since(self, began: Held, ended: Held, distance: int, angle: int) -> bool:
         """
-        Tell whether a surprising reading is what came since the accumulators held this.
+        Tell whether a surprising reading is only what came since a moment.
 
-        Or since up to `late` seconds before: a reading in between was lost on the line.
+        A reading was lost on the line while the accumulators held something between these.
         """
         if self.is_free or self.explains(distance, angle):
             return False
-        right, left = self.wheels.speed[:, 0, 0]
-        rates = (right + left) / 2, (right - left) / self.wheels.track_width[0, 0]
-        return all(
-            abs(whole * unit - (b - a) - rate * late / 2) <= abs(rate) * late / 2 + 2 * unit
-            for (_, unit), whole, a, b, rate in zip(
-                UNITS, (distance, angle), held, self.held, rates))
+        for (_, unit), whole, now, first, last in zip(
+                UNITS, (distance, angle), self.held, began, ended):
+            low, high = sorted((now - first, now - last))
+            if not low - 2 * unit <= whole * unit <= high + 2 * unit:
+                return False
+        return True
 
     def explains(self, distance: int, angle: int) -> bool:
         """Tell whether a plausible track expected such a reading."""
@@ -307,15 +333,16 @@ class Tracks:
         middle = (w.poses[2, :, 0] + self._start[:, 2]) / 2
         path = w.path
         travel = self.doubt * (JITTER ** 2 * self._changes[:, None] + (UNEVEN * path) ** 2)
+        travel = travel + self._unsure[:, None]
         if w.free:
             travel = travel + (FREE_SPEED * self._seconds) ** 2
         wrong = self.doubt * (MISCOUNTED * w.miscounted) ** 2
         slip = (STRAY if w.free else self.geometry.slip) ** 2 * path
-        grip = 1.0 if any(self.scales) else 0.0
+        linear, angular = self.scales
         for wheel, side in ((0, 1.0), (1, -1.0)):
             g = np.zeros((count, s.SIZE))
-            g[:, s.X], g[:, s.Y] = grip * np.cos(middle) / 2, grip * np.sin(middle) / 2
-            g[:, s.YAW] = grip * side / half
+            g[:, s.X], g[:, s.Y] = linear * np.cos(middle) / 2, linear * np.sin(middle) / 2
+            g[:, s.YAW] = angular * side / half
             q += (slip[wheel])[:, None, None] * g[:, :, None] * g[:, None, :]
             g[:, s.DISTANCE], g[:, s.ANGLE] = 0.5, side / half
             if w.free:
@@ -344,6 +371,7 @@ class Tracks:
         self.means[:, s.DISTANCE:] += w.counts[:, :, 0].T
         self.means[:, s.SPEED_RIGHT:s.SPEED_LEFT + 1] = w.speed[:, :, 0].T
         self._changes = np.zeros(2)
+        self._unsure = np.zeros(2)
         self._seconds = 0.0
 
     # Readings.
@@ -361,6 +389,7 @@ class Tracks:
             for track, rounding in enumerate(self.roundings):
                 mass = self._cut(track, index, unit, whole, rounding, tick)
                 logs[track] += log(mass + UNLIKELY)
+        logs /= np.clip(self.doubt[self.weights.argmax()], 1.0, MISTRUST) ** TEMPER
         self._weigh(np.maximum(logs, logs.max() - LEAST))
         self._take_out(distance, angle)
         self._bound()
@@ -395,10 +424,11 @@ class Tracks:
 
     def _stray(self, distance: Array, angle: Array) -> None:
         """Doubt the window's travel and turn by these variances, m² and rad²."""
-        yaw, grip = self.means[:, s.YAW], 1.0 if any(self.scales) else 0.0
+        yaw, (linear, angular) = self.means[:, s.YAW], self.scales
         for noise, terms in (
-                (distance, {s.X: grip * np.cos(yaw), s.Y: grip * np.sin(yaw), s.DISTANCE: 1.0}),
-                (angle, {s.YAW: grip, s.ANGLE: 1.0})):
+                (distance, {s.X: linear * np.cos(yaw), s.Y: linear * np.sin(yaw),
+                            s.DISTANCE: 1.0}),
+                (angle, {s.YAW: angular, s.ANGLE: 1.0})):
             g = np.zeros((len(self.means), s.SIZE))
             for index, value in terms.items():
                 g[:, index] = value
