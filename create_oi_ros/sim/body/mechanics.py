@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 from ..world import Pose, World
 from .config import BodyConfig, Contact
-from .drivetrain import Drivetrain, Motion, Wheel
+from .drivetrain import Drivetrain, Motion
 from .encoders import Accumulator, Rounding
 from .surroundings import docked, Surroundings
+from .wheel import Wheel
 
 _LONGEST_PIECE = 0.015
 """Seconds: at 0.5 m/s 7.5 mm, so no wall is jumped."""

@@ -11,7 +11,8 @@ import sys
 
 from ...oi import Checksum
 from ...oi.tools.capture_format import CaptureError
-from ..body import Body
+from ..body import Body, body_guesses
+from ..body.config import BodyConfig
 from ..body.encoders import Rounding
 from ..firmware import Create
 from ..firmware.guesses import Guesses
@@ -151,8 +152,9 @@ def _is_loopback(host: str) -> bool:
         return host == 'localhost'
 
 
-def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
-    body = Body(options.world, rounding=Rounding(options.odometry), seed=options.seed)
+def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
+    body = Body(options.world, rounding=Rounding(options.odometry), seed=options.seed,
+                config=config)
     create = Create(body, checksum=Checksum(options.checksum), guesses=guesses,
                     seed=options.seed)
     with ExitStack() as stack:
@@ -184,7 +186,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _arguments()
     options = parser.parse_args(arguments)
     try:
-        guesses = Guesses.parse(options.guess)
+        config, others = body_guesses.parse(options.guess)
+        guesses = Guesses.parse(others)
     except ValueError as error:
         parser.error(str(error))
     unfit = _unfit_for_replay(options, parser) if options.replay else None
@@ -195,7 +198,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.replay:
             play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
         else:
-            _serve(options, guesses)
+            _serve(options, guesses, config)
     except (OSError, CaptureError) as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1
