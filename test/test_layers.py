@@ -25,7 +25,7 @@ RULES = {
     'oi': Rule(),
     'oi.__main__': Rule(pure=False),
     'oi.door': Rule(pure=False),
-    'odometry': Rule(),
+    'odometry': Rule(others='numpy'),
     'driver': Rule(ours='oi|odometry'),
     'sim': Rule(ours='oi'),
     'sim.server': Rule(ours='oi', pure=False),

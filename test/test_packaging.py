@@ -22,7 +22,7 @@ ROSDEP_KEYS = {name: f'python3-{name}' for name in (
 """Where a module is not called like its rosdep key."""
 NO_KEY = {'mcap', 'rosbags'}
 """Modules of which no rosdep key is known: what needs them says how to get them."""
-BARE = 'oi', 'odometry', 'driver', 'sim'
+BARE = 'oi', 'sim'  # the odometry, and so the driver, computes with numpy
 
 
 @cache

@@ -6,9 +6,10 @@ import math
 from typing import NamedTuple
 
 from create_oi_ros.sim.config import BodyConfig, Contact
-from create_oi_ros.sim.drivetrain import Drivetrain, Motion, Wheel
+from create_oi_ros.sim.drivetrain import Drivetrain, Motion
 from create_oi_ros.sim.encoders import Accumulator, Rounding
 from create_oi_ros.sim.surroundings import docked, Surroundings
+from create_oi_ros.sim.wheel import Wheel
 from create_oi_ros.sim.world import Pose, World
 
 _LONGEST_PIECE = 0.015

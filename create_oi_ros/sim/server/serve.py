@@ -1,8 +1,8 @@
 """
 One simulated robot on one line, in the time of this computer.
 
-The robot's clock is the computer's, cut into slots of about 15 ms with absolute deadlines, so that it
-does not drift.  A slot that is late is made up for at once, up to `LONGEST_STALL`; what a longer
+The robot's clock is the computer's, cut into slots with absolute deadlines, so that it does not
+drift.  A slot that is late is made up for at once, up to `LONGEST_STALL`; what a longer
 stall (a laptop that slept) has cost is left out, for robot and world alike.
 """
 
