@@ -34,7 +34,7 @@ def mixed(random: Random, seconds: float) -> Iterator[Wish]:
 
 
 def smooth(random: Random, seconds: float) -> Iterator[Wish]:
-    """A path planner: speed and curvature change steadily, 20 times a second."""
+    """Follow a path planner: speed and curvature change steadily, 20 times a second."""
     at, linear, angular = REST, 0.0, 0.0
     goal, turn, until = 0.0, 0.0, 0.0
     while at < seconds - REST - 1.0:
@@ -51,7 +51,7 @@ def smooth(random: Random, seconds: float) -> Iterator[Wish]:
 
 
 def joystick(random: Random, seconds: float) -> Iterator[Wish]:
-    """A child: full sticks, sudden reversals, and pauses."""
+    """Let a child drive: full sticks, sudden reversals, and pauses."""
     at = REST
     while at < seconds - REST:
         linear = random.choice((0.0, 0.3, 0.5, 0.2, -0.3, -0.2))

@@ -13,6 +13,7 @@ from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import World
 from drives import Wish
+from rivals import Counts
 from robots import Robot
 
 TURNS = 3
@@ -62,7 +63,10 @@ class Journey:
         self.estimate = Estimate()
         self.moves: list[tuple[float, Estimate, Truth]] = []
         """Each frame's estimate, with the truth when it arrived."""
+        self.counts: list[Counts] = []
+        """What the encoders had counted after each slot."""
         self.turned = self.path = 0.0
+        self._steps = 0
         self.driver.connected(0.0)
 
     def go(self) -> None:
@@ -80,6 +84,9 @@ class Journey:
             if isinstance(event, Moved):
                 self.estimate = event.estimate
                 self.moves.append((self.now, event.estimate, truth))
+        self._steps += 1
+        if self._steps % TURNS == 0:
+            self.counts.append(Counts(self.body.distance_total, self.body.angle_total))
         self.turned += abs(truth.turned - before.turned)
         self.path += abs(truth.travelled - before.travelled)
 

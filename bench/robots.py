@@ -37,7 +37,7 @@ def spread(random: Random, low: float, high: float) -> float:
 
 
 def centre(random: Random) -> Robot:
-    """The centre, with the time constant that depends on the speed or not."""
+    """Draw the centre, with a time constant that depends on the speed or not."""
     config = replace(CENTRE, time_constant=TimeConstant(0.2, random.choice((0.0, 1.0))))
     return Robot('centre', config, Rounding.TRUNCATE, 0.015)
 

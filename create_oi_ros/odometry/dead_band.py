@@ -34,9 +34,9 @@ class DeadBand:
         """Doubt again where the edge lies."""
         self.stands, self.moves = SLOWEST, FASTEST
 
-    def ask(self, speeds: Array) -> list[float | None]:
+    def ask(self, right: float, left: float) -> list[float | None]:
         """Take a request for both wheels; return what each moves by, None where nobody knows."""
-        self.asked = [abs(float(speed)) for speed in speeds]
+        self.asked = [abs(right), abs(left)]
         answers: list[float | None] = []
         for speed in self.asked:
             if not speed or speed >= self.moves:

@@ -36,8 +36,7 @@ class Obedience:
         if (right, left) != self._last:
             self._changes += abs(right - self._last[0]) + abs(left - self._last[1])
             self._last = right, left
-        gains = tracks.gains
-        right, left = right * gains[0], left * gains[1]
+        right, left = tracks.goals(right, left)
         self._seconds += dt
         self._far += (right + left) / 2 * dt
         self._turn += (right - left) / SEPARATION * dt

@@ -64,7 +64,8 @@ class Odometry:
         """Where the tracks' mean is."""
         self._covariance = self.estimate.pose_covariance
         self._twist_variance = self.estimate.twist_covariance
-        self._frames = 0
+        self._unseen = 0
+        """Frames since the tracks were last asked how sure they are after a reading."""
 
     @property
     def reading_due(self) -> bool:
@@ -103,20 +104,17 @@ class Odometry:
         rested = self._move(increment)
         after = before if rested else self._pose()
         self._goal = after
-        read = increment.distance is not None and increment.angle is not None
+        self._unseen += 1
         if increment.distance is not None and increment.angle is not None:
             self._read(increment.distance, increment.angle)
             self._look()
+            self._unseen = 0
+        elif self._unseen % COVARIANCE_EVERY == 0 and not rested:
+            self._look()
         if self._plan.due:
             self._asked, self._lost = self.tracks.held, False
-        if read:
-            pass
-        elif rested and self._caught_up:
+        if rested and self._caught_up and self._unseen:
             return self.estimate  # nothing has moved, nothing was learned
-        elif not rested:
-            self._frames += 1
-            if self._frames % COVARIANCE_EVERY == 0:
-                self._look()
         turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
         went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
         self.estimate = self._followed(increment.dt, went, turned)
@@ -148,10 +146,7 @@ class Odometry:
         self._obedience.step(dt, right, left, tracks)
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
         self._lost = self._lost or increment.lost
-        in_vain = self._plan.step(
-            dt, steady=steady, free=tracks.is_free, at_rest=rested,
-            rests=None if tracks.rounding_known or not tracks.settled else tracks.fractions(dt),
-            carries=tracks.may_carry)
+        in_vain = self._plan.step(dt, steady=steady, tracks=tracks)
         if in_vain and self._lost:
             self._missed.append((self._asked, tracks.held))
         return rested

@@ -7,6 +7,9 @@ often while nothing changes. As long as its rounding is unknown, it is also aske
 a row at moments at which the roundings would answer differently.
 """
 
+from .rounding import Rounding
+from .tracks import DEGREE, MM, Tracks
+
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
 WAITS = 0.7, 5.0
@@ -58,14 +61,11 @@ class ReadingPlan:
         """Ask soon: what the robot does has changed for a reason of its own."""
         self._age = max(self._age, UNSETTLED * self.window)
 
-    def step(self, dt: float, *, steady: bool, free: bool, at_rest: bool,
-             rests: tuple[float, float] | None, carries: bool = False) -> bool:
+    def step(self, dt: float, *, steady: bool, tracks: Tracks) -> bool:
         """
         Let a frame pass; `steady`: with the same requests as the one before.
 
-        `rests` are the fractions of a unit by which distance and angle grow in a frame, while the
-        rounding is not known; `carries`: it may carry them. Return whether this was the last frame in which the answer to a
-        question could have come.
+        Return whether it was the last one in which the answer to a question could have come.
         """
         self._age += dt
         self._probed += dt
@@ -77,32 +77,38 @@ class ReadingPlan:
             self.due = True
         elif self.pending:
             self.due = False
-        elif rests is not None and self._worth_a_probe(rests, carries):
+        elif self._worth_a_probe(dt, tracks):
             self._probe, self._probed = PROBE, 0.0
             self.due = True
         else:
-            self.due = self._age >= self._patience(free, at_rest)
+            self.due = self._age >= self._patience(tracks)
         if self.due:
             self._asked = 0
         return in_vain
 
-    def _patience(self, free: bool, rests: bool) -> float:
+    def _patience(self, tracks: Tracks) -> float:
         """
         Return the seconds to wait after the last reading.
 
         They vary: steady motion read at even intervals would be rounded alike each time.
         """
-        if free:
+        if tracks.is_free:
             return FREE * self.window
         if self._steady < SETTLED:
             return UNSETTLED * self.window
         shortest, longest = WAITS
-        wait = STANDING if rests else min(longest, max(shortest, GROWTH * self._steady))
+        wait = STANDING if tracks.rests else min(longest, max(shortest, GROWTH * self._steady))
         return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))
 
-    def _worth_a_probe(self, rests: tuple[float, float], carries: bool) -> bool:
-        """Tell whether readings in a row would now tell the roundings apart."""
-        if self._steady < PROBE_STEADY or self._probed < PROBE_EVERY:
+    def _worth_a_probe(self, dt: float, tracks: Tracks) -> bool:
+        """Tell whether readings in a row would now tell the roundings that are left apart."""
+        if (self._steady < PROBE_STEADY or self._probed < PROBE_EVERY or not tracks.settled
+                or tracks.is_free):
             return False
+        roundings = tracks.roundings
+        if len(roundings) == 1:
+            return False
+        rests = [abs(rate) * dt / unit % 1 for rate, unit in zip(tracks.rates, (MM, DEGREE))]
         # Above a half, rounding gains what truncation loses; below it both lose the same.
-        return any(0.62 < rest < 0.88 or carries and 0.15 < rest < 0.38 for rest in rests)
+        return any(0.62 < rest < 0.88 or Rounding.CARRY in roundings and 0.15 < rest < 0.38
+                   for rest in rests)

@@ -6,8 +6,8 @@ lag whose acceleration is bounded: with a time constant T and an acceleration a,
 goal shrinks at the rate min(E / T, a). T near zero is a constant acceleration, 1/a = 0 a first
 order lag. A change of request dv then costs dv (dead time + T + |dv| / 2a) of travel.
 
-Arrays have the axes (wheel, track, copy), right first; copy 0 is the track's own belief, the others
-are off by one standard deviation in one unknown each.
+Arrays have the axes (wheel, track, copy), right first; copy 0 is the track's own belief, the
+others are off by one standard deviation in one unknown each.
 """
 
 from typing import NamedTuple
@@ -46,17 +46,18 @@ class Signs(NamedTuple):
 class Wheels:
     """The copies of all tracks' wheels, and what they have done since the last reading."""
 
-    def __init__(self, signs: Signs) -> None:
+    def __init__(self, signs: Signs, slowest: float) -> None:
         self.signs = signs
         self.requests = Requests()
         self.free = False
         """Whether wheels keep their speed, whatever is asked."""
-        self.slowest = 0.0
+        self._slowest = slowest
         """Requests below this may not move a wheel, m/s (`dead_band`)."""
         self._fastest = np.zeros(2)
 
-    def spread(self, means: Array, steps: Array) -> None:
+    def spread(self, means: Array, steps: Array, signs: Signs) -> None:
         """Make copies from the tracks' means (track, state), off by these steps each."""
+        self.signs = signs
         copies = np.repeat(means[:, None, :], s.UNKNOWNS + 1, axis=1)
         which = np.arange(s.UNKNOWNS)
         copies[:, which + 1, which] += steps
@@ -77,8 +78,8 @@ class Wheels:
         self.path = np.zeros((2, len(means)))
         """Metres that each wheel rolled, and that its encoder miscounted."""
         self.miscounted = np.zeros((2, len(means)))
-        self.settled = False
-        """Whether all wheels run at their goals."""
+        self.settled, self.farthest = False, np.inf
+        """Whether all wheels run at their goals, and how far the farthest is from its own, m/s."""
         self._before = self._sums()
         self._goal: Array | None = None
 
@@ -118,7 +119,7 @@ class Wheels:
         if goal is None or recent:
             goal = self._gain * asked + self._offset * np.minimum(
                 np.maximum(asked * (1 / EDGE), -1.0), 1.0)
-            goal = np.where(np.abs(asked) < self.slowest, goal * self._moves, goal)
+            goal = np.where(np.abs(asked) < self._slowest, goal * self._moves, goal)
             self._goal = goal
         way = goal - self.speed
         haste = np.where(way * self.speed < 0, self._braking, 1.0)
@@ -130,15 +131,18 @@ class Wheels:
         kept = left * np.exp((first - h) / lag)
         short = (far + left) * first / 2 + (left - kept) * lag
         self.speed = goal - np.copysign(kept, way)
-        if not recent and far.max() < ARRIVED:
+        self.farthest = float(far.max())
+        if not recent and self.farthest < ARRIVED:
             self.speed, self.settled = goal.copy(), True
-        return goal * h - np.copysign(short, way)
+        travel: Array = goal * h - np.copysign(short, way)
+        return travel
 
     def _slowness(self, h: float) -> Array:
         """Return how often the speed-dependent part of the lag counts, for both wheels."""
         fastest = np.maximum(np.abs(self.requests.speeds), self._fastest * (1 - h / FADE))
         self._fastest = fastest
-        return np.minimum(SLOW / np.maximum(fastest, SLOWEST), SLOWER)[:, None, None]
+        slow: Array = np.minimum(SLOW / np.maximum(fastest, SLOWEST), SLOWER)
+        return slow[:, None, None]
 
     def _counted(self, travel: Array, h: float, sums: Array | None) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""

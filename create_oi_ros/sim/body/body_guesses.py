@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from enum import Enum
 import math
-from pathlib import Path
 from typing import Any
 
 from .config import BodyConfig, CENTRE
@@ -27,8 +26,12 @@ def names() -> tuple[str, ...]:
     return (*plain, *TIME_CONSTANT, RECORDING)
 
 
-def parse(texts: Sequence[str]) -> tuple[BodyConfig, list[str]]:
-    """Read 'name=value' texts; return the body, and the texts that are about something else."""
+def parse(texts: Sequence[str], read: Callable[[str], str]) -> tuple[BodyConfig, list[str]]:
+    """
+    Read 'name=value' texts; return the body, and the texts that are about something else.
+
+    `read` returns what a file contains.
+    """
     config, rest, known = CENTRE, [], names()
     for text in texts:
         name, _, value = text.partition('=')
@@ -39,7 +42,7 @@ def parse(texts: Sequence[str]) -> tuple[BodyConfig, list[str]]:
                 **{TIME_CONSTANT[name]: _number(name, value)})
             config = replace(config, time_constant=constant)
         elif name == RECORDING:
-            config = replace(config, recording=_recording(value))
+            config = replace(config, recording=_recording(value, read))
         else:
             changed: dict[str, Any] = {name: _value(name, value)}
             config = replace(config, **changed)
@@ -68,8 +71,8 @@ def _number(name: str, text: str) -> float:
     return value
 
 
-def _recording(text: str) -> Recording:
+def _recording(text: str, read: Callable[[str], str]) -> Recording:
     try:
-        return Recording.read(Path(text))
+        return Recording.parse(read(text))
     except (OSError, KeyError) as error:
         raise ValueError(f'{RECORDING}={text}: {error}') from None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from bisect import bisect_right
 import csv
 from dataclasses import dataclass
-from pathlib import Path
 
 C2_TICK = 0.0004446
 """Metres a count of a Create 2."""
@@ -21,12 +20,11 @@ class Recording:
     left: tuple[float, ...]
 
     @classmethod
-    def read(cls, path: Path, tick: float = C2_TICK) -> Recording:
+    def parse(cls, text: str, tick: float = C2_TICK) -> Recording:
         """Read a CSV with the columns time_s, encoder_left and encoder_right (16 bits)."""
-        with path.open(newline='') as file:
-            rows = list(csv.DictReader(file))
+        rows = list(csv.DictReader(text.splitlines()))
         if len(rows) < 2:
-            raise ValueError(f'{path}: no rows')
+            raise ValueError('a recording has two rows or more')
         return cls(tuple(float(row['time_s']) for row in rows),
                    _unwrapped([int(row['encoder_right']) for row in rows], tick),
                    _unwrapped([int(row['encoder_left']) for row in rows], tick))

@@ -53,7 +53,8 @@ class TimeConstant(NamedTuple):
     def at(self, speed: float) -> float:
         """Return the seconds at a speed, m/s."""
         bounded = min(self.fastest, max(self.slowest, speed))
-        return self.seconds * (REFERENCE_SPEED / bounded) ** self.exponent
+        part: float = (REFERENCE_SPEED / bounded) ** self.exponent
+        return self.seconds * part
 
 
 REFERENCE_SPEED = 0.0665

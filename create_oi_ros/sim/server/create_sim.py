@@ -186,7 +186,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _arguments()
     options = parser.parse_args(arguments)
     try:
-        config, others = body_guesses.parse(options.guess)
+        config, others = body_guesses.parse(
+            options.guess, lambda name: Path(name).read_text('utf-8'))
         guesses = Guesses.parse(others)
     except ValueError as error:
         parser.error(str(error))

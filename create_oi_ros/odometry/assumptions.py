@@ -1,0 +1,109 @@
+"""
+What may be assumed of a robot, and how plausible each assumption is.
+
+An assumption is how readings are rounded, where encoders take their signs from, and the kind of
+response that a track begins with.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from . import states as s
+from .requests import Array
+from .rounding import Rounding
+from .wheel_model import LAST, NONE, Signs, UPWARD
+
+SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, True))
+"""Signs of encoders, and whether they wait for the dead time."""
+LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
+LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
+"""How much likelier than the rest these are before the first reading; reported of real robots."""
+IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
+"""Weights below which a track is given up, and below which it has no share in the estimate."""
+CLEAR, LEAST_WEIGHT = 5.0, 2e-6
+"""Doubt of the best track from which on no other is given up, and the weight that others keep."""
+YOUNG, OLD = 30, 120
+"""Readings from which on only one track of each kind is kept, and none for the sake of variety."""
+MISTRUST, TEMPER, LEAST = 1000.0, 0.5, 4.0
+"""Doubt of the best track up to which likelihoods count less, and by which power of it; the most
+by which one reading may tell two tracks apart, as a logarithm."""
+
+
+@dataclass
+class Assumptions:
+    """The rows of all tracks; the best first after each reading."""
+
+    roundings: list[Rounding]
+    signs: Signs
+    weights: Array
+    doubt: Array
+    """What process noise is multiplied by, as innovations have it."""
+    means: Array
+    p: Array
+    """Covariances, a matrix a track."""
+    readings: int = 0
+
+    @classmethod
+    def all(cls) -> 'Assumptions':
+        """Assume anything that is plausible of a robot that nobody knows."""
+        kinds = list(product(Rounding, SIGNS, s.RESPONSES))
+        weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN.get(sign, 1.0)
+                            for rounding, sign, _ in kinds])
+        means, p = np.zeros((len(kinds), s.SIZE)), np.zeros((len(kinds), s.SIZE, s.SIZE))
+        for row, (_, _, response) in enumerate(kinds):
+            for index, prior in (s.COMMON | response).items():
+                means[row, index], p[row, index, index] = prior.mean, prior.spread ** 2
+        signs = Signs(np.array([kind for _, (kind, _), _ in kinds]),
+                      np.array([late for _, (_, late), _ in kinds]))
+        return cls([rounding for rounding, _, _ in kinds], signs, weights / weights.sum(),
+                   np.ones(len(kinds)), means, p)
+
+    def shares(self) -> Array:
+        """Return what each track contributes to the estimate."""
+        shares: Array = np.where(self.weights < NEGLIGIBLE, 0.0, self.weights)
+        shares /= shares.sum()
+        return shares
+
+    def weigh(self, logs: Array) -> None:
+        """Weigh the tracks by how likely each found a reading (logarithms); drop some."""
+        logs = logs / np.clip(self.doubt[self.weights.argmax()], 1.0, MISTRUST) ** TEMPER
+        weights = self.weights * np.exp(np.maximum(logs - logs.max(), -LEAST))
+        weights /= weights.sum()
+        if self.doubt[weights.argmax()] > CLEAR and self.readings < OLD:
+            weights = np.maximum(weights, LEAST_WEIGHT)
+        self.weights = weights
+        self.readings += 1
+        order = [int(i) for i in np.argsort(-weights) if weights[i] > IMPLAUSIBLE]
+        if self.readings > YOUNG:
+            kinds: dict[Any, int] = {}
+            for i in order:
+                kind = self.roundings[i], int(self.signs.kinds[i]), bool(self.signs.late[i])
+                kinds.setdefault(kind, i)
+            order = list(kinds.values())
+        self._select(order)
+
+    def join(self, others: 'Assumptions', weight: float) -> None:
+        """Try others beside these, which have this weight together."""
+        def both(mine: Array, theirs: Array) -> Array:
+            return np.concatenate([mine, theirs])
+        self.roundings = self.roundings + others.roundings
+        self.signs = Signs(*map(both, self.signs, others.signs))
+        self.weights = both(self.weights * (1 - weight), others.weights * weight)
+        self.doubt, self.means = both(self.doubt, others.doubt), both(self.means, others.means)
+        self.p = both(self.p, others.p)
+        self.readings = 0
+
+    def clear(self, index: int, mean: float = 0.0, variance: float | Array = 0.0) -> None:
+        """Set what all tracks believe of a state, whatever they have learned."""
+        self.means[:, index] = mean
+        self.p[:, index, :] = self.p[:, :, index] = 0.0
+        self.p[:, index, index] = variance
+
+    def _select(self, order: list[int]) -> None:
+        self.roundings = [self.roundings[i] for i in order]
+        self.signs = Signs(self.signs.kinds[order], self.signs.late[order])
+        self.weights = self.weights[order] / self.weights[order].sum()
+        self.doubt, self.means, self.p = self.doubt[order], self.means[order], self.p[order]
