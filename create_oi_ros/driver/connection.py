@@ -14,7 +14,7 @@ from .command_watch import CommandWatch, IGNORES, Obedience
 from .events import EventQueue, LinkCounts, Severity
 from .frame_budget import FrameBudget, too_slow
 from .outbox import Outbox
-from .state import Activity, Event, State
+from .state import Activity, State, StateEvent
 from .stopping import DRAIN, HALT
 from .stream_plan import StreamPlan
 
@@ -31,14 +31,14 @@ class Connection:
 
     def __init__(
         self, baud: int, state: State, outbox: Outbox, events: EventQueue, counts: LinkCounts,
-        take: Callable[[Event], None],
+        handle: Callable[[StateEvent], None],
     ) -> None:
-        """`take` changes the driver's activity."""
+        """`handle` passes an event to the driver's state."""
         self._state = state
         self._outbox = outbox
         self._events = events
         self._counts = counts
-        self._take = take
+        self._handle = handle
         self._search = BaudSearch(baud)
         self._watch = CommandWatch()
         self.frame_budget = FrameBudget()
@@ -65,7 +65,7 @@ class Connection:
         self._search.restart()
         self._ran_at = now
         self._check_rate()
-        self._call(now, Event.OPENED)
+        self._call(now, StateEvent.OPENED)
 
     def forget(self) -> None:
         """Forget how well the line works: no robot answers."""
@@ -93,7 +93,7 @@ class Connection:
 
     def answered(self) -> None:
         """Note that the first frame has come."""
-        self._take(Event.ANSWERED)
+        self._handle(StateEvent.ANSWERED)
         self._check_rate()
 
     def ask(self, stream: oi.Stream, now: float) -> None:
@@ -118,7 +118,7 @@ class Connection:
         notice = self._search.notice()
         if notice is not None:
             self._events.add(notice)
-        self._call(now, Event.NO_ANSWER)
+        self._call(now, StateEvent.NO_ANSWER)
 
     def check_standstill(self, now: float) -> None:
         """Start anew after this process has been stopped: the dead-man may have acted."""
@@ -131,7 +131,7 @@ class Connection:
             'computer that slept or was too busy); calling the robot again')
         self.reader.flush()
         self._search.restart()
-        self._take(Event.NO_ANSWER)
+        self._handle(StateEvent.NO_ANSWER)
         self._outbox.send_at_once(HALT, now)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self._stale_until = now + STALE
@@ -158,9 +158,9 @@ class Connection:
                                 problem or 'frames arrive in time again')
         return news is Obedience.OBEYS_AGAIN
 
-    def _call(self, now: float, event: Event) -> None:
+    def _call(self, now: float, event: StateEvent) -> None:
         """Call the robot, whatever state it is in, and stop it."""
-        self._take(event)
+        self._handle(event)
         assert self._state.activity is Activity.CALLING
         self.heard_at = now
         baud = self._search.next_baud()

@@ -6,7 +6,7 @@ from .. import oi
 from .outbox import Outbox
 from .pending import done, Pending, refused
 from .requests import Requests
-from .state import Event
+from .state import StateEvent
 from .stopping import END_DEMO
 from .supervision import Supervision
 
@@ -19,13 +19,13 @@ class Demos:
 
     def __init__(
         self, outbox: Outbox, requests: Requests, supervision: Supervision,
-        take: Callable[[Event], None],
+        handle: Callable[[StateEvent], None],
     ) -> None:
-        """`take` changes the driver's activity."""
+        """`handle` passes an event to the driver's state."""
         self._outbox = outbox
         self._requests = requests
         self._supervision = supervision
-        self._take = take
+        self._handle = handle
 
     def start(self, demo: oi.DemoNumber) -> Pending:
         """Let the robot play a demo; the request ends when the command is written."""
@@ -35,7 +35,7 @@ class Demos:
         if why is not None:
             return refused(why)
         follows_commands = self._follows_commands
-        self._take(Event.DEMO_STARTED)
+        self._handle(StateEvent.DEMO_STARTED)
         self._supervision.want(oi.Mode.PASSIVE)
         if demo is oi.DemoNumber.COVER_AND_DOCK and follows_commands:
             self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
@@ -48,7 +48,7 @@ class Demos:
             return done('no demo runs: the robot obeys cmd_vel')
         request = self._requests.send(
             END_DEMO, 'demo ended; call set_mode with SAFE to drive again')
-        self._take(Event.DEMO_ENDED)
+        self._handle(StateEvent.DEMO_ENDED)
         return request
 
     @property

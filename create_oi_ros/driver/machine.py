@@ -6,7 +6,7 @@ bytes have come, `poll` whenever time has passed, and write what `data_to_send` 
 what happened with `next_event`. `now` is in seconds on any clock that does not go backwards.
 
 What the driver is doing is one value, `state`. This file passes what happens to the parts and
-events to the state: `_take` is the only place where the state changes, and where what follows
+events to the state: `_handle` is the only place where the state changes, and where what follows
 from a change for wheels and parts is done. A request (set_mode, outputs.set_leds, ...) returns a
 `Pending`; `poll` sends.
 """
@@ -31,15 +31,15 @@ from .plausibility import TurnCheck
 from .requests import Requests
 from .script_control import ScriptControl
 from .settings import Settings
-from .state import Activity, Event, Owner, State
+from .state import Activity, Owner, State, StateEvent
 from .stopping import END_DEMO, farewell, HALT
 from .stream_plan import StreamPlan
 from .supervision import causes_in, ModeStatus, Supervision
 from .tracking import Taken, Tracking
 
-NO_ROBOT = (Event.OPENED, Event.NO_ANSWER, Event.PORT_CLOSED)
+NO_ROBOT = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
-SAME_SPEEDS = (Event.VELOCITY, Event.HALTED)
+SAME_SPEEDS = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run as they were told last."""
 
 
@@ -57,16 +57,16 @@ class Driver:
         self._tracking = Tracking(settings, self.counts)
         self._turn_check = TurnCheck(settings.limits.wheel_separation)
         self._connection = Connection(
-            settings.baud, self.state, self._outbox, self._events, self.counts, self._take)
+            settings.baud, self.state, self._outbox, self._events, self.counts, self._handle)
         requests = Requests(self._outbox, self.state, self._supervision)
         self._requests = requests
         self.outputs = Outputs(self._outbox, requests, self._tracking)
-        self.demos = Demos(self._outbox, requests, self._supervision, self._take)
+        self.demos = Demos(self._outbox, requests, self._supervision, self._handle)
         self.scripts = ScriptControl(
             self._outbox, requests, self.state, self._connection.plan,
-            settings.limits.wheel_separation, self._take)
+            settings.limits.wheel_separation, self._handle)
         self._modes = Modes(self._supervision, self.state, self._outbox, requests, self.outputs,
-                            self._events, self._take)
+                            self._events, self._handle)
         self._battery = BatteryGuard(settings.battery, self.demos, self._modes, self._events)
         self._unjudged: deque[tuple[Taken, Moved]] = deque()
         """Frames that were published, and whose consequences `poll` still has to draw."""
@@ -74,9 +74,9 @@ class Driver:
         self._refusal_told = False
         self._not_finite = 0
 
-    def _take(self, event: Event) -> None:
+    def _handle(self, event: StateEvent) -> None:
         """Let an event change the state, and do what follows from it for wheels and parts."""
-        self.state.take(event)
+        self.state.handle(event)
         if event in NO_ROBOT:
             self._outbox.clear()
             self._connection.forget()
@@ -98,7 +98,7 @@ class Driver:
     def disconnected(self, why: str) -> None:
         """Stop talking: the port is gone."""
         self._connection.reader.flush()
-        self._take(Event.PORT_CLOSED)
+        self._handle(StateEvent.PORT_CLOSED)
         self._modes.fail(f'port lost: {why}')
 
     def receive(self, data: bytes, now: float) -> None:
@@ -132,7 +132,7 @@ class Driver:
         if self._motion.expired(now):
             self._supervision.commands_paused()
             if self.state.moving:
-                self._take(Event.HALTED)
+                self._handle(StateEvent.HALTED)
         self._send_speeds(now)
         if self.state.takes_commands:
             stream = self._connection.plan.next_stream(
@@ -198,18 +198,18 @@ class Driver:
         if not self._motion.command(linear, angular, now):
             self._supervision.commands_paused()
         elif self.state.owner is Owner.NOBODY:
-            self._take(Event.HALTED)
+            self._handle(StateEvent.HALTED)
         elif why := self.state.drive_refusal or self._modes.allow_driving(now):
-            self._take(Event.HALTED)
+            self._handle(StateEvent.HALTED)
             self._tell_refusal(why)
         else:
             self._refusal_told = False
-            self._take(Event.VELOCITY)
+            self._handle(StateEvent.VELOCITY)
         self._send_speeds(now)
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        self._take(Event.STOPPED)
+        self._handle(StateEvent.STOPPED)
         self._supervision.commands_paused()
         if self.state.activity is not Activity.CLOSED:
             self._outbox.send_at_once(HALT, now)
@@ -243,7 +243,7 @@ class Driver:
         if script is not None:
             self._events.notice(
                 Severity.ERROR, f'the driver ends, but {script}; its wheels go on as it told them')
-        self._take(Event.PORT_CLOSED)
+        self._handle(StateEvent.PORT_CLOSED)
         for command in farewell(mode, self.settings.mode_on_exit):
             self._outbox.send_at_once(command, now)
 
@@ -329,4 +329,4 @@ class Driver:
             if drive is not None:
                 self._outbox.send_at_once(drive, now)
         if self.state.moving and self._motion.at_rest:
-            self._take(Event.HALTED)
+            self._handle(StateEvent.HALTED)

@@ -21,7 +21,7 @@ from .outbox import Outbox
 from .pending import done, Pending, refused
 from .requests import Requests
 from .script_speeds import CLEARED, requested_directly, ScriptSpeeds, Speeds
-from .state import Activity, Event, State
+from .state import Activity, State, StateEvent
 from .stopping import HALT
 from .stream_plan import StreamPlan
 
@@ -41,15 +41,15 @@ class ScriptControl:
 
     def __init__(
         self, outbox: Outbox, requests: Requests, state: State, plan: StreamPlan,
-        wheel_separation: float, take: Callable[[Event], None],
+        wheel_separation: float, handle: Callable[[StateEvent], None],
     ) -> None:
-        """Take the wheel separation in metres; `take` changes the driver's activity."""
+        """Take the wheel separation in metres; `handle` passes an event to the driver's state."""
         self._outbox = outbox
         self._requests = requests
         self._state = state
         self._plan = plan
         self._wheel_separation = wheel_separation
-        self._take = take
+        self._handle = handle
         self._stored: oi.Script | None = None
         self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
         self._due = 0.0
@@ -104,7 +104,7 @@ class ScriptControl:
         self._due = now + POLL_INTERVAL
         takes = self._duration()
         self._ends_at = None if takes is None else now + takes
-        self._take(Event.SCRIPT_STARTED)
+        self._handle(StateEvent.SCRIPT_STARTED)
         return request
 
     def status(self, now: float) -> str | None:
@@ -122,7 +122,7 @@ class ScriptControl:
             return refused(why)
         self._outbox.send(oi.PauseResumeStream(state=oi.StreamState.PAUSE))
         self._due, self._show_request = now + SILENCE, Pending()
-        self._take(Event.SHOW_STARTED)
+        self._handle(StateEvent.SHOW_STARTED)
         return self._show_request
 
     def poll(self, now: float) -> None:
@@ -149,7 +149,7 @@ class ScriptControl:
         self._outbox.send(oi.ShowScript())
         slowest = (1 + SCRIPT_LIMIT) * oi.BITS_PER_BYTE / self._plan.baud
         self._due = now + REPLY_TIMEOUT + slowest
-        self._take(Event.LINE_SILENT)
+        self._handle(StateEvent.LINE_SILENT)
 
     def receive(self, received: bytes) -> bool:
         """Use bytes that belong to the script; False where they belong to frames."""
@@ -165,7 +165,7 @@ class ScriptControl:
         if not self.playing or packets != self._plan.marker:
             return False
         self._plan.restart()
-        self._take(Event.SCRIPT_ENDED)
+        self._handle(StateEvent.SCRIPT_ENDED)
         return True
 
     def forget(self) -> None:
@@ -217,7 +217,7 @@ class ScriptControl:
 
     def _end_show(self, ok: bool, text: str, script: bytes = b'') -> None:
         self._plan.restart()
-        self._take(Event.SHOW_ENDED)
+        self._handle(StateEvent.SHOW_ENDED)
         self._show_request.end(ok, text, script)
 
 
