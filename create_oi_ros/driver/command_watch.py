@@ -55,7 +55,7 @@ class CommandWatch:
         if packets != self._list:
             self._list, self._unseen_since = packets, None
 
-    def judge(self, missed: int, now: float) -> Obedience | None:
+    def check(self, missed: int, now: float) -> Obedience | None:
         """Return what is new; `missed` is how many speeds in a row the robot did not take."""
         unseen = 0.0 if self._unseen_since is None else now - self._unseen_since
         before = self._last

@@ -27,7 +27,7 @@ STALE = 0.05
 
 
 class Connection:
-    """The line to the robot: who answers, at which rate, and how well."""
+    """The line to the robot: whether it answers, at which rate, and how well."""
 
     def __init__(
         self, baud: int, state: State, outbox: Outbox, events: EventQueue, counts: LinkCounts,
@@ -102,7 +102,7 @@ class Connection:
         self._watch.asked(tuple(stream.packets), now)
 
     def check_silence(self, now: float) -> None:
-        """Call the robot, or call it again, when it has not been heard for too long."""
+        """Call the robot when no frame has come for too long."""
         answered = self._state.answered
         if now - self.heard_at <= (SILENCE if answered else CALL_INTERVAL):
             return
@@ -121,7 +121,7 @@ class Connection:
         self._call(now, StateEvent.NO_ANSWER)
 
     def check_standstill(self, now: float) -> None:
-        """Start anew after this process has been stopped: the dead-man may have acted."""
+        """Call the robot again after this process stood still: the dead-man may have acted."""
         still = 0.0 if self._ran_at is None else now - self._ran_at
         self._ran_at = now
         if not self._state.answered or still <= STANDSTILL:
@@ -137,29 +137,29 @@ class Connection:
         self._stale_until = now + STALE
         self.heard_at = self._stale_until - CALL_INTERVAL
 
-    def judge(self, missed_speeds: int, now: float) -> bool:
+    def check_line(self, missed_speeds: int, now: float) -> bool:
         """
         React to a robot that ignores commands, and report a line that carries too little.
 
-        True when the robot obeys again, and so must be sent again what it may have missed.
+        True when the robot obeys again: then what it may have missed must be sent again.
         """
         if not self._state.takes_commands:
             self._watch.restart()
             self.frame_budget.restart()
             return False
-        news = self._watch.judge(missed_speeds, now)
+        news = self._watch.check(missed_speeds, now)
         if news is Obedience.SUSPECT:
             self._outbox.send_raw(DRAIN)
         elif news is Obedience.IGNORES:
             self._events.notice(Severity.ERROR, IGNORES)
-        if self.frame_budget.judge(self.baud, now, fits=self.plan.budget.fits):
+        if self.frame_budget.check(self.baud, now, fits=self.plan.budget.fits):
             problem = self.frame_budget.problem
             self._events.notice(Severity.WARNING if problem else Severity.INFO,
                                 problem or 'frames arrive in time again')
         return news is Obedience.OBEYS_AGAIN
 
     def _call(self, now: float, event: StateEvent) -> None:
-        """Call the robot, whatever state it is in, and stop it."""
+        """Stop the robot and start its stream, whatever it was doing before."""
         self._handle(event)
         assert self._state.activity is Activity.CALLING
         self.heard_at = now

@@ -34,23 +34,19 @@ class Demos:
         why = self._requests.refusal(oi.Demo)
         if why is not None:
             return refused(why)
-        follows_commands = self._follows_commands
+        can_drive = self._supervision.status.can_drive
         self._handle(StateEvent.DEMO_STARTED)
         self._supervision.want(oi.Mode.PASSIVE)
-        if demo is oi.DemoNumber.COVER_AND_DOCK and follows_commands:
+        if demo is oi.DemoNumber.COVER_AND_DOCK and can_drive:
             self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
         return self._requests.send(
             oi.Demo(demo=demo), f'demo {demo.name} runs; call stop_demo to end it')
 
     def stop(self) -> Pending:
         """End the demo that runs, if any; the robot stays in Passive."""
-        if self._follows_commands and self._requests.refusal(oi.Demo) is None:
+        if self._supervision.status.can_drive and self._requests.refusal(oi.Demo) is None:
             return done('no demo runs: the robot obeys cmd_vel')
         request = self._requests.send(
             END_DEMO, 'demo ended; call set_mode with SAFE to drive again')
         self._handle(StateEvent.DEMO_ENDED)
         return request
-
-    @property
-    def _follows_commands(self) -> bool:
-        return self._supervision.status.actual in oi.ACTUATE

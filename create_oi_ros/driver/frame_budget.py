@@ -62,7 +62,7 @@ class FrameBudget:
                     'disturbed, or the robot at another baud rate')
         return 'the robot is off, asleep or unplugged'
 
-    def judge(self, baud: int, now: float, *, fits: bool) -> bool:
+    def check(self, baud: int, now: float, *, fits: bool) -> bool:
         """
         Look at what has arrived up to now; True when the problem has begun or ended.
 

@@ -1,4 +1,4 @@
-"""Enters modes: on request, when the robot missed it, and after what ended the wanted mode."""
+"""Enters modes: on request, when the robot missed the command, and after a hazard is gone."""
 
 from collections.abc import Callable
 
@@ -99,9 +99,13 @@ class Modes:
                   'needs all wheels down, no cliff under it and no charger plugged in')
 
     def allow_driving(self, now: float) -> str | None:
-        """Enter the wanted mode for a fresh command where that is due; else say why not."""
+        """
+        Say why a fresh command is not followed; None where it is.
+
+        Where the robot has left the wanted mode, and may enter it again, tell it to.
+        """
         status = self._supervision.status
-        if status.actual in oi.DriveDirect.modes:
+        if status.can_drive:
             return None
         if not self._supervision.may_recover(now):
             why = f' ({status.reason})' if status.reason else ''

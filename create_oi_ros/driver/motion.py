@@ -1,8 +1,4 @@
-"""
-From a commanded velocity to the wheel speeds that the robot is sent.
-
-The watchdog is here too: the Open Interface has no timeout, the last Drive holds for ever.
-"""
+"""From a commanded velocity to the wheel speeds that are sent to the robot."""
 
 from dataclasses import dataclass
 from math import inf
