@@ -11,7 +11,7 @@ from .stopping import END_DEMO
 from .supervision import Supervision
 
 DOCK_PAUSE = 1.0
-"""Seconds that the robot is to be in Passive before it is sent to its dock (reported)."""
+"""Seconds that the robot must be in Passive before it is sent to its dock (reported)."""
 
 
 class Demos:

@@ -32,7 +32,7 @@ SILENCE = 0.1
 REPLY_TIMEOUT = 0.5
 """Seconds that the robot may take to begin to send its script."""
 SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
-"""What the robot itself turns by, mm."""
+"""Wheel separation that the firmware assumes, mm."""
 DRIVES = 'the robot drives, and could not be told to stop meanwhile: stop it first'
 
 
@@ -111,7 +111,7 @@ class ScriptControl:
         """Say that a script plays, how long it still takes, and what ends it; None where not."""
         if not self.playing:
             return None
-        left = ('no one knows for how long' if self._ends_at is None else
+        left = ('for an unknown time' if self._ends_at is None else
                 f'for about {max(0.0, self._ends_at - now):.0f} s more')
         return f'{self._state.refusal} (it plays {left})'
 
@@ -186,14 +186,14 @@ class ScriptControl:
             return ('the stored script is not known: call define_script, or show_script to see '
                     'what it is, or set force')
         if not can_end(self._stored):
-            return ('the stored script plays itself again and cannot end, nor can the robot be '
-                    'stopped but by its power button: set force to play it')
+            return ('the stored script plays itself again and cannot end; then only the Power '
+                    'button stops the robot: set force to play it')
         endless = endless_wait(self._stored, self._mode(), SEPARATION)
         if endless is not None:
             return (f'command {endless.place} of the stored script, '
                     f'{format_command(endless.command)}, waits for ever, since {endless.why}, '
-                    'and a waiting robot can only be stopped by its power button: change the '
-                    'script, or set force to play it')
+                    'and only the Power button stops a robot that waits: change the script, or '
+                    'set force to play it')
         return None
 
     def _duration(self) -> float | None:
@@ -222,7 +222,7 @@ class ScriptControl:
 
 
 def _described(script: oi.Script) -> str:
-    """Say what there is to know of a script before it is played."""
+    """Say how long a script is in bytes, and whether it ends."""
     if not script.script:
         return 'no script is stored'
     size = f'{len(script.script)} of {SCRIPT_LIMIT} bytes'

@@ -16,7 +16,7 @@ from create_oi_ros.driver import (
     Severity,
 )
 from create_oi_ros.driver.battery_watch import SETTLE
-from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT, USUAL
+from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT, USUAL_BAUDS
 from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, JumpCheck, SLACK
 from create_oi_ros.driver.stopping import LAST_WORDS
 from create_oi_ros.driver.stream_plan import ALL
@@ -44,7 +44,7 @@ def test_the_robot_is_found_at_its_rate(baud):
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-@pytest.mark.parametrize('baud', USUAL)
+@pytest.mark.parametrize('baud', USUAL_BAUDS)
 def test_the_usual_rates_are_found_within_a_second(baud):
     loop = Loop(Settings(baud=0), robot_baud=baud)
     loop.run(1.0)

@@ -377,7 +377,7 @@ def test_ending_the_driver_while_a_script_holds_the_robot_is_an_error(loop):
     loop.turn()
     assert loop.notices[-1].severity is Severity.ERROR
     assert 'the driver ends, but a script plays' in loop.notices[-1].text
-    assert 'no one knows for how long' in loop.notices[-1].text
+    assert 'for an unknown time' in loop.notices[-1].text
 
 
 def test_a_script_whose_end_is_open_says_so(loop):
