@@ -171,8 +171,8 @@ class Connection:
         self._outbox.send(HALT)
         self._outbox.send(oi.Start())
         stream = self.plan.next_stream(now, motion_due=True)
-        if stream is not None:
-            self._outbox.send(stream)
+        assert stream is not None, 'nothing has been asked for yet'
+        self._outbox.send(stream)
 
     def _check_rate(self) -> None:
         slow = too_slow(self.plan.budget, self.baud)

@@ -108,12 +108,11 @@ class Driver:
             return
         reader = self._connection.reader
         while (event := reader.next_event()) is not None:
-            match event:
-                case oi.Frame():
-                    self._take_frame(event, now)
-                case oi.Garbage():
-                    self._connection.add_garbage(event.data)
-                    self._tracking.clock.suspect()
+            if isinstance(event, oi.Frame):
+                self._take_frame(event, now)
+            else:
+                self._connection.add_garbage(event.data)
+                self._tracking.clock.suspect()
         self.counts.checksum_failures = reader.checksum_failures
 
     def poll(self, now: float) -> None:

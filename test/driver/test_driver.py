@@ -139,6 +139,24 @@ def test_commands_faster_than_the_robot_listens_are_thinned_and_the_newest_wins(
     assert len(sent) <= 100 * 0.005 / oi.SLOT + 2
 
 
+def test_a_command_before_the_robot_answers_moves_nothing_later():
+    loop = Loop()
+    loop.cut = True
+    loop.run(1.0)
+    loop.driver.drive(0.2, 0.0, loop.now)
+    loop.cut = False
+    loop.run(0.4)
+    assert loop.driver.state.answered
+    assert loop.body.truth().speed == 0
+    assert not texts(loop.notices, Severity.WARNING)
+
+
+def test_a_stop_without_a_port_sends_nothing():
+    driver = Driver()
+    assert driver.stop(0.0).outcome.ok is False
+    assert driver.data_to_send() == b''
+
+
 def test_the_wheels_stop_when_commands_stop(loop):
     loop.driver.drive(0.2, 0.0, loop.now)
     loop.run(TIMEOUT - 0.01)
@@ -310,6 +328,18 @@ def test_a_fresh_command_does_nothing_while_the_cause_is_recent(loop):
     loop.drive(0.2, 0.0, CLEAR_FOR - 0.2)
     assert loop.robot.mode is oi.Mode.PASSIVE
     assert loop.body.truth().speed == 0
+
+
+def test_the_mode_command_is_sent_once_however_often_the_robot_is_told_to_drive(loop):
+    loop.body.drop(left=True)
+    loop.run(0.2)
+    loop.body.drop()
+    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.commands()
+    for _ in range(3):
+        loop.driver.drive(0.2, 0.0, loop.now)
+    loop.run(0.1)
+    assert [type(command) for command in loop.commands()].count(oi.Safe) == 1
 
 
 def test_a_robot_put_down_under_a_stream_of_commands_does_not_leap(loop):
