@@ -166,7 +166,7 @@ class Session:
         if now - self._dead_man_started_at > LEAST_LIFE:
             self._start_dead_man(port)
             then = 'another one has been started'
-        self._on_event(Notice(Severity.ERROR, f'the dead-man was killed; {then}'))
+        self._on_event(Notice(Severity.ERROR, f'the dead-man has ended; {then}'))
 
     def _read(self, port: Port) -> None:
         try:

@@ -356,7 +356,7 @@ def test_a_robot_that_waits_for_ever_is_told_of_once():
     loop.drive(0.3, 0.0, 0.5)
     loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
     loop.run(5.0)
-    assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
+    assert said(loop, Severity.ERROR, 'ignores commands') == 1
 
 
 def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
@@ -367,7 +367,7 @@ def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hea
     assert pending.outcome.ok
     loop.robot.receive(oi.WaitTime(time=40).encode(), loop.now)
     loop.run(3.5)
-    assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
+    assert said(loop, Severity.ERROR, 'ignores commands') == 1
     assert not loop.driver.stop(loop.now).outcome.ok
     loop.robot.actuators.lights = DARK
     loop.run(2.5)
