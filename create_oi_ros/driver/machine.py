@@ -21,7 +21,7 @@ from .demos import Demos
 from .events import DriverEvent, EventQueue, LinkCounts, ModeChanged, Moved, Severity
 from .health import Health
 from .modes import Modes
-from .motion import Motion, MotionLimits
+from .motion import MotionLimits, WheelCommands
 from .outbox import Outbox
 from .outputs import Outputs
 from .pending import done, Pending, refused
@@ -51,14 +51,13 @@ class Driver:
         self.counts = LinkCounts()
         self._events = EventQueue()
         self._outbox = Outbox()
-        self._motion = Motion(settings.limits)
+        self._wheels = WheelCommands(settings.limits)
         self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
         self._tracking = Tracking(settings, self.counts)
         self._turn_check = TurnCheck(settings.limits.wheel_separation)
         self._connection = Connection(
             settings.baud, self.state, self._outbox, self._events, self.counts, self._handle)
-        requests = Requests(self._outbox, self.state, self._supervision)
-        self._requests = requests
+        self._requests = requests = Requests(self._outbox, self.state, self._supervision)
         self.outputs = Outputs(self._outbox, requests, self._tracking)
         self.demos = Demos(self._outbox, requests, self._supervision, self._handle)
         self.scripts = ScriptControl(
@@ -68,7 +67,7 @@ class Driver:
                             self._events, self._handle)
         self._battery = BatteryGuard(settings.battery, self.demos, self._modes, self._events)
         self._velocity = VelocityControl(
-            self._motion, self.state, self._supervision, self._modes, self._outbox, self._events,
+            self._wheels, self.state, self._supervision, self._modes, self._outbox, self._events,
             self._handle)
         self._unchecked: deque[tuple[Taken, Moved]] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
@@ -85,9 +84,9 @@ class Driver:
             self.scripts.forget()
             self._unchecked.clear()
         if not self.state.moving:
-            self._motion.stop()
+            self._wheels.stop()
         if event not in SPEEDS_HOLD:
-            self._motion.forget_sent()
+            self._wheels.forget_sent()
 
     # What arrives and leaves, and what happened.
 
@@ -202,7 +201,7 @@ class Driver:
 
     def set_limits(self, limits: MotionLimits) -> None:
         """Change the limits, from the next command on."""
-        self._motion.limits = limits
+        self._wheels.limits = limits
 
     def set_mode(self, mode: oi.Mode, now: float) -> Pending:
         """Want a mode; the request ends when the robot reports it, or after a timeout."""
@@ -264,9 +263,9 @@ class Driver:
             self._velocity.report_next_refusal()
         drives = self.status.can_drive
         if drives and self.state.takes_commands:
-            self._motion.reported(
+            self._wheels.reported(
                 readings.requested_right_velocity, readings.requested_left_velocity, now)
-        if self._connection.check_line(self._motion.missed if drives else 0, now):
+        if self._connection.check_line(self._wheels.missed if drives else 0, now):
             self._send_again()
         self._modes.retry(now)
         if self._turn_check.observe(taken.readings, taken.dt):
@@ -275,7 +274,7 @@ class Driver:
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
-        self._motion.forget_sent()
+        self._wheels.forget_sent()
         self.outputs.restore_songs()
         if self.status.actual in oi.ACTUATE:
             self.outputs.restore()

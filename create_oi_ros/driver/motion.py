@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import inf
 
 from .. import oi
+from ..oi.steering import WheelSpeeds
 from ..robot import MM_PER_M, SLOT, TOP_SPEED, WHEEL_SEPARATION
 
 
@@ -27,9 +28,7 @@ REPORT_TIMEOUT = 10 * SLOT
 """Seconds after which the robot should report the speeds that it was sent."""
 RAMP_STEP = 2 * SLOT
 """Most seconds of acceleration between two commands, however far apart they are."""
-WheelSpeeds = tuple[float, float]
-"""Right and left, mm/s."""
-STOPPED = (0.0, 0.0)
+STOPPED = WheelSpeeds(0.0, 0.0)
 
 
 def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> WheelSpeeds:
@@ -43,7 +42,7 @@ def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> WheelSp
     right, left = half + turn, half - turn
     fastest = max(abs(right), abs(left))
     scale = min(1.0, limits.max_wheel_speed / 2 / fastest) if fastest else 1.0
-    return right * scale * 2 * MM_PER_M, left * scale * 2 * MM_PER_M
+    return WheelSpeeds(right * scale * 2 * MM_PER_M, left * scale * 2 * MM_PER_M)
 
 
 def next_speeds(
@@ -55,7 +54,7 @@ def next_speeds(
     Both accelerations are reduced by one factor: a robot that starts from rest follows the
     commanded curve at once.
     """
-    right, left = wanted[0] - before[0], wanted[1] - before[1]
+    right, left = wanted.right - before.right, wanted.left - before.left
     linear = abs(right + left) / 2 / MM_PER_M
     angular = abs(right - left) / limits.wheel_separation / MM_PER_M
     fraction = 1.0
@@ -65,10 +64,10 @@ def next_speeds(
             fraction = min(fraction, limit * seconds / change)
     if fraction == 1.0:
         return wanted
-    return before[0] + fraction * right, before[1] + fraction * left
+    return WheelSpeeds(before.right + fraction * right, before.left + fraction * left)
 
 
-class Motion:
+class WheelCommands:
     """The newest velocity command, and the wheel speeds that were sent to follow it."""
 
     def __init__(self, limits: MotionLimits) -> None:
@@ -123,7 +122,7 @@ class Motion:
         since = min(now - self._ramped_at, RAMP_STEP)
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
         self._ramped_at = now
-        speeds = round(self._speeds[0]), round(self._speeds[1])
+        speeds = round(self._speeds.right), round(self._speeds.left)
         if speeds == self._sent or speeds != (0, 0) and now - self._sent_at < SLOT:
             return None
         self._sent, self._sent_at = speeds, now

@@ -10,7 +10,7 @@ from math import isfinite
 
 from .events import EventQueue, Severity
 from .modes import Modes
-from .motion import Motion
+from .motion import WheelCommands
 from .outbox import Outbox
 from .state import Owner, State, StateEvent
 from .supervision import Supervision
@@ -20,11 +20,11 @@ class VelocityControl:
     """Decides for each command whether the robot follows it, and sends the wheel speeds."""
 
     def __init__(
-        self, motion: Motion, state: State, supervision: Supervision, modes: Modes,
+        self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
         outbox: Outbox, events: EventQueue, handle: Callable[[StateEvent], None],
     ) -> None:
         """`handle` passes an event to the driver's state."""
-        self._motion = motion
+        self._wheels = wheels
         self._state = state
         self._supervision = supervision
         self._modes = modes
@@ -41,9 +41,9 @@ class VelocityControl:
             self._report_finite()
         else:
             self._report_not_finite(linear, angular)
-            self._motion.stop()
+            self._wheels.stop()
             linear = angular = 0.0
-        if not self._motion.command(linear, angular, now):
+        if not self._wheels.command(linear, angular, now):
             self._supervision.commands_paused()
         elif self._state.owner is Owner.NOBODY:
             self._handle(StateEvent.HALTED)
@@ -57,7 +57,7 @@ class VelocityControl:
 
     def poll(self, now: float) -> None:
         """Stop the wheels when the newest command is too old; send speeds that have changed."""
-        if self._motion.expired(now):
+        if self._wheels.expired(now):
             self._supervision.commands_paused()
             if self._state.moving:
                 self._handle(StateEvent.HALTED)
@@ -69,10 +69,10 @@ class VelocityControl:
 
     def _send_speeds(self, now: float) -> None:
         if self._state.takes_commands and self._supervision.status.can_drive:
-            drive = self._motion.next_drive(now)
+            drive = self._wheels.next_drive(now)
             if drive is not None:
                 self._outbox.send_at_once(drive, now)
-        if self._state.moving and self._motion.at_rest:
+        if self._state.moving and self._wheels.at_rest:
             self._handle(StateEvent.HALTED)
 
     def _report_refusal(self, why: str) -> None:

@@ -53,8 +53,7 @@ class Session:
         self._lock = threading.RLock()
         self._port: Port | None = None
         self._dead_man: DeadMan | None = None
-        self._dead_man_started_at = 0.0
-        self._check_at = 0.0
+        self._dead_man_started_at = self._check_at = 0.0
         self._lasting_name: str | None = None
         self._named_at = inf
         """When to look up the lasting name of the open port."""
