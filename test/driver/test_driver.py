@@ -206,6 +206,22 @@ def test_limits_keep_the_curve(linear, angular):
     assert left == pytest.approx(free_left * scale, abs=1.0)
 
 
+def test_limits_may_change_while_the_robot_drives(loop):
+    loop.drive(0.2, 0.0, 0.5)
+    loop.driver.set_limits(MotionLimits(max_wheel_speed=0.1))
+    loop.drive(0.2, 0.0, 0.5)
+    sent = [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
+    assert sent[-1] == oi.DriveDirect(right=100, left=100)
+
+
+def test_the_odometry_starts_again_where_the_robot_is(loop):
+    loop.drive(0.2, 0.0, 2.0)
+    assert loop.estimate.x > 0.2
+    assert loop.driver.reset_odometry().outcome.ok
+    loop.run(0.1)
+    assert abs(loop.estimate.x) < 0.1
+
+
 def test_a_metre_and_a_turn_agree_with_the_truth(loop):
     loop.drive(0.2, 0.0, 5.0)
     loop.run(1.0)

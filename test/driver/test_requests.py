@@ -118,6 +118,13 @@ def test_define_and_play_stores_nothing_that_cannot_be_played(loop):
     assert loop.moved[-1].readings.song_playing
 
 
+def test_a_wrong_song_is_neither_stored_nor_played(loop):
+    refused = ask(loop, loop.driver.outputs.define_and_play, 3, [60], [4.0])
+    assert not refused.ok
+    assert 'seconds[0]' in refused.text
+    assert loop.commands() == []
+
+
 def test_a_song_that_was_not_defined_is_refused(loop):
     assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7).text
 
