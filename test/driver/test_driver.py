@@ -151,9 +151,11 @@ def test_a_command_before_the_robot_answers_moves_nothing_later():
     assert not texts(loop.notices, Severity.WARNING)
 
 
-def test_a_stop_without_a_port_sends_nothing():
+def test_without_a_port_a_stop_and_the_end_send_nothing():
     driver = Driver()
+    assert driver.status.reason == 'no robot answers'
     assert driver.stop(0.0).outcome.ok is False
+    driver.shut_down(0.1)
     assert driver.data_to_send() == b''
 
 
