@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import states as s
-from .requests import Array
+from .request_history import Array
 from .rounding import Rounding
 from .wheel_model import LAST, NONE, Signs, UPWARD
 

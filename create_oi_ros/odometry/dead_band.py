@@ -6,7 +6,7 @@ request that was seen not to move a wheel and the slowest that was seen to, the 
 wheel (0 to 1) is open; readings tell, and the edge is known better from then on.
 """
 
-from .requests import Array
+from .request_history import Array
 
 SLOWEST, FASTEST = 0.0, 0.0255
 """m/s between which the edge is looked for at the start."""

@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..robot import SLOT
 from . import states as s
-from .requests import Array
+from .request_history import Array
 
 JITTER = 0.003
 """Seconds by which a request may take effect earlier or later than the dead time says."""
@@ -59,7 +60,7 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
             s.YAW: angular * side / width}
         counts: dict[int, Array | float] = {s.DISTANCE: 0.5, s.ANGLE: side / width}
         speed: dict[int, Array | float] = {
-            s.SPEED_RIGHT + wheel: did.free / max(did.seconds, 0.015)}
+            s.SPEED_RIGHT + wheel: did.free / max(did.seconds, SLOT)}
         q += along(slip * slip * did.path[wheel], pose)
         q += along(travel[wheel], pose | counts | speed)
         q += along(wrong[wheel], counts)

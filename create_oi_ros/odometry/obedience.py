@@ -5,11 +5,10 @@ Nothing tells but a reading: somebody holds or pushes the robot, or it goes its 
 unknown gains, dead times and encoders could explain is not disobedience.
 """
 
-from math import radians
-
+from ..robot import FIRMWARE_SEPARATION
+from .states import DEGREE, MM
 from .tracks import Tracks
 
-MM, DEGREE = 1e-3, radians(1)
 SLACK, PART, LAG = 4.0, 0.25, 0.3
 """Units, part of the way, and seconds of a change of speed, by which obedient wheels may miss a
 reading, ..."""
@@ -17,7 +16,6 @@ BELIEVABLE = 2.0, 0.06, 0.2
 """... and by which those that were free may, to be believed again."""
 TELLING_TIME = 0.2
 """Seconds that a window must last to tell."""
-SEPARATION = 0.258
 
 
 class Obedience:
@@ -39,7 +37,7 @@ class Obedience:
         right, left = tracks.goals(right, left)
         self._seconds += dt
         self._far += (right + left) / 2 * dt
-        self._turn += (right - left) / SEPARATION * dt
+        self._turn += (right - left) / FIRMWARE_SEPARATION * dt
         self._path += (abs(right) + abs(left)) / 2 * dt
 
     def judge(self, distance: int, angle: int, tracks: Tracks) -> None:
@@ -56,4 +54,4 @@ class Obedience:
     def _within(self, misses: tuple[float, float], slack: float, part: float, lag: float) -> bool:
         way = part * self._path + lag * self._changes
         return (misses[0] <= slack * MM + way
-                and misses[1] <= slack * DEGREE + way * 2 / SEPARATION)
+                and misses[1] <= slack * DEGREE + way * 2 / FIRMWARE_SEPARATION)

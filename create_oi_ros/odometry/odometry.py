@@ -6,15 +6,16 @@ of them to believe (`tracks`). This file watches whether the wheels obey at all,
 tracks' mean smoothly: the estimate moves as they move, and corrections are blended in.
 """
 
-from math import cos, exp, hypot, pi, sin
+from math import cos, exp, hypot, sin
 
+from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .estimate import Estimate, Geometry, Increment
 from .obedience import Obedience
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
+from .states import DEGREE
 from .tracks import Held, Tracks
 
-DEGREE = pi / 180
 BLEND = 0.1
 """Seconds in which a correction is blended in, ..."""
 STEP, TWIST = 1e-3, 0.2 * DEGREE
@@ -22,7 +23,7 @@ STEP, TWIST = 1e-3, 0.2 * DEGREE
 FAR, ASKEW = 0.03, 5 * DEGREE
 """... unless it is larger than this, because the robot moved on its own: then as fast as it can
 have moved, ..."""
-TOP, TOP_TURN = 1.03 * 0.5, 2 * 1.03 * 0.5 / 0.258
+TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / WHEEL_SEPARATION
 """... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
 NEAR = 1e-7
 """m and rad by which an estimate that stands need not come nearer to its track."""

@@ -8,7 +8,8 @@ a row at moments at which the roundings would answer differently.
 """
 
 from .rounding import Rounding
-from .tracks import DEGREE, MM, Tracks
+from .states import DEGREE, MM
+from .tracks import Tracks
 
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""

@@ -5,8 +5,13 @@ First the unknowns of which the wheels' motion depends on, each of which gets a 
 that is off by one standard deviation (`wheel_model`); then the pose and the accumulators.
 """
 
+from math import radians
 from typing import NamedTuple
 
+from ..robot import MILLI
+
+MM, DEGREE = MILLI, radians(1)
+"""The units of a reading, m and rad."""
 (GAIN_RIGHT, GAIN_LEFT, OFFSET_RIGHT, OFFSET_LEFT, LAG, SLOW_LAG, DEAD_TIME, RAMP, BRAKING,
  SEPARATION, MOVES_RIGHT, MOVES_LEFT, SPEED_RIGHT, SPEED_LEFT, X, Y, YAW, DISTANCE,
  ANGLE) = range(19)

@@ -6,25 +6,26 @@ for each unknown, and the differences between the copies are the columns of the 
 All tracks are rows of the same arrays. docs/odometry.md has the sums.
 """
 
-from math import log, radians
+from math import log
 
 import numpy as np
 
+from ..robot import SLOT
 from . import noise
 from . import states as s
 from .assumptions import Assumptions
 from .dead_band import DeadBand, FASTEST, OPEN
 from .estimate import Geometry
-from .requests import Array
+from .request_history import Array
 from .rounding import cut_normal, interval, Rounding
+from .states import DEGREE, MM
 from .wheel_model import Wheels
 
-MM, DEGREE = 1e-3, radians(1)
 UNITS = ((s.DISTANCE, MM), (s.ANGLE, DEGREE))
 TICKS = (0.15 * MM, 0.05 * DEGREE)
 """Standard deviations of what an encoder's tick hides."""
-SLOT, LATE = 0.015, 0.024
-"""Seconds of a step, and of a frame from which on one before it was lost."""
+LATE = 1.6 * SLOT
+"""Seconds of a frame from which on one before it was lost."""
 SMALLEST_STEP = 1e-5
 """Least difference between a copy and its track."""
 CURVED = 0.2

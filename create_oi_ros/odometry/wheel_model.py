@@ -14,11 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..robot import FIRMWARE_SEPARATION
 from . import states as s
-from .requests import Array, RECENT, Requests
+from .request_history import Array, RECENT, RequestHistory
 
-SEPARATION = 0.258
-"""Metres; what a track learns of the firmware's separation is relative to this."""
 SLOW, SLOWEST, SLOWER = 0.066, 0.05, 1.4
 """m/s at which the speed-dependent part of the lag counts once; it falls as 1 / speed, to that
 speed, and counts so often at most."""
@@ -48,11 +47,11 @@ class Wheels:
 
     def __init__(self, signs: Signs, slowest: float) -> None:
         self.signs = signs
-        self.requests = Requests()
+        self.requests = RequestHistory()
         self.free = False
         """Whether wheels keep their speed, whatever is asked."""
         self._slowest = slowest
-        """Requests below this may not move a wheel, m/s (`dead_band`)."""
+        """RequestHistory below this may not move a wheel, m/s (`dead_band`)."""
         self._fastest = np.zeros(2)
 
     def spread(self, means: Array, steps: Array, signs: Signs) -> None:
@@ -71,7 +70,7 @@ class Wheels:
         self._ramp = np.maximum(copies[s.RAMP], 1e-6)
         self._braking = np.exp(copies[s.BRAKING])
         self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1].copy()
-        self.track_width = SEPARATION * (1 + copies[s.SEPARATION])
+        self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
         self.poses = copies[s.X:s.YAW + 1].copy()
         self.counts = np.zeros((2,) + copies.shape[1:])
         """What the encoders made of it: metres forwards, and radians."""

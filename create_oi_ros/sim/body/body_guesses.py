@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from .config import BodyConfig, CENTRE
-from .recording import Recording
+from .wheel_log import WheelLog
 
 TIME_CONSTANT = {
     'time_constant': 'seconds', 'time_constant_exponent': 'exponent',
@@ -71,8 +71,8 @@ def _number(name: str, text: str) -> float:
     return value
 
 
-def _recording(text: str, read: Callable[[str], str]) -> Recording:
+def _recording(text: str, read: Callable[[str], str]) -> WheelLog:
     try:
-        return Recording.parse(read(text))
+        return WheelLog.parse(read(text))
     except (OSError, KeyError) as error:
         raise ValueError(f'{RECORDING}={text}: {error}') from None

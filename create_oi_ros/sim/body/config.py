@@ -11,8 +11,9 @@ from dataclasses import dataclass, fields
 from enum import Enum
 import math
 
+from ...robot import BODY_RADIUS, FIRMWARE_SEPARATION, TOP_SPEED, WHEEL_RADIUS, WHEEL_SEPARATION
 from .battery import BatteryConfig
-from .recording import Recording
+from .wheel_log import WheelLog
 from .wheels import Response, TimeConstant
 
 
@@ -52,11 +53,11 @@ class BodyConfig:
     """Between the wheels' contact points, metres (measured of one Create: 0.261 to 0.263)."""
     encoder_separation: float = 0.262
     """The separation by which the firmware works out the angle, metres (guess: the true one)."""
-    wheel_radius: float = 0.033
+    wheel_radius: float = WHEEL_RADIUS
     """Metres (reported: 0.033 to 0.036); for drawings, the physics knows only metres of travel."""
-    body_radius: float = 0.165
+    body_radius: float = BODY_RADIUS
     """Metres (reported: diameter 330 mm)."""
-    max_wheel_speed: float = 0.5
+    max_wheel_speed: float = TOP_SPEED
     """Metres per second (manual)."""
     response: Response = Response.FIRST_ORDER
     """How a wheel's speed follows its goal (measured of one Create)."""
@@ -92,9 +93,9 @@ class BodyConfig:
     cliffs_while_charging: bool = False
     """All four cliff sensors see a cliff while a charger's current flows (reported of some)."""
     battery: BatteryConfig = BatteryConfig()
-    recording: Recording | None = None
+    recording: WheelLog | None = None
     """Wheels that turn as a log says, whatever is asked of them."""
-    wheel_lateral: float = 0.129
+    wheel_lateral: float = WHEEL_SEPARATION / 2
     """Distance of each wheel from the robot's centre line, where its drop switch looks, metres."""
     caster_forward: float = 0.13
     """Distance of the front caster ahead of the centre, metres (guess)."""
@@ -123,6 +124,7 @@ class BodyConfig:
 CENTRE = BodyConfig()
 """The centre of what was measured and reported: the default robot."""
 IDEAL = BodyConfig(
-    wheel_separation=0.258, encoder_separation=0.258, response=Response.RAMP, dead_time=0.0,
-    dead_band=0.0, encoder_tick=0.0, encoder_sign=EncoderSign.UNTIL_REST)
+    wheel_separation=WHEEL_SEPARATION, encoder_separation=FIRMWARE_SEPARATION,
+    response=Response.RAMP, dead_time=0.0, dead_band=0.0, encoder_tick=0.0,
+    encoder_sign=EncoderSign.UNTIL_REST)
 """Wheels that ramp without delay, for tests whose sums are easy."""

@@ -3,8 +3,9 @@ What the Create does with each byte, by the manual.
 
 `Create` is the mirror image of the host's driver and has the same verbs: `receive` bytes, `poll`
 up to a time, fetch `data_to_send`. The caller says what time it is, in seconds. Everything but
-the bytes happens in the slots, about 15 ms long, in which a Create updates its values, so it does not
-matter how often `poll` is called. Bytes take effect when they arrive, between two slots. No bytes raise.
+the bytes happens in the slots, about 15 ms long, in which a Create updates its values, so it does
+not matter how often `poll` is called. Bytes take effect when they arrive, between two slots. No
+bytes raise.
 
     create = Create(Body(world))
     create.receive(oi.Start().encode(), 0.0)

@@ -9,17 +9,17 @@ they change smoothly with the dead time.
 import numpy as np
 from numpy.typing import NDArray
 
+from ..robot import SLOT
+
 Array = NDArray[np.float64]
 
 ROWS = 48
-"""Steps that are kept, ..."""
-STEP = 0.015
-"""... and the seconds between those before the first."""
+"""Steps that are kept."""
 RECENT = 0.35
 """Seconds after which the past of a request no longer matters: longer than any dead time."""
 
 
-class Requests:
+class RequestHistory:
     """Both wheels' requests over the last steps; right first, m/s and seconds."""
 
     def __init__(self) -> None:
@@ -75,5 +75,5 @@ class Requests:
 
     def _level(self) -> None:
         """Fill the past with the present requests, which have held for long."""
-        self._times = np.linspace(-ROWS * STEP, 0.0, ROWS)
+        self._times = np.linspace(-ROWS * SLOT, 0.0, ROWS)
         self._sums = np.outer(self._rates, self._times)

@@ -12,7 +12,7 @@ _WRAP = 65536
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
+class WheelLog:
     """Metres that each wheel has travelled at each moment, seconds."""
 
     times: tuple[float, ...]
@@ -20,7 +20,7 @@ class Recording:
     left: tuple[float, ...]
 
     @classmethod
-    def parse(cls, text: str, tick: float = C2_TICK) -> Recording:
+    def parse(cls, text: str, tick: float = C2_TICK) -> WheelLog:
         """Read a CSV with the columns time_s, encoder_left and encoder_right (16 bits)."""
         rows = list(csv.DictReader(text.splitlines()))
         if len(rows) < 2:
@@ -29,12 +29,12 @@ class Recording:
                    _unwrapped([int(row['encoder_right']) for row in rows], tick),
                    _unwrapped([int(row['encoder_left']) for row in rows], tick))
 
-    def wheel(self, side: str) -> RecordedWheel:
+    def wheel(self, side: str) -> LoggedWheel:
         """Return what replays one wheel, 'right' or 'left'."""
-        return RecordedWheel(self.times, self.right if side == 'right' else self.left)
+        return LoggedWheel(self.times, self.right if side == 'right' else self.left)
 
 
-class RecordedWheel:
+class LoggedWheel:
     """Turns as recorded, then stands."""
 
     def __init__(self, times: tuple[float, ...], travelled: tuple[float, ...]) -> None:
