@@ -22,19 +22,22 @@ class Obedience:
     """What the wheels would do by their requests since the last reading."""
 
     def __init__(self) -> None:
-        self._last = (0.0, 0.0)
+        self._last = 0.0, 0.0
         self.restart()
 
     def restart(self) -> None:
         """Begin a new window."""
+        self._goals: tuple[float, float] | None = None
         self._seconds = self._far = self._turn = self._path = self._changes = 0.0
 
     def step(self, dt: float, right: float, left: float, tracks: Tracks) -> None:
         """Let time pass under these requests."""
         if (right, left) != self._last:
             self._changes += abs(right - self._last[0]) + abs(left - self._last[1])
-            self._last = right, left
-        right, left = tracks.goals(right, left)
+            self._last, self._goals = (right, left), None
+        if self._goals is None:
+            self._goals = tracks.goals(right, left)
+        right, left = self._goals
         self._seconds += dt
         self._far += (right + left) / 2 * dt
         self._turn += (right - left) / FIRMWARE_SEPARATION * dt

@@ -103,7 +103,7 @@ class Odometry:
             return self.estimate
         before = self._goal
         rested = self._move(increment)
-        after = before if rested else self._pose()
+        after = before if rested else self.tracks.pose()
         self._goal = after
         self._unseen += 1
         if increment.distance is not None and increment.angle is not None:
@@ -140,10 +140,7 @@ class Odometry:
         if self._gap:
             tracks.resume(right, left)
         rested = steady and tracks.rests
-        if rested:
-            tracks.rest(dt)
-        else:
-            tracks.advance(dt, right, left)
+        tracks.advance(dt, right, left)
         self._obedience.step(dt, right, left, tracks)
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
         self._lost = self._lost or increment.lost
@@ -169,13 +166,9 @@ class Odometry:
         obedience.restart()
         self._discard = self._doubt = False
 
-    def _pose(self) -> tuple[float, float, float]:
-        x, y, yaw = self.tracks.pose().tolist()
-        return x, y, yaw
-
     def _look(self) -> None:
         """Ask the tracks where the robot is, and how sure they are."""
-        self._goal = self._pose()
+        self._goal = self.tracks.pose()
         self._covariance = self.tracks.pose_covariance()
         self._twist_variance = self.tracks.twist_variance()
 

@@ -6,7 +6,7 @@ for each unknown, and the differences between the copies are the columns of the 
 All tracks are rows of the same arrays. docs/odometry.md has the sums.
 """
 
-from math import log
+from math import cos, log, sin
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from .wheel_model import Wheels
 UNITS = ((s.DISTANCE, MM), (s.ANGLE, DEGREE))
 TICKS = (0.15 * MM, 0.05 * DEGREE)
 """Standard deviations of what an encoder's tick hides."""
+STRIDE = 1.9 * SLOT
+"""Seconds that wheels roll at once while their speeds change."""
 LATE = 1.6 * SLOT
 """Seconds of a frame from which on one before it was lost."""
 SMALLEST_STEP = 1e-5
@@ -45,6 +47,8 @@ RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
 MOVES = (s.MOVES_RIGHT, s.MOVES_LEFT)
 SPEEDS = (s.SPEED_RIGHT, s.SPEED_LEFT)
+ALL, BEST = slice(None), slice(1)
+"""Tracks."""
 OUTSIDE = slice(s.MOVES_RIGHT, s.DISTANCE)
 """States that have nothing to do with what is assumed of a robot."""
 Held = tuple[float, float]
@@ -62,6 +66,10 @@ class Tracks:
         self.band = DeadBand()
         self._astray = 0
         """Readings in a row that the best track did not explain."""
+        self._idle = 0.0
+        """Seconds that the copies of the wheels have still to roll."""
+        self._began, self._twist = (0.0, 0.0, 0.0), (0.0, 0.0)
+        """Mean pose where these began, and the mean speed and turn rate there."""
         self._wild, self._window = False, 0.0
         """Whether wheels were free since the last reading, and its age, seconds."""
         self._empty()
@@ -73,13 +81,12 @@ class Tracks:
     @property
     def roundings(self) -> set[Rounding]:
         """The roundings that the robot may have."""
-        return {each for each, share in zip(self.rows.roundings, self._shares) if share}
+        return self._roundings
 
     @property
     def requests(self) -> tuple[float, float]:
         """What the wheels are asked, right and left."""
-        right, left = self.wheels.requests.speeds
-        return float(right), float(left)
+        return self.wheels.requests.asked
 
     @property
     def is_free(self) -> bool:
@@ -94,7 +101,7 @@ class Tracks:
     @property
     def rests(self) -> bool:
         """Whether nothing moves, and nothing will under the same requests."""
-        return self.wheels.settled and not self.wheels.free and not self.wheels.speed.any()
+        return self.wheels.standing and not self.wheels.free
 
     @property
     def rates(self) -> tuple[float, float]:
@@ -105,6 +112,7 @@ class Tracks:
     @property
     def held(self) -> Held:
         """What the accumulators are believed to hold."""
+        self._catch_up()
         distance, angle = self.rows.means[0, s.DISTANCE:] + self.wheels.counts[:, 0, 0]
         return float(distance), float(angle)
 
@@ -114,16 +122,23 @@ class Tracks:
         return (float(mean[s.GAIN_RIGHT] * right + mean[s.OFFSET_RIGHT] * np.sign(right)),
                 float(mean[s.GAIN_LEFT] * left + mean[s.OFFSET_LEFT] * np.sign(left)))
 
-    def pose(self) -> Array:
+    def pose(self) -> tuple[float, float, float]:
         """Return the mean pose now: x, y, yaw."""
-        return self.wheels.poses[:, :, 0] @ self._shares
+        if not self._idle:
+            x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
+            return x, y, yaw
+        (x, y, yaw), (speed, rate) = self._began, self._twist
+        half = rate * self._idle / 2
+        went = speed * self._idle * (sin(half) / half if half else 1.0)
+        return x + went * cos(yaw + half), y + went * sin(yaw + half), yaw + 2 * half
 
     def pose_covariance(self) -> tuple[float, ...]:
         """Return the covariance of the mean pose, row by row."""
+        self._catch_up()
         pose, poses = slice(s.X, s.YAW + 1), self.wheels.poses[:, :, 0]
-        f = self._transition()[0, pose]
-        off = poses - self.pose()[:, None]
-        p = f @ self.rows.p[0] @ f.T + self._noise()[0, pose, pose]
+        f = self._transition(BEST)[0, pose]
+        off = poses - (poses @ self._shares)[:, None]
+        p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, pose, pose]
         p += (off * self._shares) @ off.T
         return tuple(((p + p.T) / 2).ravel().tolist())
 
@@ -143,6 +158,7 @@ class Tracks:
         Where frames were lost, nobody knows when within that time the requests came.
         """
         if (right, left) != self.requests:
+            self._catch_up()
             if dt > LATE:
                 dt /= 2
                 self._roll(dt)
@@ -150,11 +166,6 @@ class Tracks:
             if dt > LATE / 2:
                 self._unsure += (change * dt) ** 2 / 3
         self._roll(dt)
-
-    def rest(self, dt: float) -> None:
-        """Let time pass in which it `rests`."""
-        self._seconds += dt
-        self.wheels.requests.step(dt)
 
     def lift(self, lifted: bool) -> None:
         """Take the robot off the floor, where wheels turn and nothing moves, or put it down."""
@@ -188,10 +199,29 @@ class Tracks:
     def _roll(self, dt: float) -> None:
         self._seconds += dt
         self._window += dt
-        while dt > LATE:
-            self.wheels.roll(SLOT, self.scales)
-            dt -= SLOT
-        self.wheels.roll(dt, self.scales)
+        if not self._idle:
+            self._note_motion()
+        self._idle += dt
+        if self._idle > STRIDE and (self.wheels.free or not self.wheels.settled):
+            self._catch_up()
+
+    def _note_motion(self) -> None:
+        """Note the mean motion, so that not each frame costs a sum over the copies."""
+        self._began = self.pose()
+        right, left = self.wheels.speed[:, :, 0]
+        linear, angular = self.scales
+        turning = (right - left) / self.wheels.track_width[:, 0]
+        self._twist = (linear * float((right + left) @ self._shares) / 2,
+                       angular * float(turning @ self._shares))
+
+    def _catch_up(self) -> None:
+        """Let the copies of the wheels roll until now."""
+        idle, self._idle = self._idle, 0.0
+        while idle > 1.5 * STRIDE and not self.wheels.settled:
+            self.wheels.roll(STRIDE, self.scales)
+            idle -= STRIDE
+        if idle > 0:
+            self.wheels.roll(idle, self.scales)
 
     def _ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
@@ -221,40 +251,44 @@ class Tracks:
         self.wheels.spread(self.rows.means, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)),
                            self.rows.signs)
         self._shares = self.rows.shares()
+        self._roundings = {
+            each for each, share in zip(self.rows.roundings, self._shares) if share}
         self._start = self.rows.means[:, s.POSE].copy()
 
     def _forget(self) -> None:
         """Begin to gather noise afresh."""
         self._seconds, self._changes, self._unsure = 0.0, np.zeros(2), np.zeros(2)
 
-    def _transition(self) -> Array:
+    def _transition(self, tracks: slice) -> Array:
         """Return the transition of the states since the copies were made, a matrix a track."""
-        w = self.wheels
-        f = np.tile(np.eye(s.SIZE), (len(self._start), 1, 1))
-        ends = np.concatenate([w.speed, w.poses, w.counts]).transpose(1, 0, 2)
-        f[:, s.SPEED_RIGHT:, :s.UNKNOWNS] = (ends[:, :, 1:] - ends[:, :, :1]) / w.steps[:, None]
-        f[:, s.X, s.YAW] = self._start[:, 1] - w.poses[1, :, 0]
-        f[:, s.Y, s.YAW] = w.poses[0, :, 0] - self._start[:, 0]
+        w, start = self.wheels, self._start[tracks]
+        f = np.tile(np.eye(s.SIZE), (len(start), 1, 1))
+        ends = np.concatenate([w.speed, w.poses, w.counts])[:, tracks].transpose(1, 0, 2)
+        f[:, s.SPEED_RIGHT:, :s.UNKNOWNS] = (
+            ends[:, :, 1:] - ends[:, :, :1]) / w.steps[tracks, None]
+        f[:, s.X, s.YAW] = start[:, 1] - ends[:, 3, 0]
+        f[:, s.Y, s.YAW] = ends[:, 2, 0] - start[:, 0]
         return f
 
-    def _noise(self) -> Array:
+    def _noise(self, tracks: slice) -> Array:
         w = self.wheels
-        did = noise.Stretch(self._seconds, self._changes, self._unsure, w.path, w.miscounted,
-                            w.free)
-        heading = (w.poses[2, :, 0] + self._start[:, 2]) / 2
-        return noise.of_motion(did, self.rows.doubt, heading, w.track_width[:, 0], self.scales,
-                               self.geometry.slip)
+        did = noise.Stretch(self._seconds, self._changes, self._unsure, w.path[:, tracks],
+                            w.miscounted[:, tracks], w.free)
+        heading = (w.poses[2, tracks, 0] + self._start[tracks, 2]) / 2
+        return noise.of_motion(did, self.rows.doubt[tracks], heading, w.track_width[tracks, 0],
+                               self.scales, self.geometry.slip)
 
     def _carried(self) -> Array:
         """Return the covariances now; what is far from linear is noise in part."""
-        f, p = self._transition(), self.rows.p
+        f, p = self._transition(ALL), self.rows.p
         g, unknown = f[:, s.X:, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
-        p = f @ p @ f.transpose(0, 2, 1) + self._noise()
+        p = f @ p @ f.transpose(0, 2, 1) + self._noise(ALL)
         p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
         return p
 
     def _close(self) -> None:
         """Bring means and covariances up to now; the copies are to be made anew."""
+        self._catch_up()
         w, means = self.wheels, self.rows.means
         self.rows.p = self._carried()
         means[:, s.POSE] = w.poses[:, :, 0].T
@@ -266,8 +300,11 @@ class Tracks:
 
     def read(self, distance: int, angle: int, *, doubted: bool = False) -> None:
         """Take a reading in; `doubted`: expect nothing of it."""
-        self._close()
         wholes, rows = (distance, angle), self.rows
+        if wholes == (0, 0) and self.rests and not self.wheels.path.any():
+            self._window = 0.0
+            return  # it stood all the time, and nothing is learned
+        self._close()
         if self._wild and any(wholes):
             width = float(self.wheels.track_width[0, 0])
             rows.p += noise.of_roaming(
@@ -310,6 +347,7 @@ class Tracks:
 
     def explains(self, distance: int, angle: int) -> bool:
         """Tell whether a plausible track expected such a reading."""
+        self._catch_up()
         p, fits = self._carried(), self.rows.weights > 1e-3
         for (index, unit), whole, moved in zip(UNITS, (distance, angle), self.wheels.counts):
             gap = np.abs(self.rows.means[:, index] + moved[:, 0] - whole * unit)

@@ -25,10 +25,12 @@ FADE = 0.3
 """Seconds in which a wheel that stops forgets how fast it was, as far as its lag goes."""
 EDGE = 0.005
 """m/s below which an offset fades."""
-ARRIVED = 3e-5
+ARRIVED = 3e-4
 """m/s from its goal at which a wheel is there."""
 SHORTEST_LAG = 0.004
 """Seconds."""
+OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 1)])
+"""Which of a track's two dead times a copy has."""
 NONE, LAST, UPWARD = range(3)
 """Where an encoder takes its sign from: the motion; the last speed asked that was not zero; the
 speed asked, where zero counts as forwards."""
@@ -51,8 +53,8 @@ class Wheels:
         self.free = False
         """Whether wheels keep their speed, whatever is asked."""
         self._slowest = slowest
-        """RequestHistory below this may not move a wheel, m/s (`dead_band`)."""
-        self._fastest = np.zeros(2)
+        """Requests below this may not move a wheel, m/s (`dead_band`)."""
+        self._fastest = 0.0, 0.0
 
     def spread(self, means: Array, steps: Array, signs: Signs) -> None:
         """Make copies from the tracks' means (track, state), off by these steps each."""
@@ -62,29 +64,42 @@ class Wheels:
         copies[:, which + 1, which] += steps
         self.steps = steps
         copies = np.ascontiguousarray(copies.transpose(2, 0, 1))
-        self._gain = copies[s.GAIN_RIGHT:s.GAIN_LEFT + 1]
-        self._offset = copies[s.OFFSET_RIGHT:s.OFFSET_LEFT + 1]
-        self._moves = copies[s.MOVES_RIGHT:s.MOVES_LEFT + 1]
-        self._lag, self._slow_lag = copies[s.LAG], copies[s.SLOW_LAG]
-        self._dead_time = np.maximum(copies[s.DEAD_TIME], 0.0)
-        self._ramp = np.maximum(copies[s.RAMP], 1e-6)
-        self._braking = np.exp(copies[s.BRAKING])
+        self._take_unknowns(copies)
+        self._all_move = bool((means[:, s.MOVES_RIGHT:s.MOVES_LEFT + 1] == 1).all())
         self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1].copy()
-        self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
         self.poses = copies[s.X:s.YAW + 1].copy()
-        self.counts = np.zeros((2,) + copies.shape[1:])
-        """What the encoders made of it: metres forwards, and radians."""
+        self._rolled = np.zeros((2,) + copies.shape[1:])
+        """Metres that the encoders counted, forwards."""
         self.path = np.zeros((2, len(means)))
         """Metres that each wheel rolled, and that its encoder miscounted."""
         self.miscounted = np.zeros((2, len(means)))
-        self.settled, self.farthest = False, np.inf
-        """Whether all wheels run at their goals, and how far the farthest is from its own, m/s."""
+        self.settled, self.standing, self.farthest = False, False, np.inf
+        """Whether all wheels run at their goals, whether these are zero, and how far the farthest
+        is from its own, m/s."""
         self._before = self._sums()
         self._goal: Array | None = None
 
+    def _take_unknowns(self, copies: Array) -> None:
+        self._gain = copies[s.GAIN_RIGHT:s.GAIN_LEFT + 1]
+        self._offset = copies[s.OFFSET_RIGHT:s.OFFSET_LEFT + 1]
+        self._moves = copies[s.MOVES_RIGHT:s.MOVES_LEFT + 1]
+        self._base_lag, self._slow_lag = copies[s.LAG], copies[s.SLOW_LAG]
+        self._dead_times = np.maximum(copies[s.DEAD_TIME][:, [0, s.DEAD_TIME + 1]], 0.0)
+        self._ramp = np.maximum(copies[s.RAMP], 1e-6)
+        self._braking = np.exp(copies[s.BRAKING])
+        self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
+        self._slowness: tuple[float, float] | None = None
+        self._decay_of = 0.0
+
+    @property
+    def counts(self) -> Array:
+        """What the encoders made of the motion: metres forwards, and radians."""
+        right, left = self._rolled
+        return np.stack([(right + left) / 2, (right - left) / self.track_width])
+
     def ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
-        self.settled = False
+        self.settled = self.standing = False
         self._goal = None
         change = self.requests.ask(right, left)
         self._before = self._sums()
@@ -95,81 +110,115 @@ class Wheels:
         requests = self.requests
         recent = requests.age <= RECENT
         requests.step(h)
+        sums = None
         asked: Array = requests.speeds[:, None, None]
         if recent:
-            now = self._sums()
-            asked = (now[0] - self._before[0]) / h
+            sums = self._sums()
+            means = (sums - self._before) / h
+            asked = means[0][:, :, OF_COPY]
         if self.free or self.settled:
             travel = self.speed * h
         else:
             travel = self._follow(asked, h, recent)
-        counted = travel if self.free else self._counted(travel, h, now if recent else None)
-        if recent:
-            self._before = now
+        counted = travel if self.free else self._counted(travel, means if recent else None)
+        if sums is not None:
+            self._before = sums
         self._move(travel, counted, scales)
 
     def _sums(self) -> Array:
-        """Return sums over the requests as late as each copy's dead time."""
-        return self.requests.sums(self._dead_time)
+        """Return sums over the requests as late as each track's dead time, and its copy's."""
+        return self.requests.sums(self._dead_times)
 
     def _follow(self, asked: Array, h: float, recent: bool) -> Array:
         """Let wheels run towards their goals; return their travel."""
         goal = self._goal
         if goal is None or recent:
-            goal = self._gain * asked + self._offset * np.minimum(
-                np.maximum(asked * (1 / EDGE), -1.0), 1.0)
-            goal = np.where(np.abs(asked) < self._slowest, goal * self._moves, goal)
-            self._goal = goal
+            goal = self._goal = self._goals(asked)
+        self._find_lag(h)
         way = goal - self.speed
-        haste = np.where(way * self.speed < 0, self._braking, 1.0)
-        lag = np.maximum(self._lag + self._slow_lag * self._slowness(h), SHORTEST_LAG) / haste
-        ramp = self._ramp / haste
         far = np.abs(way)
+        self.farthest = float(far.max())
+        if (way * self.speed).min() < 0 or (far * self._ramp > self._lag).any():
+            travel = self._follow_bounded(goal, way, far, h)
+        else:
+            self.speed = goal - way * self._decay
+            travel = goal * h - way * self._gone
+        if not recent and self.farthest < ARRIVED:
+            travel += (goal - self.speed) * -self._lag
+            self.speed, self.settled = goal.copy(), True
+            self.standing = not self.speed.any()
+        return travel
+
+    def _goals(self, asked: Array) -> Array:
+        """Return the speeds at which wheels settle that are asked for these."""
+        goal: Array = self._gain * asked + self._offset * np.minimum(
+            np.maximum(asked * (1 / EDGE), -1.0), 1.0)
+        if self._all_move:
+            return goal
+        moved: Array = np.where(np.abs(asked) < self._slowest, goal * self._moves, goal)
+        return moved
+
+    def _follow_bounded(self, goal: Array, way: Array, far: Array, h: float) -> Array:
+        """Do the same where some wheels brake, or their acceleration is bounded."""
+        haste = np.where(way * self.speed < 0, self._braking, 1.0)
+        lag, ramp = self._lag / haste, self._ramp / haste
         first = np.minimum(np.maximum(far * ramp - lag, 0.0), h)
         left = far - first / ramp
         kept = left * np.exp((first - h) / lag)
         short = (far + left) * first / 2 + (left - kept) * lag
         self.speed = goal - np.copysign(kept, way)
-        self.farthest = float(far.max())
-        if not recent and self.farthest < ARRIVED:
-            self.speed, self.settled = goal.copy(), True
         travel: Array = goal * h - np.copysign(short, way)
         return travel
 
-    def _slowness(self, h: float) -> Array:
-        """Return how often the speed-dependent part of the lag counts, for both wheels."""
-        fastest = np.maximum(np.abs(self.requests.speeds), self._fastest * (1 - h / FADE))
-        self._fastest = fastest
-        slow: Array = np.minimum(SLOW / np.maximum(fastest, SLOWEST), SLOWER)
-        return slow[:, None, None]
+    def _find_lag(self, h: float) -> None:
+        """Work out the lag at the present speeds, and what is left of a way after h seconds."""
+        fade = 1 - h / FADE
+        (right, left), (was_right, was_left) = self.requests.asked, self._fastest
+        self._fastest = right, left = max(abs(right), was_right * fade), max(
+            abs(left), was_left * fade)
+        slowness = _slowness(right), _slowness(left)
+        if slowness != self._slowness:
+            self._slowness, self._decay_of = slowness, 0.0
+            many = np.array(slowness)[:, None, None]
+            self._lag = np.maximum(self._base_lag + self._slow_lag * many, SHORTEST_LAG)
+        if h != self._decay_of:
+            self._decay_of = h
+            self._decay = np.exp(-h / self._lag)
+            self._gone = (1 - self._decay) * self._lag
 
-    def _counted(self, travel: Array, h: float, sums: Array | None) -> Array:
+    def _counted(self, travel: Array, means: Array | None) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""
-        kept, up = self.requests.signs
-        if sums is None and (travel * kept).min() >= 0 and (travel * up).min() >= 0:
+        sign = self.requests.one_sign
+        if sign is not None and (travel * sign).min() >= 0:
             return travel
+        kept, up = self.requests.signs
         kinds, late = self.signs.kinds[:, None], self.signs.late[:, None]
-        if sums is None:
+        if means is None:
             sign = np.where(kinds == LAST, kept, up)
         else:
-            means = (sums[1:] - self._before[1:]) / h
-            sign = np.where(kinds == LAST, np.where(late, means[0], kept),
-                            np.where(late, means[1], up))
+            _, late_kept, late_up = means[:, :, :, OF_COPY]
+            sign = np.where(kinds == LAST, np.where(late, late_kept, kept),
+                            np.where(late, late_up, up))
         return np.where(kinds == NONE, travel, sign * np.abs(travel))
 
     def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
-        poses, counts = self.poses, self.counts
-        turn = (travel[0] - travel[1]) / self.track_width
-        counts[0] += (counted[0] + counted[1]) / 2
-        if counted is travel:
-            counts[1] += turn
-        else:
-            counts[1] += (counted[0] - counted[1]) / self.track_width
-            self.miscounted += np.abs(travel[:, :, 0] - counted[:, :, 0])
-        turn *= scales[1]
-        went = (travel[0] + travel[1]) * (scales[0] / 2)
-        middle = poses[2] + turn / 2
+        poses = self.poses
+        right, left = travel
+        turn = (right - left) * (scales[1] / self.track_width)
+        went = (right + left) * (scales[0] / 2)
+        half = turn / 2
+        middle = poses[2] + half
+        if self.settled:  # an arc, maybe a long one
+            went *= np.sinc(half / np.pi)
         poses[0] += went * np.cos(middle)
         poses[1] += went * np.sin(middle)
         poses[2] += turn
+        self._rolled += counted
         self.path += np.abs(travel[:, :, 0])
+        if counted is not travel:
+            self.miscounted += np.abs(travel[:, :, 0] - counted[:, :, 0])
+
+
+def _slowness(speed: float) -> float:
+    """Return how often the speed-dependent part of the lag counts."""
+    return min(SLOW / max(speed, SLOWEST), SLOWER)
