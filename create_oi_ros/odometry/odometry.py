@@ -14,7 +14,7 @@ from .obedience import Obedience
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
 from .states import DEGREE
-from .tracks import Held, Tracks
+from .tracks import Held, LATE, Tracks
 
 BLEND = 0.1
 """Seconds in which a correction is blended in, ..."""
@@ -141,6 +141,8 @@ class Odometry:
             tracks.resume(right, left)
         rested = steady and tracks.rests
         tracks.advance(dt, right, left)
+        if dt > LATE and not steady:
+            self._plan.hurry()
         self._obedience.step(dt, right, left, tracks)
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
         self._lost = self._lost or increment.lost

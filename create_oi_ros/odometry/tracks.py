@@ -68,8 +68,8 @@ class Tracks:
         """Readings in a row that the best track did not explain."""
         self._idle = 0.0
         """Seconds that the copies of the wheels have still to roll."""
-        self._began, self._twist = (0.0, 0.0, 0.0), (0.0, 0.0)
-        """Mean pose where these began, and the mean speed and turn rate there."""
+        self._began = self._velocity = 0.0, 0.0, 0.0
+        """Mean pose where these began, and how fast it changed there."""
         self._wild, self._window = False, 0.0
         """Whether wheels were free since the last reading, and its age, seconds."""
         self._empty()
@@ -127,10 +127,11 @@ class Tracks:
         if not self._idle:
             x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
             return x, y, yaw
-        (x, y, yaw), (speed, rate) = self._began, self._twist
+        (x, y, yaw), (east, north, rate) = self._began, self._velocity
         half = rate * self._idle / 2
-        went = speed * self._idle * (sin(half) / half if half else 1.0)
-        return x + went * cos(yaw + half), y + went * sin(yaw + half), yaw + 2 * half
+        chord = self._idle * (sin(half) / half if half else 1.0)
+        c, d = chord * cos(half), chord * sin(half)
+        return x + c * east - d * north, y + c * north + d * east, yaw + 2 * half
 
     def pose_covariance(self) -> tuple[float, ...]:
         """Return the covariance of the mean pose, row by row."""
@@ -158,7 +159,6 @@ class Tracks:
         Where frames were lost, nobody knows when within that time the requests came.
         """
         if (right, left) != self.requests:
-            self._catch_up()
             if dt > LATE:
                 dt /= 2
                 self._roll(dt)
@@ -208,11 +208,12 @@ class Tracks:
     def _note_motion(self) -> None:
         """Note the mean motion, so that not each frame costs a sum over the copies."""
         self._began = self.pose()
-        right, left = self.wheels.speed[:, :, 0]
+        (right, left), yaw = self.wheels.speed[:, :, 0], self.wheels.poses[2, :, 0]
         linear, angular = self.scales
+        speed = (right + left) * (self._shares * linear / 2)
         turning = (right - left) / self.wheels.track_width[:, 0]
-        self._twist = (linear * float((right + left) @ self._shares) / 2,
-                       angular * float(turning @ self._shares))
+        self._velocity = (float(speed @ np.cos(yaw)), float(speed @ np.sin(yaw)),
+                          angular * float(turning @ self._shares))
 
     def _catch_up(self) -> None:
         """Let the copies of the wheels roll until now."""
@@ -225,6 +226,7 @@ class Tracks:
 
     def _ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
+        self._catch_up()
         were_open = any(self.band.open)
         answers = self.band.ask(right, left)
         if were_open or any(self.band.open) or self.rows.means[0, MOVES].tolist() != answers:
