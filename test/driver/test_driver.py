@@ -465,6 +465,7 @@ def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
     def off():
         now = miss()
         return hypot(now[0] - before[0], now[1] - before[1]), abs(now[2] - before[2])
+    # The first seconds with an unknown robot have errors of their own: it learns them before.
     for lesson in ((0.3, 0.0), (-0.2, 0.0), (0.0, 1.5), (0.0, -1.0), (0.2, 0.5), (0.0, 0.0)) * 3:
         loop.drive(*lesson, 2.0)
     loop.drive(*speeds, 3.0)
