@@ -85,6 +85,12 @@ class Assumptions:
             order = list(kinds.values())
         self._select(order)
 
+    def bound(self) -> None:
+        """Keep all unknowns where they can be."""
+        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
+            values = self.means[:, index]
+            np.clip(values, prior.low, prior.high, out=values)
+
     def join(self, others: 'Assumptions', weight: float) -> None:
         """Try others beside these, which have this weight together."""
         def both(mine: Array, theirs: Array) -> Array:

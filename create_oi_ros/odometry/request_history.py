@@ -75,7 +75,8 @@ class RequestHistory:
 
     def _present(self) -> Array:
         up = np.where(self.speeds >= 0, 1.0, -1.0)
-        return np.concatenate([self.speeds, self._kept, up]).reshape(6, 1)
+        present: Array = np.concatenate([self.speeds, self._kept, up]).reshape(6, 1)
+        return present
 
     def _compare_signs(self) -> None:
         """See whether it makes a difference where an encoder takes its sign from."""

@@ -6,24 +6,22 @@ for each unknown, and the differences between the copies are the columns of the 
 All tracks are rows of the same arrays. docs/odometry.md has the sums.
 """
 
-from math import cos, log, sin
+from math import cos, sin
 
 import numpy as np
 
 from ..robot import SLOT
-from . import noise
+from . import accumulators, noise
 from . import states as s
+from .accumulators import UNITS
 from .assumptions import Assumptions
 from .dead_band import DeadBand, FASTEST, OPEN
 from .estimate import Geometry
 from .request_history import Array
-from .rounding import cut_normal, interval, Rounding
+from .rounding import Rounding
 from .states import DEGREE, MM
 from .wheel_model import Wheels
 
-UNITS = ((s.DISTANCE, MM), (s.ANGLE, DEGREE))
-TICKS = (0.15 * MM, 0.05 * DEGREE)
-"""Standard deviations of what an encoder's tick hides."""
 STRIDE = 1.9 * SLOT
 """Seconds that wheels roll at once while their speeds change."""
 LATE = 1.6 * SLOT
@@ -32,8 +30,6 @@ SMALLEST_STEP = 1e-5
 """Least difference between a copy and its track."""
 CURVED = 0.2
 """Part of what unknowns are believed to do that is not in proportion to them."""
-UNLIKELY = 1e-2
-"""Likelihood that is left to a reading that ought not to be."""
 SURPRISE, LEFT = 3.0, 2.0
 """Standard deviations from which on a reading is a surprise, and what is left of it."""
 RISE, FALL, LEAST_DOUBT, MOST_DOUBT = 0.15, 0.04, 0.5, 1e4
@@ -72,7 +68,7 @@ class Tracks:
         """Mean pose where these began, and how fast it changed there."""
         self._wild, self._window = False, 0.0
         """Whether wheels were free since the last reading, and its age, seconds."""
-        self._empty()
+        accumulators.empty(self.rows)
         self._forget()
         self._spread()
 
@@ -312,16 +308,13 @@ class Tracks:
             rows.p += noise.of_roaming(
                 distance * MM, angle * DEGREE, width, self._window, self.scales)
         if doubted:
-            gaps, _ = self._innovation(wholes)
+            gaps, _ = accumulators.innovation(self.rows, wholes)
             self._stray(gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2)
         logs = self._calm(wholes)
-        for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
-            for track, rounding in enumerate(rows.roundings):
-                ends = [end * unit for end in interval(rounding, whole)]
-                logs[track] += log(self._cut(track, index, ends, tick) + UNLIKELY)
+        logs += accumulators.learn(rows, wholes)
         rows.weigh(logs)
-        self._take_out(wholes)
-        self._bound()
+        accumulators.take_out(rows, wholes)
+        rows.bound()
         self._learn_band()
         self._rethink()
         self._open_window()
@@ -329,7 +322,7 @@ class Tracks:
     def discard(self) -> None:
         """Let a reading go by that spans an unknown time: only the reset counts."""
         self._close()
-        self._empty()
+        accumulators.empty(self.rows)
         self._open_window()
 
     def since(self, began: Held, ended: Held, distance: int, angle: int) -> bool:
@@ -356,23 +349,13 @@ class Tracks:
             fits &= gap < 4 * np.sqrt(p[:, index, index]) + 1.2 * unit
         return bool(fits.any())
 
-    def _innovation(self, wholes: tuple[int, int]) -> tuple[Array, Array]:
-        """Return how far readings are from their predictions, and the standard deviations."""
-        gaps, spreads = [], []
-        for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
-            ends = np.array([interval(each, whole) for each in self.rows.roundings]) * unit
-            width = ends[:, 1] - ends[:, 0]
-            gaps.append(ends.mean(axis=1) - self.rows.means[:, index])
-            spreads.append(np.sqrt(self.rows.p[:, index, index] + tick ** 2 + width ** 2 / 12))
-        return np.stack(gaps), np.stack(spreads)
-
     def _calm(self, wholes: tuple[int, int]) -> Array:
         """
         Learn from the innovations how much noise there is; meet surprises with more of it.
 
         Return the logarithm of what a surprise leaves of each track's likelihood.
         """
-        gaps, spreads = self._innovation(wholes)
+        gaps, spreads = accumulators.innovation(self.rows, wholes)
         z = gaps / spreads
         beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
         if beyond[0] > 0:
@@ -390,41 +373,9 @@ class Tracks:
         self.rows.p += noise.of_surprise(
             distance, angle, self.rows.means[:, s.YAW], self.scales)
 
-    def _cut(self, track: int, index: int, ends: list[float], tick: float) -> float:
-        """Cut a belief to an interval; return the mass that was inside."""
-        p, mean = self.rows.p[track], self.rows.means[track]
-        column = p[:, index].copy()
-        variance = float(column[index]) + tick * tick
-        spread = variance ** 0.5
-        low, high = ((end - mean[index]) / spread for end in ends)
-        shift, kept, mass = cut_normal(low, high)
-        mean += column * (shift / spread)
-        p -= np.outer(column, column) * ((1 - kept) / variance)
-        return mass
-
-    def _take_out(self, wholes: tuple[int, int]) -> None:
-        """Let the accumulators be reset by a reading."""
-        carried = np.array([each is Rounding.CARRY for each in self.rows.roundings])
-        for (index, unit), whole in zip(UNITS, wholes):
-            self.rows.means[:, index] = carried * (self.rows.means[:, index] - whole * unit)
-            self.rows.p[:, index, :] *= carried[:, None]
-            self.rows.p[:, :, index] *= carried[:, None]
-
-    def _empty(self) -> None:
-        """Set the accumulators to zero, or to an unknown rest below one unit."""
-        carried = np.array([each is Rounding.CARRY for each in self.rows.roundings])
-        for index, unit in UNITS:
-            self.rows.clear(index, 0.0, carried * unit * unit / 3)
-
     def _open_window(self) -> None:
         self._wild, self._window = self.is_free, 0.0
         self._spread()
-
-    def _bound(self) -> None:
-        """Keep all unknowns where they can be."""
-        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
-            values = self.rows.means[:, index]
-            np.clip(values, prior.low, prior.high, out=values)
 
     def _learn_band(self) -> None:
         """See whether the undecided wheels are decided by now."""
@@ -446,7 +397,5 @@ class Tracks:
         others = Assumptions.all()
         others.means[:, OUTSIDE] = best.means[0, OUTSIDE]
         others.p[:, OUTSIDE, OUTSIDE] = best.p[0, OUTSIDE, OUTSIDE]
-        known, self.rows = self.rows, others
-        self._empty()
-        self.rows = known
-        known.join(others, REBORN)
+        accumulators.empty(others)
+        best.join(others, REBORN)
