@@ -58,7 +58,9 @@ class Odometry:
         self._asked = self.tracks.held
         self._lost = False
         """Whether frames were lost since a reading was asked for."""
-        self._driven = self._lifted = False
+        self._driven: bool | None = None
+        """Whether the wheels obeyed their requests in the last frame; None before the first."""
+        self._lifted = False
         self._caught_up = False
         """Whether the estimate stands where the tracks do."""
         self._goal = (0.0, 0.0, 0.0)

@@ -52,7 +52,7 @@ RESPONSES = (
      RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
     {LAG: Prior(0.004, 0.001, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.001, -0.1, 0.4),
      RAMP: Prior(1.0, 0.5, 0.0, 4.0), BRAKING: Prior(0.0, 0.02, -1.3, 1.3),
-     DEAD_TIME: Prior(0.01, 0.01, 0.0, 0.25), SEPARATION: Prior(0.0, 0.001, -0.15, 0.15),
+     DEAD_TIME: Prior(0.0, 0.01, 0.0, 0.25), SEPARATION: Prior(0.0, 0.001, -0.15, 0.15),
      OFFSET_RIGHT: Prior(0.0, 2e-4, -0.02, 0.03), OFFSET_LEFT: Prior(0.0, 2e-4, -0.02, 0.03)},
 )
 """Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other. The
