@@ -197,7 +197,7 @@ def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) 
     names, robot = _wanted(reader.connections, path, robot)
     recording = _blank(reader, path, robot)
     builder = RecordingBuilder(recording)
-    chosen = [each for each in reader.connections if each.topic in names]
+    chosen = [each for each in _as_stored(reader) if each.topic in names]
     last = 0.0
     try:
         last = _read_messages(reader, chosen, builder, progress)
@@ -209,6 +209,23 @@ def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) 
         raise BagError(f'{path} holds no message of this driver')
     builder.finish()
     return recording
+
+
+def _as_stored(reader: AnyReader) -> list[Connection]:
+    """
+    Return the connections with the quality of service that stands in the files.
+
+    rosbags yields the messages of connections that are equal to those of the files. In
+    metadata.yaml `ros2 bag reindex` writes another depth, so that none is.
+    """
+    found = []
+    for each in reader.connections:
+        storages = getattr(each.owner, 'storages', ())  # only a folder has some
+        kinds = [own.ext for storage in storages for own in storage.connections
+                 if (own.topic, own.msgtype) == (each.topic, each.msgtype)]
+        found += [each._replace(ext=ext) for place, ext in enumerate(kinds)
+                  if ext not in kinds[:place]] or [each]
+    return found
 
 
 def _read_messages(
