@@ -24,7 +24,7 @@ SEQUENCE = re.compile(r'\x1b\[([?\d;]*)([A-Za-z])')
 
 
 class Screen:
-    """The part of a terminal that `create_view` uses: a cursor, and clearing."""
+    """The part of a terminal that our programs use: a cursor, and clearing."""
 
     def __init__(self, columns: int, rows: int) -> None:
         self.columns, self.rows = columns, rows
@@ -60,8 +60,10 @@ class Screen:
             case '2', 'J':
                 self._clear()
             case _, 'H':
-                row, column = map(int, arguments.split(';'))
+                row, column = map(int, (arguments or '1;1').split(';'))
                 self._row, self._column = row - 1, column - 1
+            case '', 'K':
+                self._cells[self._row][self._column:] = [' '] * (self.columns - self._column)
             case '?1049', _:
                 self.alternate = command == 'h'
             case _:
