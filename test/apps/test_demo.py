@@ -142,6 +142,18 @@ def test_ctrl_c_leaves_no_process_and_a_readable_bag(tmp_path):
     assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
 
 
+def test_a_full_disk_gets_a_sentence_and_leaves_a_readable_bag(tmp_path):
+    full = 'import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000)); '
+    with scene(tmp_path) as made:
+        done = subprocess.run(
+            [sys.executable, '-c', full + PROGRAMS['create_demo'], '-o', str(tmp_path / 'demo'),
+             '--short'], capture_output=True, text=True, timeout=60,
+            env={**os.environ, 'ROS_DOMAIN_ID': str(made.domain)})
+    assert done.returncode == 2 and 'Traceback' not in done.stderr
+    assert done.stdout.endswith('recording has ended: [Errno 27] File too large\n')
+    assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
+
+
 def test_an_existing_folder_is_left_alone(tmp_path):
     shown = demo(tmp_path, 1)
     printed, _ = shown.communicate(timeout=20)

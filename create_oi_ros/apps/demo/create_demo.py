@@ -106,7 +106,7 @@ def _arguments() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_demo`; 1: the tour failed, 2: no bag or no report could be made."""
+    """Run `create_demo`; 1: the tour failed, 2: no whole bag or no report could be made."""
     parser = _arguments()
     options = parser.parse_args(arguments)
     if options.folder.exists():
@@ -122,6 +122,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Stopped:
         say(f'stopped; what was recorded is {options.folder / BAG}')
         return STOPPED
+    except OSError as error:
+        say(f'recording has ended: {error}')
+        return 2
     except ModuleNotFoundError as error:
         say(missing((error.name or '').partition('.')[0]))
         return 2

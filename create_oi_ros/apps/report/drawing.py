@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from .colors import COLORS, COMMANDED, FAULTS, GAP, MEASURED, MODES
 from .recording import Curve, Recording, Span, SPANS
 from .summary import clock, events, summary, TimelineEvent
-from .track import draw_track, LISTED, number_events
+from .track_drawing import draw_track, LISTED, number_events
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
