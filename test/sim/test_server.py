@@ -117,15 +117,6 @@ def test_a_link_left_by_a_killed_simulator_is_taken_over(port: Path) -> None:
         assert receive(client, 1) == b'\x01'
 
 
-def test_a_file_in_the_place_of_the_link_is_left_alone(port: Path) -> None:
-    port.write_text('precious')
-    with simulator('--link', port) as sim:
-        code, _, errors = sim.ended()
-    assert (code, port.read_text()) == (1, 'precious')
-    assert errors.startswith('create_sim: ')
-    assert 'Traceback' not in errors
-
-
 @pytest.mark.parametrize('arguments', [
     ['--world', 'nowhere'], ['--fault', 'burn'], ['--guess', 'boot=1'], ['--speed', '0'],
     ['--tcp', 'nonsense'], ['--odometry', 'best'], ['--tcp', ':0', '--link', 'x']])
@@ -436,23 +427,6 @@ def test_record_writes_the_truth_of_every_slot(tmp_path: Path) -> None:
     assert all(b - a == pytest.approx(0.015) for a, b in zip(times, times[1:], strict=False))
     assert rows[-1]['mode'] == 'FULL'
     assert float(rows[-1]['x']) > 0.1
-
-
-@pytest.mark.parametrize('world', ['empty', 'room', 'apartment', 'table'])
-def test_show_draws_the_room_in_24_lines_of_80(world: str) -> None:
-    with simulator('--show', '--world', world, '--speed', '5') as sim:
-        assert sim.process.stdout is not None
-        drawn = ''
-        while drawn.count('\x1b[H') < 3:
-            drawn += sim.process.stdout.readline()
-        sim.stop()
-    lines = drawn.split('\x1b[H')[-2].replace('\x1b[K', '').split('\n')
-    assert len(lines) == 24
-    assert max(map(len, lines)) <= 80
-    assert 'OFF' in lines[21]
-    assert any(arrow in drawn for arrow in '→↑')
-    assert ('#' in drawn) is (world in ('room', 'apartment'))
-    assert ('~' in drawn) is (world in ('table', 'apartment'))
 
 
 def test_the_simulator_does_not_hold_the_terminal_open(port: Path) -> None:

@@ -19,12 +19,11 @@ from ..world import parse, shipped, shipped_names, World
 from .control_port import ControlPort
 from .faults import Fault, Faults
 from .lines import Line, PtyLine, TcpLine
+from .path_errors import naming, sentence
 from .play import play, Player
 from .serve import Server
-from .show import CLEAR, Show
+from .show import shower
 
-SHOW_EVERY = 7
-"""Slots: about ten pictures a second."""
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
 
@@ -45,7 +44,12 @@ def _world(text: str) -> World:
     except FileNotFoundError:
         raise argparse.ArgumentTypeError(
             f'{text!r}; allowed: a file, or one of {", ".join(shipped_names())}') from None
-    except (ValueError, OSError) as error:
+    except UnicodeDecodeError:
+        raise argparse.ArgumentTypeError(
+            f'{text!r} is no world file: it is not text') from None
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f'{text!r}: {error.strerror}') from None
+    except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
@@ -110,27 +114,18 @@ def _end_on_signals(serving: Server | Player) -> None:
 
 
 def _recorder(server: Server, path: Path, stack: ExitStack) -> Callable[[], None]:
-    """Return a function that writes a row of the truth."""
+    """Return a function that writes a row of the truth; OSError names the file."""
+    stack.enter_context(naming(path))
     file = stack.enter_context(path.open('w', newline=''))
     names = [name for name, value in server.control.facts().items()
              if not isinstance(value, list)]
     writer = csv.DictWriter(file, names, extrasaction='ignore')
+
+    def write() -> None:
+        with naming(path):
+            writer.writerow(server.control.facts())
     writer.writeheader()
-    return lambda: writer.writerow(server.control.facts())
-
-
-def _shower(create: Create) -> Callable[[], None]:
-    """Return a function that is called in every slot and draws in some."""
-    show, slots = Show(create), 0
-    sys.stdout.write(CLEAR)
-
-    def draw() -> None:
-        nonlocal slots
-        slots += 1
-        if slots % SHOW_EVERY == 0:
-            sys.stdout.write(show.picture())
-            sys.stdout.flush()
-    return draw
+    return write
 
 
 def _announce(options: argparse.Namespace, line: Line) -> None:
@@ -168,7 +163,7 @@ def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
             server.watchers.append(_recorder(server, options.record, stack))
         _announce(options, line)
         if options.show:
-            server.watchers.append(_shower(create))
+            server.watchers.append(shower(create, sys.stdout))
         server.serve()
 
 
@@ -196,7 +191,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
         else:
             _serve(options, guesses)
-    except (OSError, CaptureError) as error:
+    except CaptureError as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1
+    except OSError as error:
+        print(f'create_sim: {sentence(error)}', file=sys.stderr)
+        return 2
     return 0
