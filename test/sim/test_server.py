@@ -59,6 +59,33 @@ def test_it_ends_while_a_client_is_connected(port: Path) -> None:
         assert sim.stop() == (0, f'  create_node --ros-args -p port:={port}\n', '')
 
 
+def test_with_linger_it_ends_when_the_client_has_closed_the_port(port: Path) -> None:
+    """A driver that stops the robot at the same Ctrl-C must not lose its port first."""
+    with simulator('--link', port, '--linger', '20') as sim:
+        with opened(port) as client:
+            os.write(client, START + bytes([142, 35]))
+            assert receive(client, 1) == b'\x01'
+            sim.process.send_signal(signal.SIGINT)
+            for _ in range(5):
+                os.write(client, bytes([142, 35]))
+                assert receive(client, 1) == b'\x01'
+        assert sim.ended()[0] == 0
+
+
+def test_a_second_signal_ends_it_at_once(port: Path) -> None:
+    with simulator('--link', port, '--linger', '60') as sim, opened(port) as client:
+        os.write(client, START + STREAM)
+        receive(client, FRAME)
+        sim.process.send_signal(signal.SIGINT)
+        receive(client, 20 * FRAME)
+        assert sim.stop()[0] == 0
+
+
+def test_without_a_client_linger_waits_for_nobody(port: Path) -> None:
+    with simulator('--link', port, '--linger', '60') as sim:
+        assert sim.stop()[0] == 0
+
+
 def test_a_robot_whose_client_has_gone_drives_on(tmp_path: Path) -> None:
     with taught(tmp_path) as (port, teacher):
         with opened(port) as client:
@@ -119,7 +146,8 @@ def test_a_link_left_by_a_killed_simulator_is_taken_over(port: Path) -> None:
 
 @pytest.mark.parametrize('arguments', [
     ['--world', 'nowhere'], ['--fault', 'burn'], ['--guess', 'boot=1'], ['--speed', '0'],
-    ['--tcp', 'nonsense'], ['--odometry', 'best'], ['--tcp', ':0', '--link', 'x']])
+    ['--tcp', 'nonsense'], ['--odometry', 'best'], ['--linger', '-1'], ['--linger', 'x'],
+    ['--tcp', ':0', '--link', 'x']])
 def test_a_wrong_option_is_refused_with_the_reason(arguments: list[str]) -> None:
     with simulator(*arguments) as sim:
         code, _, errors = sim.ended()

@@ -70,6 +70,16 @@ def _speed(text: str) -> float:
     return speed
 
 
+def _linger(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0 <= seconds <= 60:
+        raise argparse.ArgumentTypeError(f'{text!r}; allowed: 0 to 60 seconds')
+    return seconds
+
+
 def _arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='create_sim',
@@ -98,6 +108,9 @@ def _arguments() -> argparse.ArgumentParser:
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
     add('--show', action='store_true', help='draw room and robot in this terminal (80 by 24)')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
+    add('--linger', type=_linger, default=0.0, metavar='SECONDS',
+        help='at Ctrl-C, serve so long or until the host has closed the port '
+        '(default: %(default)s); a second Ctrl-C ends at once')
     add('--replay', type=Path, metavar='FILE',
         help="send again what the robot sent in FILE, written by the driver's parameter "
         '`capture`; starts when a host sends a byte, nothing is simulated')
@@ -154,7 +167,7 @@ def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
         line = _line(options)
         stack.callback(line.close)
         server = Server(create, line, Faults(options.fault, options.seed), speed=options.speed,
-                        wire_time=options.wire_time)
+                        wire_time=options.wire_time, linger=options.linger)
         _end_on_signals(server)
         if options.control:
             server.control_port = ControlPort(options.control, server.control)

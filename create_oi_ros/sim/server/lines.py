@@ -49,6 +49,9 @@ class Line(Protocol):
         Without a host, all bytes are lost and count as written.
         """
 
+    def connected(self) -> bool:
+        """Return whether a host has the port open."""
+
     def baud(self) -> int | None:
         """Return the rate that the host has set, bits per second; None: the right one."""
 
@@ -134,8 +137,12 @@ class PtyLine:
 
     def watched(self) -> list[int]:
         """Return the terminal while a host has it open; without one it is always readable."""
+        return [self._master] if self.connected() else []
+
+    def connected(self) -> bool:
+        """Return whether a host has the terminal open."""
         self._look()
-        return [self._master] if self._present else []
+        return self._present
 
     def _look(self) -> None:
         if self._master < 0 or self._present:
@@ -145,8 +152,7 @@ class PtyLine:
 
     def read(self) -> bytes:
         """Read, and notice when the host has gone."""
-        self._look()
-        if not self._present:
+        if not self.connected():
             return b''
         try:
             return os.read(self._master, AT_ONCE)
@@ -264,6 +270,10 @@ class TcpLine:
         except OSError:
             # `read` notices that the client has gone.
             return len(data)
+
+    def connected(self) -> bool:
+        """Return whether a client is connected."""
+        return self._client is not None
 
     def baud(self) -> int | None:
         """Return None: TCP has no baud rate."""
