@@ -131,7 +131,8 @@ class Driver:
         self.scripts.poll(now)
         if self._motion.expired(now):
             self._supervision.commands_paused()
-            self._take(Event.HALTED)
+            if self.state.moving:
+                self._take(Event.HALTED)
         self._send_speeds(now)
         if self.state.takes_commands:
             stream = self._connection.plan.next_stream(
@@ -173,7 +174,8 @@ class Driver:
         """Return what is known of driver, line and robot."""
         readings, connection = self._tracking.readings, self._connection
         return Health(
-            activity=self.state.activity, answered=self.state.answered, busy=self.state.refusal,
+            activity=self.state.activity, answered=self.state.answered,
+            busy=self.scripts.status(now) or self.state.refusal,
             mode=self.status,
             hazards=tuple(causes_in(readings)) if readings.has('oi_mode') else (),
             readings=readings, counts=copy(self.counts),
@@ -215,7 +217,8 @@ class Driver:
             self._outbox.send_at_once(END_DEMO, now)
         if self.status.wanted is oi.Mode.PASSIVE and self._outbox.busy:
             self._outbox.send(END_DEMO)  # one may be about to begin
-        why = IGNORES if self._connection.ignores_commands else self._requests.refusal(oi.Demo)
+        why = IGNORES if self._connection.ignores_commands else (
+            self.scripts.status(now) or self._requests.refusal(oi.Demo))
         return done('wheels stopped') if why is None else refused(why)
 
     def set_limits(self, limits: MotionLimits) -> None:
@@ -236,7 +239,10 @@ class Driver:
         self._modes.fail('driver is shutting down')
         if self.state.activity is Activity.CLOSED:
             return
-        mode = self.status.actual
+        mode, script = self.status.actual, self.scripts.status(now)
+        if script is not None:
+            self._events.notice(
+                Severity.ERROR, f'the driver ends, but {script}; its wheels go on as it told them')
         self._take(Event.PORT_CLOSED)
         for command in farewell(mode, self.settings.mode_on_exit):
             self._outbox.send_at_once(command, now)

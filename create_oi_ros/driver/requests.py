@@ -22,9 +22,14 @@ class Requests:
         self._state = state
         self._supervision = supervision
 
+    @property
+    def mode(self) -> oi.Mode | None:
+        """The robot's mode; None while no robot answers."""
+        return self._supervision.status.actual
+
     def refusal(self, command: type[oi.Command]) -> str | None:
         """Say why a command cannot be sent now, and what to do; None where it can."""
-        mode = self._supervision.status.actual
+        mode = self.mode
         if self._state.refusal is not None:
             return self._state.refusal
         if mode is None:

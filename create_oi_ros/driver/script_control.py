@@ -14,7 +14,9 @@ from collections.abc import Callable
 
 from .. import oi
 from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
+from ..oi.script_motion import duration, endless_wait
 from ..oi.tools.text import format_command
+from ..robot import FIRMWARE_SEPARATION, MM_PER_M
 from .outbox import Outbox
 from .pending import done, Pending, refused
 from .requests import Requests
@@ -29,6 +31,8 @@ SILENCE = 0.1
 """Seconds after which the line is silent once the stream was paused."""
 REPLY_TIMEOUT = 0.5
 """Seconds that the robot may take to begin to send its script."""
+SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
+"""What the robot itself turns by, mm."""
 DRIVES = 'the robot drives, and could not be told to stop meanwhile: stop it first'
 
 
@@ -49,6 +53,8 @@ class ScriptControl:
         self._stored: oi.Script | None = None
         self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
         self._due = 0.0
+        self._ends_at: float | None = None
+        """When the script that plays should end; None where that is not known."""
         self._reply = bytearray()
         self._show_request = done('no request')
 
@@ -96,8 +102,18 @@ class ScriptControl:
             self._stored, self._wheel_separation,
             cleared=self._requests.refusal(oi.Drive) is None)
         self._due = now + POLL_INTERVAL
+        takes = self._duration()
+        self._ends_at = None if takes is None else now + takes
         self._take(Event.SCRIPT_STARTED)
         return request
+
+    def status(self, now: float) -> str | None:
+        """Say that a script plays, how long it still takes, and what ends it; None where not."""
+        if not self.playing:
+            return None
+        left = ('no one knows for how long' if self._ends_at is None else
+                f'for about {max(0.0, self._ends_at - now):.0f} s more')
+        return f'{self._state.refusal} (it plays {left})'
 
     def show(self, now: float) -> Pending:
         """Read the script back; the outcome's payload is the script's bytes."""
@@ -111,6 +127,8 @@ class ScriptControl:
 
     def poll(self, now: float) -> None:
         """Advance timers: the next poll of a playing robot, silence, the reply's timeout."""
+        if self._state.takes_commands:
+            return
         activity = self._state.activity
         if activity is Activity.SILENCING and self._outbox.busy:
             self._due = now + SILENCE
@@ -170,7 +188,22 @@ class ScriptControl:
         if not can_end(self._stored):
             return ('the stored script plays itself again and cannot end, nor can the robot be '
                     'stopped but by its power button: set force to play it')
+        endless = endless_wait(self._stored, self._mode(), SEPARATION)
+        if endless is not None:
+            return (f'command {endless.place} of the stored script, '
+                    f'{format_command(endless.command)}, waits for ever, since {endless.why}, '
+                    'and a waiting robot can only be stopped by its power button: change the '
+                    'script, or set force to play it')
         return None
+
+    def _duration(self) -> float | None:
+        """Return how many seconds the stored script takes; None where that is not known."""
+        if self._stored is None or not can_end(self._stored):
+            return None
+        return duration(self._stored, self._mode(), SEPARATION)
+
+    def _mode(self) -> oi.Mode:
+        return self._requests.mode or oi.Mode.OFF
 
     def _read_reply(self) -> None:
         try:

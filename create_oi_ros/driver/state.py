@@ -97,7 +97,8 @@ OWNERS = {
 REFUSALS = {
     _A.CLOSED: f'{_A.CLOSED.value}: check cable and power, the driver keeps trying',
     _A.CALLING: f'{_A.CALLING.value}: check cable and power, the driver keeps trying',
-    _A.SCRIPT: 'a script plays, and the robot hears nothing while it waits: try again later',
+    _A.SCRIPT: ('a script plays, and the robot ignores everything while it waits, a stop '
+                'included: let it end, or switch the robot off by its Power button'),
     _A.SILENCING: 'the stored script is being read: try again',
     _A.READING: 'the stored script is being read: try again',
 }
@@ -108,45 +109,35 @@ DRIVE_REFUSALS = {
 
 
 class State:
-    """The present activity."""
+    """The present activity, and what follows from it."""
 
-    __slots__ = ('activity',)
+    __slots__ = ('activity', 'answered', 'owner', 'refusal', 'drive_refusal', 'takes_commands',
+                 'moving')
 
-    def __init__(self) -> None:
-        self.activity = Activity.CLOSED
+    def __init__(self, activity: Activity = Activity.CLOSED) -> None:
+        self._enter(activity)
 
     def take(self, event: Event) -> bool:
         """Go where the table says; True when the activity has changed."""
         before = self.activity
-        self.activity = TRANSITIONS[before].get(event, before)
-        return self.activity is not before
+        after = TRANSITIONS[before].get(event, before)
+        if after is before:
+            return False
+        self._enter(after)
+        return True
 
-    @property
-    def answered(self) -> bool:
+    def _enter(self, activity: Activity) -> None:
+        # Worked out once here, since the driver asks many times in every frame.
+        self.activity = activity
+        self.answered = activity not in (Activity.CLOSED, Activity.CALLING)
         """Whether the robot answers."""
-        return self.activity not in (Activity.CLOSED, Activity.CALLING)
-
-    @property
-    def owner(self) -> Owner:
+        self.owner = OWNERS[activity]
         """Who decides how the wheels turn."""
-        return OWNERS[self.activity]
-
-    @property
-    def refusal(self) -> str | None:
+        self.refusal = REFUSALS.get(activity)
         """Why the robot takes no commands now, and what to do; None where it takes them."""
-        return REFUSALS.get(self.activity)
-
-    @property
-    def drive_refusal(self) -> str | None:
+        self.drive_refusal = DRIVE_REFUSALS.get(activity)
         """Why the robot follows no velocity now, and what to do; None where it may."""
-        return DRIVE_REFUSALS.get(self.activity)
-
-    @property
-    def takes_commands(self) -> bool:
+        self.takes_commands = self.refusal is None
         """Whether the robot takes commands now."""
-        return self.activity not in REFUSALS
-
-    @property
-    def moving(self) -> bool:
+        self.moving = activity is Activity.DRIVING
         """Whether a commanded velocity makes the wheels turn."""
-        return self.activity is Activity.DRIVING

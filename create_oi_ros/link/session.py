@@ -81,6 +81,7 @@ class Session:
         with self._lock:
             self.driver.shut_down(time.monotonic())
             farewell = self.driver.data_to_send()
+            self._report_events()
             if self._port is not None and farewell:
                 try:
                     self._port.write(farewell)

@@ -5,7 +5,7 @@ from math import nan
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Outcome, Settings
+from create_oi_ros.driver import Driver, Outcome, Settings, Severity
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -344,6 +344,40 @@ def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
     power_cycle(loop)
     assert not loop.driver.scripts.playing
     assert loop.robot.mode is oi.Mode.SAFE
+
+
+AWAY_FROM_ITS_GOAL = parse_script(
+    'Drive velocity=200 radius=straight; Wait Distance distance=-1000')
+
+
+def test_a_script_whose_own_motion_leads_away_from_what_it_waits_for_needs_force(loop):
+    ask(loop, loop.driver.scripts.define, AWAY_FROM_ITS_GOAL)
+    refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    assert not refused.ok
+    assert 'command 2 of the stored script, Wait Distance distance=-1000, waits' in refused.text
+    assert 'the robot drives forwards' in refused.text
+    loop.run(1.0)
+    assert loop.body.truth().speed == 0
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
+
+
+def test_while_a_script_plays_it_is_said_for_how_long_and_what_stops_it(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
+    stopped = loop.driver.stop(loop.now).outcome
+    assert 'for about 1 s more' in stopped.text
+    assert 'Power button' in stopped.text
+    assert loop.driver.health(loop.now).busy == stopped.text
+
+
+def test_ending_the_driver_while_a_script_holds_the_robot_is_an_error(loop):
+    ask(loop, loop.driver.scripts.define, AWAY_FROM_ITS_GOAL)
+    ask(loop, loop.driver.scripts.play, loop.now, force=True)
+    loop.driver.shut_down(loop.now)
+    loop.turn()
+    assert loop.notices[-1].severity is Severity.ERROR
+    assert 'the driver ends, but a script plays' in loop.notices[-1].text
+    assert 'no one knows for how long' in loop.notices[-1].text
 
 
 def test_a_script_whose_end_is_open_says_so(loop):

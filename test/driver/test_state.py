@@ -9,13 +9,6 @@ from create_oi_ros.driver.state import Activity, Event, Owner, OWNERS, State, TR
 from support.loop import Loop
 
 
-def state_in(activity: Activity) -> State:
-    """Return a state with this activity."""
-    state = State()
-    state.activity = activity
-    return state
-
-
 def reachable(start: Activity) -> set[Activity]:
     """Return all activities that events lead to."""
     found, new = {start}, [start]
@@ -38,7 +31,7 @@ def test_every_activity_can_be_reached_and_left(activity):
 
 @pytest.mark.parametrize('activity', Activity)
 def test_a_port_that_closes_ends_everything(activity):
-    state = state_in(activity)
+    state = State(activity)
     state.take(Event.PORT_CLOSED)
     assert state.activity is Activity.CLOSED
     assert state.owner is Owner.NOBODY
@@ -46,7 +39,7 @@ def test_a_port_that_closes_ends_everything(activity):
 
 @pytest.mark.parametrize('activity', list(Activity)[1:])
 def test_a_robot_that_does_not_answer_is_called(activity):
-    state = state_in(activity)
+    state = State(activity)
     state.take(Event.NO_ANSWER)
     assert state.activity is Activity.CALLING
 
@@ -54,14 +47,14 @@ def test_a_robot_that_does_not_answer_is_called(activity):
 @pytest.mark.parametrize('activity', Activity)
 @pytest.mark.parametrize('event', Event)
 def test_only_a_velocity_makes_the_wheels_turn(activity, event):
-    state = state_in(activity)
+    state = State(activity)
     if state.take(event) and state.moving:
         assert (activity, event) == (Activity.IDLE, Event.VELOCITY)
 
 
 @pytest.mark.parametrize('activity', Activity)
 def test_who_takes_no_commands_says_why(activity):
-    state = state_in(activity)
+    state = State(activity)
     assert state.takes_commands == (state.refusal is None)
     assert state.takes_commands or state.drive_refusal
     if state.owner is Owner.ROBOT:

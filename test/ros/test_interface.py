@@ -1,5 +1,7 @@
 """Every topic and service as a user sees it: through ROS, with the node as a process."""
 
+import signal
+
 from create_oi_msgs.msg import (
     Buttons,
     CargoBay,
@@ -32,7 +34,7 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
-from create_oi_ros.ros import messages as convert
+from create_oi_ros.ros import messages
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.ros import Scene, scene
@@ -172,7 +174,7 @@ def test_scripts_are_stored_shown_and_played(ready):
     ready.ask(DefineScript, 'define_script', text=text)
     shown = ready.ros.call(ShowScript, 'show_script')
     assert shown.success, shown.message
-    assert (shown.text, bytes(shown.code)) == (text, convert.script(text, b'').script)
+    assert (shown.text, bytes(shown.code)) == (text, messages.script(text, b'').script)
     ready.ask(PlayScript, 'play_script')
     ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1)
     ready.ros.until(lambda: 'script has ended' in ready.node.output)
@@ -181,6 +183,18 @@ def test_scripts_are_stored_shown_and_played(ready):
     assert 'force' in ready.refused(PlayScript, 'play_script')
     assert 'column' in ready.refused(DefineScript, 'define_script', text='Fly away')
     assert 'both' in ready.refused(DefineScript, 'define_script', text=text, code=[155, 1])
+
+
+def test_ending_the_node_while_a_script_holds_the_robot_is_an_error_line(ready):
+    text = 'Drive velocity=100 radius=straight\nWait Distance distance=-1000'
+    ready.ask(DefineScript, 'define_script', text=text)
+    assert 'waits for ever' in ready.refused(PlayScript, 'play_script')
+    ready.ask(PlayScript, 'play_script', force=True)
+    assert 'Power button' in ready.refused(Trigger, 'stop')
+    ready.node.send(signal.SIGINT)
+    assert ready.node.ended() == 0
+    assert '[ERROR]' in ready.node.output
+    assert 'the driver ends, but a script plays' in ready.node.output
 
 
 def test_a_power_cycle_loses_nothing_that_was_set(ready):
@@ -213,7 +227,7 @@ def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready
     statuses = listen(DiagnosticArray, '/diagnostics')
     ready.ros.until(lambda: len(batteries) >= 3 and len(statuses) >= 3)
     for heard, expected in ((odom, 66.7), (joints, 66.7), (walls, 20), (batteries, 1)):
-        stamps = [convert.age(message.header.stamp, 0) for message in heard]
+        stamps = [messages.age(message.header.stamp, 0) for message in heard]
         rate = (len(stamps) - 1) / (stamps[0] - stamps[-1])
         assert rate == pytest.approx(expected, rel=0.1)
     assert len(frames) > 100
@@ -238,7 +252,7 @@ def test_stale_commands_are_dropped_by_their_stamp(stage):
     def publish() -> None:
         now = ready.ros.node.get_clock().now().nanoseconds
         command = TwistStamped(twist=Twist(linear=Vector3(x=0.2)))
-        command.header.stamp = convert.time(now - round(old[0] * convert.NANOSECONDS))
+        command.header.stamp = messages.time(now - round(old[0] * messages.NANOSECONDS))
         velocity.publish(command)
     ready.ros.node.create_timer(0.1, publish)
     ready.ros.until(lambda: 'is dropped' in ready.node.output)
