@@ -11,7 +11,7 @@ import re
 import sys
 import time
 
-from step import clock, step
+from step import clock, interruptible, step
 
 VENV = Path('.venv').resolve()
 
@@ -72,4 +72,5 @@ def main(kind: str) -> None:
 
 
 if __name__ == '__main__':
-    main(sys.argv[1])
+    with interruptible():
+        main(sys.argv[1])

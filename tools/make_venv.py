@@ -12,7 +12,7 @@ import time
 import venv
 
 import folders
-from step import clock, step
+from step import clock, interruptible, step
 
 VENV = Path('.venv')
 PINS = Path(__file__).with_name('pins.txt')
@@ -79,4 +79,5 @@ def main(kind: str) -> None:
 
 
 if __name__ == '__main__':
-    main(sys.argv[1])
+    with interruptible():
+        main(sys.argv[1])

@@ -1,6 +1,7 @@
 """Runs one step of set-up or build: shows how far it is, and prints its log only if it fails."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 import os
 from pathlib import Path
 import subprocess
@@ -28,18 +29,24 @@ def step(command: Sequence[str | Path], log: str, failure: str,
     with path.open('ab') as out:
         start = out.tell()
         with subprocess.Popen(command, stdout=out, stderr=out, env=env) as process:
-            try:
-                while (code := _wait(process)) is None:
-                    if progress is not None and moves_in_place():
-                        _write(f'  {progress(_text(path, start))}, {clock(began)}')
-            except KeyboardInterrupt:
-                sys.exit('\nmake: interrupted; the next make goes on from here')
+            while (code := _wait(process)) is None:
+                if progress is not None and moves_in_place():
+                    _write(f'  {progress(_text(path, start))}, {clock(began)}')
     if progress is not None and moves_in_place():
         _write('')
     if code and show:
         print(*_text(path, start).splitlines()[-LAST_LINES:], sep='\n', file=sys.stderr)
     if code:
         sys.exit(f'make: {failure} (complete log: {path})')
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Exit with a message instead of a traceback at Ctrl-C."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        sys.exit('\nmake: interrupted; make again begins with what is not complete')
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int | None:

@@ -13,8 +13,8 @@ from support.source import ROOT
 TOOLS = ROOT / 'tools'
 WAITING = 'import pathlib, time\nprint("done", flush=True)\n' \
     'while not pathlib.Path("go").exists(): time.sleep(0.01)\n'
-STEP = ('import sys; sys.path.insert(0, {tools!r}); from step import step; '
-        'step([sys.executable, "-c", {program!r}], "a.log", "it failed", '
+STEP = ('import sys; sys.path.insert(0, {tools!r}); from step import interruptible, step\n'
+        'with interruptible(): step([sys.executable, "-c", {program!r}], "a.log", "it failed", '
         'progress=lambda log: str(log.count("done")) + " of 2 done")')
 
 
@@ -78,7 +78,7 @@ def test_ctrl_c_of_a_step_is_one_sentence(tmp_path):
         process.send_signal(signal.SIGINT)
         (tmp_path / 'go').touch()
         _, errors = process.communicate(timeout=20)
-    assert errors == '\nmake: interrupted; the next make goes on from here\n'
+    assert errors == '\nmake: interrupted; make again begins with what is not complete\n'
 
 
 def test_the_packages_of_pip_are_counted(tool, tmp_path, monkeypatch):
