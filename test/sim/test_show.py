@@ -57,6 +57,14 @@ def test_show_writes_no_escapes_into_a_pipe_and_fewer_pictures() -> None:
     assert times == pytest.approx([1.005, 2.01, 3.015], abs=0.06)
 
 
+def test_it_ends_quietly_when_the_reader_of_its_pictures_has_gone() -> None:
+    with simulator('--show', '--speed', '20') as sim:
+        assert sim.process.stdout is not None
+        assert sim.process.stderr is not None
+        sim.process.stdout.close()
+        assert (sim.process.wait(20), sim.process.stderr.read()) == (141, '')
+
+
 @pytest.mark.parametrize('term', ['dumb', None])
 def test_a_terminal_without_a_cursor_gets_no_escapes(
         monkeypatch: pytest.MonkeyPatch, term: str | None) -> None:

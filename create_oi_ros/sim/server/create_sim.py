@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 import csv
 import ipaddress
+import os
 from pathlib import Path
 import signal
 import sys
@@ -24,6 +25,8 @@ from .play import play, Player
 from .serve import Server
 from .show import shower
 
+BROKEN_PIPE = 128 + signal.SIGPIPE
+"""Exit code when the reader of the output has gone."""
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
 
@@ -207,6 +210,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except CaptureError as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1
+    except BrokenPipeError:
+        # Python flushes stdout at exit, which would fail again: send that to the null device.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
     except OSError as error:
         print(f'create_sim: {sentence(error)}', file=sys.stderr)
         return 2
