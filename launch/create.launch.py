@@ -53,16 +53,11 @@ def nodes(context):
     """Check all arguments, then return what they ask for: so a wrong one starts nothing."""
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     asked = {name: switch(name, value[name]) for name in ('simulated', 'description', 'rviz')}
-    for name, package in (('description', 'robot_state_publisher'), ('rviz', 'rviz2')):
-        if asked[name]:
-            check_installed(package, name)
-    check_file(value['params'])
+    check(value, asked)
     namespace, prefix, port = value['namespace'], value['frame_prefix'], value['port']
     if asked['simulated']:
         name = namespace.strip('/').replace('/', '_') or 'robot'
         port = os.path.join(tempfile.gettempdir(), f'create_{name}_{os.getpid()}')
-    elif not port:
-        raise RuntimeError('port:= is empty; allowed: a serial device or a pyserial URL')
     made = [driver(value, port)]
     if asked['simulated']:
         made = simulated(port, value['world'], made)
@@ -85,6 +80,16 @@ def switch(name, text):
     if text.lower() not in SWITCHES:
         raise RuntimeError(f'{name}:={text}; allowed: true or false')
     return SWITCHES[text.lower()]
+
+
+def check(value, asked):
+    """Raise RuntimeError if an argument is wrong, or asks for what is not installed."""
+    for name, package in (('description', 'robot_state_publisher'), ('rviz', 'rviz2')):
+        if asked[name]:
+            check_installed(package, name)
+    check_file(value['params'])
+    if not value['port'] and not asked['simulated']:
+        raise RuntimeError('port:= is empty; allowed: a serial device or a pyserial URL')
 
 
 def check_installed(package, argument):

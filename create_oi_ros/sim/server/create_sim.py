@@ -190,6 +190,13 @@ def _unfit_for_replay(options: argparse.Namespace, parser: argparse.ArgumentPars
                  and not (name == 'world' and value.name == parser.get_default(name))), None)
 
 
+def _run(options: argparse.Namespace, guesses: Guesses) -> None:
+    if options.replay:
+        play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
+    else:
+        _serve(options, guesses)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `create_sim`; return its exit code."""
     parser = _arguments()
@@ -203,17 +210,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         unfit = unfit.replace('_', '-')
         parser.error(f'--{unfit} does not work with --replay: nothing is simulated then')
     try:
-        if options.replay:
-            play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
-        else:
-            _serve(options, guesses)
-    except CaptureError as error:
-        print(f'create_sim: {error}', file=sys.stderr)
-        return 1
+        _run(options, guesses)
     except BrokenPipeError:
         # Python flushes stdout at exit, which would fail again: send that to the null device.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
+    except CaptureError as error:
+        print(f'create_sim: {error}', file=sys.stderr)
+        return 1
     except OSError as error:
         print(f'create_sim: {sentence(error)}', file=sys.stderr)
         return 2
