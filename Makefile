@@ -22,7 +22,7 @@ soak: build ; @$(ENTER) python test soak $(ARGS)
 fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
 docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
-clean: ; @rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
+clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 # Variables of another ROS, or of env.sh, must not reach the wheels.
 ifeq ($(KIND),wheels)
@@ -34,12 +34,12 @@ ifneq ($(file <$(READY)),$(KIND) $(CURDIR))
 .PHONY: $(READY)
 endif
 
-$(READY): tools/pins.txt tools/make_venv.py tools/patch_cmake.py
+$(READY): tools/pins.txt tools/make_venv.py tools/folders.py tools/patch_cmake.py
 	@rm -f $@ && python=$$(tools/find_python.sh $(KIND)) && $$python tools/make_venv.py $(KIND)
-	@echo $(KIND) $(CURDIR) > $@
+	@echo '$(KIND) $(CURDIR)' > $@
 
 # Folders are inputs, too: their time changes when a file is added or removed.
 INPUTS := $(shell find msg_defs tools/tf2_msgs resource launch config urdf rviz 2>/dev/null)
 $(BUILT): $(READY) $(INPUTS) package.xml setup.py setup.cfg tools/build.py
 	@.venv/bin/python tools/build.py $(KIND)
-	@echo $(CURDIR) > $@
+	@echo '$(CURDIR)' > $@

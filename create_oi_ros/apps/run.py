@@ -8,6 +8,7 @@ import argparse
 from math import degrees
 import os
 from pathlib import Path
+from shlex import quote
 import shutil
 import sys
 import tempfile
@@ -101,7 +102,8 @@ def introduction(port: str, simulated: bool) -> str:
         f'ROS domain {os.environ.get("ROS_DOMAIN_ID", "0")}.']
     environment = os.environ.get('CREATE_OI_ENV')
     if environment is not None:
-        example = Path(environment).parent / 'examples' / 'drive.py'
+        example = quote(str(Path(environment).parent / 'examples' / 'drive.py'))
+        environment = quote(environment)
         lines += ['In another shell, drive it and watch its odometry:',
                   f'    source {environment} && python {example}',
                   'or look at it, and drive it by keys:',

@@ -117,6 +117,17 @@ def test_of_several_robots_one_must_be_named(tmp_path, capsys):
         read(bag, quiet, 'robot3')
 
 
+def test_a_robot_without_a_namespace_is_called_slash(tmp_path, capsys):
+    bag = bags.write(tmp_path / 'walk', 1.0)
+    assert command.main([str(bag), '--robot', 'nobody']) == 2
+    assert f'{bag} has no robot nobody: it has /\n' in capsys.readouterr().err
+    fleet = bags.write(tmp_path / 'fleet', 1.0, robots=('', 'robot2'))
+    assert 'name one with --robot: /, robot2' in refusal(fleet, capsys)
+    assert read(fleet, quiet, '/').odom
+    with pytest.raises(BagError, match='no robot robot3: it has /, robot2'):
+        read(fleet, quiet, 'robot3')
+
+
 def test_something_else_than_a_bag_gets_a_sentence(tmp_path, capsys):
     (tmp_path / 'folder').mkdir()
     (tmp_path / 'a.mcap').write_bytes(b'')

@@ -8,6 +8,7 @@ from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
 
+from create_oi_ros.apps.run import introduction
 from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import scene
@@ -44,6 +45,13 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert run.ended() == 0
     assert 'Traceback' not in run.output
     assert not any(Path(f'/proc/{child}').exists() for child in children)
+
+
+def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
+    monkeypatch.setenv('CREATE_OI_ENV', '/home/me/my clone/env.sh')
+    text = introduction('/tmp/port', simulated=True)
+    assert ("source '/home/me/my clone/env.sh' && python '/home/me/my clone/examples/drive.py'\n"
+            in text)
 
 
 def test_capture_is_passed_on_to_the_node(stage):

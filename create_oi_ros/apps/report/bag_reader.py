@@ -7,7 +7,7 @@ something new: a sensor topic repeats itself 20 times a second.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -295,8 +295,13 @@ def _wanted(
                        f'{topics}')
     if robot is None and len(robots) > 1:
         raise BagError(f'{path} holds several robots, name one with --robot: '
-                       f'{", ".join(sorted(robots))}')
+                       f'{_listed(robots)}')
     chosen = next(iter(robots)) if robot is None else robot.strip('/')
     if chosen not in robots:
-        raise BagError(f'{path} has no robot {chosen}: it has {", ".join(sorted(robots))}')
+        raise BagError(f'{path} has no robot {chosen or "/"}: it has {_listed(robots)}')
     return robots[chosen] | diagnostics, chosen
+
+
+def _listed(robots: Iterable[str]) -> str:
+    """Return namespaces as --robot takes them; / is a robot without one."""
+    return ', '.join(space or '/' for space in sorted(robots))
