@@ -22,7 +22,7 @@ MODULES = {
     'create_node': 'ros.node',
     'create_record': 'apps.record',
     'create_report': 'apps.report.create_report',
-    'create_run': 'apps.run',
+    'create_run': 'apps.run.create_run',
     'create_sim': 'sim.server.create_sim',
     'create_view': 'apps.view.create_view',
 }

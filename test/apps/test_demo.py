@@ -22,7 +22,7 @@ from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.recorder import bag_qos
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.world import shipped
-from support.ros import scene
+from support.ros import children_of, scene
 
 
 @pytest.fixture(scope='module')
@@ -101,12 +101,6 @@ def demo(folder: Path, domain: int, *arguments: str) -> subprocess.Popen[str]:
         [sys.executable, '-c', PROGRAMS['create_demo'], '-o', str(folder), *arguments],
         env={**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-
-
-def children_of(pid: int) -> list[int]:
-    """Return the processes that a process has started."""
-    return [int(child) for child in
-            Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
 
 
 def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
