@@ -1,5 +1,5 @@
 """
-Runs the blocks of `docs/tutorial.md` in order, as processes in one ROS domain.
+Runs the blocks of `docs/tutorial.md` in order, all in the ROS domain of the first terminal.
 
 A block marked `terminal 1` keeps running. One marked `until: TEXT; then Ctrl-C` is ended when TEXT
 was printed. The lines of a `text` block must appear in the output; numbers may differ. A block
@@ -16,7 +16,6 @@ import pytest
 
 from create_oi_ros.ros.programs import PROGRAMS
 from support.pages import Block, blocks, check_parameters, check_ros2, commands
-from support.ros import own_domain
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'tutorial.md'
@@ -24,6 +23,7 @@ BLOCKS = blocks(PAGE)
 REASONS = {'ros2': {'ros2'}, 'sudo': {'sudo'}, 'build': {'make'}, 'robot': {'create_run',
            'create_node', 'python'}}
 """Reasons for not running a block, and the programs that such a block may name."""
+JOIN = re.compile(r'export ROS_DOMAIN_ID=\d+')
 VARYING = re.compile(r'\b(left|right)$|\b(True|False)\b|[+-]?\d+(\.\d+)?(e-?\d+)?')
 """Parts of a line that may differ from run to run: numbers, booleans, left or right."""
 
@@ -47,6 +47,15 @@ class Terminal:
             if shape(line) == shape(expected):
                 return
         raise AssertionError(f'{expected!r} was not printed: {"".join(self.printed)}')
+
+    def domain(self) -> str:
+        """Wait for the line by which others join; return the number of the ROS domain."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.printed.append(line)
+            if found := re.search(r'export ROS_DOMAIN_ID=(\d+)$', line):
+                return found[1]
+        raise AssertionError(f'no ROS domain was printed: {"".join(self.printed)}')
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""
@@ -73,10 +82,11 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def environment(tmp_path):
-    """Return an environment with a ROS domain of its own."""
-    with own_domain() as domain:
-        yield {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}
+def environment():
+    """Return an environment without a ROS domain: the first terminal prints that of its robot."""
+    made = {**os.environ, 'PYTHONUNBUFFERED': '1'}
+    made.pop('ROS_DOMAIN_ID', None)
+    return made
 
 
 def run(
@@ -87,7 +97,9 @@ def run(
 
     The page says so, too: a client can call before the service knows where to send the reply.
     """
-    terminal = Terminal(block.text, folder, environment)
+    # Where the reader types the number that the first terminal shows, so does the test.
+    text = JOIN.sub(f'export ROS_DOMAIN_ID={environment["ROS_DOMAIN_ID"]}', block.text)
+    terminal = Terminal(text, folder, environment)
     until = re.fullmatch(r'until: (.*); then Ctrl-C', block.mark)
     if until:
         terminal.shows(until[1])
@@ -110,6 +122,7 @@ def test_the_tutorial_works(folder, environment):
             match block.language, block.mark:
                 case 'bash', 'terminal 1':
                     first = latest = Terminal(block.text, folder, environment)
+                    environment['ROS_DOMAIN_ID'] = first.domain()
                 case 'bash', _:
                     if 'create_demo' in block.text:  # the page ends the first one before
                         first.interrupt()
@@ -125,6 +138,11 @@ def test_the_tutorial_works(folder, environment):
             first.interrupt()
             first.ended()
     assert (folder / 'first_demo' / 'page.html').stat().st_size > 100_000
+
+
+def test_the_page_says_how_the_second_terminal_joins():
+    blocks_of_shells = [block.text for block in BLOCKS if block.language == 'bash']
+    assert not JOIN.search(blocks_of_shells[0]) and JOIN.search(blocks_of_shells[1])
 
 
 def test_a_block_that_is_not_run_has_a_reason():
