@@ -170,6 +170,9 @@ def main() -> int:
             print(f'create_node: {error}', file=sys.stderr)
             return 2
         executor.add_node(node)
+        unused = node_arguments.unused_file(sys.argv, node._parameter_overrides)
+        if unused is not None:
+            node.get_logger().warning(unused)
         try:
             node.session.start()
             spin_until(executor, ended)

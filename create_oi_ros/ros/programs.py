@@ -7,6 +7,7 @@ started by then, so the system's default handler for SIGINT replaces Python's.
 """
 
 from importlib import import_module
+from io import TextIOWrapper
 import os
 import signal
 import sys
@@ -43,6 +44,8 @@ def _run(program: str) -> int:
         return 0
     if sys.stdout is None:  # closed by the shell: >&-
         sys.stdout = open(os.devnull, 'w')
+    if isinstance(sys.stdout, TextIOWrapper):  # a path may hold letters that a terminal has not
+        sys.stdout.reconfigure(errors='backslashreplace')
     try:
         code = int(_imported(program).main())
         sys.stdout.flush()

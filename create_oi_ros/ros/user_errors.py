@@ -47,6 +47,11 @@ def check_environment() -> None:
     if domain and not (domain.isdecimal() and int(domain) <= HIGHEST_DOMAIN):
         raise UserError(f'ROS_DOMAIN_ID is {domain!r}: allowed is a whole number from 0 to '
                         f'{HIGHEST_DOMAIN}; `unset ROS_DOMAIN_ID` stands for 0')
+    if (os.environ.get('ROS_SECURITY_STRATEGY') == 'Enforce'
+            and os.environ.get('ROS_SECURITY_ENABLE') == 'true'
+            and not os.environ.get('ROS_SECURITY_KEYSTORE')):
+        raise UserError('ROS_SECURITY_STRATEGY is Enforce, but there are no keys: set '
+                        'ROS_SECURITY_KEYSTORE, as docs/security.md says')
     folder = log_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)

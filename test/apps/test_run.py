@@ -64,6 +64,14 @@ def test_a_missing_port_is_reported_and_run_continues(stage):
     assert run.ended() == 0
 
 
+@pytest.mark.parametrize('port', ['5', '[1', "it's", 'true'])
+def test_a_port_of_any_name_is_taken_as_a_name(stage, port):
+    run = stage.program('create_run', '--port', port)
+    stage.ros.until(lambda: f'{port} does not exist' in run.output)
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+
+
 def test_children_end_with_it_even_when_it_is_killed(stage):
     run = stage.program('create_run', '--world', 'empty')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)

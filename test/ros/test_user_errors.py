@@ -150,6 +150,21 @@ def test_a_reader_that_ends_early_is_no_error():
     assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, '')
 
 
+def test_a_path_may_hold_letters_that_the_output_cannot(tmp_path):
+    done = run('create_calibrate', '-o', str(tmp_path / 'ä'), 'line', '1:1',
+               PYTHONIOENCODING='ascii')
+    assert (done.returncode, done.stderr) == (0, '')
+    assert '\\xe4 written' in done.stdout
+
+
+def test_security_without_keys_says_what_to_set(monkeypatch):
+    monkeypatch.setenv('ROS_SECURITY_ENABLE', 'true')
+    monkeypatch.setenv('ROS_SECURITY_STRATEGY', 'Enforce')
+    monkeypatch.delenv('ROS_SECURITY_KEYSTORE', raising=False)
+    with pytest.raises(UserError, match='set ROS_SECURITY_KEYSTORE'):
+        check_environment()
+
+
 def test_output_may_be_closed(tmp_path):
     done = subprocess.run(
         ['bash', '-c', '"$@" >&-', 'bash', sys.executable, '-c', PROGRAMS['create_calibrate'],

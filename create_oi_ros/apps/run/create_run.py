@@ -103,8 +103,13 @@ def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
 def _start(children: Children, port: str, options: argparse.Namespace) -> None:
     if options.port is None:
         children.start('create_sim', '--link', port, '--world', options.world or 'room')
-    capture = ['-p', f'capture:={options.capture}'] if options.capture else []
-    children.start('create_node', '--ros-args', '-p', f'port:={port}', *capture)
+    capture = ['-p', f'capture:={quoted(options.capture)}'] if options.capture else []
+    children.start('create_node', '--ros-args', '-p', f'port:={quoted(port)}', *capture)
+
+
+def quoted(text: str) -> str:
+    """Return a text as YAML that stays a text, even if it looks like a number or a list."""
+    return "'" + text.replace("'", "''") + "'"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
