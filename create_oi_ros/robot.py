@@ -17,7 +17,7 @@ TOP_SPEED_MM: Final = 500
 TOP_SPEED: Final = TOP_SPEED_MM * MILLI
 """The same, m/s."""
 FIRMWARE_SEPARATION: Final = 0.258
-"""Metres by which the firmware divides the wheels' difference to report an angle (reported)."""
+"""Metres between the wheels that the firmware assumes when it reports an angle (reported)."""
 WHEEL_SEPARATION: Final = 0.258
 """Metres between the wheels' contact points (reported: 0.258 to 0.262)."""
 WHEEL_RADIUS: Final = 0.033

@@ -1,4 +1,4 @@
-"""The host's machine: wanted mode, watchdog, limits, stream plan. Pure: no clock, no I/O."""
+"""The computer's side of the line: a state machine that decides what to send. Pure: no I/O."""
 
 from .battery_watch import BatteryLevel, BatteryLimits, LowBatteryAction
 from .events import DriverEvent, LinkCounts, ModeChanged, Moved, Notice, Severity

@@ -1,4 +1,4 @@
-"""Watches the battery's voltage, so that the robot does not run it flat."""
+"""Turns the battery's voltage into a level: fine, low or nearly empty."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -7,9 +7,9 @@ from .. import oi
 from ..robot import MILLI
 
 SETTLE = 5.0
-"""Seconds that the voltage must stay below a level: starting motors pull it down."""
+"""Seconds that the voltage must stay below a limit: motors that start pull it down."""
 RISE = 0.3
-"""Volts above a level at which the battery counts as better again."""
+"""Volts above a limit at which the battery counts as better again."""
 
 
 class LowBatteryAction(Enum):
@@ -30,7 +30,7 @@ class BatteryLevel(Enum):
 
 @dataclass(frozen=True)
 class BatteryLimits:
-    """Voltages, V, of the twelve cells together, and what to do at the lower one."""
+    """Voltages of the whole battery, V, and what to do below the lower one."""
 
     low: float = 13.5
     empty: float = 12.5

@@ -13,17 +13,17 @@ from .events import Notice, Severity
 
 CALL_INTERVAL = 0.3
 """Seconds to wait for an answer before the next call."""
-USUAL = (57600, 19200)
+USUAL_BAUDS = (57600, 19200)
 """Rates that a Create starts with (manual: Serial Port Settings)."""
 GARBAGE_LIMIT = 64
-"""Bytes that are no frames after which something else is taken to be on the line."""
+"""Bytes without a frame after which something else must be on the line."""
 CALLS_BEFORE_NOTICE = 3
 """Calls without an answer before the user is told; a robot that boots misses one or two."""
 
 
 def _rates(first: int) -> Iterator[int]:
-    """Go through all rates for ever, the likely ones in between."""
-    usual = (first, *(rate for rate in USUAL if rate != first))
+    """Yield all rates for ever; the likely ones come again before each of the others."""
+    usual = (first, *(rate for rate in USUAL_BAUDS if rate != first))
     rest = [code.rate for code in reversed(oi.BaudCode) if code.rate not in usual]
     return cycle(chain.from_iterable((*usual, other) for other in rest))
 
@@ -34,7 +34,7 @@ class BaudSearch:
     def __init__(self, baud: int) -> None:
         """Call at one rate; 0 searches for the robot's."""
         self._searching = baud == 0
-        self.baud = baud or USUAL[0]
+        self.baud = baud or USUAL_BAUDS[0]
         """Bits per second, now."""
         self._next = _rates(self.baud)
         self._calls = 0
@@ -60,17 +60,18 @@ class BaudSearch:
             self._garbage += garbage[:GARBAGE_LIMIT]
 
     def notice(self) -> Notice | None:
-        """Say what may be wrong, once it is time to."""
+        """Say what may be wrong, once, after some calls without an answer."""
         if self._notice_given or self._calls < CALLS_BEFORE_NOTICE:
             return None
         self._notice_given = True
-        at = ' and '.join(map(str, USUAL)) if self._searching else str(self.baud)
+        at = ' and '.join(map(str, USUAL_BAUDS)) if self._searching else str(self.baud)
         if len(self._garbage) >= GARBAGE_LIMIT:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])
             return Notice(Severity.ERROR, (
-                f'something speaks on the port, but not like a Create at {at} baud (it said '
-                f'{shown} ...): is it another device, or another baud rate (`baud: 0` looks)?'))
-        hint = '' if self._searching else '; the parameter `baud: 0` looks at other rates'
+                f'something sends on the port, but not like a Create at {at} baud (it sent '
+                f'{shown} ...): is it another device, or another baud rate (`baud: 0` tries all)? '
+                'The driver keeps calling'))
+        hint = '' if self._searching else '; the parameter `baud: 0` tries other rates'
         return Notice(Severity.ERROR, (
             f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
-            f'serial cable, and in to the stop{hint}? The driver keeps calling'))
+            f'serial cable, plugged in all the way{hint}? The driver keeps calling'))

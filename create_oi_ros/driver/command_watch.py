@@ -14,12 +14,12 @@ MISSES_SUSPECTED, MISSES_REPORTED = 4, 14
 """Speeds in a row that the robot did not take: after 0.6 s and after 2 s."""
 UNSEEN_SUSPECTED, UNSEEN_REPORTED = 0.6, 1.5
 """Seconds without frames of the list that was asked for."""
-IGNORES = ('the robot does not do what it is told, not even stop: damaged bytes may have told it '
-           'to wait; lift it, switch it off and on')
+IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told it to wait; '
+           'lift it, switch it off and on')
 
 
 class Obedience(Enum):
-    """What has just become known about whether the robot takes commands."""
+    """News about whether the robot takes commands."""
 
     SUSPECT = auto()
     """It may be in the middle of a command."""
@@ -42,7 +42,7 @@ class CommandWatch:
         return self._last is Obedience.IGNORES
 
     def restart(self) -> None:
-        """Start anew: the robot was away, or cannot be expected to take commands."""
+        """Start again: the robot was away, or cannot take commands now."""
         self._list = self._unseen_since = self._last = None
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
@@ -55,7 +55,7 @@ class CommandWatch:
         if packets != self._list:
             self._list, self._unseen_since = packets, None
 
-    def judge(self, missed: int, now: float) -> Obedience | None:
+    def check(self, missed: int, now: float) -> Obedience | None:
         """Return what is new; `missed` is how many speeds in a row the robot did not take."""
         unseen = 0.0 if self._unseen_since is None else now - self._unseen_since
         before = self._last

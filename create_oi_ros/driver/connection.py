@@ -14,7 +14,7 @@ from .command_watch import CommandWatch, IGNORES, Obedience
 from .events import EventQueue, LinkCounts, Severity
 from .frame_budget import FrameBudget, too_slow
 from .outbox import Outbox
-from .state import Activity, Event, State
+from .state import Activity, State, StateEvent
 from .stopping import DRAIN, HALT
 from .stream_plan import StreamPlan
 
@@ -27,18 +27,18 @@ STALE = 0.05
 
 
 class Connection:
-    """The line to the robot: who answers, at which rate, and how well."""
+    """The line to the robot: whether it answers, at which rate, and how well."""
 
     def __init__(
         self, baud: int, state: State, outbox: Outbox, events: EventQueue, counts: LinkCounts,
-        take: Callable[[Event], None],
+        handle: Callable[[StateEvent], None],
     ) -> None:
-        """`take` changes the driver's activity."""
+        """`handle` passes an event to the driver's state."""
         self._state = state
         self._outbox = outbox
         self._events = events
         self._counts = counts
-        self._take = take
+        self._handle = handle
         self._search = BaudSearch(baud)
         self._watch = CommandWatch()
         self.frame_budget = FrameBudget()
@@ -65,7 +65,7 @@ class Connection:
         self._search.restart()
         self._ran_at = now
         self._check_rate()
-        self._call(now, Event.OPENED)
+        self._call(now, StateEvent.OPENED)
 
     def forget(self) -> None:
         """Forget how well the line works: no robot answers."""
@@ -93,7 +93,7 @@ class Connection:
 
     def answered(self) -> None:
         """Note that the first frame has come."""
-        self._take(Event.ANSWERED)
+        self._handle(StateEvent.ANSWERED)
         self._check_rate()
 
     def ask(self, stream: oi.Stream, now: float) -> None:
@@ -102,7 +102,7 @@ class Connection:
         self._watch.asked(tuple(stream.packets), now)
 
     def check_silence(self, now: float) -> None:
-        """Call the robot, or call it again, when it has not been heard for too long."""
+        """Call the robot when no frame has come for too long."""
         answered = self._state.answered
         if now - self.heard_at <= (SILENCE if answered else CALL_INTERVAL):
             return
@@ -118,10 +118,10 @@ class Connection:
         notice = self._search.notice()
         if notice is not None:
             self._events.add(notice)
-        self._call(now, Event.NO_ANSWER)
+        self._call(now, StateEvent.NO_ANSWER)
 
     def check_standstill(self, now: float) -> None:
-        """Start anew after this process has been stopped: the dead-man may have acted."""
+        """Call the robot again after this process stood still: the dead-man may have acted."""
         still = 0.0 if self._ran_at is None else now - self._ran_at
         self._ran_at = now
         if not self._state.answered or still <= STANDSTILL:
@@ -131,36 +131,36 @@ class Connection:
             'computer that slept or was too busy); calling the robot again')
         self.reader.flush()
         self._search.restart()
-        self._take(Event.NO_ANSWER)
+        self._handle(StateEvent.NO_ANSWER)
         self._outbox.send_at_once(HALT, now)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self._stale_until = now + STALE
         self.heard_at = self._stale_until - CALL_INTERVAL
 
-    def judge(self, missed_speeds: int, now: float) -> bool:
+    def check_line(self, missed_speeds: int, now: float) -> bool:
         """
         React to a robot that ignores commands, and report a line that carries too little.
 
-        True when the robot obeys again, and so must be sent again what it may have missed.
+        True when the robot obeys again: then what it may have missed must be sent again.
         """
         if not self._state.takes_commands:
             self._watch.restart()
             self.frame_budget.restart()
             return False
-        news = self._watch.judge(missed_speeds, now)
+        news = self._watch.check(missed_speeds, now)
         if news is Obedience.SUSPECT:
             self._outbox.send_raw(DRAIN)
         elif news is Obedience.IGNORES:
             self._events.notice(Severity.ERROR, IGNORES)
-        if self.frame_budget.judge(self.baud, now, fits=self.plan.budget.fits):
+        if self.frame_budget.check(self.baud, now, fits=self.plan.budget.fits):
             problem = self.frame_budget.problem
             self._events.notice(Severity.WARNING if problem else Severity.INFO,
                                 problem or 'frames arrive in time again')
         return news is Obedience.OBEYS_AGAIN
 
-    def _call(self, now: float, event: Event) -> None:
-        """Call the robot, whatever state it is in, and stop it."""
-        self._take(event)
+    def _call(self, now: float, event: StateEvent) -> None:
+        """Stop the robot and start its stream, whatever it was doing before."""
+        self._handle(event)
         assert self._state.activity is Activity.CALLING
         self.heard_at = now
         baud = self._search.next_baud()
@@ -171,8 +171,8 @@ class Connection:
         self._outbox.send(HALT)
         self._outbox.send(oi.Start())
         stream = self.plan.next_stream(now, motion_due=True)
-        if stream is not None:
-            self._outbox.send(stream)
+        assert stream is not None, 'nothing has been asked for yet'
+        self._outbox.send(stream)
 
     def _check_rate(self) -> None:
         slow = too_slow(self.plan.budget, self.baud)

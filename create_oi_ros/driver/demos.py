@@ -6,12 +6,12 @@ from .. import oi
 from .outbox import Outbox
 from .pending import done, Pending, refused
 from .requests import Requests
-from .state import Event
+from .state import StateEvent
 from .stopping import END_DEMO
 from .supervision import Supervision
 
 DOCK_PAUSE = 1.0
-"""Seconds that the robot is to be in Passive before it is sent to its dock (reported)."""
+"""Seconds that the robot must be in Passive before it is sent to its dock (reported)."""
 
 
 class Demos:
@@ -19,13 +19,13 @@ class Demos:
 
     def __init__(
         self, outbox: Outbox, requests: Requests, supervision: Supervision,
-        take: Callable[[Event], None],
+        handle: Callable[[StateEvent], None],
     ) -> None:
-        """`take` changes the driver's activity."""
+        """`handle` passes an event to the driver's state."""
         self._outbox = outbox
         self._requests = requests
         self._supervision = supervision
-        self._take = take
+        self._handle = handle
 
     def start(self, demo: oi.DemoNumber) -> Pending:
         """Let the robot play a demo; the request ends when the command is written."""
@@ -34,23 +34,19 @@ class Demos:
         why = self._requests.refusal(oi.Demo)
         if why is not None:
             return refused(why)
-        follows_commands = self._follows_commands
-        self._take(Event.DEMO_STARTED)
+        can_drive = self._supervision.status.can_drive
+        self._handle(StateEvent.DEMO_STARTED)
         self._supervision.want(oi.Mode.PASSIVE)
-        if demo is oi.DemoNumber.COVER_AND_DOCK and follows_commands:
+        if demo is oi.DemoNumber.COVER_AND_DOCK and can_drive:
             self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
         return self._requests.send(
             oi.Demo(demo=demo), f'demo {demo.name} runs; call stop_demo to end it')
 
     def stop(self) -> Pending:
         """End the demo that runs, if any; the robot stays in Passive."""
-        if self._follows_commands and self._requests.refusal(oi.Demo) is None:
+        if self._supervision.status.can_drive and self._requests.refusal(oi.Demo) is None:
             return done('no demo runs: the robot obeys cmd_vel')
         request = self._requests.send(
             END_DEMO, 'demo ended; call set_mode with SAFE to drive again')
-        self._take(Event.DEMO_ENDED)
+        self._handle(StateEvent.DEMO_ENDED)
         return request
-
-    @property
-    def _follows_commands(self) -> bool:
-        return self._supervision.status.actual in oi.ACTUATE

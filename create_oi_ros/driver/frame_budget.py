@@ -7,15 +7,16 @@ frames and bytes are counted over a few seconds.
 """
 
 from .. import oi
-from ..robot import SLOT
-from .baud_search import USUAL
+from ..robot import MILLI, SLOT
+from .baud_search import USUAL_BAUDS
 
+SLOT_TEXT = f'{SLOT / MILLI:.0f} ms'
 WINDOW = 3.0
 """Seconds over which frames are counted."""
 TOO_FEW, ENOUGH = 0.8, 0.9
-"""Parts of all frames: with fewer something is wrong, with more it is right again."""
+"""Fractions of all frames: with fewer something is wrong, with more the line is well again."""
 CARRIED = 0.95
-"""Part of the bytes wanted that arrives though frames do not: then they are damaged, not cut."""
+"""Fraction of the wanted bytes: with more of them, missing frames are damaged, not cut."""
 
 
 def too_slow(longest: oi.Budget, baud: int) -> str | None:
@@ -23,7 +24,7 @@ def too_slow(longest: oi.Budget, baud: int) -> str | None:
     if longest.fits:
         return None
     return (f'{baud} baud is too slow: a frame of {longest.size} bytes does not fit into '
-            f'{SLOT * 1000:.0f} ms; use 19200 or more')
+            f'{SLOT_TEXT}; use 19200 or more')
 
 
 class FrameBudget:
@@ -32,7 +33,7 @@ class FrameBudget:
     def __init__(self) -> None:
         self.problem: str | None = None
         self._begun: float | None = None
-        self._frames = self._whole = self._bytes = 0
+        self._frames = self._frame_bytes = self._bytes = 0
         self.since_frame = 0
         """Bytes that have come since the last whole frame."""
 
@@ -47,24 +48,24 @@ class FrameBudget:
         self.since_frame += size
 
     def add_frame(self, size: int) -> None:
-        """Count a frame that has arrived whole, of so many bytes."""
+        """Count a whole frame, and its bytes."""
         self._frames += 1
-        self._whole += size
+        self._frame_bytes += size
         self.since_frame = 0
 
     def why_silent(self, longest: oi.Budget, baud: int) -> str:
         """Say why no whole frame has come for a while."""
         if not longest.fits:
             return (f'frame budget exceeded: {baud} baud carries {longest.capacity} bytes in '
-                    f'{SLOT * 1000:.0f} ms, and longer frames are cut')
+                    f'{SLOT_TEXT}, and longer frames are cut')
         if self.since_frame > longest.size:
             return (f'{self.since_frame} bytes came, but no frame among them: is the line '
                     'disturbed, or the robot at another baud rate')
         return 'the robot is off, asleep or unplugged'
 
-    def judge(self, baud: int, now: float, *, fits: bool) -> bool:
+    def check(self, baud: int, now: float, *, fits: bool) -> bool:
         """
-        Look at what has arrived up to now; True when the problem has begun or ended.
+        Check what has arrived up to now; True when a problem has begun or ended.
 
         `fits` is whether the frames that were asked for fit into their slots at this rate.
         """
@@ -74,24 +75,24 @@ class FrameBudget:
         if self._begun is not None:
             self._assess(baud, now - self._begun, fits=fits)
         self._begun = now
-        self._frames = self._whole = self._bytes = 0
+        self._frames = self._frame_bytes = self._bytes = 0
         return bool(before) != bool(self.problem)
 
     def _assess(self, baud: int, seconds: float, *, fits: bool) -> None:
-        part = self._frames * SLOT / seconds
-        if part >= ENOUGH:
+        fraction = self._frames * SLOT / seconds
+        if fraction >= ENOUGH:
             self.problem = None
-        if part >= TOO_FEW or not self._frames:
+        if fraction >= TOO_FEW or not self._frames:
             return
-        size = round(self._whole / self._frames)
+        size = round(self._frame_bytes / self._frames)
         wanted, came = size / SLOT, self._bytes / seconds
         arrive = f'only {self._frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
         if fits and came > CARRIED * wanted:
             self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
                             'a motor disturb the line?')
         else:
-            faster = '' if baud >= USUAL[0] else f'use {USUAL[0]} baud, and '
+            faster = '' if baud >= USUAL_BAUDS[0] else f'use {USUAL_BAUDS[0]} baud, and '
             self.problem = (
                 f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
-                f'{SLOT * 1000:.0f} ms is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
+                f'{SLOT_TEXT} is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
                 f'baud: {faster}look at adapter, network and cable')

@@ -5,15 +5,13 @@ It mirrors the robot's: `receive(bytes, now)`, `poll(now)`, `data_to_send()`. Ca
 bytes have come, `poll` whenever time has passed, and write what `data_to_send` returns; fetch
 what happened with `next_event`. `now` is in seconds on any clock that does not go backwards.
 
-What the driver is doing is one value, `state`. This file passes what happens to the parts and
-events to the state: `_take` is the only place where the state changes, and where what follows
-from a change for wheels and parts is done. A request (set_mode, outputs.set_leds, ...) returns a
-`Pending`; `poll` sends.
+What the driver is doing is one value, `state`. `_handle` is the only place where it changes, and
+where the wheels and the other parts are told. A request (set_mode, outputs.set_leds, ...) returns
+a `Pending`; `poll` sends.
 """
 
 from collections import deque
 from copy import copy
-from math import isfinite
 
 from .. import oi
 from .battery_guard import BatteryGuard
@@ -23,28 +21,29 @@ from .demos import Demos
 from .events import DriverEvent, EventQueue, LinkCounts, ModeChanged, Moved, Severity
 from .health import Health
 from .modes import Modes
-from .motion import Motion, MotionLimits
+from .motion import MotionLimits, WheelCommands
 from .outbox import Outbox
 from .outputs import Outputs
 from .pending import done, Pending, refused
-from .plausibility import TurnCheck
+from .plausibility import ANGLE_STUCK, TurnCheck
 from .requests import Requests
 from .script_control import ScriptControl
 from .settings import Settings
-from .state import Activity, Event, Owner, State
+from .state import Activity, State, StateEvent
 from .stopping import END_DEMO, farewell, HALT
 from .stream_plan import StreamPlan
 from .supervision import causes_in, ModeStatus, Supervision
 from .tracking import Taken, Tracking
+from .velocity_control import VelocityControl
 
-NO_ROBOT = (Event.OPENED, Event.NO_ANSWER, Event.PORT_CLOSED)
+ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
-SAME_SPEEDS = (Event.VELOCITY, Event.HALTED)
-"""Events after which the wheels still run as they were told last."""
+SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
+"""Events after which the wheels still run at the speeds that were sent last."""
 
 
 class Driver:
-    """What the node talks to and the serial port is fed from."""
+    """The state machine between the node and the serial port."""
 
     def __init__(self, settings: Settings | None = None) -> None:
         self.settings = settings = settings or Settings()
@@ -52,42 +51,42 @@ class Driver:
         self.counts = LinkCounts()
         self._events = EventQueue()
         self._outbox = Outbox()
-        self._motion = Motion(settings.limits)
+        self._wheels = WheelCommands(settings.limits)
         self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
         self._tracking = Tracking(settings, self.counts)
         self._turn_check = TurnCheck(settings.limits.wheel_separation)
         self._connection = Connection(
-            settings.baud, self.state, self._outbox, self._events, self.counts, self._take)
-        requests = Requests(self._outbox, self.state, self._supervision)
-        self._requests = requests
+            settings.baud, self.state, self._outbox, self._events, self.counts, self._handle)
+        self._requests = requests = Requests(self._outbox, self.state, self._supervision)
         self.outputs = Outputs(self._outbox, requests, self._tracking)
-        self.demos = Demos(self._outbox, requests, self._supervision, self._take)
+        self.demos = Demos(self._outbox, requests, self._supervision, self._handle)
         self.scripts = ScriptControl(
             self._outbox, requests, self.state, self._connection.plan,
-            settings.limits.wheel_separation, self._take)
+            settings.limits.wheel_separation, self._handle)
         self._modes = Modes(self._supervision, self.state, self._outbox, requests, self.outputs,
-                            self._events, self._take)
+                            self._events, self._handle)
         self._battery = BatteryGuard(settings.battery, self.demos, self._modes, self._events)
-        self._unjudged: deque[tuple[Taken, Moved]] = deque()
-        """Frames that were published, and whose consequences `poll` still has to draw."""
-        self._status_told = self.status
-        self._refusal_told = False
-        self._not_finite = 0
+        self._velocity = VelocityControl(
+            self._wheels, self.state, self._supervision, self._modes, self._outbox, self._events,
+            self._handle)
+        self._unchecked: deque[tuple[Taken, Moved]] = deque()
+        """Frames that were reported as events, and that `poll` still has to check."""
+        self._reported_status = self.status
 
-    def _take(self, event: Event) -> None:
-        """Let an event change the state, and do what follows from it for wheels and parts."""
-        self.state.take(event)
-        if event in NO_ROBOT:
+    def _handle(self, event: StateEvent) -> None:
+        """Let an event change the state; tell the wheels and the other parts what follows."""
+        self.state.handle(event)
+        if event in ROBOT_UNKNOWN:
             self._outbox.clear()
             self._connection.forget()
             self._tracking.restart()
             self._supervision.lost()
             self.scripts.forget()
-            self._unjudged.clear()
+            self._unchecked.clear()
         if not self.state.moving:
-            self._motion.stop()
-        if event not in SAME_SPEEDS:
-            self._motion.forget_sent()
+            self._wheels.stop()
+        if event not in SPEEDS_HOLD:
+            self._wheels.forget_sent()
 
     # What arrives and leaves, and what happened.
 
@@ -98,7 +97,7 @@ class Driver:
     def disconnected(self, why: str) -> None:
         """Stop talking: the port is gone."""
         self._connection.reader.flush()
-        self._take(Event.PORT_CLOSED)
+        self._handle(StateEvent.PORT_CLOSED)
         self._modes.fail(f'port lost: {why}')
 
     def receive(self, data: bytes, now: float) -> None:
@@ -108,32 +107,27 @@ class Driver:
             return
         reader = self._connection.reader
         while (event := reader.next_event()) is not None:
-            match event:
-                case oi.Frame():
-                    self._take_frame(event, now)
-                case oi.Garbage():
-                    self._connection.add_garbage(event.data)
-                    self._tracking.clock.suspect()
+            if isinstance(event, oi.Frame):
+                self._take_frame(event, now)
+            else:
+                self._connection.add_garbage(event.data)
+                self._tracking.clock.suspect()
         self.counts.checksum_failures = reader.checksum_failures
 
     def poll(self, now: float) -> None:
-        """Advance timers, draw conclusions from frames, and make ready what is to be sent."""
+        """Check new frames, advance timers, and make ready what is to be sent."""
         self._outbox.confirm()
         if self.state.activity is Activity.CLOSED:
             return
         self._connection.check_standstill(now)
-        while self._unjudged:
-            self._judge(*self._unjudged.popleft(), now)
+        while self._unchecked:
+            self._check_frame(*self._unchecked.popleft(), now)
         if self.scripts.reading:
             self._connection.heard_at = now
         self._connection.check_silence(now)
         self._modes.check_timeout(now)
         self.scripts.poll(now)
-        if self._motion.expired(now):
-            self._supervision.commands_paused()
-            if self.state.moving:
-                self._take(Event.HALTED)
-        self._send_speeds(now)
+        self._velocity.poll(now)
         if self.state.takes_commands:
             stream = self._connection.plan.next_stream(
                 now, motion_due=self._tracking.odometry.reading_due)
@@ -148,8 +142,8 @@ class Driver:
     def next_event(self) -> DriverEvent | None:
         """Remove and return what has happened, oldest first."""
         event = self._events.next()
-        if event is None and self.status != self._status_told:
-            self._status_told = self.status
+        if event is None and self.status != self._reported_status:
+            self._reported_status = self.status
             return ModeChanged(self.status)
         return event
 
@@ -188,28 +182,12 @@ class Driver:
     # What is requested.
 
     def drive(self, linear: float, angular: float, now: float) -> None:
-        """Want a velocity, m/s and rad/s, until it is replaced or expires."""
-        if not (isfinite(linear) and isfinite(angular)):
-            self._report_not_finite(linear, angular)
-            self._motion.stop()
-            linear = angular = 0.0
-        else:
-            self._report_finite()
-        if not self._motion.command(linear, angular, now):
-            self._supervision.commands_paused()
-        elif self.state.owner is Owner.NOBODY:
-            self._take(Event.HALTED)
-        elif why := self.state.drive_refusal or self._modes.allow_driving(now):
-            self._take(Event.HALTED)
-            self._tell_refusal(why)
-        else:
-            self._refusal_told = False
-            self._take(Event.VELOCITY)
-        self._send_speeds(now)
+        """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
+        self._velocity.command(linear, angular, now)
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        self._take(Event.STOPPED)
+        self._handle(StateEvent.STOPPED)
         self._supervision.commands_paused()
         if self.state.activity is not Activity.CLOSED:
             self._outbox.send_at_once(HALT, now)
@@ -222,11 +200,11 @@ class Driver:
         return done('wheels stopped') if why is None else refused(why)
 
     def set_limits(self, limits: MotionLimits) -> None:
-        """Limit the motion differently from the next command on."""
-        self._motion.limits = limits
+        """Change the limits, from the next command on."""
+        self._wheels.limits = limits
 
     def set_mode(self, mode: oi.Mode, now: float) -> Pending:
-        """Want a mode; the request ends when the robot reports it, or does not."""
+        """Want a mode; the request ends when the robot reports it, or after a timeout."""
         return self._modes.set(mode, now)
 
     def reset_odometry(self) -> Pending:
@@ -242,15 +220,15 @@ class Driver:
         mode, script = self.status.actual, self.scripts.status(now)
         if script is not None:
             self._events.notice(
-                Severity.ERROR, f'the driver ends, but {script}; its wheels go on as it told them')
-        self._take(Event.PORT_CLOSED)
+                Severity.ERROR, f'the driver ends, but {script}; the script moves the wheels')
+        self._handle(StateEvent.PORT_CLOSED)
         for command in farewell(mode, self.settings.mode_on_exit):
             self._outbox.send_at_once(command, now)
 
-    # How it is done.
+    # How frames are handled.
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
-        """Report what a frame says; `poll` draws the conclusions, for news are urgent."""
+        """Report a frame at once: a bump must not wait until `poll` has checked everything."""
         taken = self._tracking.take(frame, self.baud, now)
         self._connection.add_frame(frame.packets)
         if taken is None:
@@ -262,7 +240,7 @@ class Driver:
             self._after_script()
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
         self._events.add(moved)
-        self._unjudged.append((taken, moved))
+        self._unchecked.append((taken, moved))
 
     def _found(self, now: float) -> None:
         self._connection.answered()
@@ -278,55 +256,25 @@ class Driver:
         if self._tracking.readings.oi_mode in oi.ACTUATE:
             self.outputs.restore()
 
-    def _judge(self, taken: Taken, moved: Moved, now: float) -> None:
-        """Draw the conclusions from a frame."""
+    def _check_frame(self, taken: Taken, moved: Moved, now: float) -> None:
+        """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
         if self._modes.observe(readings, now):
-            self._refusal_told = False
-        drives = self.status.actual in oi.DriveDirect.modes
+            self._velocity.report_next_refusal()
+        drives = self.status.can_drive
         if drives and self.state.takes_commands:
-            self._motion.reported(
+            self._wheels.reported(
                 readings.requested_right_velocity, readings.requested_left_velocity, now)
-        if self._connection.judge(self._motion.missed if drives else 0, now):
+        if self._connection.check_line(self._wheels.missed if drives else 0, now):
             self._send_again()
         self._modes.retry(now)
         if self._turn_check.observe(taken.readings, taken.dt):
-            self._events.notice(
-                Severity.WARNING, 'the angle does not change though the robot was told to '
-                'turn: are the wheels blocked, or does odometry_window: 0 hide slow turns? '
-                'Some firmware before 3.4.1 is reported to send a constant 0')
+            self._events.notice(Severity.WARNING, ANGLE_STUCK)
         self._battery.observe(readings, now)
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
-        self._motion.forget_sent()
+        self._wheels.forget_sent()
         self.outputs.restore_songs()
         if self.status.actual in oi.ACTUATE:
             self.outputs.restore()
-
-    def _report_not_finite(self, linear: float, angular: float) -> None:
-        """Report the first of a row of velocities that are not finite; count the others."""
-        self._not_finite += 1
-        if self._not_finite == 1:
-            self._events.notice(
-                Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
-                'stopped; send finite numbers')
-
-    def _report_finite(self) -> None:
-        more, self._not_finite = self._not_finite - 1, 0
-        if more > 0:
-            self._events.notice(
-                Severity.WARNING, f'velocities are finite again; {more} more were not')
-
-    def _tell_refusal(self, why: str) -> None:
-        if not self._refusal_told:
-            self._refusal_told = True
-            self._events.notice(Severity.WARNING, f'not driving: {why}')
-
-    def _send_speeds(self, now: float) -> None:
-        if self.state.takes_commands and self.status.actual in oi.DriveDirect.modes:
-            drive = self._motion.next_drive(now)
-            if drive is not None:
-                self._outbox.send_at_once(drive, now)
-        if self.state.moving and self._motion.at_rest:
-            self._take(Event.HALTED)

@@ -1,4 +1,4 @@
-"""Enters modes: on request, when the robot missed it, and after what ended the wanted mode."""
+"""Enters modes: on request, when the robot missed the command, and after a hazard is gone."""
 
 from collections.abc import Callable
 
@@ -8,7 +8,7 @@ from .outbox import Outbox
 from .outputs import Outputs
 from .pending import done, Pending, refused
 from .requests import Requests
-from .state import Event, State
+from .state import State, StateEvent
 from .stopping import END_DEMO
 from .supervision import Cause, MODE_COMMANDS, Supervision
 
@@ -22,16 +22,16 @@ class Modes:
 
     def __init__(
         self, supervision: Supervision, state: State, outbox: Outbox, requests: Requests,
-        outputs: Outputs, events: EventQueue, take: Callable[[Event], None],
+        outputs: Outputs, events: EventQueue, handle: Callable[[StateEvent], None],
     ) -> None:
-        """`take` changes the driver's activity."""
+        """`handle` passes an event to the driver's state."""
         self._supervision = supervision
         self._state = state
         self._outbox = outbox
         self._requests = requests
         self._outputs = outputs
         self._events = events
-        self._take = take
+        self._handle = handle
         self._request = done('no request')
         self._requested = oi.Mode.OFF
         self._deadline = 0.0
@@ -57,14 +57,14 @@ class Modes:
     def enter(self, mode: oi.Mode, now: float) -> None:
         """Tell the robot to enter a mode, and set the outputs that this resets."""
         self._supervision.entering(now)
-        self._take(Event.MODE_ENTERED)
+        self._handle(StateEvent.MODE_ENTERED)
         self._outbox.send(MODE_COMMANDS[mode]())
         if mode in oi.ACTUATE:
             self._outputs.restore()
 
     def rest(self, now: float) -> None:
         """Stop, and want Passive from now on."""
-        self._take(Event.STOPPED)
+        self._handle(StateEvent.STOPPED)
         self._supervision.want(oi.Mode.PASSIVE)
         self.enter(oi.Mode.PASSIVE, now)
 
@@ -73,7 +73,7 @@ class Modes:
         left = self._supervision.observe(readings, now)
         status = self._supervision.status
         if left:
-            self._take(Event.STOPPED)
+            self._handle(StateEvent.STOPPED)
             self._events.notice(
                 Severity.WARNING, f'robot left {status.wanted.name} for '
                 f'{readings.oi_mode.name}: {status.reason}')
@@ -99,9 +99,13 @@ class Modes:
                   'needs all wheels down, no cliff under it and no charger plugged in')
 
     def allow_driving(self, now: float) -> str | None:
-        """Enter the wanted mode for a fresh command where that is due; else say why not."""
+        """
+        Say why a fresh command is not followed; None where it is.
+
+        Where the robot has left the wanted mode, and may enter it again, tell it to.
+        """
         status = self._supervision.status
-        if status.actual in oi.DriveDirect.modes:
+        if status.can_drive:
             return None
         if not self._supervision.may_recover(now):
             why = f' ({status.reason})' if status.reason else ''

@@ -1,19 +1,16 @@
-"""
-From a commanded velocity to the wheel speeds that the robot is sent.
-
-The watchdog is here too: the Open Interface has no timeout, the last Drive holds for ever.
-"""
+"""From a commanded velocity to the wheel speeds that are sent to the robot."""
 
 from dataclasses import dataclass
 from math import inf
 
 from .. import oi
+from ..oi.steering import WheelSpeeds
 from ..robot import MM_PER_M, SLOT, TOP_SPEED, WHEEL_SEPARATION
 
 
 @dataclass(frozen=True)
 class MotionLimits:
-    """Limits of what the wheels are told."""
+    """Limits on the wheel speeds that are sent."""
 
     wheel_separation: float = WHEEL_SEPARATION
     """Metres between the wheels' contact points."""
@@ -31,62 +28,59 @@ REPORT_TIMEOUT = 10 * SLOT
 """Seconds after which the robot should report the speeds that it was sent."""
 RAMP_STEP = 2 * SLOT
 """Most seconds of acceleration between two commands, however far apart they are."""
-WheelSpeeds = tuple[float, float]
-"""Right and left, mm/s."""
-STOPPED = (0.0, 0.0)
+STOPPED = WheelSpeeds(0.0, 0.0)
 
 
 def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> WheelSpeeds:
     """
     Return right and left wheel speed in mm/s for m/s forward and rad/s counter-clockwise.
 
-    Too fast a command is slowed down as a whole, both wheels by one factor, so that the curve is
-    kept.
+    A command that is too fast is slowed down, both wheels by one factor: the curve stays the same.
     """
     # Calculated by halves: their sum fits into a float whatever was commanded.
     half, turn = linear / 2, angular * limits.wheel_separation / 4
     right, left = half + turn, half - turn
     fastest = max(abs(right), abs(left))
     scale = min(1.0, limits.max_wheel_speed / 2 / fastest) if fastest else 1.0
-    return right * scale * 2 * MM_PER_M, left * scale * 2 * MM_PER_M
+    return WheelSpeeds(right * scale * 2 * MM_PER_M, left * scale * 2 * MM_PER_M)
 
 
 def next_speeds(
     before: WheelSpeeds, wanted: WheelSpeeds, seconds: float, limits: MotionLimits,
 ) -> WheelSpeeds:
     """
-    Return what comes after some seconds on the way from one pair of wheel speeds to another.
+    Return the wheel speeds some seconds later, on the way from one pair of speeds to another.
 
-    Both accelerations are reduced by one factor: from a stand, the curve is the commanded one
-    from the start.
+    Both accelerations are reduced by one factor: a robot that starts from rest follows the
+    commanded curve at once.
     """
-    right, left = wanted[0] - before[0], wanted[1] - before[1]
+    right, left = wanted.right - before.right, wanted.left - before.left
     linear = abs(right + left) / 2 / MM_PER_M
     angular = abs(right - left) / limits.wheel_separation / MM_PER_M
-    part = 1.0
+    fraction = 1.0
     for change, limit in ((linear, limits.linear_acceleration),
                           (angular, limits.angular_acceleration)):
         if limit and change:
-            part = min(part, limit * seconds / change)
-    if part == 1.0:
+            fraction = min(fraction, limit * seconds / change)
+    if fraction == 1.0:
         return wanted
-    return before[0] + part * right, before[1] + part * left
+    return WheelSpeeds(before.right + fraction * right, before.left + fraction * left)
 
 
-class Motion:
-    """The newest velocity command, how long it holds, and what the robot was told of it."""
+class WheelCommands:
+    """The newest velocity command, and the wheel speeds that were sent to follow it."""
 
     def __init__(self, limits: MotionLimits) -> None:
         self.limits = limits
         self._wanted = STOPPED
         self._commanded_at = -inf
         self._speeds = STOPPED
-        """Where the acceleration limits have brought the wheels."""
+        """Wheel speeds that the acceleration limits have allowed so far."""
         self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
         self._sent_at = -inf
         self.missed = 0
-        """How many speeds in a row the robot did not take."""
+        """How many times in a row the robot did not take the speeds that it was sent."""
 
     def command(self, linear: float, angular: float, now: float) -> bool:
         """Take a command, m/s and rad/s; True when it asks for motion."""
@@ -108,7 +102,7 @@ class Motion:
         return now - self._commanded_at > self.limits.timeout
 
     def forget_sent(self) -> None:
-        """Assume nothing about what the robot's wheels were told last: send it again."""
+        """Forget which speeds were sent last, so that they are sent again."""
         self._sent = None
 
     def reported(self, right: int, left: int, now: float) -> None:
@@ -128,7 +122,7 @@ class Motion:
         since = min(now - self._ramped_at, RAMP_STEP)
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
         self._ramped_at = now
-        speeds = round(self._speeds[0]), round(self._speeds[1])
+        speeds = round(self._speeds.right), round(self._speeds.left)
         if speeds == self._sent or speeds != (0, 0) and now - self._sent_at < SLOT:
             return None
         self._sent, self._sent_at = speeds, now

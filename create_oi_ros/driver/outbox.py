@@ -1,6 +1,7 @@
 """The queue of bytes to the robot, with the pauses that it needs between commands."""
 
 from collections import deque
+from math import inf
 from typing import NamedTuple
 
 from .. import oi
@@ -23,9 +24,10 @@ class Outbox:
 
     def __init__(self) -> None:
         self._queue: deque[_Queued] = deque()
-        self._free_at = -float('inf')
+        self._free_at = -inf
         self._ready = bytearray()
-        self._unconfirmed: list[_Queued] = []
+        self._unconfirmed: list[tuple[Pending, str]] = []
+        """Requests whose bytes were made ready, with the texts for when they are written."""
 
     def send(self, command: oi.Command, *, pause: float = 0.0) -> None:
         """Queue a command; ValueError, and nothing queued, where it is out of range."""
@@ -60,14 +62,14 @@ class Outbox:
 
     def clear(self) -> None:
         """Drop everything that has not been written; its requests end as lost."""
-        dropped = [*self._queue, *self._unconfirmed]
+        lost = [queued.request for queued in self._queue if queued.request is not None]
+        lost += [request for request, _ in self._unconfirmed]
         self._queue.clear()
         self._ready.clear()
         self._unconfirmed = []
-        self._free_at = -float('inf')
-        for queued in dropped:
-            if queued.request is not None:
-                queued.request.end(False, LOST)
+        self._free_at = -inf
+        for request in lost:
+            request.end(False, LOST)
 
     def release(self, now: float) -> None:
         """Make ready what is due."""
@@ -76,7 +78,7 @@ class Outbox:
             self._ready += queued.encoded
             self._free_at = now + queued.pause
             if queued.request is not None:
-                self._unconfirmed.append(queued)
+                self._unconfirmed.append((queued.request, queued.done))
 
     def take_ready(self) -> bytes:
         """Return the bytes to write now, once."""
@@ -88,6 +90,5 @@ class Outbox:
         """End the requests whose bytes have been written."""
         if self._unconfirmed:
             written, self._unconfirmed = self._unconfirmed, []
-            for queued in written:
-                if queued.request is not None:
-                    queued.request.end(True, queued.done)
+            for request, text in written:
+                request.end(True, text)

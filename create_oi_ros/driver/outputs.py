@@ -1,27 +1,28 @@
 """
-LEDs, digital outputs, low side drivers, infrared and songs: sent, remembered, restored.
+LEDs, digital outputs, low side drivers, infrared and songs: sent, stored, restored.
 
-The robot forgets songs when it is switched off and its LEDs when the mode changes; it keeps the
-digital outputs. What was requested and is safe to repeat is set again. The low side drivers may
-turn motors, so they stay off.
+The robot forgets songs when it is switched off, and its LEDs when the mode changes; it keeps the
+digital outputs. Songs, LEDs and digital outputs are restored. The low side drivers may turn
+motors, so they stay off.
 """
 
 from collections.abc import Sequence
 
 from .. import oi
+from ..oi.commands import DUTY, NOTE_TIME
 from .outbox import Outbox
 from .pending import Pending, refused
 from .requests import Requests
 from .tracking import Tracking
 
-LONGEST_NOTE = 255 / oi.NOTES_PER_SECOND
-"""Seconds."""
-FULL_DUTY = 128
+LONGEST_NOTE = NOTE_TIME.high / oi.NOTES_PER_SECOND
+"""Seconds that a note can last."""
+FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
 
 
 class Outputs:
-    """Everything that a request can set, but for mode, wheels, demos and scripts."""
+    """Everything that a request can set, except mode, wheels, demos and scripts."""
 
     def __init__(self, outbox: Outbox, requests: Requests, tracking: Tracking) -> None:
         self._outbox = outbox
@@ -125,7 +126,7 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
 
 
 def _stored(number: int, seconds: Sequence[float]) -> str:
-    """Say that a song is stored, and what rounding to 1/64 s does to its durations."""
+    """Say that a song is stored, and how rounding to 1/64 s changes its durations."""
     lengths = [round(length * oi.NOTES_PER_SECOND) for length in seconds]
     played = sum(lengths) / oi.NOTES_PER_SECOND
     worst = max((abs(length / oi.NOTES_PER_SECOND - wanted)

@@ -9,13 +9,13 @@ class Outcome(NamedTuple):
 
     ok: bool
     text: str
-    """For people: what was done; where it was not, why not and what to do."""
+    """For people: what was done; or why it was not done, and what to do."""
     payload: bytes = b''
-    """What was asked for, where it is bytes: a script."""
+    """The bytes that were asked for: a script."""
 
 
 class Pending:
-    """An outcome that may still be to come. It comes once; what comes later is ignored."""
+    """A request whose outcome may not be known yet. Only the first outcome counts."""
 
     __slots__ = ('outcome', '_callbacks')
 

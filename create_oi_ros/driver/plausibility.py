@@ -1,6 +1,6 @@
-"""What a robot cannot have done: jumps, and turning without its angle ever changing."""
+"""Finds what cannot be true: jumps, and an angle that never changes while the robot turns."""
 
-from math import degrees
+from math import degrees, inf
 
 from .. import oi
 from ..robot import MM_PER_M
@@ -11,6 +11,10 @@ FASTEST, FASTEST_TURN = 1.0, 450.0
 SLACK, TURN_SLACK = 50, 20
 TURN_LIMIT = 360.0
 """Degrees of requested turning after which the angle should have changed."""
+ANGLE_STUCK = (
+    'the angle does not change though the robot was told to turn: are the wheels blocked, or does '
+    'odometry_window: 0 hide slow turns? Some firmware before 3.4.1 is reported to send a '
+    'constant 0')
 
 
 class JumpCheck:
@@ -25,7 +29,7 @@ class JumpCheck:
 
     def possible(self, readings: oi.Readings, stamp: float) -> bool:
         """Tell whether a reading of distance and angle can be true."""
-        elapsed = float('inf') if self._since is None else stamp - self._since
+        elapsed = inf if self._since is None else stamp - self._since
         self._since = stamp
         return (abs(readings.distance) <= FASTEST * elapsed * MM_PER_M + SLACK
                 and abs(readings.angle) <= FASTEST_TURN * elapsed + TURN_SLACK)

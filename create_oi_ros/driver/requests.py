@@ -8,10 +8,8 @@ refused in words that say what to do.
 from .. import oi
 from .outbox import Outbox
 from .pending import Pending, refused
-from .state import State
+from .state import Activity, REFUSALS, State
 from .supervision import Supervision
-
-NO_ROBOT = 'no robot answers: check cable and power, the driver keeps trying'
 
 
 class Requests:
@@ -33,7 +31,7 @@ class Requests:
         if self._state.refusal is not None:
             return self._state.refusal
         if mode is None:
-            return NO_ROBOT
+            return REFUSALS[Activity.CALLING]
         if mode in command.modes:
             return None
         return f'robot is in {mode.name}: call set_mode with SAFE first'

@@ -21,7 +21,7 @@ from .outbox import Outbox
 from .pending import done, Pending, refused
 from .requests import Requests
 from .script_speeds import CLEARED, requested_directly, ScriptSpeeds, Speeds
-from .state import Activity, Event, State
+from .state import Activity, State, StateEvent
 from .stopping import HALT
 from .stream_plan import StreamPlan
 
@@ -32,7 +32,7 @@ SILENCE = 0.1
 REPLY_TIMEOUT = 0.5
 """Seconds that the robot may take to begin to send its script."""
 SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
-"""What the robot itself turns by, mm."""
+"""Wheel separation that the firmware assumes, mm."""
 DRIVES = 'the robot drives, and could not be told to stop meanwhile: stop it first'
 
 
@@ -41,15 +41,15 @@ class ScriptControl:
 
     def __init__(
         self, outbox: Outbox, requests: Requests, state: State, plan: StreamPlan,
-        wheel_separation: float, take: Callable[[Event], None],
+        wheel_separation: float, handle: Callable[[StateEvent], None],
     ) -> None:
-        """Take the wheel separation in metres; `take` changes the driver's activity."""
+        """Take the wheel separation in metres; `handle` passes an event to the driver's state."""
         self._outbox = outbox
         self._requests = requests
         self._state = state
         self._plan = plan
         self._wheel_separation = wheel_separation
-        self._take = take
+        self._handle = handle
         self._stored: oi.Script | None = None
         self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
         self._due = 0.0
@@ -104,14 +104,14 @@ class ScriptControl:
         self._due = now + POLL_INTERVAL
         takes = self._duration()
         self._ends_at = None if takes is None else now + takes
-        self._take(Event.SCRIPT_STARTED)
+        self._handle(StateEvent.SCRIPT_STARTED)
         return request
 
     def status(self, now: float) -> str | None:
         """Say that a script plays, how long it still takes, and what ends it; None where not."""
         if not self.playing:
             return None
-        left = ('no one knows for how long' if self._ends_at is None else
+        left = ('for an unknown time' if self._ends_at is None else
                 f'for about {max(0.0, self._ends_at - now):.0f} s more')
         return f'{self._state.refusal} (it plays {left})'
 
@@ -122,7 +122,7 @@ class ScriptControl:
             return refused(why)
         self._outbox.send(oi.PauseResumeStream(state=oi.StreamState.PAUSE))
         self._due, self._show_request = now + SILENCE, Pending()
-        self._take(Event.SHOW_STARTED)
+        self._handle(StateEvent.SHOW_STARTED)
         return self._show_request
 
     def poll(self, now: float) -> None:
@@ -149,7 +149,7 @@ class ScriptControl:
         self._outbox.send(oi.ShowScript())
         slowest = (1 + SCRIPT_LIMIT) * oi.BITS_PER_BYTE / self._plan.baud
         self._due = now + REPLY_TIMEOUT + slowest
-        self._take(Event.LINE_SILENT)
+        self._handle(StateEvent.LINE_SILENT)
 
     def receive(self, received: bytes) -> bool:
         """Use bytes that belong to the script; False where they belong to frames."""
@@ -165,7 +165,7 @@ class ScriptControl:
         if not self.playing or packets != self._plan.marker:
             return False
         self._plan.restart()
-        self._take(Event.SCRIPT_ENDED)
+        self._handle(StateEvent.SCRIPT_ENDED)
         return True
 
     def forget(self) -> None:
@@ -186,14 +186,14 @@ class ScriptControl:
             return ('the stored script is not known: call define_script, or show_script to see '
                     'what it is, or set force')
         if not can_end(self._stored):
-            return ('the stored script plays itself again and cannot end, nor can the robot be '
-                    'stopped but by its power button: set force to play it')
+            return ('the stored script plays itself again and cannot end; then only the Power '
+                    'button stops the robot: set force to play it')
         endless = endless_wait(self._stored, self._mode(), SEPARATION)
         if endless is not None:
             return (f'command {endless.place} of the stored script, '
                     f'{format_command(endless.command)}, waits for ever, since {endless.why}, '
-                    'and a waiting robot can only be stopped by its power button: change the '
-                    'script, or set force to play it')
+                    'and only the Power button stops a robot that waits: change the script, or '
+                    'set force to play it')
         return None
 
     def _duration(self) -> float | None:
@@ -217,12 +217,12 @@ class ScriptControl:
 
     def _end_show(self, ok: bool, text: str, script: bytes = b'') -> None:
         self._plan.restart()
-        self._take(Event.SHOW_ENDED)
+        self._handle(StateEvent.SHOW_ENDED)
         self._show_request.end(ok, text, script)
 
 
 def _described(script: oi.Script) -> str:
-    """Say what there is to know of a script before it is played."""
+    """Say how long a script is in bytes, and whether it ends."""
     if not script.script:
         return 'no script is stored'
     size = f'{len(script.script)} of {SCRIPT_LIMIT} bytes'

@@ -12,7 +12,7 @@ from ..robot import MM_PER_M, TOP_SPEED
 from .stream_plan import DRIVE_REQUEST
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
-"""Sent before a script plays, since packets 39 and 40 may still hold an earlier Drive."""
+"""Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
 
 Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
@@ -31,11 +31,12 @@ class ScriptSpeeds:
         self._drive = oi.Drive in used
         mixed = self._drive and oi.DriveDirect in used
         self.known = cleared and script is not None and not mixed and oi.Script not in used
-        """Whether the packets tell how the wheels run."""
+        """Whether the packets tell how fast the wheels turn."""
         self.resets_accumulators = self.known and not used.isdisjoint(
             (oi.WaitDistance, oi.WaitAngle))
-        """Whether the script sets distance and angle to zero as it waits for them (manual). They
-        say less than the requested speeds then. Where those are not known, a part is better."""
+        """Whether the script sets distance and angle to zero as it waits for them (manual), so
+        that a part of the motion is missing from them. False where the packets do not tell the
+        speeds either: then that part is all that is known."""
 
     def speeds(self, readings: oi.Readings) -> Speeds:
         """Return how fast the wheels are to run by a frame's packets."""
@@ -55,5 +56,5 @@ def requested_directly(readings: oi.Readings) -> Speeds:
 
 
 def _limited(speed: float) -> float:
-    """Return in m/s how fast a wheel runs that is asked to run so many mm/s."""
+    """Convert a requested wheel speed from mm/s to m/s, limited to what the wheel can do."""
     return max(-TOP_SPEED, min(TOP_SPEED, speed / MM_PER_M))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from .. import oi
 from ..odometry import Geometry
 from .battery_watch import BatteryLimits
+from .baud_search import USUAL_BAUDS
 from .motion import MotionLimits
 
 
@@ -12,11 +13,12 @@ from .motion import MotionLimits
 class Settings:
     """Settings in SI units."""
 
-    baud: int = 57600
-    """Bits per second; 0 looks for the robot's rate."""
+    baud: int = USUAL_BAUDS[0]
+    """Bits per second; 0 searches for the robot's rate."""
     mode_on_start: oi.Mode = oi.Mode.SAFE
     mode_on_exit: oi.Mode = oi.Mode.PASSIVE
     recover_mode: bool = True
+    """Whether a fresh velocity command brings back a mode that a hazard ended."""
     odometry_window: float = 1.0
     """Seconds between readings of distance and angle; 0 reads them in every frame."""
     battery: BatteryLimits = field(default_factory=BatteryLimits)

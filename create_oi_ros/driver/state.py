@@ -1,7 +1,7 @@
 """
 What the driver is doing, as one value, and what leads from one activity to another.
 
-Everything that changes the activity goes through `State.take`, and `TRANSITIONS` is the whole
+Everything that changes the activity goes through `State.handle`, and `TRANSITIONS` is the whole
 machine: an event that the table does not list for the present activity changes nothing. Who owns
 the wheels, whether the robot takes commands, and why a request is refused follow from the
 activity, in the tables below. To add an activity, add a row to each table.
@@ -17,7 +17,7 @@ from enum import auto, Enum
 
 
 class Activity(Enum):
-    """What the driver is doing; the value says it to people."""
+    """What the driver is doing; the value is the text for people."""
 
     CLOSED = 'port closed'
     CALLING = 'no answer yet'
@@ -29,8 +29,8 @@ class Activity(Enum):
     READING = 'reading the stored script'
 
 
-class Event(Enum):
-    """What may change the activity."""
+class StateEvent(Enum):
+    """What may change the driver's activity."""
 
     OPENED = auto()
     """The port is open."""
@@ -39,15 +39,15 @@ class Event(Enum):
     ANSWERED = auto()
     """The first frame came."""
     NO_ANSWER = auto()
-    """Frames stopped coming, or the driver itself stood still: call the robot again."""
+    """Frames stopped coming, or the driver's process stood still: call the robot again."""
     VELOCITY = auto()
     """A velocity was commanded that is not zero and that the robot may follow."""
     HALTED = auto()
     """The commanded velocity is zero, refused, or too old."""
     STOPPED = auto()
-    """Somebody asked for a stop, or the robot left the wanted mode: tell the wheels again."""
+    """A stop was requested, or the robot left the wanted mode: send the speeds again."""
     MODE_ENTERED = auto()
-    """The driver told the robot to enter a mode: what the wheels were told no longer counts."""
+    """The driver sent a mode command: speeds that were sent before it no longer count."""
     DEMO_STARTED = auto()
     DEMO_ENDED = auto()
     SCRIPT_STARTED = auto()
@@ -68,8 +68,8 @@ class Owner(Enum):
     """The robot itself: a demo or a script."""
 
 
-_A, _E = Activity, Event
-TRANSITIONS: dict[Activity, dict[Event, Activity]] = {
+_A, _E = Activity, StateEvent
+TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
     _A.CLOSED: {_E.OPENED: _A.CALLING},
     _A.CALLING: {_E.ANSWERED: _A.IDLE},
     _A.IDLE: {
@@ -117,8 +117,8 @@ class State:
     def __init__(self, activity: Activity = Activity.CLOSED) -> None:
         self._enter(activity)
 
-    def take(self, event: Event) -> bool:
-        """Go where the table says; True when the activity has changed."""
+    def handle(self, event: StateEvent) -> bool:
+        """Change the activity as the table says; True when it has changed."""
         before = self.activity
         after = TRANSITIONS[before].get(event, before)
         if after is before:

@@ -1,4 +1,4 @@
-"""Bytes that stop a robot: whatever it was doing, and when the driver goes."""
+"""Bytes that stop a robot: in whatever state it is, and when the driver ends."""
 
 from .. import oi
 from .supervision import MODE_COMMANDS
@@ -6,8 +6,8 @@ from .supervision import MODE_COMMANDS
 DRAIN = b'\xff' + bytes(260)
 """Ends any command that was cut short, harmlessly (manual: "waiting" state).
 
-The first byte completes Baud or Demo as no baud code and as `abort`; zeros complete any count,
-speed or output as nothing. Neither byte is an opcode.
+The first byte, 255, is no baud code, and as a demo it means `abort`. Zeros do no harm as any other
+data: a count, a speed, an output. Neither byte is an opcode.
 """
 HALT = oi.DriveDirect(right=0, left=0)
 END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)

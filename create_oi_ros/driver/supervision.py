@@ -9,6 +9,7 @@ bring the wanted mode back.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from math import inf
 
 from .. import oi
 
@@ -63,8 +64,13 @@ class ModeStatus:
     causes: tuple[Cause, ...] = ()
 
     @property
+    def can_drive(self) -> bool:
+        """Whether the robot follows velocities in its mode."""
+        return self.actual in oi.DriveDirect.modes
+
+    @property
     def reason(self) -> str:
-        """Why the robot is not in the wanted mode, in words; empty where it is."""
+        """Why the robot is not in the wanted mode, for people; empty where it is."""
         if self.actual is None:
             return 'no robot answers'
         return ', '.join(cause.value for cause in self.causes)
@@ -77,10 +83,10 @@ class Supervision:
         self.recover = recover
         self.status = ModeStatus(None, wanted)
         self._before: tuple[Cause, ...] = ()
-        self._cause_seen_at = -float('inf')
-        self._released = False
+        self._cause_seen_at = -inf
+        self._commands_paused = False
         self._tries = 0
-        self._entered_at = -float('inf')
+        self._entered_at = -inf
 
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; why the robot left the last one no longer matters."""
@@ -119,7 +125,7 @@ class Supervision:
         if dropped:
             causes = present or self._before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
-            self._released = False
+            self._commands_paused = False
         elif actual == before.wanted:
             causes, self._tries = (), 0
         elif left:
@@ -139,12 +145,12 @@ class Supervision:
 
     def commands_paused(self) -> None:
         """Note that commands paused or were zero: only then may the next one recover the mode."""
-        self._released = True
+        self._commands_paused = True
 
     def may_recover(self, now: float) -> bool:
         """Tell whether a fresh non-zero command may bring the wanted mode back."""
         status = self.status
         return (
-            self.recover and self._released and bool(status.causes)
+            self.recover and self._commands_paused and bool(status.causes)
             and status.actual is not None and status.actual != status.wanted
             and now - self._cause_seen_at >= CLEAR_FOR)

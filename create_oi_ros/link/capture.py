@@ -22,8 +22,8 @@ WRITE_INTERVAL = 0.5
 """Seconds between two writes."""
 CLOSE_TIMEOUT = 2.0
 """Seconds that `close` waits for a slow disk."""
-MICROSECOND = 1000
-"""In nanoseconds."""
+NS_PER_US = 1000
+"""Nanoseconds in a microsecond."""
 
 
 def new_file(wanted: str) -> tuple[int, Path]:
@@ -59,7 +59,7 @@ class Capture:
         self._file = file
         self._on_failure = on_failure
         started = datetime.now(UTC).isoformat(timespec='microseconds')
-        self._last = time.monotonic_ns() // MICROSECOND
+        self._last = time.monotonic_ns() // NS_PER_US
         self._pending = bytearray(encode_head({
             'started': started,
             **{name: ' '.join(str(value).splitlines()) for name, value in facts.items()}}))
@@ -76,7 +76,7 @@ class Capture:
         with self._lock:
             if self._over:
                 return
-            now = time.monotonic_ns() // MICROSECOND
+            now = time.monotonic_ns() // NS_PER_US
             self._pending += encode_record(now - self._last, kind, data)
             self._last = now
             self._over = kind is RecordKind.END
@@ -86,7 +86,7 @@ class Capture:
         self.add(kind, text.encode('utf-8', 'backslashreplace')[:RECORD_LIMIT])
 
     def close(self) -> None:
-        """Write the end."""
+        """Write the rest and the end of the file."""
         self.add(RecordKind.END)
         self._closing.set()
         self._thread.join(CLOSE_TIMEOUT)
@@ -113,7 +113,7 @@ class Capture:
 def begin(
     wanted: str, facts: Mapping[str, object], on_failure: Callable[[str], None],
 ) -> tuple[Capture, Path]:
-    """Start a capture in a new file, and return it with the file's path; OSError: it cannot be."""
+    """Start a capture in a new file, and return it with the file's path; OSError on failure."""
     file, path = new_file(wanted)
     return Capture(file, facts, on_failure), path
 

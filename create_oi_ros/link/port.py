@@ -29,6 +29,7 @@ come where another thread has closed the port."""
 FAST = 115200
 """At this rate the robot needs a pause between bytes (manual: Baud)."""
 FAST_PAUSE = 0.0002
+"""Seconds."""
 
 
 class PortError(OSError):
@@ -81,7 +82,7 @@ class Port:
             return None
 
     def read(self) -> bytes:
-        """Return the bytes that have come; wait for the first, b'' when none came in time."""
+        """Wait for bytes and return them; b'' when none came before the timeout."""
         try:
             if self._line is not None:
                 ready, _, _ = select.select([self._line], [], [], self._timeout)
@@ -148,7 +149,7 @@ def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
 
 
 def holder(device: str) -> str | None:
-    """Name a process that has a device open, as far as the kernel shows it."""
+    """Name a process that has a device open; None where the kernel shows none."""
     target = os.path.realpath(device)
     for link in glob('/proc/[0-9]*/fd/*'):
         process = Path(link).parents[1]

@@ -17,7 +17,7 @@ from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
 READ_TIMEOUT = 0.02
-"""Longest wait of a read, in seconds; the driver's own timers may be late by as much."""
+"""Longest wait of a read, in seconds; the driver's timers may be late by as much."""
 RETRY_FIRST, RETRY_MOST = 0.1, 0.8
 """Seconds between attempts to open the port: doubling from the first to the second."""
 NAMES_SETTLED = 1.0
@@ -53,17 +53,17 @@ class Session:
         self._lock = threading.RLock()
         self._port: Port | None = None
         self._dead_man: DeadMan | None = None
-        self._dead_man_started_at = 0.0
-        self._check_at = 0.0
+        self._dead_man_started_at = self._check_at = 0.0
         self._lasting_name: str | None = None
         self._named_at = inf
         """When to look up the lasting name of the open port."""
         self._closing = threading.Event()
-        self._reported = ''
+        self._reported: str | None = None
+        """What was last reported about the port."""
         self._thread = threading.Thread(target=self._run, name='create_session')
 
     def start(self) -> None:
-        """Open the port and call the robot, from now on."""
+        """Start the thread that opens the port and reads it."""
         self._thread.start()
 
     @contextmanager
@@ -108,7 +108,7 @@ class Session:
                 self._on_failure()
 
     def _wait(self, pause: float) -> None:
-        """Wait before the next attempt; end early when a missing device appears."""
+        """Wait before the next attempt to open; return early when a missing device appears."""
         missing = not self._device_exists()
         until = time.monotonic() + pause
         while time.monotonic() < until and not self._closing.wait(min(pause, RETRY_FIRST)):
@@ -128,7 +128,7 @@ class Session:
             self._report(error)
             return False
         with self._lock:
-            self._reported = ''
+            self._reported = None
             self._port = port
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
             self._start_dead_man(port)
@@ -164,8 +164,8 @@ class Session:
         then = 'if this process dies, the robot drives on'
         if now - self._dead_man_started_at > LEAST_LIFE:
             self._start_dead_man(port)
-            then = 'another one watches now'
-        self._on_event(Notice(Severity.ERROR, f'the dead-man was ended by somebody; {then}'))
+            then = 'another one has been started'
+        self._on_event(Notice(Severity.ERROR, f'the dead-man has ended; {then}'))
 
     def _read(self, port: Port) -> None:
         try:

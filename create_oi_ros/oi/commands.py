@@ -42,6 +42,7 @@ WAITS = 'Wait Commands'
 BYTE = Wire('B', 0, 255)
 SIGNED_WORD = (-32768, 32767)
 DUTY = Wire('B', 0, 128, '1/128')
+NOTE_TIME = Wire('B', 0, 255, '1/64 s')
 SONG_NUMBER = Wire('B', 0, 15)
 SOUNDING = range(31, 128)
 """Note numbers that make a sound; all others are rests (manual: Song)."""
@@ -132,7 +133,7 @@ class Song(Command, title='Song', opcode=140, section=ACTUATORS, modes=STARTED):
 
     number: Annotated[int, SONG_NUMBER]
     notes: Annotated[
-        tuple[Note, ...], Counted(1, 16, (BYTE, Wire('B', 0, 255, '1/64 s')), 'notes')]
+        tuple[Note, ...], Counted(1, 16, (BYTE, NOTE_TIME), 'notes')]
 
 
 class PlaySong(Command, title='Play Song', opcode=141, section=ACTUATORS, modes=ACTUATE):

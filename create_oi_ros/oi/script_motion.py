@@ -2,8 +2,8 @@
 What a script does to the wheels: waits that never end, and how long it takes.
 
 The firmware compares a wait's distance or angle with the robot's own motion, with its sign
-(manual: Wait Distance, Wait Angle). So a wait that the script's own speeds lead away from, or that
-stands, never ends, and a waiting robot ignores everything but its Power button.
+(manual: Wait Distance, Wait Angle). So a wait never ends if the wheels stand, or turn the other
+way. A robot that waits ignores everything but its Power button.
 """
 
 from math import copysign, degrees, inf
@@ -59,7 +59,7 @@ def endless_wait(script: Script, mode: Mode, separation: float) -> EndlessWait |
         motion = _after(command, motion, separation)
         if motion.speeds is None:
             return None
-        if _left(command, motion.speeds, separation) == inf:
+        if _wait_time(command, motion.speeds, separation) == inf:
             return EndlessWait(place, command, _reason(command, motion.speeds))
     return None
 
@@ -76,7 +76,7 @@ def duration(script: Script, mode: Mode, separation: float) -> float | None:
         motion = _after(command, motion, separation)
         if motion.speeds is None or isinstance(command, WaitEvent | PlayScript):
             return None
-        total += _left(command, motion.speeds, separation)
+        total += _wait_time(command, motion.speeds, separation)
     return total if total < inf else None
 
 
@@ -98,20 +98,21 @@ def _after(command: Command, before: _Motion, separation: float) -> _Motion:
             return before if command.enters is None else before._replace(mode=command.enters)
 
 
-def _left(command: Command, speeds: WheelSpeeds, separation: float) -> float:
+def _wait_time(command: Command, speeds: WheelSpeeds, separation: float) -> float:
     """Return how many seconds a command takes at these speeds: a wait some, any other none."""
     match command:
         case WaitTime():
             return command.time / TENTHS
         case WaitDistance():
-            return _seconds(command.distance, (speeds.right + speeds.left) / 2)
+            return _time_to(command.distance, (speeds.right + speeds.left) / 2)
         case WaitAngle():
-            return _seconds(command.angle, degrees((speeds.right - speeds.left) / separation))
+            return _time_to(command.angle, degrees((speeds.right - speeds.left) / separation))
         case _:
             return 0.0
 
 
-def _seconds(goal: float, rate: float) -> float:
+def _time_to(goal: float, rate: float) -> float:
+    """Return how many seconds it takes to the goal; infinite where it is never reached."""
     if not goal:
         return 0.0
     return goal / rate if rate and copysign(1, goal) == copysign(1, rate) else inf

@@ -2,7 +2,7 @@
 How a value travels: its format, its range, its unit.
 
 A declaration is written once, as the annotation of a field
-(``time: Annotated[int, Wire('B', 0, 255, '1/10 s')]``). Everything else is derived from it.
+(`time: Annotated[int, Wire('B', 0, 255, '1/10 s')]`). Everything else is derived from it.
 Ranges are checked when a value is sent, not when it arrives or is stored: a host must not send
 nonsense, but a simulator must be able to receive it.
 """
@@ -23,8 +23,8 @@ class Wire:
     """
     One number on the wire: a struct format, the range the manual allows, unit and names.
 
-    Members of ``names`` outside of ``low`` to ``high`` are allowed too (the special radii of
-    Drive). Values in ``but`` are not allowed (there is no event 0). Where the names are flags,
+    Members of `names` outside of `low` to `high` are allowed too (the special radii of
+    Drive). Values in `but` are not allowed (there is no event 0). Where the names are flags,
     only their bits are allowed.
     """
 
@@ -93,7 +93,7 @@ class Wire:
 
 @dataclass(frozen=True)
 class Counted:
-    """A count byte and as many items, each of one or two numbers (``item``)."""
+    """A count byte and as many items, each of one or two numbers (`item`)."""
 
     low: int
     high: int

@@ -1,8 +1,8 @@
 """
 The health of driver and robot as REP 107 diagnostics.
 
-OK: nothing to do. WARN: look at it soon. ERROR: it does not do its work. STALE: what is known is
-old, since no robot answers.
+OK: nothing to do. WARN: look at it soon. ERROR: it does not work. STALE: the values are old, since
+no robot answers.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ from .parameters import Parameters
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
 LOW, EMPTY = 0.2, 0.05
-"""Parts of the capacity below which the battery is to be charged soon, or now."""
+"""Fractions of the capacity below which the battery must be charged soon, or now."""
 HOT, TOO_HOT = 45, 60
 """Degrees Celsius of the battery that are unusual while charging, and dangerous (guess)."""
 CHARGED = (oi.ChargingState.FULL_CHARGING, oi.ChargingState.TRICKLE,
@@ -78,7 +78,7 @@ def mode(name: str, health: Health) -> DiagnosticStatus:
 
 
 def safety(name: str, health: Health) -> DiagnosticStatus:
-    """Say what touches the robot, or keeps it from driving."""
+    """Say what is in the robot's way, or keeps it from driving."""
     readings = health.readings
     if not health.answered or not readings.has(*TOUCHED):
         return status(f'{name}: safety', STALE, 'no robot answers', {})
@@ -144,7 +144,7 @@ def driver(
     """Say what the driver itself is doing; `publishers` are the nodes that send `cmd_vel`."""
     level, message = OK, health.activity.value
     if health.ignores_commands:
-        level, message = ERROR, 'the robot does not hear: switch it off and on'
+        level, message = ERROR, 'the robot ignores commands: switch it off and on'
     elif health.answered and health.busy is not None:
         level, message = WARN, health.busy
     elif health.angle_stuck:
@@ -158,6 +158,6 @@ def driver(
 
 
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:
-    """Say what runs and how it is set, so that every recording tells."""
+    """Report version and parameters, so that every recording holds them."""
     return status(f'{name}: parameters', OK, f'version {__version__}', {
         'version': __version__, **asdict(values)})

@@ -1,8 +1,8 @@
 """
-Looks for mistakes in the ROS graph that make a robot do what nobody meant.
+Looks for mistakes in the ROS graph that ROS itself does not report.
 
 Three are common: two drivers of one name, two nodes that publish `cmd_vel` at once, and a
-publisher whose message type the driver does not take. ROS itself says nothing of any of them.
+publisher whose message type the driver does not take.
 """
 
 from collections.abc import Callable
@@ -29,7 +29,7 @@ class GraphWatch:
         """Nodes that publish `cmd_vel` with the right type, sorted."""
 
     def check(self) -> None:
-        """Look at the graph."""
+        """Look at the graph, and warn of new mistakes."""
         found = self._node.get_publishers_info_by_topic(self._topic)
         sources = {(self._name(each.node_namespace, each.node_name), _short(each.topic_type))
                    for each in found}
@@ -42,7 +42,7 @@ class GraphWatch:
                          f'{", ".join(self.publishers)}. The newest command wins, whoever sent '
                          'it: end all but one, or put twist_mux between them')
         own = self._node.get_fully_qualified_name()
-        if own in self._doubles():
+        if own in self._duplicate_names():
             warnings.add(f'another node is called {own} in ROS domain {_domain()}, so two '
                          f'drivers obey the same cmd_vel: {ROBOTS_APART}')
         for warning in sorted(warnings - self._warned):
@@ -55,7 +55,7 @@ class GraphWatch:
                 f'its commands are ignored. Start the driver with enable_stamped_cmd_vel: '
                 f'{stamped}, or change the publisher')
 
-    def _doubles(self) -> set[str]:
+    def _duplicate_names(self) -> set[str]:
         names = [self._name(namespace, name)
                  for name, namespace in self._node.get_node_names_and_namespaces()]
         return {name for name in names if names.count(name) > 1}

@@ -37,11 +37,11 @@ STALE_WARNING_INTERVAL = 5.0
 
 
 class CreateNode(Node):
-    """Publishes what the robot senses, and lets others drive it."""
+    """Publishes what the robot senses, and passes commands to it."""
 
     def __init__(self, ended: Future, **options: Any) -> None:
         """
-        Declare everything; ValueError says which parameter is wrong. Opens only the capture.
+        Declare everything; ValueError says which parameter is wrong. No port is opened yet.
 
         `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node,
         such as `namespace` and `cli_args` where several robots share a process.

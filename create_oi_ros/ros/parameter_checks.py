@@ -1,4 +1,4 @@
-"""Declares the parameters to ROS, and refuses values that cannot work, in words that help."""
+"""Declares the parameters to ROS, and refuses values that cannot work; says what is allowed."""
 
 from collections.abc import Iterable
 from dataclasses import fields, MISSING, replace
@@ -61,7 +61,7 @@ def declare(node: Node) -> Parameters:
 
 
 def as_declared(parameters: list[Parameter]) -> list[Parameter]:
-    """Take whole numbers for parameters that are declared as floating point, as people type."""
+    """Accept whole numbers for floating-point parameters: people write 1 for 1.0."""
     return [Parameter(each.name, value=float(each.value))
             if type(each.value) is int and type(_default(each.name)) is float else each
             for each in parameters]

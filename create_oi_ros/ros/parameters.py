@@ -11,6 +11,7 @@ from typing import Any
 from ..driver import BatteryLimits, LowBatteryAction, MotionLimits, Settings
 from ..odometry import Geometry
 from ..oi import BaudCode, Mode
+from ..robot import TOP_SPEED
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
 ACTIONS = {action.value: action for action in LowBatteryAction}
@@ -28,24 +29,26 @@ def parameter(
 
 @dataclass(frozen=True)
 class Parameters:
-    """What a user can set; SI units."""
+    """All parameters of the node; SI units."""
 
     port: str = parameter(
         '/dev/ttyUSB0', 'Serial device of the robot, or a pyserial URL (socket://HOST:PORT)',
         fixed=True)
     baud: int = parameter(
-        57600, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200, then the others',
+        Settings.baud, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200, then the others',
         choices=(0, *BAUDS), fixed=True)
     mode_on_start: str = parameter(
-        'safe', 'Mode that the robot is put into', choices=tuple(START_MODES), fixed=True)
+        Settings.mode_on_start.name.lower(), 'Mode that the robot is put into',
+        choices=tuple(START_MODES), fixed=True)
     mode_on_exit: str = parameter(
-        'passive', 'Mode that the robot is left in; only in passive does it charge',
+        Settings.mode_on_exit.name.lower(),
+        'Mode that the robot is left in; only in passive does it charge',
         choices=tuple(START_MODES), fixed=True)
     recover_mode: bool = parameter(
-        True, 'Whether a fresh velocity command brings back a mode that a cliff, a wheel drop or '
-        'a charger ended, once its cause has been gone for a second', fixed=True)
+        Settings.recover_mode, 'Whether a fresh velocity command brings back a mode that a cliff, '
+        'a wheel drop or a charger ended, once its cause has been gone for a second', fixed=True)
     cmd_vel_timeout: float = parameter(
-        0.5, 'Seconds after the last velocity command at which the wheels stop',
+        MotionLimits.timeout, 'Seconds after the last velocity command at which the wheels stop',
         low=0.05, high=10.0)
     enable_stamped_cmd_vel: bool = parameter(
         False, 'Whether cmd_vel is geometry_msgs/TwistStamped instead of Twist', fixed=True)
@@ -53,12 +56,14 @@ class Parameters:
         MotionLimits.wheel_separation, 'Distance between the wheels, m', low=0.1, high=0.5,
         fixed=True)
     max_wheel_speed: float = parameter(
-        MotionLimits.max_wheel_speed, 'Highest speed of either wheel, m/s', low=0.0, high=0.5)
+        MotionLimits.max_wheel_speed, 'Highest speed of either wheel, m/s', low=0.0,
+        high=TOP_SPEED)
     max_linear_acceleration: float = parameter(
-        0.0, 'Highest change of the forward speed, m/s2; 0: no limit. The end of commands and '
-        '`stop` know none', low=0.0, high=10.0)
+        MotionLimits.linear_acceleration, 'Highest change of the forward speed, m/s2; 0: no '
+        'limit. The end of commands and `stop` know none', low=0.0, high=10.0)
     max_angular_acceleration: float = parameter(
-        0.0, 'Highest change of the turning speed, rad/s2; 0: no limit', low=0.0, high=100.0)
+        MotionLimits.angular_acceleration,
+        'Highest change of the turning speed, rad/s2; 0: no limit', low=0.0, high=100.0)
     linear_scale: float = parameter(
         1.0, 'True distance over the distance that the robot reports', low=0.5, high=2.0,
         fixed=True)
@@ -94,7 +99,7 @@ class Parameters:
         'overwritten: where it exists, a number is added to its name', fixed=True)
 
     def settings(self) -> Settings:
-        """Return what the driver needs of them."""
+        """Return the settings of the driver."""
         return Settings(
             baud=self.baud, mode_on_start=START_MODES[self.mode_on_start],
             mode_on_exit=START_MODES[self.mode_on_exit], recover_mode=self.recover_mode,
@@ -107,7 +112,7 @@ class Parameters:
                 angular_scale=self.angular_scale))
 
     def limits(self) -> MotionLimits:
-        """Return what bounds the motion; may change while the node runs."""
+        """Return the limits of the motion, which may change while the node runs."""
         return MotionLimits(
             wheel_separation=self.wheel_separation, max_wheel_speed=self.max_wheel_speed,
             timeout=self.cmd_vel_timeout,

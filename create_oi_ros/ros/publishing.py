@@ -27,7 +27,7 @@ from ..driver import Moved
 from ..oi import Readings
 from . import messages, topics
 from .parameters import Parameters
-from .topics import EARLY, Edge, SensorTopic, Topic
+from .topics import EARLY, Schedule, SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
 """Seconds between two checks of subscribers and of the node's clock."""
@@ -83,7 +83,7 @@ class FramePublisher:
         self._check_at = -inf
         self._odom, *self._motion = self._motion_topics(node, parameters)
         self._sensors = [
-            (Edge(topic), self._sensor_topic(node, topic, parameters.base_frame))
+            (Schedule(topic), self._sensor_topic(node, topic, parameters.base_frame))
             for topic in topics.sensor_topics(charge_known=charge_known)]
         self._watched = attrgetter(*topics.WATCHED)
         self._complete = False
@@ -134,14 +134,14 @@ class FramePublisher:
         return self._seen != before
 
     def _publish_sensors(self, moved: Moved, sensor_period: float) -> None:
-        for edge, filled in self._sensors:
-            if filled.wanted and edge.due(moved.readings, moved.stamp, sensor_period):
+        for schedule, filled in self._sensors:
+            if filled.wanted and schedule.due(moved.readings, moved.stamp, sensor_period):
                 filled.publish(moved.readings)
-        self._due_at = min((edge.due_at for edge, filled in self._sensors if filled.wanted),
-                           default=inf)
+        due_times = (schedule.due_at for schedule, filled in self._sensors if filled.wanted)
+        self._due_at = min(due_times, default=inf)
 
     def _check(self) -> None:
-        """Check for subscribers, and compare the node's clock with the driver's."""
+        """Check for subscribers; measure the node's clock against the driver's."""
         self._due_at = -inf  # there may be a new subscriber
         for filled in (self._odom, *self._motion):
             filled.check()

@@ -1,8 +1,8 @@
 """
 The services: each declared beside the method that serves it.
 
-A method checks the request, hands it to the driver, and waits for the outcome. Waiting keeps
-nobody else waiting: a service is a coroutine, which the executor resumes.
+A method checks the request, hands it to the driver, and waits for the outcome. Clients do not
+block each other: a service is a coroutine, which the executor resumes.
 """
 
 from collections.abc import Callable
@@ -34,7 +34,7 @@ from ..link.session import Session
 from . import messages
 
 QUEUE = QoSProfile(depth=200)
-"""How many requests may arrive at once; beyond ROS's default of ten they are never answered."""
+"""Requests that may arrive at once; more than the depth are never answered (ROS default: 10)."""
 MODES = ', '.join(f'{mode.value} {mode.name}' for mode in oi.Mode)
 DEMOS = ', '.join(f'{demo.value} {demo.name}' for demo in oi.DemoNumber if demo >= 0)
 
@@ -62,7 +62,7 @@ def service(type_: type, about: str) -> Callable[[Method], Method]:
 
 
 class Services:
-    """What serves each service."""
+    """The callbacks of all services."""
 
     def __init__(self, node: Node, session: Session) -> None:
         """Offer all services."""
@@ -75,7 +75,7 @@ class Services:
                                 qos_profile=QUEUE, callback_group=group)
 
     def _ended(self, pending: Pending) -> Future:
-        """Return a future of the outcome; whichever thread ends the request wakes the node."""
+        """Return a future of the outcome; the thread that ends the request wakes the node."""
         ended = Future()
 
         def end(outcome: Outcome) -> None:

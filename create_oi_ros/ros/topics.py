@@ -165,10 +165,10 @@ def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
 
 
 EARLY = SLOT / 2
-"""A topic is published in the frame nearest to its due time, so up to this early, s."""
+"""Seconds before its due time at which a topic may be published: it takes the nearest frame."""
 
 
-class Edge:
+class Schedule:
     """Decides when a topic is due: at once on a change, else after its period."""
 
     def __init__(self, topic: SensorTopic) -> None:
@@ -177,7 +177,7 @@ class Edge:
         self._complete = False
         self._last: Any = None
         self.due_at = -inf
-        """Stamp, s, from which it is due without a change."""
+        """Stamp, s, from which the topic is due without a change."""
 
     def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
         """Return whether the topic is due in the frame with this stamp, s."""

@@ -139,6 +139,26 @@ def test_commands_faster_than_the_robot_listens_are_thinned_and_the_newest_wins(
     assert len(sent) <= 100 * 0.005 / oi.SLOT + 2
 
 
+def test_a_command_before_the_robot_answers_moves_nothing_later():
+    loop = Loop()
+    loop.cut = True
+    loop.run(1.0)
+    loop.driver.drive(0.2, 0.0, loop.now)
+    loop.cut = False
+    loop.run(0.4)
+    assert loop.driver.state.answered
+    assert loop.body.truth().speed == 0
+    assert not texts(loop.notices, Severity.WARNING)
+
+
+def test_without_a_port_a_stop_and_the_end_send_nothing():
+    driver = Driver()
+    assert driver.status.reason == 'no robot answers'
+    assert driver.stop(0.0).outcome.ok is False
+    driver.shut_down(0.1)
+    assert driver.data_to_send() == b''
+
+
 def test_the_wheels_stop_when_commands_stop(loop):
     loop.driver.drive(0.2, 0.0, loop.now)
     loop.run(TIMEOUT - 0.01)
@@ -186,6 +206,22 @@ def test_limits_keep_the_curve(linear, angular):
     scale = min(1.0, 500 / fastest) if fastest else 1.0
     assert right == pytest.approx(free_right * scale, abs=1.0)
     assert left == pytest.approx(free_left * scale, abs=1.0)
+
+
+def test_limits_may_change_while_the_robot_drives(loop):
+    loop.drive(0.2, 0.0, 0.5)
+    loop.driver.set_limits(MotionLimits(max_wheel_speed=0.1))
+    loop.drive(0.2, 0.0, 0.5)
+    sent = [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
+    assert sent[-1] == oi.DriveDirect(right=100, left=100)
+
+
+def test_the_odometry_starts_again_where_the_robot_is(loop):
+    loop.drive(0.2, 0.0, 2.0)
+    assert loop.estimate.x > 0.2
+    assert loop.driver.reset_odometry().outcome.ok
+    loop.run(0.1)
+    assert abs(loop.estimate.x) < 0.1
 
 
 def test_a_metre_and_a_turn_agree_with_the_truth(loop):
@@ -310,6 +346,18 @@ def test_a_fresh_command_does_nothing_while_the_cause_is_recent(loop):
     loop.drive(0.2, 0.0, CLEAR_FOR - 0.2)
     assert loop.robot.mode is oi.Mode.PASSIVE
     assert loop.body.truth().speed == 0
+
+
+def test_the_mode_command_is_sent_once_however_often_the_robot_is_told_to_drive(loop):
+    loop.body.drop(left=True)
+    loop.run(0.2)
+    loop.body.drop()
+    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.commands()
+    for _ in range(3):
+        loop.driver.drive(0.2, 0.0, loop.now)
+    loop.run(0.1)
+    assert [type(command) for command in loop.commands()].count(oi.Safe) == 1
 
 
 def test_a_robot_put_down_under_a_stream_of_commands_does_not_leap(loop):

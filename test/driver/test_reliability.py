@@ -16,7 +16,7 @@ from create_oi_ros.driver import (
     Severity,
 )
 from create_oi_ros.driver.battery_watch import SETTLE
-from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT, USUAL
+from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT, USUAL_BAUDS
 from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, JumpCheck, SLACK
 from create_oi_ros.driver.stopping import LAST_WORDS
 from create_oi_ros.driver.stream_plan import ALL
@@ -44,7 +44,7 @@ def test_the_robot_is_found_at_its_rate(baud):
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-@pytest.mark.parametrize('baud', USUAL)
+@pytest.mark.parametrize('baud', USUAL_BAUDS)
 def test_the_usual_rates_are_found_within_a_second(baud):
     loop = Loop(Settings(baud=0), robot_baud=baud)
     loop.run(1.0)
@@ -356,7 +356,7 @@ def test_a_robot_that_waits_for_ever_is_told_of_once():
     loop.drive(0.3, 0.0, 0.5)
     loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
     loop.run(5.0)
-    assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
+    assert said(loop, Severity.ERROR, 'ignores commands') == 1
 
 
 def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
@@ -367,7 +367,7 @@ def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hea
     assert pending.outcome.ok
     loop.robot.receive(oi.WaitTime(time=40).encode(), loop.now)
     loop.run(3.5)
-    assert said(loop, Severity.ERROR, 'does not do what it is told') == 1
+    assert said(loop, Severity.ERROR, 'ignores commands') == 1
     assert not loop.driver.stop(loop.now).outcome.ok
     loop.robot.actuators.lights = DARK
     loop.run(2.5)

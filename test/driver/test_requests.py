@@ -5,7 +5,7 @@ from math import nan
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Outcome, Settings, Severity
+from create_oi_ros.driver import Activity, Driver, Outcome, Pending, Settings, Severity
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -118,6 +118,13 @@ def test_define_and_play_stores_nothing_that_cannot_be_played(loop):
     assert loop.moved[-1].readings.song_playing
 
 
+def test_a_wrong_song_is_neither_stored_nor_played(loop):
+    refused = ask(loop, loop.driver.outputs.define_and_play, 3, [60], [4.0])
+    assert not refused.ok
+    assert 'seconds[0]' in refused.text
+    assert loop.commands() == []
+
+
 def test_a_song_that_was_not_defined_is_refused(loop):
     assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7).text
 
@@ -150,6 +157,21 @@ def test_without_a_robot_every_request_is_refused_at_once(request_of):
     answer = request_of(Driver()).outcome
     assert answer.ok is False
     assert 'port' in answer.text
+
+
+def test_before_the_mode_is_known_every_request_is_refused():
+    driver = Driver()
+    driver.connected(0.0)
+    packets = driver.plan.full
+    driver.receive(packets.pack_frame([0] * len(packets.packets)), 0.1)
+    assert driver.state.answered
+    assert 'no answer yet' in driver.outputs.set_leds(BLUE, 0, 0).outcome.text
+
+
+def test_abort_is_no_demo_to_start(loop):
+    refused = ask(loop, loop.driver.demos.start, oi.DemoNumber.ABORT)
+    assert not refused.ok
+    assert 'stop_demo' in refused.text
 
 
 def test_a_request_whose_robot_is_lost_is_answered(loop):
@@ -377,7 +399,7 @@ def test_ending_the_driver_while_a_script_holds_the_robot_is_an_error(loop):
     loop.turn()
     assert loop.notices[-1].severity is Severity.ERROR
     assert 'the driver ends, but a script plays' in loop.notices[-1].text
-    assert 'no one knows for how long' in loop.notices[-1].text
+    assert 'for an unknown time' in loop.notices[-1].text
 
 
 def test_a_script_whose_end_is_open_says_so(loop):
@@ -417,6 +439,34 @@ def test_the_stored_script_is_read_back_and_the_stream_goes_on(length, delay):
     loop.run(1.0)
     assert loop.driver.counts.frames - frames > 60
     assert loop.driver.counts.silences == 0
+
+
+def until_the_script_is_read(loop: Loop) -> Pending:
+    """Ask for the script, and cut the line when all that arrives next is its bytes."""
+    pending = loop.driver.scripts.show(loop.now)
+    while loop.driver.state.activity is not Activity.READING:
+        loop.turn()
+    loop.cut = True
+    return pending
+
+
+def test_a_script_may_come_in_pieces(loop):
+    pending = until_the_script_is_read(loop)
+    for byte in bytes((1, *oi.Safe().encode())):
+        assert pending.outcome is None
+        loop.driver.receive(bytes((byte,)), loop.now)
+    assert pending.outcome.payload == oi.Safe().encode()
+
+
+@pytest.mark.parametrize('reply', [bytes((0, 131)), bytes((101, *bytes(101)))])
+def test_a_script_that_comes_damaged_is_given_up(loop, reply):
+    pending = until_the_script_is_read(loop)
+    loop.driver.receive(reply, loop.now)
+    assert pending.outcome.ok is False
+    assert 'damaged' in pending.outcome.text
+    loop.cut = False
+    loop.run(2.0)
+    assert loop.driver.state.answered
 
 
 def test_a_script_that_does_not_come_is_given_up(loop):

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.state import Activity, Event, Owner, OWNERS, State, TRANSITIONS
+from create_oi_ros.driver.state import Activity, Owner, OWNERS, State, StateEvent, TRANSITIONS
 from support.loop import Loop
 
 
@@ -32,7 +32,7 @@ def test_every_activity_can_be_reached_and_left(activity):
 @pytest.mark.parametrize('activity', Activity)
 def test_a_port_that_closes_ends_everything(activity):
     state = State(activity)
-    state.take(Event.PORT_CLOSED)
+    state.handle(StateEvent.PORT_CLOSED)
     assert state.activity is Activity.CLOSED
     assert state.owner is Owner.NOBODY
 
@@ -40,16 +40,16 @@ def test_a_port_that_closes_ends_everything(activity):
 @pytest.mark.parametrize('activity', list(Activity)[1:])
 def test_a_robot_that_does_not_answer_is_called(activity):
     state = State(activity)
-    state.take(Event.NO_ANSWER)
+    state.handle(StateEvent.NO_ANSWER)
     assert state.activity is Activity.CALLING
 
 
 @pytest.mark.parametrize('activity', Activity)
-@pytest.mark.parametrize('event', Event)
+@pytest.mark.parametrize('event', StateEvent)
 def test_only_a_velocity_makes_the_wheels_turn(activity, event):
     state = State(activity)
-    if state.take(event) and state.moving:
-        assert (activity, event) == (Activity.IDLE, Event.VELOCITY)
+    if state.handle(event) and state.moving:
+        assert (activity, event) == (Activity.IDLE, StateEvent.VELOCITY)
 
 
 @pytest.mark.parametrize('activity', Activity)
@@ -61,12 +61,12 @@ def test_who_takes_no_commands_says_why(activity):
         assert state.drive_refusal
 
 
-@given(st.lists(st.sampled_from(Event)))
+@given(st.lists(st.sampled_from(StateEvent)))
 def test_an_event_that_the_table_does_not_list_changes_nothing(events):
     state = State()
     for event in events:
         before = state.activity
-        changed = state.take(event)
+        changed = state.handle(event)
         assert changed == (state.activity is not before)
         assert not changed or TRANSITIONS[before][event] is state.activity
 

@@ -250,7 +250,7 @@ def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
         heard.wait_for('robot answers')
         first = ours._dead_man.pid
         os.kill(first, 9)
-        heard.wait_for('another one watches')
+        heard.wait_for('another one has been started')
         assert ours._dead_man.pid != first
         monkeypatch.setattr(session, 'LEAST_LIFE', 1000.0)
         os.kill(ours._dead_man.pid, 9)

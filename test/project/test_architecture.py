@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from create_oi_ros.driver.state import Activity, Event, OWNERS, TRANSITIONS
+from create_oi_ros.driver.state import Activity, OWNERS, StateEvent, TRANSITIONS
 from support.source import PACKAGE, ROOT
 
 PAGE = (ROOT / 'docs' / 'architecture.md').read_text('utf-8')
@@ -88,8 +88,8 @@ def test_the_activities_and_their_owners_are_those_of_the_driver():
 
 
 def test_the_transitions_are_those_of_the_driver():
-    everywhere = {(Event.PORT_CLOSED.name, Activity.CLOSED.name),
-                  (Event.NO_ANSWER.name, Activity.CALLING.name)}
+    everywhere = {(StateEvent.PORT_CLOSED.name, Activity.CLOSED.name),
+                  (StateEvent.NO_ANSWER.name, Activity.CALLING.name)}
     for activity, *_, leads in rows('activities'):
         shown = set(re.findall(r'`(\w+)` → `(\w+)`', leads))
         row = TRANSITIONS[Activity[quoted(activity)]]

@@ -1,0 +1,95 @@
+"""
+Velocity commands: followed, refused, or too old.
+
+The Open Interface has no timeout: the robot keeps the last speeds for ever. So a command holds
+only for `MotionLimits.timeout`. Then the wheels stop.
+"""
+
+from collections.abc import Callable
+from math import isfinite
+
+from .events import EventQueue, Severity
+from .modes import Modes
+from .motion import WheelCommands
+from .outbox import Outbox
+from .state import Owner, State, StateEvent
+from .supervision import Supervision
+
+
+class VelocityControl:
+    """Decides for each command whether the robot follows it, and sends the wheel speeds."""
+
+    def __init__(
+        self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
+        outbox: Outbox, events: EventQueue, handle: Callable[[StateEvent], None],
+    ) -> None:
+        """`handle` passes an event to the driver's state."""
+        self._wheels = wheels
+        self._state = state
+        self._supervision = supervision
+        self._modes = modes
+        self._outbox = outbox
+        self._events = events
+        self._handle = handle
+        self._refusal_reported = False
+        self._not_finite = 0
+        """Commands in a row that were not finite."""
+
+    def command(self, linear: float, angular: float, now: float) -> None:
+        """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
+        if isfinite(linear) and isfinite(angular):
+            self._report_finite()
+        else:
+            self._report_not_finite(linear, angular)
+            self._wheels.stop()
+            linear = angular = 0.0
+        if not self._wheels.command(linear, angular, now):
+            self._supervision.commands_paused()
+        elif self._state.owner is Owner.NOBODY:
+            self._handle(StateEvent.HALTED)
+        elif why := self._state.drive_refusal or self._modes.allow_driving(now):
+            self._handle(StateEvent.HALTED)
+            self._report_refusal(why)
+        else:
+            self._refusal_reported = False
+            self._handle(StateEvent.VELOCITY)
+        self._send_speeds(now)
+
+    def poll(self, now: float) -> None:
+        """Stop the wheels when the newest command is too old; send speeds that have changed."""
+        if self._wheels.expired(now):
+            self._supervision.commands_paused()
+            if self._state.moving:
+                self._handle(StateEvent.HALTED)
+        self._send_speeds(now)
+
+    def report_next_refusal(self) -> None:
+        """Report the next refusal, even if the last command was refused too."""
+        self._refusal_reported = False
+
+    def _send_speeds(self, now: float) -> None:
+        if self._state.takes_commands and self._supervision.status.can_drive:
+            drive = self._wheels.next_drive(now)
+            if drive is not None:
+                self._outbox.send_at_once(drive, now)
+        if self._state.moving and self._wheels.at_rest:
+            self._handle(StateEvent.HALTED)
+
+    def _report_refusal(self, why: str) -> None:
+        if not self._refusal_reported:
+            self._refusal_reported = True
+            self._events.notice(Severity.WARNING, f'not driving: {why}')
+
+    def _report_not_finite(self, linear: float, angular: float) -> None:
+        """Report the first of several such commands in a row; count the others."""
+        self._not_finite += 1
+        if self._not_finite == 1:
+            self._events.notice(
+                Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
+                'stopped; send finite numbers')
+
+    def _report_finite(self) -> None:
+        more, self._not_finite = self._not_finite - 1, 0
+        if more > 0:
+            self._events.notice(
+                Severity.WARNING, f'velocities are finite again; {more} more were not')
