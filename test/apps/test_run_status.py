@@ -58,6 +58,14 @@ def test_a_script_is_shown():
     assert 'driving' not in status.line()
 
 
+def test_of_a_script_the_time_that_it_takes_is_shown():
+    status = driving()
+    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, (
+        'a script plays, and the robot ignores everything while it waits, a stop included: let '
+        'it end, or switch the robot off by its Power button (it plays for about 3 s more)')))
+    assert status.line().endswith('SAFE     a script plays (it plays for about 3 s more)')
+
+
 def test_a_short_bump_is_shown_once():
     status = driving()
     status.on_bumper(Bumper(left=True))

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import degrees, isnan
 import os
+import re
 import sys
 
 from create_oi_msgs.msg import Bumper, Mode
@@ -85,7 +86,7 @@ class RobotStatus:
             remarks.append(self._mode.reason)
         # No robot answers: the mode says so, and all else follows from it.
         elif self._mode is not None:
-            remarks += self._troubles
+            remarks += map(gist, self._troubles)
         return remarks
 
     def _motion(self) -> list[str]:
@@ -100,6 +101,14 @@ class RobotStatus:
         if self._battery is None or isnan(self._battery.percentage):
             return ''
         return f'{self._battery.percentage:.0%}'
+
+
+def gist(message: str) -> str:
+    """Return a long message without its advice: the first clause, and what brackets add to it."""
+    if len(message) <= WIDTH // 2:
+        return message
+    added = re.search(r' \([^()]*\)$', message)
+    return message.partition(', ')[0] + (added[0] if added else '')
 
 
 def shortened(line: str) -> str:
