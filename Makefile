@@ -1,7 +1,23 @@
 # One target a line. What is missing is set up and built first. ARGS= is passed on.
+#
+#   make                 build everything; the first time also set up ROS in .venv
+#   make run             a simulated robot and its driver; PORT=/dev/ttyUSB0: a real robot
+#   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
+#   make test            build, lint and run every test; ARGS='FILE -k NAME' runs some of them
+#   make build           the same as make
+#   make lint            ruff and mypy
+#   make docs            write the generated tables and figures into the documents
+#   make bench           measure speed and cost: nine minutes, on a quiet machine
+#   make bench-compare   compare two measurements
+#   make bench-odometry  measure the odometry
+#   make faults          make each fault ten times: an hour
+#   make soak            30 minutes under load with faults; ARGS=5: five minutes
+#   make fuzz            read a million damaged frames; ARGS='20000 7': so many, with a seed
+#   make clean           remove all that was installed, built and measured
+#   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: run demo test build bench bench-compare bench-odometry faults soak fuzz docs lint clean
+.PHONY: help run demo test build bench bench-compare bench-odometry faults soak fuzz docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -10,6 +26,7 @@ BUILT := install/built
 EVERY_TEST := python -m pytest --cov --cov-report= -n 2 --dist loadfile && python tools/coverage_floors.py
 ENTER := source ./env.sh &&
 
+help: ; @sed -n 's/^#   make/make/p' Makefile
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(EVERY_TEST))

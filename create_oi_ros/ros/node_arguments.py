@@ -1,7 +1,7 @@
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import fields
 import textwrap
 
@@ -25,6 +25,14 @@ def parse(arguments: Sequence[str]) -> None:
     _, unknown = parser.parse_known_args(remove_ros_args(['', *arguments])[1:])
     if unknown:
         parser.error(refusal(unknown))
+
+
+def unused_file(arguments: Sequence[str], given: Collection[str]) -> str | None:
+    """Say that a parameter file holds nothing for this node; ROS ignores it without a word."""
+    if '--params-file' not in arguments or given:
+        return None
+    return ('the file of --params-file holds no parameter of this node, so all defaults hold: '
+            'it must begin with "/**:" or the name of the node, as config/create.yaml does')
 
 
 def parameter_help() -> str:

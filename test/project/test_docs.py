@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 import re
+import subprocess
 
 import pytest
 
@@ -60,6 +61,13 @@ def test_make_has_every_target_that_is_named(page: Path) -> None:
 def test_every_target_is_phony() -> None:
     phony = re.search(r'^\.PHONY: (.*)', MAKEFILE, re.MULTILINE)
     assert phony and set(phony[1].split()) == TARGETS
+
+
+def test_make_help_names_every_target() -> None:
+    shown = subprocess.run(['make', 'help'], cwd=ROOT, text=True, capture_output=True, check=True)
+    lines = shown.stdout.splitlines()
+    assert {line.split()[1] for line in lines if not line.startswith('make  ')} == TARGETS
+    assert all(len(line) <= 99 and line[21] != ' ' for line in lines)
 
 
 def test_names_in_text_are_found() -> None:

@@ -1,5 +1,5 @@
 """
-Runs the blocks of `docs/tutorial.md` in order, as processes in one ROS domain.
+Runs the blocks of `docs/tutorial.md` in order, all in the ROS domain of the first terminal.
 
 A block marked `terminal N` keeps running; with `: TEXT` the next one waits until TEXT was printed.
 It ends before a block marked `after Ctrl-C in terminal N`. A block marked
@@ -19,7 +19,6 @@ import pytest
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
 from support.pages import Block, blocks, check_parameters, check_ros2, commands
-from support.ros import own_domain
 from support.screen import terminals
 
 ROOT = Path(__file__).parents[2]
@@ -28,6 +27,7 @@ BLOCKS = blocks(PAGE)
 REASONS = {'ros2': {'ros2'}, 'sudo': {'sudo'}, 'build': {'git', 'cd', 'make'},
            'robot': {'create_run', 'create_node', 'python'}}
 """Reasons for not running a block, and the programs that such a block may name."""
+JOIN = re.compile(r'export ROS_DOMAIN_ID=\d+')
 VARYING = re.compile(r'\b(left|right)$|\b(True|False)\b|[+-]?\d+(\.\d+)?(e-?\d+)?')
 """Parts of a line that may differ from run to run: numbers, booleans, left or right."""
 
@@ -60,6 +60,15 @@ class Terminal:
             if text in line:
                 return
         raise AssertionError(f'{text!r} was not printed: {"".join(self.printed)}')
+
+    def domain(self) -> str:
+        """Wait for the line by which others join; return the number of the ROS domain."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.printed.append(line)
+            if found := re.search(r'export ROS_DOMAIN_ID=(\d+)$', line):
+                return found[1]
+        raise AssertionError(f'no ROS domain was printed: {"".join(self.printed)}')
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""
@@ -101,15 +110,18 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def environment(tmp_path):
-    """Return an environment with a ROS domain of its own."""
-    with own_domain() as domain:
-        yield {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}
+def environment():
+    """Return an environment without a ROS domain: the first terminal prints that of its robot."""
+    made = {**os.environ, 'PYTHONUNBUFFERED': '1'}
+    made.pop('ROS_DOMAIN_ID', None)
+    return made
 
 
 def run(block: Block, folder: Path, environment: dict[str, str]) -> Terminal:
     """Run a block to its end."""
-    terminal = Terminal(block.text, folder, environment)
+    # Where the reader types the number that the first terminal shows, so does the test.
+    text = JOIN.sub(f'export ROS_DOMAIN_ID={environment["ROS_DOMAIN_ID"]}', block.text)
+    terminal = Terminal(text, folder, environment)
     until = re.fullmatch(r'until: (.*); then Ctrl-C', block.mark)
     if until:
         terminal.shows(until[1])
@@ -130,6 +142,9 @@ def test_the_tutorial_works(folder, environment):
             lasting = re.fullmatch(r'terminal (\d)(?:: (.*))?', block.mark)
             ending = re.fullmatch(r'after Ctrl-C in terminal (\d)', block.mark)
             match block.language, block.mark:
+                case 'bash', 'terminal 1':
+                    latest = running['1'] = Terminal(block.text, folder, environment)
+                    environment['ROS_DOMAIN_ID'] = latest.domain()
                 case 'bash', _ if lasting:
                     latest = running[lasting[1]] = Terminal(block.text, folder, environment)
                     if lasting[2]:
@@ -155,6 +170,11 @@ def test_the_tutorial_works(folder, environment):
     assert (folder / 'first_demo' / 'report.html').stat().st_size > 100_000
     recording = read(folder / 'walk', lambda part: None)
     assert recording.spans['bumper'].all and len(recording.odom) > 20
+
+
+def test_the_page_says_how_the_second_terminal_joins():
+    blocks_of_shells = [block.text for block in BLOCKS if block.language == 'bash']
+    assert not JOIN.search(blocks_of_shells[0]) and JOIN.search(blocks_of_shells[1])
 
 
 def test_a_block_that_is_not_run_has_a_reason():

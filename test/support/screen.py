@@ -20,6 +20,8 @@ from create_oi_ros.ros.programs import PROGRAMS
 
 TIMEOUT = 30.0
 """Seconds after which a test that waits fails."""
+SHELL = ('bash', '--norc', '--noprofile', '--noediting', '-i')
+"""A shell with job control, which writes no escape sequences."""
 SEQUENCE = re.compile(r'\x1b\[([?\d;]*)([A-Za-z])')
 
 
@@ -59,6 +61,8 @@ class Screen:
         match arguments, command:
             case '2', 'J':
                 self._clear()
+            case '', 'K':
+                self._cells[self._row][self._column:] = [' '] * (self.columns - self._column)
             case _, 'H':
                 row, column = map(int, (arguments or '1;1').split(';'))
                 self._row, self._column = row - 1, column - 1
@@ -105,7 +109,8 @@ class TerminalProgram:
         """Everything that it has written."""
         self.resize(*size)
         self.settings = termios.tcgetattr(self.slave)
-        command = [sys.executable, '-c', PROGRAMS[program], *arguments]
+        command = [*SHELL] if program == 'bash' else [
+            sys.executable, '-c', PROGRAMS[program], *arguments]
         self.process = subprocess.Popen(
             command, stdin=self.slave, stdout=self.slave, stderr=self.slave,
             start_new_session=True, preexec_fn=self._take_terminal, env={
