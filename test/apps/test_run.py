@@ -49,9 +49,9 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
 
 def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
     monkeypatch.setenv('CREATE_OI_ENV', '/home/me/my clone/env.sh')
-    text = introduction('/tmp/port', simulated=True)
-    assert ("source '/home/me/my clone/env.sh' && python '/home/me/my clone/examples/drive.py'\n"
-            in text)
+    text = create_run.introduction('/tmp/port', simulated=True)
+    assert "source '/home/me/my clone/env.sh'" in text
+    assert "python '/home/me/my clone/examples/drive.py'\n" in text
 
 
 def test_capture_is_passed_on_to_the_node(stage):

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 import os
 from pathlib import Path
+from shlex import quote
 import shutil
 import sys
 
@@ -58,12 +59,12 @@ def introduction(port: str, simulated: bool) -> str:
     robot = 'a simulated Create' if simulated else 'the robot'
     domain, environment = os.environ.get('ROS_DOMAIN_ID'), os.environ.get('CREATE_OI_ENV')
     lines = [f'create_run: node /create drives {robot} on {port}, ROS domain {domain or 0}.']
-    joining = [f'source {environment}'] if environment else []
+    joining = [f'source {quote(environment)}'] if environment else []
     joining += [f'export ROS_DOMAIN_ID={domain}'] if domain else []
     if joining:
         lines += ['In another shell, join it:', f'    {" && ".join(joining)}']
     if environment:
-        example = Path(environment).parent / 'examples' / 'drive.py'
+        example = quote(str(Path(environment).parent / 'examples' / 'drive.py'))
         lines += ['then drive it and watch its odometry:', f'    python {example}',
                   'or look at it, and drive it by keys:', '    create_view']
     if shutil.which('ros2') is not None:
