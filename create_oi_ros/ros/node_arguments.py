@@ -5,13 +5,13 @@ from collections.abc import Collection, Sequence
 from dataclasses import fields
 import textwrap
 
-from rclpy.utilities import remove_ros_args
-
 from .. import __version__
 from .parameter_checks import listed, suggestion
 from .parameters import Parameters
 
 WIDTH = 96
+ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
+"""Arguments that ROS knows, after --ros-args."""
 
 
 def parse(arguments: Sequence[str]) -> None:
@@ -22,9 +22,20 @@ def parse(arguments: Sequence[str]) -> None:
         description='Run the driver of an iRobot Create as a ROS 2 node.',
         epilog=parameter_help())
     parser.add_argument('--version', action='version', version=f'create_node {__version__}')
-    _, unknown = parser.parse_known_args(remove_ros_args(['', *arguments])[1:])
+    _, unknown = parser.parse_known_args(plain_arguments(arguments))
     if unknown:
         parser.error(refusal(unknown))
+
+
+def plain_arguments(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments that do not stand between --ros-args and --."""
+    plain, of_ros = [], False
+    for argument in arguments:
+        if argument in ('--ros-args', '--'):
+            of_ros = argument == '--ros-args'
+        elif not of_ros:
+            plain.append(argument)
+    return plain
 
 
 def unused_file(arguments: Sequence[str], given: Collection[str]) -> str | None:
@@ -54,6 +65,9 @@ def parameter_help() -> str:
 def refusal(unknown: Sequence[str]) -> str:
     """Say that an argument is not known, and how to write what may be meant."""
     first = unknown[0]
+    if first in ROS_FLAGS or ':=' in first:
+        flag = '' if first in ROS_FLAGS else '-p '
+        return f'{first} is for ROS: write --ros-args {flag}{" ".join(unknown)}'
     name, _, value = first.lstrip('-').partition('=')
     known = [declared.name for declared in fields(Parameters)]
     name = name.replace('-', '_')

@@ -17,6 +17,9 @@ from support.ros import scene
     (['--bogus'], 'unknown argument --bogus'),
     (['--versoin'], 'did you mean version?'),
     (['/dev/ttyUSB0'], 'unknown argument /dev/ttyUSB0'),
+    (['port:=/dev/x'], 'write --ros-args -p port:=/dev/x'),
+    (['-p', 'port:=/dev/x'], '-p is for ROS: write --ros-args -p port:=/dev/x'),
+    (['--ros-args', '-p', 'baud:=0', '--', '--help-me'], 'unknown argument --help-me'),
 ])
 def test_an_unknown_argument_is_refused_with_what_may_be_meant(capsys, arguments, words):
     with pytest.raises(SystemExit) as ended:
