@@ -67,6 +67,9 @@ def lacking(kind):
     if kind == 'wheels' and (sys.platform, platform.machine()) != ('linux', 'x86_64'):
         return ('ROS 2 comes as wheels for x86-64 Linux only: '
                 'here, install ROS 2 Jazzy and source /opt/ros/jazzy/setup.bash')
+    if not os.access('.', os.W_OK):
+        return (f'{os.getcwd()} cannot be written by you: clone the repository to a folder of '
+                'your own')
     if "'" in os.getcwd() or '\n' in os.getcwd():
         return f'make cannot work in a path with a quote or line end: rename {os.getcwd()!r}'
     if not folders.is_plain(os.getcwd()) and not folders.is_plain(folders.elsewhere()):

@@ -145,3 +145,11 @@ def test_a_path_in_which_nothing_can_be_built_is_refused_in_one_line(tmp_path, n
         capture_output=True, env={**os.environ, 'XDG_CACHE_HOME': str(folder)})
     assert (done.returncode, done.stderr, done.stdout.count('\n')) == (1, '', 1)
     assert sentence in done.stdout and str(folder) in done.stdout.replace('\\', '')
+
+
+def test_a_clone_that_cannot_be_written_is_refused_in_one_line(tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os, 'access', lambda path, mode: (path, mode) != ('.', os.W_OK))
+    said = tool('check').lacking('jazzy')
+    assert said == (f'{tmp_path} cannot be written by you: clone the repository to a folder of '
+                    'your own')
