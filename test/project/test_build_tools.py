@@ -147,9 +147,13 @@ def test_a_path_in_which_nothing_can_be_built_is_refused_in_one_line(tmp_path, n
     assert sentence in done.stdout and str(folder) in done.stdout.replace('\\', '')
 
 
-def test_a_clone_that_cannot_be_written_is_refused_in_one_line(tool, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(os, 'access', lambda path, mode: (path, mode) != ('.', os.W_OK))
-    said = tool('check').lacking('jazzy')
-    assert said == (f'{tmp_path} cannot be written by you: clone the repository to a folder of '
-                    'your own')
+def test_a_clone_that_cannot_be_written_is_refused_in_one_line(tmp_path):
+    # Root may write everywhere, so that the answer of the system is replaced.
+    run = ('import os, runpy, sys; os.access = lambda path, mode: False; '
+           f'sys.path.insert(0, {str(TOOLS)!r}); sys.argv = ["check.py", "jazzy"]; '
+           f'runpy.run_path({str(TOOLS / "check.py")!r}, run_name="__main__")')
+    done = subprocess.run([sys.executable, '-c', run], cwd=tmp_path, text=True, check=False,
+                          capture_output=True)
+    assert (done.returncode, done.stderr) == (1, '')
+    assert done.stdout == (f'{tmp_path} cannot be written by you: clone the repository to a '
+                           'folder of your own\n')
