@@ -5,6 +5,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import fields
 import textwrap
 
+from rclpy.utilities import remove_ros_args
+
 from .. import __version__
 from .parameter_checks import listed, suggestion
 from .parameters import Parameters
@@ -22,6 +24,7 @@ def parse(arguments: Sequence[str]) -> None:
         description='Run the driver of an iRobot Create as a ROS 2 node.',
         epilog=parameter_help())
     parser.add_argument('--version', action='version', version=f'create_node {__version__}')
+    remove_ros_args(['', *arguments])  # raises an error if ROS cannot read its own arguments
     _, unknown = parser.parse_known_args(plain_arguments(arguments))
     if unknown:
         parser.error(refusal(unknown))

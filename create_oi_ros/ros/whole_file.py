@@ -10,7 +10,7 @@ def write_whole(target: Path, content: bytes) -> None:
     """
     Write a file beside the target and rename it, so that a full disk leaves the target as it was.
 
-    A device such as /dev/stdout is written directly. OSError: a sentence with the target's name.
+    A device such as /dev/stdout is written directly. OSError: it cannot be; it names the target.
     """
     real = Path(os.path.realpath(target))
     try:
@@ -19,7 +19,7 @@ def write_whole(target: Path, content: bytes) -> None:
         else:
             _replace(real, content)
     except OSError as error:
-        raise OSError(f'cannot write {target}: {error.strerror}') from error
+        raise OSError(error.errno, error.strerror, str(target)) from error
 
 
 def _replace(target: Path, content: bytes) -> None:

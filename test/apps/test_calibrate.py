@@ -21,6 +21,7 @@ from create_oi_ros.apps.calibrate.listen import Tally
 from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.user_errors import explained
 from support.loop import Loop
 from support.ros import scene
 from support.source import ROOT
@@ -181,11 +182,11 @@ def test_another_file_is_left_alone(tmp_path, capsys, content, reason):
     assert said.count('\n') == 1 and path.read_bytes() == content
 
 
-def test_a_file_that_cannot_be_written_gets_a_sentence(tmp_path, capsys):
-    for path, why in ((tmp_path, 'Is a directory'), (tmp_path / 'no' / 'x', 'No such file')):
-        assert main(['-o', str(path), *SPIN]) == 2
-        said = capsys.readouterr().err
-        assert said.startswith(f'create_calibrate: cannot write {path}: {why}')
+def test_a_file_that_cannot_be_written_gets_a_sentence(tmp_path):
+    for path, why in ((tmp_path, 'this is a folder'), (tmp_path / 'no' / 'x', 'its folder does')):
+        with pytest.raises(OSError) as error:
+            main(['-o', str(path), *SPIN])
+        assert explained(error.value).startswith(f'{path}: ') and why in explained(error.value)
 
 
 def test_a_value_that_the_node_does_not_take_is_refused(capsys):

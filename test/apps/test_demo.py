@@ -139,7 +139,7 @@ def test_ctrl_c_leaves_no_process_and_a_readable_bag(tmp_path):
     assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
 
 
-def test_a_full_disk_gets_a_sentence_and_leaves_a_readable_bag(tmp_path):
+def test_a_full_disk_gets_a_sentence_and_leaves_a_readable_bag(unmeasured, tmp_path):
     full = 'import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000)); '
     with scene(tmp_path) as made:
         done = subprocess.run(

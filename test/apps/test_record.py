@@ -88,7 +88,7 @@ def test_an_empty_recording_is_reported(stage, tmp_path):
         'create_record: nothing was heard: does a driver run in this ROS domain and namespace?\n')
 
 
-def test_a_full_disk_gets_a_sentence(stage, tmp_path):
+def test_a_full_disk_gets_a_sentence(unmeasured, stage, tmp_path):
     recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
     stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
     resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (1024, 1024))
@@ -146,7 +146,7 @@ def test_kill_9_loses_two_seconds_at_most(stage, tmp_path):
     assert last.sec + last.nanosec / 1e9 - (bag.began + bag.seconds) < 2.0
 
 
-def test_all_but_the_last_second_survives_a_full_disk(stage, tmp_path):
+def test_all_but_the_last_second_survives_a_full_disk(unmeasured, stage, tmp_path):
     stage.node(stage.robot().link)
     recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
     stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)

@@ -148,7 +148,7 @@ def _signs_kept(arguments: Sequence[str]) -> list[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_calibrate`; 2: the values are not believable, or cannot be written."""
+    """Run `create_calibrate`; 2: the values are not believable. OSError: not to be written."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     parser = _arguments()
     if '--ros-args' in given and 'listen' in given:
@@ -161,7 +161,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return listen(['create_calibrate', *given])
     try:
         _write(options.output, _found(options))
-    except (ValueError, OSError) as error:
+    except ValueError as error:
         print(f'create_calibrate: {error}', file=sys.stderr)
         return 2
     return 0

@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         report(options.bag, options.target, options.robot)
-    except (BagError, OSError) as error:
+    except BagError as error:
         print(f'create_report: {error}', file=sys.stderr)
         return 2
     print(options.target)
