@@ -1,7 +1,23 @@
 # One target a line. What is missing is set up and built first. ARGS= is passed on.
+#
+#   make                 build everything; the first time also set up ROS in .venv
+#   make run             a simulated robot and its driver; PORT=/dev/ttyUSB0: a real robot
+#   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
+#   make test            build, lint and run every test; ARGS='FILE -k NAME' runs some of them
+#   make build           the same as make
+#   make lint            ruff and mypy
+#   make docs            write the generated tables and figures into the documents
+#   make bench           measure speed and cost: nine minutes, on a quiet machine
+#   make bench-compare   compare two measurements
+#   make bench-odometry  measure the odometry
+#   make faults          make each fault ten times: an hour
+#   make soak            30 minutes under load with faults; ARGS=5: five minutes
+#   make fuzz            read a million damaged frames; ARGS='20000 7': so many, with a seed
+#   make clean           remove all that was installed, built and measured
+#   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: run demo test build bench bench-compare bench-odometry faults soak fuzz docs lint clean
+.PHONY: help run demo test build bench bench-compare bench-odometry faults soak fuzz docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -10,6 +26,7 @@ BUILT := install/built
 EVERY_TEST := python -m pytest --cov --cov-report= -n 2 --dist loadfile && python tools/coverage_floors.py
 ENTER := source ./env.sh &&
 
+help: ; @sed -n 's/^#   make/make/p' Makefile
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(EVERY_TEST))
@@ -22,7 +39,7 @@ soak: build ; @$(ENTER) python test soak $(ARGS)
 fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
 docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
-clean: ; @rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
+clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 # Variables of another ROS, or of env.sh, must not reach the wheels.
 ifeq ($(KIND),wheels)
@@ -34,12 +51,12 @@ ifneq ($(file <$(READY)),$(KIND) $(CURDIR))
 .PHONY: $(READY)
 endif
 
-$(READY): tools/pins.txt tools/make_venv.py tools/patch_cmake.py
+$(READY): tools/pins.txt tools/make_venv.py tools/folders.py tools/patch_cmake.py
 	@rm -f $@ && python=$$(tools/find_python.sh $(KIND)) && $$python tools/make_venv.py $(KIND)
-	@echo $(KIND) $(CURDIR) > $@
+	@echo '$(KIND) $(CURDIR)' > $@
 
 # Folders are inputs, too: their time changes when a file is added or removed.
 INPUTS := $(shell find msg_defs tools/tf2_msgs resource launch config urdf rviz 2>/dev/null)
 $(BUILT): $(READY) $(INPUTS) package.xml setup.py setup.cfg tools/build.py
 	@.venv/bin/python tools/build.py $(KIND)
-	@echo $(CURDIR) > $@
+	@echo '$(CURDIR)' > $@

@@ -12,9 +12,12 @@ if [ "$(cat "$_create_root/install/built" 2> /dev/null)" != "$_create_root" ]; t
     return 1
 fi
 
-if [ -f "$_create_root/.venv/bin/colcon" ]; then  # ROS from wheels, not from /opt/ros
+# Both can be links: tools/folders.py. What stands in them has the real paths.
+_create_venv=$(cd "$_create_root/.venv" > /dev/null && pwd -P)
+_create_install=$(cd "$_create_root/install" > /dev/null && pwd -P)
+if [ -f "$_create_venv/bin/colcon" ]; then  # ROS from wheels, not from /opt/ros
     _create_setup=local_setup
-    export VIRTUAL_ENV="$_create_root/.venv"
+    export VIRTUAL_ENV="$_create_venv"
     export AMENT_PREFIX_PATH="$VIRTUAL_ENV" CMAKE_PREFIX_PATH="$VIRTUAL_ENV"
     # The wheels have one middleware, Fast DDS; with another name, rclpy.init() fails.
     unset RMW_IMPLEMENTATION
@@ -33,13 +36,13 @@ fi
 # colcon's scripts read unset variables, which `set -u` forbids.
 case $- in *u*) _create_nounset=1; set +u ;; *) _create_nounset= ;; esac
 if [ -n "${ZSH_VERSION:-}" ]; then
-    . "$_create_root/install/$_create_setup.zsh"
+    . "$_create_install/$_create_setup.zsh"
 else
-    . "$_create_root/install/$_create_setup.bash"
+    . "$_create_install/$_create_setup.bash"
 fi
 [ -z "$_create_nounset" ] || set -u
 
 export CREATE_OI_ENV="$_create_root/env.sh"  # create_run tells its user to source this
-_create_bin="$_create_root/install/create_oi_ros/lib/create_oi_ros:$_create_root/.venv/bin"
+_create_bin="$_create_install/create_oi_ros/lib/create_oi_ros:$_create_venv/bin"
 case ":$PATH:" in *":$_create_bin:"*) ;; *) export PATH="$_create_bin:$PATH" ;; esac
-unset _create_root _create_setup _create_bin _create_nounset
+unset _create_root _create_venv _create_install _create_setup _create_bin _create_nounset

@@ -6,11 +6,23 @@ One Create: its driver and model, and on request a simulated robot and RViz.
 """
 
 import os
+import shutil
 import tempfile
 
-from ament_index_python.packages import get_package_prefix, get_package_share_directory
+from ament_index_python.packages import (
+    get_package_prefix,
+    get_package_share_directory,
+    PackageNotFoundError,
+)
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, EmitEvent, ExecuteProcess, OpaqueFunction
+from launch.actions import (
+    DeclareLaunchArgument,
+    EmitEvent,
+    ExecuteProcess,
+    OpaqueFunction,
+    RegisterEventHandler,
+)
+from launch.event_handlers import OnProcessIO
 from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
@@ -29,42 +41,107 @@ ARGUMENTS = {
 }
 
 
+SWITCHES = {'true': True, '1': True, 'yes': True, 'false': False, '0': False, 'no': False}
+# Launch leaves its processes running when it fails. These end with it, however it ends.
+ENDS_WITH_LAUNCH = [
+    'setpriv --pdeathsig TERM ' if shutil.which('setpriv') else '',
+    LaunchConfiguration('launch-prefix', default='')]
+LINGER = 3  # seconds; less than the 5 after which launch kills
+
+
 def nodes(context):
-    """Return the nodes that the arguments ask for."""
+    """Check all arguments, then return what they ask for: so a wrong one starts nothing."""
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    asked = {name: value[name].lower() in ('true', '1', 'yes')
-             for name in ('simulated', 'description', 'rviz')}
+    asked = {name: switch(name, value[name]) for name in ('simulated', 'description', 'rviz')}
+    check(value, asked)
     namespace, prefix, port = value['namespace'], value['frame_prefix'], value['port']
-    made = []
     if asked['simulated']:
         name = namespace.strip('/').replace('/', '_') or 'robot'
         port = os.path.join(tempfile.gettempdir(), f'create_{name}_{os.getpid()}')
-        made.append(simulator(port, value['world']))
-    made.append(Node(
-        package='create_oi_ros', executable='create_node', namespace=namespace, output='screen',
-        parameters=[value['params'], {
-            'port': port, 'odom_frame': f'{prefix}odom', 'base_frame': f'{prefix}base_footprint',
-            # Launch does not pass an empty value on as a string.
-            **({'capture': value['capture']} if value['capture'] else {})}],
-        on_exit=EmitEvent(event=Shutdown(reason='create_node has ended'))))
+    made = [driver(value, port)]
+    if asked['simulated']:
+        made = simulated(port, value['world'], made)
     if asked['description']:
         with open(os.path.join(SHARE, 'urdf', 'create.urdf')) as model:
             made.append(Node(
                 package='robot_state_publisher', executable='robot_state_publisher',
-                namespace=namespace,
+                exec_name='robot_state_publisher', namespace=namespace, prefix=ENDS_WITH_LAUNCH,
                 parameters=[{'robot_description': model.read(), 'frame_prefix': prefix}]))
     if asked['rviz']:
         made.append(Node(
-            package='rviz2', executable='rviz2', namespace=namespace,
+            package='rviz2', executable='rviz2', exec_name='rviz2', namespace=namespace,
+            prefix=ENDS_WITH_LAUNCH,
             arguments=['-d', os.path.join(SHARE, 'rviz', 'create.rviz'), '-f', f'{prefix}odom']))
     return made
 
 
-def simulator(port, world):
-    """Return the process of a simulated robot, which is no ROS node and takes no --ros-args."""
+def switch(name, text):
+    """Return whether an argument says true."""
+    if text.lower() not in SWITCHES:
+        raise RuntimeError(f'{name}:={text}; allowed: true or false')
+    return SWITCHES[text.lower()]
+
+
+def check(value, asked):
+    """Raise RuntimeError if an argument is wrong, or asks for what is not installed."""
+    for name, package in (('description', 'robot_state_publisher'), ('rviz', 'rviz2')):
+        if asked[name]:
+            check_installed(package, name)
+    check_file(value['params'])
+    if not value['port'] and not asked['simulated']:
+        raise RuntimeError('port:= is empty; allowed: a serial device or a pyserial URL')
+
+
+def check_installed(package, argument):
+    """Raise RuntimeError if a package is missing."""
+    try:
+        get_package_prefix(package)
+    except PackageNotFoundError:
+        raise RuntimeError(
+            f'{package} is not installed: sudo apt-get install '
+            f'ros-jazzy-{package.replace("_", "-")}, or launch with {argument}:=false') from None
+
+
+def check_file(path):
+    """Raise RuntimeError if the parameter file cannot be read."""
+    try:
+        open(path).close()
+    except OSError as error:
+        raise RuntimeError(f'params:={path}: {error.strerror}') from None
+
+
+def driver(value, port):
+    """Return the driver; when it ends, the launch ends."""
+    prefix = value['frame_prefix']
+    return Node(
+        package='create_oi_ros', executable='create_node', exec_name='create_node',
+        namespace=value['namespace'], output='screen', prefix=ENDS_WITH_LAUNCH,
+        parameters=[value['params'], {
+            'port': port, 'odom_frame': f'{prefix}odom', 'base_frame': f'{prefix}base_footprint',
+            # Launch does not pass an empty value on as a string.
+            **({'capture': value['capture']} if value['capture'] else {})}],
+        on_exit=EmitEvent(event=Shutdown(reason='create_node has ended')))
+
+
+def simulated(port, world, users):
+    """
+    Return a simulated robot, and what is started when its port is there.
+
+    create_sim is no ROS node and takes no --ros-args. It ends when the driver has closed the port.
+    """
     program = os.path.join(
         get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
-    return ExecuteProcess(cmd=[program, '--link', port, '--world', world], output='screen')
+    simulator = ExecuteProcess(
+        cmd=[program, '--link', port, '--world', world, '--linger', str(LINGER)],
+        name='create_sim', output='screen', prefix=ENDS_WITH_LAUNCH,
+        on_exit=EmitEvent(event=Shutdown(reason='create_sim has ended')))
+    waiting = list(users)
+
+    def start(_):
+        started = waiting.copy()
+        waiting.clear()
+        return started
+    return [RegisterEventHandler(OnProcessIO(target_action=simulator, on_stdout=start)), simulator]
 
 
 def generate_launch_description():

@@ -18,7 +18,10 @@ SHARE = get_package_share_directory('create_oi_ros')
 
 def robots(context):
     """Return the launch of a simulated robot, once for each."""
-    count = int(LaunchConfiguration('count').perform(context))
+    text = LaunchConfiguration('count').perform(context)
+    count = int(text) if text.isdecimal() else 0
+    if not count:
+        raise RuntimeError(f'count:={text}; allowed: a whole number of robots, 1 or more')
     one = os.path.join(SHARE, 'launch', 'create.launch.py')
     names = [f'robot{number}' for number in range(1, count + 1)]
     return [

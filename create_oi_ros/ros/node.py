@@ -6,11 +6,8 @@ import sys
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from .. import __version__
@@ -30,7 +27,7 @@ from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameter_checks, topics
 from .graph_watch import GraphWatch
-from .process import call_on_signal, spin_until
+from .process import call_on_signal, ros_executor, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
 
@@ -166,23 +163,22 @@ def main() -> int:
     node_arguments.parse(sys.argv[1:])
     ended = Future()
     call_on_signal(lambda: ended.set_result(0))
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        node = CreateNode(ended)
-    except ValueError as error:
-        print(f'create_node: {error}', file=sys.stderr)
-        return 2
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    try:
-        node.session.start()
-        spin_until(executor, ended)
-    finally:
-        node.session.close()
-        if node.capture is not None:
-            node.capture.close()
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.shutdown()
+    with ros_executor() as executor:
+        try:
+            node = CreateNode(ended)
+        except ValueError as error:
+            print(f'create_node: {error}', file=sys.stderr)
+            return 2
+        executor.add_node(node)
+        unused = node_arguments.unused_file(sys.argv, node._parameter_overrides)
+        if unused is not None:
+            node.get_logger().warning(unused)
+        try:
+            node.session.start()
+            spin_until(executor, ended)
+        finally:
+            node.session.close()
+            if node.capture is not None:
+                node.capture.close()
     return int(ended.result())
 

@@ -1,7 +1,7 @@
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import fields
 import textwrap
 
@@ -12,6 +12,8 @@ from .parameter_checks import listed, suggestion
 from .parameters import Parameters
 
 WIDTH = 96
+ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
+"""Arguments that ROS knows, after --ros-args."""
 
 
 def parse(arguments: Sequence[str]) -> None:
@@ -22,9 +24,29 @@ def parse(arguments: Sequence[str]) -> None:
         description='Run the driver of an iRobot Create as a ROS 2 node.',
         epilog=parameter_help())
     parser.add_argument('--version', action='version', version=f'create_node {__version__}')
-    _, unknown = parser.parse_known_args(remove_ros_args(['', *arguments])[1:])
+    remove_ros_args(['', *arguments])  # raises an error if ROS cannot read its own arguments
+    _, unknown = parser.parse_known_args(plain_arguments(arguments))
     if unknown:
         parser.error(refusal(unknown))
+
+
+def plain_arguments(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments that do not stand between --ros-args and --."""
+    plain, of_ros = [], False
+    for argument in arguments:
+        if argument in ('--ros-args', '--'):
+            of_ros = argument == '--ros-args'
+        elif not of_ros:
+            plain.append(argument)
+    return plain
+
+
+def unused_file(arguments: Sequence[str], given: Collection[str]) -> str | None:
+    """Say that a parameter file holds nothing for this node; ROS ignores it without a word."""
+    if '--params-file' not in arguments or given:
+        return None
+    return ('the file of --params-file holds no parameter of this node, so all defaults hold: '
+            'it must begin with "/**:" or the name of the node, as config/create.yaml does')
 
 
 def parameter_help() -> str:
@@ -46,6 +68,9 @@ def parameter_help() -> str:
 def refusal(unknown: Sequence[str]) -> str:
     """Say that an argument is not known, and how to write what may be meant."""
     first = unknown[0]
+    if first in ROS_FLAGS or ':=' in first:
+        flag = '' if first in ROS_FLAGS else '-p '
+        return f'{first} is for ROS: write --ros-args {flag}{" ".join(unknown)}'
     name, _, value = first.lstrip('-').partition('=')
     known = [declared.name for declared in fields(Parameters)]
     name = name.replace('-', '_')

@@ -9,6 +9,7 @@ to a socket, whichever thread receives it, and a thread of ours reads that socke
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import ctypes
+import os
 import signal
 import socket
 import threading
@@ -17,6 +18,8 @@ import rclpy
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+
+from .user_errors import check_environment
 
 PR_SET_PDEATHSIG = 1
 """Linux, prctl(2)."""
@@ -34,7 +37,8 @@ def call_on_signal(end: Callable[[], None]) -> None:
     writer.setblocking(False)
 
     def wait() -> None:
-        reader.recv(1)
+        while (received := reader.recv(1)) and received[0] not in STOP_SIGNALS:
+            pass  # the program itself handles this signal
         end()
         with writer:  # stays open: Python writes every later signal to it
             while reader.recv(1):
@@ -46,6 +50,13 @@ def call_on_signal(end: Callable[[], None]) -> None:
     threading.Thread(target=wait, name='signals', daemon=True).start()
 
 
+def stop_job() -> None:
+    """Stop this process and all of its shell job, as Ctrl-Z does; return after `fg`."""
+    own = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
+    os.kill(0, signal.SIGTSTP)
+    signal.signal(signal.SIGTSTP, own)
+
+
 @contextmanager
 def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedExecutor]:
     """
@@ -53,7 +64,9 @@ def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedE
 
     rclpy installs no signal handlers: use `call_on_signal`. Create the nodes inside and add them
     to the executor. What must end before ROS does, such as the robot's wheels, ends inside too.
+    UserError: something in the environment is wrong.
     """
+    check_environment()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     executor = SingleThreadedExecutor()
     try:

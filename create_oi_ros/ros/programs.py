@@ -1,12 +1,20 @@
 """
 The executables: a function each, which imports the program and runs its `main`.
 
+All begin in `_run`, which answers `--version`, and says in a sentence what the user can mend.
 Importing rclpy takes most of a second, in which Ctrl-C would print a traceback. Nothing has been
 started by then, so the system's default handler for SIGINT replaces Python's.
 """
 
 from importlib import import_module
+from io import TextIOWrapper
+import os
 import signal
+import sys
+from types import ModuleType
+
+from .. import __version__
+from .user_errors import explained, UserError
 
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
@@ -15,7 +23,7 @@ MODULES = {
     'create_node': 'ros.node',
     'create_record': 'apps.record',
     'create_report': 'apps.report.create_report',
-    'create_run': 'apps.run',
+    'create_run': 'apps.run.create_run',
     'create_sim': 'sim.server.create_sim',
     'create_view': 'apps.view.create_view',
 }
@@ -23,12 +31,40 @@ MODULES = {
 PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run())'
             for name in MODULES}
 """Python code that runs a program, for `python -c`; the package need not be installed."""
+WRONG = 2
+"""Exit code when something is wrong that the user can mend."""
+NO_READER = 128 + signal.SIGPIPE
+"""Exit code when nobody reads the output any more, as of a program that SIGPIPE ends."""
 
 
 def _run(program: str) -> int:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if sys.argv[1:] == ['--version']:
+        print(program, __version__)
+        return 0
+    if sys.stdout is None:  # closed by the shell: >&-
+        sys.stdout = open(os.devnull, 'w')
+    if isinstance(sys.stdout, TextIOWrapper):  # a path may hold letters that a terminal has not
+        sys.stdout.reconfigure(errors='backslashreplace')
     try:
-        module = import_module(f'{PACKAGE}.{MODULES[program]}')
+        code = int(_imported(program).main())
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # The reader of our output has ended, such as `head`; Python's own end would complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return NO_READER
+    except (OSError, RuntimeError, UserError) as error:
+        sentence = explained(error)
+        if sentence is None:
+            raise
+        print(f'{program}: {sentence}', file=sys.stderr)
+        return WRONG
+
+
+def _imported(program: str) -> ModuleType:
+    try:
+        return import_module(f'{PACKAGE}.{MODULES[program]}')
     except ModuleNotFoundError as error:
         if error.name is None or not error.name.startswith('create_oi_msgs'):
             raise
@@ -36,7 +72,6 @@ def _run(program: str) -> int:
             'create_oi_ros needs the messages of its package msg_defs, which are not built: '
             '`colcon build --base-paths src/create_oi_ros src/create_oi_ros/msg_defs`, then '
             '`source install/setup.bash`') from None
-    return int(module.main())
 
 
 def create_calibrate() -> int:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+import os
 from pathlib import Path
 import time
 from typing import TYPE_CHECKING
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos
 
 DESCRIPTION = 'robot_description'
+SAVED = 1.0
+"""Seconds between two writes to the file; what `kill -9` or a full disk loses at most."""
 
 
 class Recorder:
@@ -33,20 +37,29 @@ class Recorder:
     def __init__(self, node: Node, folder: Path, velocity: type = Twist) -> None:
         """Create a bag in a new folder; `velocity` is the type of cmd_vel."""
         from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.rosbag2.storage_mcap import McapWriter
         self._node = node
         self._store = definitions()
         self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
         self._writer.open()
+        assert isinstance(self._writer.storage, McapWriter)
+        self._file = self._writer.storage
         self.counts: Counter[str] = Counter()
         """Messages recorded, by topic."""
-        self.size = 0
-        """Bytes of all messages recorded."""
+        self.saved = 0
+        """Messages that are in the file already, of all topics."""
         for topic in PUBLISHED:
             self._record(topic.name, topic.type, topic.qos)
         self._record('cmd_vel', velocity, QoSProfile(depth=10))
         # Both published by robot_state_publisher, if it runs.
         self._description = self._record(DESCRIPTION, String, LATCHED)
         self._record('/tf_static', TFMessage, LATCHED)
+        self._saving = node.create_timer(SAVED, self._save)
+
+    @property
+    def size(self) -> int:
+        """Bytes in the bag's file."""
+        return self._file.path.stat().st_size
 
     @property
     def topics(self) -> list[str]:
@@ -71,11 +84,35 @@ class Recorder:
     def _write(self, connection: Connection, raw: bytes) -> None:
         self._writer.write(connection, time.time_ns(), raw)
         self.counts[connection.topic] += 1
-        self.size += len(raw)
+
+    def _save(self) -> None:
+        """Write what has arrived as a chunk of its own: readers recover whole chunks only."""
+        if self._file.chunk.msgs:
+            with self._whole_chunks():
+                self._file.close_chunk()
+                self._file.bio.flush()
+            self.saved = self.counts.total()
+
+    @contextmanager
+    def _whole_chunks(self) -> Iterator[None]:
+        """When the disk is full, close the file after its last whole chunk."""
+        whole = self._file.bio.tell()
+        try:
+            yield
+        except OSError:
+            if self._writer.storage is not None:
+                with suppress(OSError):  # expected: the rest does not fit either
+                    self._writer.abort()
+                os.truncate(self._file.path, whole)
+            raise
 
     def close(self) -> None:
         """Close the bag; only then is it complete."""
-        self._writer.close()
+        self._node.destroy_timer(self._saving)
+        if self._writer.storage is not None:
+            self._save()
+            with self._whole_chunks():
+                self._writer.close()
 
 
 def bag_qos(qos: QoSProfile) -> Qos:

@@ -1,6 +1,6 @@
 """Yaw to and from a quaternion: a robot on a floor turns about the vertical only. Pure."""
 
-from math import atan2, cos, sin
+from math import atan2, cos, remainder, sin, tau
 from typing import Any
 
 
@@ -11,5 +11,5 @@ def set_yaw(rotation: Any, yaw: float) -> None:
 
 
 def yaw_of(rotation: Any) -> float:
-    """Return the yaw of a quaternion, rad."""
-    return 2 * atan2(rotation.z, rotation.w)
+    """Return the yaw of a quaternion, -pi to pi."""
+    return remainder(2 * atan2(rotation.z, rotation.w), tau)

@@ -1,5 +1,6 @@
 """The demo: the pilot, a short demo as a user sees it, and how it ends."""
 
+from contextlib import closing
 from math import hypot, pi
 import os
 from pathlib import Path
@@ -9,6 +10,8 @@ import sys
 import threading
 
 from create_oi_msgs.msg import Mode
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import QoSProfile
 
@@ -22,7 +25,7 @@ from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.recorder import bag_qos
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.world import shipped
-from support.ros import scene
+from support.ros import children_of, Listener, scene
 
 
 @pytest.fixture(scope='module')
@@ -103,12 +106,6 @@ def demo(folder: Path, domain: int, *arguments: str) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
 
-def children_of(pid: int) -> list[int]:
-    """Return the processes that a process has started."""
-    return [int(child) for child in
-            Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
-
-
 def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
     with scene(tmp_path) as made:
         shown = demo(tmp_path / 'demo', made.domain, '--short')
@@ -140,6 +137,62 @@ def test_ctrl_c_leaves_no_process_and_a_readable_bag(tmp_path):
     assert 'stopped' in printed and 'Traceback' not in printed
     assert not any(Path(f'/proc/{child}').exists() for child in children)
     assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
+
+
+def test_a_full_disk_gets_a_sentence_and_leaves_a_readable_bag(unmeasured, tmp_path):
+    full = 'import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000)); '
+    with scene(tmp_path) as made:
+        done = subprocess.run(
+            [sys.executable, '-c', full + PROGRAMS['create_demo'], '-o', str(tmp_path / 'demo'),
+             '--short'], capture_output=True, text=True, timeout=60,
+            env={**os.environ, 'ROS_DOMAIN_ID': str(made.domain)})
+    assert done.returncode == 2 and 'Traceback' not in done.stderr
+    assert done.stdout.endswith('recording has ended: [Errno 27] File too large\n')
+    assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
+
+
+def test_beside_another_driver_the_demo_ends_and_says_so(tmp_path):
+    with scene(tmp_path) as made:
+        made.node(made.robot().link)
+        odom = made.ros.listen(Odometry, 'odom')
+        made.ros.until(lambda: odom)
+        shown = demo(tmp_path / 'demo', made.domain)
+        printed, _ = shown.communicate(timeout=60)
+    assert shown.returncode == 1, printed
+    assert f'in ROS domain {made.domain} is also another driver' in printed
+    assert '`unset ROS_DOMAIN_ID` gives the demo a domain of its own' in printed
+
+
+def test_a_demo_that_another_node_drives_ends_and_names_it(tmp_path):
+    with scene(tmp_path) as made:
+        velocity = made.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+        shown = demo(tmp_path / 'demo', made.domain)
+        # A publisher alone, as that of a view, does no harm; its first command ends the tour.
+        made.ros.until(lambda: velocity.get_subscription_count() == 2)
+
+        def ended():
+            velocity.publish(Twist())
+            return shown.poll() is not None
+        made.ros.until(ended)
+        printed, _ = shown.communicate()
+    assert shown.returncode == 1, printed
+    assert 'is also /listener, which drives' in printed
+
+
+def test_a_demo_takes_its_own_domain(tmp_path):
+    environment = {**os.environ, 'PYTHONUNBUFFERED': '1'}
+    environment.pop('ROS_DOMAIN_ID', None)
+    shown = subprocess.Popen(
+        [sys.executable, '-c', PROGRAMS['create_demo'], '-o', str(tmp_path / 'demo')],
+        env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert shown.stdout is not None
+    said = next(line for line in shown.stdout if 'ROS_DOMAIN_ID' in line)
+    with closing(Listener(int(said.rpartition('=')[2]))) as joined:
+        odom = joined.listen(Odometry, 'odom')
+        joined.until(lambda: odom)
+    shown.send_signal(signal.SIGINT)
+    shown.communicate(timeout=20)
+    assert shown.returncode == 130
 
 
 def test_an_existing_folder_is_left_alone(tmp_path):

@@ -1,10 +1,12 @@
 """`create_record` as a user sees it: a real terminal, the real node, a complete bag."""
 
+from pathlib import Path
 import re
 import resource
 import signal
 
 from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
 import pytest
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
@@ -82,11 +84,11 @@ def test_an_empty_recording_is_reported(stage, tmp_path):
     recorder.send(signal.SIGINT)
     assert recorder.ended() == 1
     assert recorder.output.endswith(
-        f'create_record: 0 messages of 0 topics, 0.0 MB are in {tmp_path / "walk"}\n'
+        f'create_record: 0 messages of 0 topics, 0.1 MB are in {tmp_path / "walk"}\n'
         'create_record: nothing was heard: does a driver run in this ROS domain and namespace?\n')
 
 
-def test_a_full_disk_gets_a_sentence(stage, tmp_path):
+def test_a_full_disk_gets_a_sentence(unmeasured, stage, tmp_path):
     recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
     stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
     resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (1024, 1024))
@@ -118,3 +120,53 @@ def test_a_missing_library_is_named_with_how_to_install_it(stage, tmp_path):
     finally:
         recorder.close()
     assert 'pip install --break-system-packages rosbags' in recorder.output
+
+
+def recorded(recorder, stage) -> Path:
+    """Wait until a recorder without a terminal has written messages; return its file."""
+    folder = Path(re.search(r' to (\S+) until Ctrl-C', recorder.output)[1])
+    file, = folder.glob('*.mcap')
+    stage.ros.until(lambda: file.stat().st_size > 200_000, 'two seconds are in the file')
+    return file
+
+
+def test_kill_9_loses_two_seconds_at_most(stage, tmp_path):
+    stage.node(stage.robot().link)
+    heard = stage.ros.listen(Odometry, 'odom')
+    stage.ros.until(lambda: heard)
+    recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
+    stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
+    file = recorded(recorder, stage)
+    heard.clear()
+    stage.ros.until(lambda: heard, 'a frame')
+    last = heard[-1].header.stamp
+    recorder.send(signal.SIGKILL)
+    recorder.ended()
+    bag = read(file.parent, lambda part: None)
+    assert last.sec + last.nanosec / 1e9 - (bag.began + bag.seconds) < 2.0
+
+
+def test_all_but_the_last_second_survives_a_full_disk(unmeasured, stage, tmp_path):
+    stage.node(stage.robot().link)
+    recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
+    stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
+    file = recorded(recorder, stage)
+    resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (400_000, 400_000))
+    assert recorder.ended() == 1
+    assert recorder.printed[-2] == (
+        'create_record: recording has ended: [Errno 27] File too large\n')
+    saved = re.fullmatch(rf'create_record: (\d+) messages are in {tmp_path}/walk; '
+                         'create_report reads them\n', recorder.printed[-1])
+    recording = read(file.parent, lambda part: None)
+    assert recording.messages == int(saved[1])
+    assert recording.odom.times[-1] > 2.0
+
+
+def test_the_size_is_that_of_the_file(stage, tmp_path):
+    stage.node(stage.robot().link)
+    recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
+    stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
+    file = recorded(recorder, stage)
+    recorder.send(signal.SIGINT)
+    assert recorder.ended() == 0
+    assert f', {file.stat().st_size / 1e6:.1f} MB are in' in recorder.output

@@ -1,7 +1,10 @@
 """A report shows what is in a bag, or prints one sentence why it cannot."""
 
+from importlib import import_module
+from importlib.util import find_spec
 from math import inf, isnan, nan
 from pathlib import Path
+import shutil
 import subprocess
 import sys
 
@@ -16,7 +19,7 @@ from create_oi_ros.apps.report import create_report as command
 from create_oi_ros.apps.report.bag_reader import POINTS, read, RecordingBuilder
 from create_oi_ros.apps.report.recording import Curve, Spans
 from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
-from create_oi_ros.ros.bags import BagError, missing
+from create_oi_ros.ros.bags import BagError, DamageError, faults, LIBRARY_FAULTS, missing, reading
 from create_oi_ros.ros.programs import PROGRAMS
 from support import bags
 
@@ -114,6 +117,17 @@ def test_of_several_robots_one_must_be_named(tmp_path, capsys):
         read(bag, quiet, 'robot3')
 
 
+def test_a_robot_without_a_namespace_is_called_slash(tmp_path, capsys):
+    bag = bags.write(tmp_path / 'walk', 1.0)
+    assert command.main([str(bag), '--robot', 'nobody']) == 2
+    assert f'{bag} has no robot nobody: it has /\n' in capsys.readouterr().err
+    fleet = bags.write(tmp_path / 'fleet', 1.0, robots=('', 'robot2'))
+    assert 'name one with --robot: /, robot2' in refusal(fleet, capsys)
+    assert read(fleet, quiet, '/').odom
+    with pytest.raises(BagError, match='no robot robot3: it has /, robot2'):
+        read(fleet, quiet, 'robot3')
+
+
 def test_something_else_than_a_bag_gets_a_sentence(tmp_path, capsys):
     (tmp_path / 'folder').mkdir()
     (tmp_path / 'a.mcap').write_bytes(b'')
@@ -197,6 +211,17 @@ def test_our_own_error_is_not_reported_as_damage(bag, monkeypatch):
         read(bag, quiet)
 
 
+def test_only_what_a_broken_file_causes_counts_as_damage():
+    for module, name in LIBRARY_FAULTS.items():
+        if find_spec(module.partition('.')[0]) and (module != 'compression.zstd'
+                                                    or sys.version_info >= (3, 14)):
+            assert issubclass(getattr(import_module(module), name), faults()), module
+    with pytest.raises(DamageError, match='codec'), reading():
+        b'\xff'.decode()
+    with pytest.raises(ZeroDivisionError), reading():
+        print(1 / 0)
+
+
 def test_a_long_bag_is_thinned_out():
     curve = Curve('value', spacing=3600 / POINTS)
     for step in range(240_000):
@@ -248,3 +273,35 @@ def test_it_is_a_program(bag, tmp_path):
          str(tmp_path / 'page.html')], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stderr) == (0, '')
     assert (tmp_path / 'page.html').exists()
+
+
+def test_a_reindexed_bag_is_read(bag, recording, tmp_path):
+    """`ros2 bag reindex` writes another history depth to metadata.yaml than the file has."""
+    shutil.copytree(bag, tmp_path / 'walk')
+    metadata = tmp_path / 'walk' / 'metadata.yaml'
+    text = metadata.read_text()
+    assert 'offered_qos_profiles: []' in text
+    metadata.write_text(text.replace('offered_qos_profiles: []', 'offered_qos_profiles:' + ''.join(
+        f'\n        {line}' for line in (
+            '- history: keep_last', '  depth: 0', '  reliability: reliable',
+            '  durability: volatile', '  deadline: {sec: 9223372036, nsec: 854775807}',
+            '  lifespan: {sec: 9223372036, nsec: 854775807}', '  liveliness: automatic',
+            '  liveliness_lease_duration: {sec: 9223372036, nsec: 854775807}',
+            '  avoid_ros_namespace_conventions: false'))))
+    again = read(tmp_path / 'walk', quiet)
+    assert list(again.odom['x']) == list(recording.odom['x'])
+    assert again.settings == recording.settings
+
+
+@pytest.mark.parametrize('name', ['report.html', 'report.png'])
+def test_a_full_disk_leaves_the_old_report(bag, tmp_path, unmeasured, name):
+    target = tmp_path / name
+    target.write_text('the old one')
+    full = 'import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024)); '
+    done = subprocess.run(
+        [sys.executable, '-c', full + PROGRAMS['create_report'], str(bag), '-o', str(target)],
+        capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2
+    assert done.stderr == (
+        f'create_report: {target}: File too large: nothing more can be written\n')
+    assert target.read_text() == 'the old one' and list(tmp_path.iterdir()) == [target]

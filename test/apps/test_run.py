@@ -1,16 +1,21 @@
 """`create_run` as a user sees it: one command, a robot that can be driven, a clean end."""
 
+from contextlib import closing
 from pathlib import Path
 import re
 import signal
+import time
 
 from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
 
+from create_oi_ros.apps.run import create_run
 from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
+from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import scene
+from support.ros import children_of, Listener, Program, scene, TIMEOUT
+from support.screen import terminals
 
 
 @pytest.fixture
@@ -20,30 +25,33 @@ def stage(tmp_path):
         yield made
 
 
-def children_of(pid: int) -> list[int]:
-    """Return the processes that a process has started."""
-    listed = Path(f'/proc/{pid}/task/{pid}/children').read_text()
-    return [int(child) for child in listed.split()]
-
-
 def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     run = stage.program('create_run', '--world', 'empty')
     odom = stage.ros.listen(Odometry, 'odom')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE and odom)
     assert f'ROS domain {stage.domain}' in run.output
-    steady = re.compile(r'6\d frames/s  SAFE .* faults 0 frames 0 bytes')
+    steady = re.compile(
+        r'^6\d frames/s  SAFE     x \S+ y \S+ m  +\S+ deg  \d+%  \S+ m/s  \S+ rad/s$', re.M)
     stage.ros.until(lambda: steady.search(run.output))
     example = stage.example('drive.py')
     stage.ros.until(lambda: odom[-1].pose.pose.position.x > 0.2)
     assert example.ended() == 0
     assert 'Point(x=' in example.output
+    assert all(len(line) <= 81 for line in run.printed if 'frames/s' in line)
     children = children_of(run.pid)
     assert len(children) == 2
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
     assert not any(Path(f'/proc/{child}').exists() for child in children)
+
+
+def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
+    monkeypatch.setenv('CREATE_OI_ENV', '/home/me/my clone/env.sh')
+    text = create_run.introduction('/tmp/port', simulated=True)
+    assert "source '/home/me/my clone/env.sh'" in text
+    assert "python '/home/me/my clone/examples/drive.py'\n" in text
 
 
 def test_capture_is_passed_on_to_the_node(stage):
@@ -63,6 +71,14 @@ def test_a_missing_port_is_reported_and_run_continues(stage):
     assert run.ended() == 0
 
 
+@pytest.mark.parametrize('port', ['5', '[1', "it's", 'true'])
+def test_a_port_of_any_name_is_taken_as_a_name(stage, port):
+    run = stage.program('create_run', '--port', port)
+    stage.ros.until(lambda: f'{port} does not exist' in run.output)
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+
+
 def test_children_end_with_it_even_when_it_is_killed(stage):
     run = stage.program('create_run', '--world', 'empty')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
@@ -77,3 +93,72 @@ def test_when_a_child_ends_everything_ends(stage):
     assert run.ended() == 1
     assert 'create_sim has ended' in run.output
 
+
+@pytest.mark.parametrize(('arguments', 'words'), [
+    (['--port', ''], '--port is empty'), (['--world', ''], '--world is empty'),
+    (['--capture', ''], '--capture is empty'),
+    (['--port', '/dev/ttyUSB0', '--world', 'room'], 'give one of them'),
+])
+def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
+    with pytest.raises(SystemExit) as ended:
+        create_run.main(arguments)
+    assert ended.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.fixture
+def no_domain(monkeypatch):
+    """Leave ROS_DOMAIN_ID to the programs."""
+    monkeypatch.delenv('ROS_DOMAIN_ID', raising=False)
+
+
+def test_a_simulated_run_has_its_own_domain_and_says_how_to_join(no_domain, tmp_path):
+    runs = [Program('-c', PROGRAMS['create_run'], domain=None) for _ in range(2)]
+    try:
+        domains = [domain_of(run) for run in runs]
+        assert domains[0] != domains[1]
+        with closing(Listener(domains[0])) as joined:
+            odom = joined.listen(Odometry, 'odom')
+            joined.until(lambda: odom)
+            assert joined.node.count_publishers('odom') == 1
+        for run in runs:
+            run.send(signal.SIGINT)
+            assert run.ended() == 0
+    finally:
+        for run in runs:
+            run.close()
+
+
+def domain_of(run: Program) -> int:
+    """Wait until a program says which domain to join; return that."""
+    deadline = time.monotonic() + TIMEOUT
+    while not (found := re.search(r'export ROS_DOMAIN_ID=(\d+)\n', run.output)):
+        assert run.running() and time.monotonic() < deadline, run.output
+    return int(found[1])
+
+
+def test_what_a_killed_run_leaves_is_removed_by_the_next(stage):
+    run = stage.program('create_run', '--world', 'empty')
+    stage.ros.until(lambda: 'create_node --ros-args' in run.output)
+    folder = Path(re.search(r'Create on (/\S+)/create,', run.output)[1])
+    run.send(signal.SIGQUIT)
+    assert run.ended() == -signal.SIGQUIT
+    assert folder.exists()
+    assert folder.name.startswith(f'create-{run.pid}-')
+    after = stage.program('create_run', '--world', 'empty')
+    stage.ros.until(lambda: 'Ctrl-C stops' in after.output)
+    assert not folder.exists()
+
+
+def test_a_terminal_shows_one_line_that_changes_in_place(stage):
+    with terminals('create_run', stage.domain) as start:
+        run = start('--world', 'empty')
+        run.until(lambda: run.output.count(' frames/s  SAFE') > 2, 'three status lines')
+        shown = run.output[run.output.index(' frames/s  SAFE') - 2:]
+        assert '\n' not in shown
+        assert re.match(r'\d\d frames/s  SAFE [^\x1b]*\r\r\x1b\[K', shown)
+        # A line of the log clears the status line first, and stays.
+        assert re.search(r'\r\x1b\[K\[INFO\].* robot answers', run.output)
+        run.type('\x03')
+        assert run.ended() == 0
+        assert run.output.endswith('\n')

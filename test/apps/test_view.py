@@ -208,6 +208,9 @@ BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage
     (odom(1e5, 0.0), 'pose', 'x +1.0e+05 y +0.000 m', False),
     (odom(nan, 0.0), 'pose', 'x +nan y +0.000 m', False),
     (odom(yaw=pi / 2), 'yaw', '+90.0 degrees', False),
+    # The quaternion of 270 degrees is as good as that of -90.
+    (odom(yaw=3 * pi / 2), 'yaw', '-90.0 degrees', False),
+    (odom(yaw=-200 * pi / 180), 'yaw', '+160.0 degrees', False),
     (odom(linear=0.2), 'speed', '+0.200 m/s +0.00 rad/s', False),
     (Twist(linear=Vector3(x=0.3)), 'cmd_vel', '+0.300 m/s +0.00 rad/s', False),
     (JointState(name=messages.WHEEL_JOINTS, velocity=[1.0, -2.0]), 'wheels',
@@ -231,11 +234,16 @@ BATTERY = BatteryState(voltage=15.5, current=-0.48, temperature=24.0, percentage
     (Mode(mode=255, wanted=2), 'mode', 'NO ROBOT (SAFE wanted)', True),
     (Song(number=3, playing=True), 'song', 'plays', False),
     (Song(number=3), 'song', '3 was the last', False),
+    (Song(), 'song', 'none yet', False),
     (IrOmni(character=255), 'ir', 'none', False),
     (IrOmni(character=248, name='home_base_red_buoy'), 'ir', '248 red buoy', False),
 ])
 def test_what_the_panel_says(message, about, text, highlighted):
     assert panel(heard(message), about) == (text, highlighted)
+
+
+def test_song_0_was_the_last_only_if_it_was_heard():
+    assert panel(heard(Song(playing=True), Song()), 'song') == ('0 was the last', False)
 
 
 def test_an_old_command_is_not_shown_as_one():

@@ -10,6 +10,8 @@ import pytest
 from create_oi_ros.apps.view.keys import (
     action_of,
     BINDINGS,
+    CONFIRM,
+    Confirmation,
     DriveKey,
     KeyDecoder,
     ServiceCall,
@@ -45,7 +47,7 @@ def actions(typed: bytes) -> list[object]:
     (b'c', ViewCommand.CLEAR), (b'\x0c', ViewCommand.REDRAW),
     (b'h', ViewCommand.HELP), (b'?', ViewCommand.HELP),
     (b'q', ViewCommand.QUIT), (b'Q', ViewCommand.QUIT),
-    (b'\x03', ViewCommand.QUIT), (b'\x04', ViewCommand.QUIT),
+    (b'\x1a', ViewCommand.SUSPEND), (b'\x03', ViewCommand.QUIT), (b'\x04', ViewCommand.QUIT),
     (b'\x1bq', ViewCommand.QUIT), (b'\x1b\x1b[A', DriveKey(forward=1)),
 ])
 def test_action_of_a_key(typed, action):
@@ -207,3 +209,34 @@ def test_whatever_is_typed_it_ends_with_a_zero_and_is_never_too_fast(typed):
     assert all(abs(each.linear) <= FASTEST and abs(each.angular) <= FASTEST_TURN
                for each in heard)
     assert not teleop.driving
+
+
+DOCK = ServiceCall('dock')
+
+
+def test_a_key_that_moves_the_robot_by_itself_is_pressed_twice():
+    asked = Confirmation()
+    assert not asked.confirmed(DOCK, 0.0)
+    assert asked.confirmed(DOCK, CONFIRM)
+    # The pair is used up.
+    assert not asked.confirmed(DOCK, CONFIRM + 0.1)
+
+
+def test_the_second_press_must_come_in_time_and_without_another_key_between():
+    asked = Confirmation()
+    assert not asked.confirmed(DOCK, 0.0)
+    assert not asked.confirmed(DOCK, CONFIRM + 0.01)
+    assert asked.confirmed(DriveKey(forward=1), CONFIRM + 0.02)
+    assert not asked.confirmed(DOCK, CONFIRM + 0.03)
+
+
+@pytest.mark.parametrize('binding', BINDINGS, ids=lambda each: each.shown)
+def test_keys_that_are_pressed_twice_show_it_on_the_help_page(binding):
+    first = Confirmation().confirmed(binding.action, 0.0)
+    assert first == (binding.shown.split() != [binding.keys[0]] * 2)
+
+
+def test_all_services_that_start_a_motion_ask():
+    moving = {'dock', 'start_demo'}
+    assert moving <= set(TYPES)
+    assert all(not Confirmation().confirmed(ServiceCall(name), 0.0) for name in moving)

@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import termios
 
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Twist, TwistStamped
@@ -13,7 +14,7 @@ import pytest
 
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import scene
+from support.ros import children_of, scene
 from support.screen import terminals
 
 KEYS = 'q quit'
@@ -229,3 +230,61 @@ def test_a_stalled_terminal_does_not_keep_it_from_ending(stage, start_view):
     stage.ros.until(stalled)
     view.send(signal.SIGTERM)
     assert view.process.wait(30) == 0
+
+
+@pytest.fixture
+def start_shell(stage):
+    """Return a function that starts a shell with job control on a terminal."""
+    with terminals('bash', stage.domain) as start:
+        yield start
+
+
+def local_flags(shell) -> int:
+    """Return the terminal's flags for echo, lines and signals."""
+    return termios.tcgetattr(shell.slave)[3]
+
+
+@pytest.mark.parametrize('asked_by', ['key', 'signal'])
+def test_ctrl_z_stops_the_wheels_and_fg_goes_on(stage, start_shell, asked_by):
+    ready(stage)
+    shell = start_shell(PS1='$ ')
+    shell.until(lambda: '$ ' in shell.output, 'a prompt')
+    before = local_flags(shell)
+    shell.type(f'{sys.executable} -c "{PROGRAMS["create_view"]}"\n')
+    safe(shell)
+    commands = commanded(stage)
+    drive(stage, shell, commands)
+    if asked_by == 'key':
+        shell.type('w\x1a')
+    else:
+        shell.type('w')
+        view, = children_of(shell.process.pid)
+        os.kill(view, signal.SIGTSTP)
+    shell.until(lambda: 'Stopped' in shell.output, 'the shell tells of a stopped job')
+    stage.ros.until(lambda: commands[-1] == Twist(), 'a last zero')
+    assert not shell.screen.alternate
+    assert local_flags(shell) == before
+    # Typed to the shell, `fg` is no key of the view: the robot does not dock.
+    shell.type('fg\n')
+    safe_again = len(shell.output)
+    shell.until(lambda: shell.screen.alternate and KEYS in shell.screen.text, 'the picture')
+    assert 'dock' not in shell.output[safe_again:].replace('g g dock', '')
+    shell.type('q')
+    shell.until(lambda: not shell.screen.alternate, 'the end')
+    shell.type('exit\n')
+    assert shell.ended() == 0
+
+
+def test_the_robot_docks_when_g_is_pressed_twice(stage, start_view):
+    ready(stage)
+    view = start_view()
+    safe(view)
+    view.type('g')
+    view.sees('press g again within a second')
+    view.type('x')
+    assert 'dock:' not in view.screen.text
+
+    def twice():
+        view.type('gg')
+        return 'dock: done' in view.screen.text
+    view.until(twice, 'the robot docks')

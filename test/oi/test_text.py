@@ -190,8 +190,14 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
 
 @pytest.mark.parametrize('text, line, column, reason', [
     ('Full\n  Drve velocity=3', 2, 3,
-     "'Drve' is not a command; allowed: Drive, Drive Direct, Demo"),
-    ('Full now', 1, 1, "'Full now' is not a command; allowed: Full"),
+     "'Drve' is not a command; did you mean Drive?"),
+    ('Full now', 1, 1, "'Full now' is not a command; did you mean Full?"),
+    ('waitangel angle=90', 1, 1,
+     "'waitangel' is not a command; did you mean Wait Angle, Wait Distance?"),
+    ('Drive 200 straight', 1, 1, "'Drive 200 straight' is not a command; "
+     'did you mean Drive velocity=... radius=...?'),
+    ('garbage', 1, 1, "'garbage' is not a command; allowed: Start, Baud, "),
+    ('x', 1, 1, "'x' is not a command; allowed: Start, Baud, "),
     ('=', 1, 1, "'=' is not a command; allowed: Start, Baud, "),
     ('Full;}', 1, 6, "'}' is not a command; allowed: Start, "),
     ('Full}', 1, 5, "'}' is not a command; allowed: Start, "),

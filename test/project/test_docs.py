@@ -1,8 +1,10 @@
 """Files, links and `make` targets that the documentation names exist."""
 
 from collections.abc import Iterator
+import os
 from pathlib import Path
 import re
+import subprocess
 
 import pytest
 
@@ -60,6 +62,16 @@ def test_make_has_every_target_that_is_named(page: Path) -> None:
 def test_every_target_is_phony() -> None:
     phony = re.search(r'^\.PHONY: (.*)', MAKEFILE, re.MULTILINE)
     assert phony and set(phony[1].split()) == TARGETS
+
+
+def test_make_help_names_every_target() -> None:
+    # Not as a part of the make that may run this test: it would print that it enters a folder.
+    environment = {name: value for name, value in os.environ.items() if 'MAKE' not in name}
+    shown = subprocess.run(['make', 'help'], cwd=ROOT, text=True, capture_output=True, check=True,
+                           env=environment)
+    lines = shown.stdout.splitlines()
+    assert {line.split()[1] for line in lines if not line.startswith('make  ')} == TARGETS
+    assert all(len(line) <= 99 and line[21] != ' ' for line in lines)
 
 
 def test_names_in_text_are_found() -> None:

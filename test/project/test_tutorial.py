@@ -1,9 +1,11 @@
 """
-Runs the blocks of `docs/tutorial.md` in order, as processes in one ROS domain.
+Runs the blocks of `docs/tutorial.md` in order, all in the ROS domain of the first terminal.
 
-A block marked `terminal 1` keeps running. One marked `until: TEXT; then Ctrl-C` is ended when TEXT
-was printed. The lines of a `text` block must appear in the output; numbers may differ. A block
-that is not run is marked `not run:` and one of the REASONS.
+A block marked `terminal N` keeps running; with `: TEXT` the next one waits until TEXT was printed.
+It ends before a block marked `after Ctrl-C in terminal N`. A block marked
+`until: TEXT; then Ctrl-C` is ended when TEXT was printed. One marked `screen` runs on a pseudo
+terminal, where a key drives. The lines of a `text` block must appear in the output; numbers may
+differ. A block that is not run is marked `not run:` and one of the REASONS.
 """
 
 import os
@@ -14,16 +16,18 @@ import subprocess
 
 import pytest
 
+from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
 from support.pages import Block, blocks, check_parameters, check_ros2, commands
-from support.ros import own_domain
+from support.screen import terminals
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'tutorial.md'
 BLOCKS = blocks(PAGE)
-REASONS = {'ros2': {'ros2'}, 'sudo': {'sudo'}, 'build': {'make'}, 'robot': {'create_run',
-           'create_node', 'python'}}
+REASONS = {'ros2': {'ros2'}, 'sudo': {'sudo'}, 'build': {'git', 'cd', 'make'},
+           'robot': {'create_run', 'create_node', 'python'}}
 """Reasons for not running a block, and the programs that such a block may name."""
+JOIN = re.compile(r'export ROS_DOMAIN_ID=\d+')
 VARYING = re.compile(r'\b(left|right)$|\b(True|False)\b|[+-]?\d+(\.\d+)?(e-?\d+)?')
 """Parts of a line that may differ from run to run: numbers, booleans, left or right."""
 
@@ -48,6 +52,24 @@ class Terminal:
                 return
         raise AssertionError(f'{expected!r} was not printed: {"".join(self.printed)}')
 
+    def prints(self, text: str) -> None:
+        """Wait for a line that contains a text."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.printed.append(line)
+            if text in line:
+                return
+        raise AssertionError(f'{text!r} was not printed: {"".join(self.printed)}')
+
+    def domain(self) -> str:
+        """Wait for the line by which others join; return the number of the ROS domain."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.printed.append(line)
+            if found := re.search(r'export ROS_DOMAIN_ID=(\d+)$', line):
+                return found[1]
+        raise AssertionError(f'no ROS domain was printed: {"".join(self.printed)}')
+
     def interrupt(self) -> None:
         """Press Ctrl-C."""
         os.killpg(self.process.pid, signal.SIGINT)
@@ -57,6 +79,21 @@ class Terminal:
         assert self.process.stdout is not None
         self.printed += self.process.stdout.readlines()
         return self.process.wait()
+
+
+def drive_by_keys(block: Block, domain: int) -> None:
+    """Drive ahead in the view until the robot has moved, then end the view."""
+    *_, program = block.text.split()
+    with terminals(program, domain) as start:
+        view = start()
+
+        def moved() -> bool:
+            x = re.search(r'x ([+-][\d.]+)', view.screen.after('pose'))
+            view.type('w')
+            return x is not None and float(x[1]) > 0.05
+        view.until(moved, 'a drive by keys')
+        view.type('q')
+        assert view.ended() == 0
 
 
 def shape(line: str) -> str:
@@ -73,21 +110,18 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def environment(tmp_path):
-    """Return an environment with a ROS domain of its own."""
-    with own_domain() as domain:
-        yield {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}
+def environment():
+    """Return an environment without a ROS domain: the first terminal prints that of its robot."""
+    made = {**os.environ, 'PYTHONUNBUFFERED': '1'}
+    made.pop('ROS_DOMAIN_ID', None)
+    return made
 
 
-def run(
-    block: Block, folder: Path, environment: dict[str, str], *, again: bool = False,
-) -> Terminal:
-    """
-    Run a block to its end; repeat it once if the reply of a service was lost.
-
-    The page says so, too: a client can call before the service knows where to send the reply.
-    """
-    terminal = Terminal(block.text, folder, environment)
+def run(block: Block, folder: Path, environment: dict[str, str]) -> Terminal:
+    """Run a block to its end."""
+    # Where the reader types the number that the first terminal shows, so does the test.
+    text = JOIN.sub(f'export ROS_DOMAIN_ID={environment["ROS_DOMAIN_ID"]}', block.text)
+    terminal = Terminal(text, folder, environment)
     until = re.fullmatch(r'until: (.*); then Ctrl-C', block.mark)
     if until:
         terminal.shows(until[1])
@@ -95,25 +129,33 @@ def run(
     code, printed = terminal.ended(), ''.join(terminal.printed)
     assert code == 0, printed
     assert 'Traceback' not in printed, printed
-    if terminal.printed[:1] == ['None\n'] and not again:
-        return run(block, folder, environment, again=True)
     return terminal
 
 
 @pytest.mark.timeout(300)
 def test_the_tutorial_works(folder, environment):
     pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
-    first: Terminal | None = None
+    running: dict[str, Terminal] = {}
     latest: Terminal | None = None
     try:
         for block in BLOCKS:
+            lasting = re.fullmatch(r'terminal (\d)(?:: (.*))?', block.mark)
+            ending = re.fullmatch(r'after Ctrl-C in terminal (\d)', block.mark)
             match block.language, block.mark:
                 case 'bash', 'terminal 1':
-                    first = latest = Terminal(block.text, folder, environment)
+                    latest = running['1'] = Terminal(block.text, folder, environment)
+                    environment['ROS_DOMAIN_ID'] = latest.domain()
+                case 'bash', _ if lasting:
+                    latest = running[lasting[1]] = Terminal(block.text, folder, environment)
+                    if lasting[2]:
+                        latest.prints(lasting[2])
+                case 'bash', 'screen':
+                    drive_by_keys(block, int(environment['ROS_DOMAIN_ID']))
                 case 'bash', _:
-                    if 'create_demo' in block.text:  # the page ends the first one before
-                        first.interrupt()
-                        assert first.ended() == 0
+                    if ending:
+                        terminal = running.pop(ending[1])
+                        terminal.interrupt()
+                        assert terminal.ended() == 0
                     latest = run(block, folder, environment)
                 case 'python', mark:
                     (folder / mark.removeprefix('file: ')).write_text(block.text)
@@ -121,10 +163,18 @@ def test_the_tutorial_works(folder, environment):
                     for line in block.text.splitlines():
                         latest.shows(line)
     finally:
-        if first is not None and first.process.poll() is None:
-            first.interrupt()
-            first.ended()
-    assert (folder / 'first_demo' / 'page.html').stat().st_size > 100_000
+        for terminal in running.values():
+            terminal.interrupt()
+            terminal.ended()
+    assert (folder / 'walk.html').stat().st_size > 100_000
+    assert (folder / 'first_demo' / 'report.html').stat().st_size > 100_000
+    recording = read(folder / 'walk', lambda part: None)
+    assert recording.spans['bumper'].all and len(recording.odom) > 20
+
+
+def test_the_page_says_how_the_second_terminal_joins():
+    blocks_of_shells = [block.text for block in BLOCKS if block.language == 'bash']
+    assert not JOIN.search(blocks_of_shells[0]) and JOIN.search(blocks_of_shells[1])
 
 
 def test_a_block_that_is_not_run_has_a_reason():

@@ -100,25 +100,70 @@ def test_a_launch_file_compiles(path):
     compile(path.read_text(), path, 'exec')
 
 
-@pytest.mark.parametrize('path', LAUNCH_FILES, ids=lambda path: path.name)
-def test_a_launch_file_describes_its_launch(path):
+def described(path):
+    """Return a launch file as a module, and a context with the defaults of its arguments."""
     missing = [name for name in ('launch', 'launch_ros') if not is_package(name)]
     if missing:
         pytest.skip(f'no {", ".join(missing)} here: they come with an installed ROS')
     from launch import LaunchContext
     from launch.actions import OpaqueFunction
     spec = importlib.util.spec_from_file_location('described', path)
-    described = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(described)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
     context = LaunchContext()
-    context.launch_configurations['simulated'] = 'true'
-    entities = described.generate_launch_description().entities
-    for entity in entities:
+    for entity in module.generate_launch_description().entities:
         if not isinstance(entity, OpaqueFunction):
             entity.execute(context)
+    return module, context
+
+
+@pytest.mark.parametrize('path', LAUNCH_FILES, ids=lambda path: path.name)
+def test_a_launch_file_describes_its_launch(path):
+    module, context = described(path)
+    from launch.actions import OpaqueFunction
+    context.launch_configurations['simulated'] = 'true'
+    entities = module.generate_launch_description().entities
     started = [each for entity in entities if isinstance(entity, OpaqueFunction)
                for each in entity.execute(context)]
     assert len(started) >= 2
+
+
+@pytest.mark.parametrize('name, value, sentence', [
+    ('rviz', 'true', 'rviz2 is not installed: sudo apt-get install ros-jazzy-rviz2, or launch '
+     'with rviz:=false'),
+    ('simulated', 'maybe', 'simulated:=maybe; allowed: true or false'),
+    ('params', '/nodir/x', 'params:=/nodir/x: No such file or directory'),
+    ('port', '', 'port:= is empty; allowed: a serial device or a pyserial URL')])
+def test_a_wrong_launch_argument_is_refused_before_anything_starts(
+        name, value, sentence, monkeypatch):
+    module, context = described(ROOT / 'launch' / 'create.launch.py')
+
+    def find(package):
+        if package == 'rviz2':
+            raise module.PackageNotFoundError(package)
+    monkeypatch.setattr(module, 'get_package_prefix', find)
+    context.launch_configurations[name] = value
+    with pytest.raises(RuntimeError) as refused:
+        module.nodes(context)
+    assert str(refused.value) == sentence
+
+
+@pytest.mark.parametrize('count', ['0', 'abc', '-1', ''])
+def test_a_fleet_of_no_robots_is_refused(count):
+    module, context = described(ROOT / 'launch' / 'fleet.launch.py')
+    context.launch_configurations['count'] = count
+    with pytest.raises(RuntimeError, match=f'count:={count}; allowed: a whole number'):
+        module.robots(context)
+
+
+def test_the_driver_of_a_simulated_robot_starts_when_the_port_is_there():
+    module, context = described(ROOT / 'launch' / 'create.launch.py')
+    from launch.events.process import ProcessStdout
+    handler, simulator = module.simulated('/tmp/port', 'room', ['the driver'])
+    said = ProcessStdout(text=b'ready', action=simulator, name='create_sim', cmd=[],
+                         cwd=None, env=None, pid=1)
+    assert handler.event_handler.handle(said, context) == ['the driver']
+    assert handler.event_handler.handle(said, context) == []
 
 
 def test_rviz_shows_the_model_and_the_odometry():

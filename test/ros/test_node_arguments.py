@@ -17,6 +17,9 @@ from support.ros import scene
     (['--bogus'], 'unknown argument --bogus'),
     (['--versoin'], 'did you mean version?'),
     (['/dev/ttyUSB0'], 'unknown argument /dev/ttyUSB0'),
+    (['port:=/dev/x'], 'write --ros-args -p port:=/dev/x'),
+    (['-p', 'port:=/dev/x'], '-p is for ROS: write --ros-args -p port:=/dev/x'),
+    (['--ros-args', '-p', 'baud:=0', '--', '--help-me'], 'unknown argument --help-me'),
 ])
 def test_an_unknown_argument_is_refused_with_what_may_be_meant(capsys, arguments, words):
     with pytest.raises(SystemExit) as ended:
@@ -73,6 +76,19 @@ def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(tmp_path):
         assert node.ended() == 2
         assert node.output.strip().endswith(
             'create_node: parameter cmd_vel_timeout = 1 is of the wrong type: write 1.0')
+
+
+@pytest.mark.parametrize(('content', 'used'), [
+    ('', False), ('hello\n', False), ('other:\n  ros__parameters: {baud: 19200}\n', False),
+    ('create:\n  ros__parameters: {baud: 19200}\n', True),
+    ('/**:\n  ros__parameters: {baud: 19200}\n', True)])
+def test_a_parameter_file_for_another_node_is_told(tmp_path, content, used):
+    (tmp_path / 'my.yaml').write_text(content)
+    with scene(tmp_path) as stage:
+        node = stage.program('create_node', '--ros-args', '--params-file',
+                             str(tmp_path / 'my.yaml'))
+        stage.ros.until(lambda: '/dev/ttyUSB0' in node.output)
+        assert ('holds no parameter of this node' in node.output) != used
 
 
 def test_a_mistyped_parameter_is_named_with_the_right_one(tmp_path):

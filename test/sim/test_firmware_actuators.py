@@ -149,6 +149,23 @@ def test_leds_example_lights_advance_and_power_green_at_half_intensity(robot: Ro
     assert robot.create.lights == (oi.LedBits.ADVANCE, 0, 128)
 
 
+@pytest.mark.parametrize('masks', [True, False])
+def test_whether_bits_without_a_meaning_count_is_a_guess_with_a_switch(masks: bool) -> None:
+    """139 25 0 128 was seen to light Advance."""
+    robot = Robot(Mode.FULL, guesses=Guesses(mask_bits=masks))
+    robot.say(bytes([139, 25, 0, 128]), bytes([138, 0xf9]), bytes([147, 0xfc]))
+    state = robot.create.actuators
+    before = (oi.LedBits(0), 0, 0), (0, 0, 0), 0
+    after = (oi.LedBits.ADVANCE, 0, 128), (128, 0, 0), 4
+    assert (state.lights, state.duties, state.outputs) == (after if masks else before)
+
+
+def test_other_values_out_of_range_are_not_masked(robot: Robot) -> None:
+    robot.say(bytes([144, 129, 0, 0]), bytes([141, 16]))
+    assert robot.create.actuators.duties == (0, 0, 0)
+    assert not robot.read('song_playing')
+
+
 def test_in_passive_the_robot_lights_its_own_leds() -> None:
     robot = Robot(Mode.PASSIVE)
     robot.body.set_battery(charge=0.0)

@@ -9,6 +9,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
+from create_oi_ros.oi.script import build_script
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import parse, Pose, shipped
 from support.robot import GENTLE, Robot
@@ -363,3 +364,32 @@ def test_the_last_drive_holds_for_ever() -> None:
     robot.run(600)
     assert robot.speed == pytest.approx(0.1)
     assert robot.body.truth().travelled == pytest.approx(60, rel=0.001)
+
+
+# After a change of mode.
+
+def test_whether_bytes_after_a_change_of_mode_are_lost_is_a_guess_with_a_switch() -> None:
+    """Reported of the Roomba: ignored or only partially received within 20 ms."""
+    drive = oi.DriveDirect(right=100, left=100)
+    robot = Robot(Mode.SAFE)
+    robot.say(oi.Full(), drive)
+    assert robot.wheels == (100, 100)
+    slow = Robot(guesses=Guesses(mode_settle=0.02))
+    slow.say(oi.Start(), oi.Full())
+    assert slow.mode is Mode.PASSIVE
+    slow.slots(2)
+    slow.say(oi.Full(), drive.encode()[:2])
+    slow.slots(1)
+    slow.say(drive.encode()[2:3])
+    slow.slots(1)
+    slow.say(drive)
+    assert (slow.mode, slow.wheels) == (Mode.FULL, (100, 100))
+
+
+def test_a_script_loses_nothing_after_a_change_of_mode() -> None:
+    robot = Robot(guesses=Guesses(mode_settle=0.02))
+    robot.say(oi.Start())
+    robot.slots(2)
+    script = build_script([oi.Full(), oi.DriveDirect(right=100, left=100)])
+    robot.say(script, oi.PlayScript())
+    assert (robot.mode, robot.wheels) == (Mode.FULL, (100, 100))

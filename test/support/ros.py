@@ -60,8 +60,11 @@ class Robot:
 class Program:
     """A Python program as a process; its output is read line by line."""
 
-    def __init__(self, *arguments: str, domain: int) -> None:
-        environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1'}
+    def __init__(self, *arguments: str, domain: int | None) -> None:
+        """Start it in a ROS domain; None: the program chooses one."""
+        environment = {**os.environ, 'PYTHONUNBUFFERED': '1'}
+        if domain is not None:
+            environment['ROS_DOMAIN_ID'] = str(domain)
         self._process = subprocess.Popen(
             [sys.executable, *arguments], text=True, bufsize=1,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
@@ -105,6 +108,12 @@ class Program:
         self._process.wait()
         self._reader.join()
         print(self.output)
+
+
+def children_of(pid: int) -> list[int]:
+    """Return the processes that a process has started."""
+    listed = Path(f'/proc/{pid}/task/{pid}/children').read_text()
+    return [int(child) for child in listed.split()]
 
 
 class Listener:

@@ -20,11 +20,13 @@ from create_oi_ros.ros.programs import PROGRAMS
 
 TIMEOUT = 30.0
 """Seconds after which a test that waits fails."""
+SHELL = ('bash', '--norc', '--noprofile', '--noediting', '-i')
+"""A shell with job control, which writes no escape sequences."""
 SEQUENCE = re.compile(r'\x1b\[([?\d;]*)([A-Za-z])')
 
 
 class Screen:
-    """The part of a terminal that `create_view` uses: a cursor, and clearing."""
+    """The part of a terminal that our programs use: a cursor, and clearing."""
 
     def __init__(self, columns: int, rows: int) -> None:
         self.columns, self.rows = columns, rows
@@ -59,9 +61,13 @@ class Screen:
         match arguments, command:
             case '2', 'J':
                 self._clear()
+            case '', 'K':
+                self._cells[self._row][self._column:] = [' '] * (self.columns - self._column)
             case _, 'H':
-                row, column = map(int, arguments.split(';'))
+                row, column = map(int, (arguments or '1;1').split(';'))
                 self._row, self._column = row - 1, column - 1
+            case '', 'K':
+                self._cells[self._row][self._column:] = [' '] * (self.columns - self._column)
             case '?1049', _:
                 self.alternate = command == 'h'
             case _:
@@ -103,7 +109,8 @@ class TerminalProgram:
         """Everything that it has written."""
         self.resize(*size)
         self.settings = termios.tcgetattr(self.slave)
-        command = [sys.executable, '-c', PROGRAMS[program], *arguments]
+        command = [*SHELL] if program == 'bash' else [
+            sys.executable, '-c', PROGRAMS[program], *arguments]
         self.process = subprocess.Popen(
             command, stdin=self.slave, stdout=self.slave, stderr=self.slave,
             start_new_session=True, preexec_fn=self._take_terminal, env={

@@ -7,7 +7,7 @@ Pure functions in SI units. They compute the node's parameters `linear_scale`, `
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi, sin
+from math import hypot, pi, sin
 from statistics import mean
 
 from ...robot import WHEEL_SEPARATION
@@ -23,12 +23,6 @@ class Calibration:
     linear_scale: float = 1.0
     angular_scale: float = 1.0
     wheel_separation: float = WHEEL_SEPARATION
-
-    def yaml(self) -> str:
-        """Return the values as a ROS parameter file."""
-        return '\n'.join([
-            '/**:', '  ros__parameters:',
-            *(f'    {name}: {value:.5f}' for name, value in vars(self).items()), ''])
 
 
 @dataclass(frozen=True)
@@ -110,6 +104,10 @@ def square(
     if abs(share - 1) > PLAUSIBLE:
         raise ValueError(
             f'the wheels would be {share:.2f} times as far apart: is the side in metres?')
+    if abs(beta) > PLAUSIBLE * pi / 2:
+        raise ValueError(
+            f'the ends of the two directions are {hypot(cw.x - ccw.x, cw.y - ccw.y):.2f} m apart, '
+            'too far for unequal wheels: are they in metres?')
     half = before.wheel_separation / 2
     radius = side / 2 / sin(beta / 2) if beta else float('inf')
     ratio = (radius + half) / (radius - half) if beta else 1.0

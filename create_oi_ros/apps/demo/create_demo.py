@@ -9,28 +9,24 @@ from datetime import datetime
 import os
 from pathlib import Path
 import subprocess
-import tempfile
 import threading
 import time
 
 import rclpy
+from rclpy.node import Node
 
 from ...ros.bags import missing
 from ...ros.children import Children, start
 from ...ros.process import call_on_signal, ros_executor
 from ...ros.recorder import Recorder
+from ...ros.simulated_run import run_domain, run_folder
+from ...ros.user_errors import check_environment
 from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, Step, TOUR, WORLD
 
 BAG = 'create_demo'
 STOPPED = 130
 """Exit code of a program that Ctrl-C has ended."""
-
-
-def isolate() -> None:
-    """Use this computer only, and a ROS domain of our own, so that no other robot obeys."""
-    os.environ.setdefault('ROS_DOMAIN_ID', str(40 + os.getpid() % 60))
-    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
 
 def say(text: str) -> None:
@@ -46,6 +42,18 @@ def tour(steps: Sequence[Step], pilot: Pilot) -> None:
         step.do(pilot)
 
 
+def strangers(node: Node, *, driven: bool) -> str | None:
+    """Return who else is in this ROS domain; `driven`: somebody else sends commands."""
+    if len(node.get_publishers_info_by_topic(node.resolve_topic_name('odom'))) > 1:
+        return 'another driver'
+    if not driven:
+        return None
+    own = node.get_fully_qualified_name()
+    found = {f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in
+             node.get_publishers_info_by_topic(node.resolve_topic_name('cmd_vel'))} - {own}
+    return f'{" or ".join(sorted(found)) or "a node that has ended"}, which drives'
+
+
 @contextmanager
 def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[Pilot]:
     """Record everything to a bag and yield the pilot; at the end, stop the children first."""
@@ -55,14 +63,21 @@ def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[
         ended = children.ended()
         if ended is not None:
             raise TourError(f'{ended}; see above for why')
+        commands = recorder.counts[node.resolve_topic_name('cmd_vel')]
+        stranger = strangers(node, driven=commands > pilot.sent)
+        if stranger is not None:
+            raise TourError(
+                f'in ROS domain {os.environ["ROS_DOMAIN_ID"]} is also {stranger}, and one robot '
+                'would obey the other: `unset ROS_DOMAIN_ID` gives the demo a domain of its own')
 
     with ros_executor() as executor:
         node = rclpy.create_node('create_demo')
         executor.add_node(node)
         recorder = Recorder(node, bag)
         recorder.describe()
+        pilot = Pilot(node, executor, check)
         try:
-            yield Pilot(node, executor, check)
+            yield pilot
         finally:
             # The wheels come first: the robot stops when its node ends.
             children.end()
@@ -73,7 +88,11 @@ def record(steps: Sequence[Step], bag: Path, stop: threading.Event) -> None:
     """Start a simulated robot and its node, and record the tour; TourError, Stopped: cut short."""
     children = Children()
     with ExitStack() as stack:
-        port = f'{stack.enter_context(tempfile.TemporaryDirectory(prefix="create-"))}/create'
+        port = f'{stack.enter_context(run_folder())}/create'
+        domain = stack.enter_context(run_domain())
+        # Nobody on another computer drives this robot, even in a domain that was given.
+        os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+        say(f'to look at the robot from another shell: export ROS_DOMAIN_ID={domain}')
         stack.callback(children.end)
         children.start('create_sim', '--link', port, '--world', WORLD,
                        '--odometry', 'carry')
@@ -106,14 +125,15 @@ def _arguments() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_demo`; 1: the tour failed, 2: no bag or no report could be made."""
+    """Run `create_demo`; 1: the tour failed, 2: no whole bag or no report could be made."""
     parser = _arguments()
     options = parser.parse_args(arguments)
     if options.folder.exists():
         parser.error(f'{options.folder} is there already')
     stop, code = threading.Event(), 0
     call_on_signal(stop.set)
-    isolate()
+    check_environment()
+    options.folder.mkdir(parents=True)
     try:
         record(SHORT if options.short else TOUR, options.folder / BAG, stop)
     except TourError as error:
@@ -122,6 +142,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Stopped:
         say(f'stopped; what was recorded is {options.folder / BAG}')
         return STOPPED
+    except OSError as error:
+        say(f'recording has ended: {error}')
+        return 2
     except ModuleNotFoundError as error:
         say(missing((error.name or '').partition('.')[0]))
         return 2

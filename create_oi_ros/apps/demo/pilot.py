@@ -50,6 +50,8 @@ class Pilot:
         self._velocity = node.create_publisher(Twist, 'cmd_vel', 1)
         self._commanded: Twist | None = None
         self._next = 0.0
+        self.sent = 0
+        """Commands published."""
         self.odom: Odometry | None = None
         self.mode, self.bumped, self.song = Mode(mode=Mode.UNKNOWN), False, Song()
         self.warnings: list[str] = []
@@ -115,7 +117,7 @@ class Pilot:
                 self._next = time.monotonic() + PERIOD
                 steer()
                 if self._commanded is not None:
-                    self._velocity.publish(self._commanded)
+                    self._publish(self._commanded)
 
     def command(self, speed: float, turn: float) -> None:
         """Set the velocity to send from now on, m/s and rad/s."""
@@ -123,8 +125,12 @@ class Pilot:
 
     def release(self) -> None:
         """Send a zero velocity, then no more commands."""
-        self._velocity.publish(Twist())
+        self._publish(Twist())
         self._commanded = None
+
+    def _publish(self, command: Twist) -> None:
+        self.sent += 1
+        self._velocity.publish(command)
 
     def stop(self) -> None:
         """Stop, and wait until the robot stands."""

@@ -7,7 +7,7 @@ something new: a sensor topic repeats itself 20 times a second.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -197,7 +197,7 @@ def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) 
     names, robot = _wanted(reader.connections, path, robot)
     recording = _blank(reader, path, robot)
     builder = RecordingBuilder(recording)
-    chosen = [each for each in reader.connections if each.topic in names]
+    chosen = [each for each in _as_stored(reader) if each.topic in names]
     last = 0.0
     try:
         last = _read_messages(reader, chosen, builder, progress)
@@ -209,6 +209,23 @@ def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) 
         raise BagError(f'{path} holds no message of this driver')
     builder.finish()
     return recording
+
+
+def _as_stored(reader: AnyReader) -> list[Connection]:
+    """
+    Return the connections with the quality of service that stands in the files.
+
+    rosbags yields the messages of connections that are equal to those of the files. In
+    metadata.yaml `ros2 bag reindex` writes another depth, so that none is.
+    """
+    found = []
+    for each in reader.connections:
+        storages = getattr(each.owner, 'storages', ())  # only a folder has some
+        kinds = [own.ext for storage in storages for own in storage.connections
+                 if (own.topic, own.msgtype) == (each.topic, each.msgtype)]
+        found += [each._replace(ext=ext) for place, ext in enumerate(kinds)
+                  if ext not in kinds[:place]] or [each]
+    return found
 
 
 def _read_messages(
@@ -278,8 +295,13 @@ def _wanted(
                        f'{topics}')
     if robot is None and len(robots) > 1:
         raise BagError(f'{path} holds several robots, name one with --robot: '
-                       f'{", ".join(sorted(robots))}')
+                       f'{_listed(robots)}')
     chosen = next(iter(robots)) if robot is None else robot.strip('/')
     if chosen not in robots:
-        raise BagError(f'{path} has no robot {chosen}: it has {", ".join(sorted(robots))}')
+        raise BagError(f'{path} has no robot {chosen or "/"}: it has {_listed(robots)}')
     return robots[chosen] | diagnostics, chosen
+
+
+def _listed(robots: Iterable[str]) -> str:
+    """Return namespaces as --robot takes them; / is a robot without one."""
+    return ', '.join(space or '/' for space in sorted(robots))

@@ -49,11 +49,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('-o', dest='target', type=_target, default=Path('report.html'),
                         metavar='FILE', help='.html or .png (default: %(default)s)')
     parser.add_argument('--robot', metavar='NAMESPACE',
-                        help='which robot, if the bag holds several')
+                        help='which robot, if the bag holds several; / is one without a namespace')
     options = parser.parse_args(arguments)
     try:
         report(options.bag, options.target, options.robot)
-    except (BagError, OSError) as error:
+    except BagError as error:
         print(f'create_report: {error}', file=sys.stderr)
         return 2
     print(options.target)

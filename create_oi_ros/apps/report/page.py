@@ -8,6 +8,7 @@ from html import escape
 from io import BytesIO
 from pathlib import Path
 
+from ...ros.whole_file import write_whole
 from .drawing import draw, save
 from .recording import Recording
 from .summary import clock, events, summary, TimelineEvent, warnings
@@ -39,20 +40,22 @@ td:first-child {{ font-variant-numeric: tabular-nums; }}
 
 
 def write(recording: Recording, target: Path) -> None:
-    """Write the report as HTML or PNG, by the suffix of the file."""
-    figure = draw(recording)
-    if target.suffix == '.png':
-        save(figure, target)
-        return
+    """Write the report as HTML or PNG, by the suffix of the file; OSError: why it cannot be."""
     picture = BytesIO()
-    save(figure, picture)
-    target.write_text(PAGE.format(
+    save(draw(recording), picture)
+    content = picture.getvalue()
+    write_whole(target, content if target.suffix == '.png' else _html(recording, content))
+
+
+def _html(recording: Recording, picture: bytes) -> bytes:
+    """Return the page, in UTF-8."""
+    return PAGE.format(
         title=escape(f'What the robot did: {recording.name}'),
         summary='<br>'.join(map(escape, summary(recording))),
-        picture=b64encode(picture.getvalue()).decode('ascii'),
+        picture=b64encode(picture).decode('ascii'),
         events=_event_table(events(recording), ''),
         warnings=_event_table(warnings(recording), 'Nothing.'),
-        settings=_settings(recording)), 'utf-8')
+        settings=_settings(recording)).encode('utf-8', 'replace')
 
 
 def _event_table(shown: list[TimelineEvent], nothing: str) -> str:

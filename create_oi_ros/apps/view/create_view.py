@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from math import inf
 import select
+import signal
 import socket
 import sys
 import time
@@ -14,10 +15,18 @@ import time
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.utilities import remove_ros_args
 
-from ...ros.process import call_on_signal, ros_executor
-from .keys import action_of, DriveKey, KeyDecoder, ServiceCall, STOP, ViewCommand
+from ...ros.process import call_on_signal, ros_executor, stop_job
+from .keys import (
+    action_of,
+    Confirmation,
+    DriveKey,
+    KeyDecoder,
+    ServiceCall,
+    STOP,
+    ViewCommand,
+)
 from .picture import picture
-from .robot_state import RobotState
+from .robot_state import CallStatus, RobotState
 from .teleop import Teleop
 from .terminal import check, opened, simple, Terminal, TerminalClosed, TerminalError
 from .view_node import spin_ready, ViewNode
@@ -33,8 +42,8 @@ class RobotView:
     def __init__(self, node: ViewNode, terminal: Terminal, *, plain: bool) -> None:
         self._node, self._terminal, self._plain = node, terminal, plain
         self._state = node.state
-        self._decoder, self._teleop = KeyDecoder(), Teleop()
-        self._ended = False
+        self._decoder, self._teleop, self._confirmation = KeyDecoder(), Teleop(), Confirmation()
+        self._ended = self._suspended = False
 
     def run(self, executor: SingleThreadedExecutor, end: socket.socket) -> None:
         """Run until q is typed, `end` becomes readable, or the terminal closes."""
@@ -47,6 +56,9 @@ class RobotView:
                     [self._terminal.descriptor, end.fileno()], [], [], wait)
                 if end.fileno() in ready:
                     return
+                if self._suspended:
+                    self._suspend()
+                    continue  # the keys that were ready are dropped
                 if self._terminal.descriptor in ready:
                     self._read_keys(time.monotonic())
                 self._drive(time.monotonic())
@@ -61,7 +73,15 @@ class RobotView:
 
     def _read_keys(self, now: float) -> None:
         for key in self._decoder.decode(self._terminal.read()):
-            match action_of(key):
+            if self._suspended:
+                return
+            action = action_of(key)
+            if action is not None and not self._confirmation.confirmed(action, now):
+                self._state.call_status = CallStatus(
+                    f'the robot will move by itself: press {key} again within a second',
+                    highlighted=True)
+                continue
+            match action:
                 case DriveKey() as drive:
                     # Without a driver the key is dropped: one that starts later must not obey it.
                     if self._state.driver_listens:
@@ -87,8 +107,26 @@ class RobotView:
                 self._terminal.redraw()
             case ViewCommand.HELP:
                 self._state.help_shown = not self._state.help_shown
+            case ViewCommand.SUSPEND:
+                self.suspend()
             case ViewCommand.QUIT:
                 self._ended = True
+
+    def suspend(self) -> None:
+        """Let the main loop suspend the program, as Ctrl-Z does elsewhere."""
+        self._suspended = True
+
+    def _suspend(self) -> None:
+        """Stop the robot, restore the terminal, and stop this process until `fg`."""
+        if self._teleop.driving:
+            self._teleop = Teleop(*self._teleop.speeds)
+            self._node.stop_robot()
+        self._terminal.drop_typed()
+        self._terminal.leave()
+        stop_job()
+        # Going on in the background stops it again here, until it owns the terminal.
+        self._terminal.enter()
+        self._suspended, self._decoder = False, KeyDecoder()
 
     def _drive(self, now: float) -> None:
         velocity = self._teleop.due(now)
@@ -115,7 +153,9 @@ def _view(ros_arguments: list[str], *, plain: bool) -> None:
         node = ViewNode(RobotState())
         executor.add_node(node)
         with opened() as terminal:
-            RobotView(node, terminal, plain=plain).run(executor, end)
+            view = RobotView(node, terminal, plain=plain)
+            signal.signal(signal.SIGTSTP, lambda *_: view.suspend())
+            view.run(executor, end)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

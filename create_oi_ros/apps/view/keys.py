@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from math import inf
 
 from ...oi import Mode
 
@@ -12,6 +13,8 @@ ESCAPE = '\x1b'
 ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}
 FINAL = range(0x40, 0x7f)
 """Characters that end an escape sequence."""
+CONFIRM = 1.0
+"""Seconds in which a key that asks must be pressed again."""
 SONG = 15
 """Song number of our tune: the last one, which others use least."""
 
@@ -41,6 +44,7 @@ class ViewCommand(Enum):
     CLEAR = 'clear'
     REDRAW = 'redraw'
     HELP = 'help'
+    SUSPEND = 'suspend'
     QUIT = 'quit'
 
 
@@ -65,6 +69,8 @@ TUNE: dict[str, object] = {
     'number': SONG, 'pitches': [67, 72, 76, 79], 'seconds': [0.15, 0.15, 0.15, 0.3], 'play': True}
 STOP = ServiceCall('stop')
 """Called when space is pressed, after the keys are released."""
+MOVING = ('dock', 'start_demo')
+"""Services that start a motion of the robot's own: their keys count when pressed twice."""
 BINDINGS = (
     Binding(('up', 'w'), DriveKey(forward=1), 'up w', 'forward, as long as it is held'),
     Binding(('down', 's'), DriveKey(forward=-1), 'down s', 'backward'),
@@ -77,11 +83,12 @@ BINDINGS = (
     Binding(('2',), _mode(Mode.SAFE), '2', 'Safe: drives, stops at cliffs'),
     Binding(('3',), _mode(Mode.FULL), '3', 'Full: drives off tables, too'),
     Binding(('p',), ServiceCall('define_song', TUNE), 'p', f'play a tune (stored as song {SONG})'),
-    Binding(('g',), ServiceCall('dock'), 'g', 'go to the Home Base'),
+    Binding(('g',), ServiceCall('dock'), 'g g', 'go to the Home Base: press twice'),
     Binding(('r',), ServiceCall('reset_odometry'), 'r', 'reset the odometry'),
     Binding(('c',), ViewCommand.CLEAR, 'c', 'clear the map'),
     Binding(('\x0c',), ViewCommand.REDRAW, '^L', 'draw the screen again'),
     Binding(('h', '?'), ViewCommand.HELP, 'h ?', 'show or hide this'),
+    Binding(('\x1a',), ViewCommand.SUSPEND, '^Z', 'stop and suspend; fg continues'),
     Binding(('q', '\x03', '\x04'), ViewCommand.QUIT, 'q', 'stop and end'),
 )
 ACTIONS: dict[str, Action] = {key: each.action for each in BINDINGS for key in each.keys}
@@ -90,6 +97,23 @@ ACTIONS: dict[str, Action] = {key: each.action for each in BINDINGS for key in e
 def action_of(key: str) -> Action | None:
     """Return the action of a key, None if it has none; upper case counts as lower case."""
     return ACTIONS.get(key.lower() if len(key) == 1 else key)
+
+
+class Confirmation:
+    """Asks for the second press of a key whose action moves the robot by itself."""
+
+    def __init__(self) -> None:
+        self._asked: Action | None = None
+        self._until = -inf
+
+    def confirmed(self, action: Action, now: float) -> bool:
+        """Take a key's action; return whether to do it, False: ask for the same key again."""
+        second = action == self._asked and now <= self._until
+        self._asked = None
+        if not (isinstance(action, ServiceCall) and action.service in MOVING) or second:
+            return True
+        self._asked, self._until = action, now + CONFIRM
+        return False
 
 
 class KeyDecoder:

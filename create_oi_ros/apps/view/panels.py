@@ -171,9 +171,15 @@ def _buttons(buttons: Any) -> Line:
     return flags(('play', buttons.play), ('advance', buttons.advance))
 
 
-def _song(song: Any) -> Line:
+def _song(state: RobotState, _: float) -> Line:
+    song = state.get(Song)
+    if song is None:
+        return []
     # The number arrives once a second only: while a song plays, it may be that of the last one.
-    return plain('plays' if song.playing else f'{song.number} was the last')
+    if song.playing:
+        return plain('plays')
+    # A robot that has played no song reports number 0.
+    return plain(f'{song.number} was the last' if state.song_played or song.number else 'none yet')
 
 
 def _infrared(infrared: Any) -> Line:
@@ -214,7 +220,7 @@ ROWS: tuple[tuple[str, Callable[[RobotState, float], Line]], ...] = (
     ('current', of(Overcurrent, _overcurrent)),
     ('battery', of(BatteryState, _charge)), ('', of(BatteryState, _volts)),
     ('charger', of(Charging, _charging)), ('mode', of(Mode, _mode)),
-    ('buttons', of(Buttons, _buttons)), ('song', of(Song, _song)),
+    ('buttons', of(Buttons, _buttons)), ('song', _song),
     ('ir', of(IrOmni, _infrared)), ('link', _link),
     ('cargo', of(CargoBay, _cargo)),
 )

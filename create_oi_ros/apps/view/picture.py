@@ -14,7 +14,7 @@ PANEL, LABEL = 36, 8
 """Columns of the panel, and of its labels."""
 FOOT, ALARM_ROWS = 4, 2
 """Rows at the bottom (alarms, reply of a service, keys), and those of alarms among them."""
-KEYS = 'arrows drive  space stop  +- speed  123 mode  p song  g dock  h help  q quit'
+KEYS = 'arrows drive  space stop  +- speed  123 mode  p song  g g dock  h help  q quit'
 
 
 def picture(

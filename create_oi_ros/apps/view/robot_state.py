@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from math import hypot, inf, isfinite
 from typing import Any, NamedTuple
 
-from create_oi_msgs.msg import Bumper, Cliff
+from create_oi_msgs.msg import Bumper, Cliff, Song
 from nav_msgs.msg import Odometry
 
 from ...ros.rotation import yaw_of
@@ -115,6 +115,8 @@ class RobotState:
     """Whether a key drives the robot now."""
     speeds: tuple[float, float] = (0.0, 0.0)
     """Speeds that the drive keys command, m/s and rad/s."""
+    song_played: bool = False
+    """Whether a song has played since the view started."""
     _received: dict[type, Received] = field(default_factory=dict)
 
     def update(self, message: Any, at: float) -> None:
@@ -124,6 +126,8 @@ class RobotState:
         match message:
             case Odometry() if (pose := self.pose) is not None:
                 self.trail.add(pose, at)
+            case Song() if message.playing:
+                self.song_played = True
             case Bumper() if touched(message) and not touched(before):
                 self.trail.mark('x')
             case Cliff() if touched(message) and not touched(before):

@@ -48,7 +48,7 @@ def _keys_alone(settings: list[Any]) -> list[Any]:
     changed = [*settings[:6], list(settings[6])]
     changed[0] &= ~(termios.IXON | termios.ICRNL)
     changed[3] &= ~(termios.ICANON | termios.ECHO | termios.IEXTEN)
-    # Ctrl-Z or Ctrl-\ would leave the terminal unusable and the robot without commands.
+    # Ctrl-Z is a key, for the terminal is restored first; Ctrl-\ would leave it unusable.
     for key in (termios.VSUSP, termios.VQUIT):
         changed[6][key] = DISABLED
     return changed
@@ -65,6 +65,7 @@ class Terminal:
         self._shown: list[str] = []
         self._size = (0, 0)
         self._unsent = b''
+        self._settings = termios.tcgetattr(keys)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -85,6 +86,11 @@ class Terminal:
         if not typed:
             raise TerminalClosed
         return typed
+
+    def drop_typed(self) -> None:
+        """Forget keys that were typed and not read, so that no other program reads them."""
+        with suppress(termios.error):  # it may be closed
+            termios.tcflush(self.descriptor, termios.TCIFLUSH)
 
     def redraw(self) -> None:
         """Draw the whole screen again with the next picture."""
@@ -120,13 +126,24 @@ class Terminal:
         except OSError as error:
             raise TerminalClosed from error
 
+    def enter(self) -> None:
+        """Take over keys and screen; TerminalClosed: the terminal is gone."""
+        try:
+            termios.tcsetattr(self.descriptor, termios.TCSANOW, _keys_alone(self._settings))
+        except termios.error as error:
+            raise TerminalClosed from error
+        self.redraw()
+        self.write(ENTER)
+
     def leave(self) -> None:
-        """Restore the screen; give up after RESTORE_TIMEOUT if the terminal has stalled."""
+        """Restore screen and keys; give up after RESTORE_TIMEOUT if the terminal has stalled."""
         with suppress(TerminalClosed):
             # Send the rest of the picture first: it may have been cut within an escape sequence.
             self.write(LEAVE)
             while self._unsent and select.select([], [self._screen], [], RESTORE_TIMEOUT)[1]:
                 self._send()
+        with suppress(termios.error):  # it may be closed
+            termios.tcsetattr(self.descriptor, termios.TCSANOW, self._settings)
 
 
 def check() -> None:
@@ -183,17 +200,13 @@ def opened() -> Iterator[Terminal]:
     """Yield the terminal, and restore it at the end, whatever happens."""
     check()
     keys, screen = sys.stdin.fileno(), _screen_of(sys.stdout.fileno())
-    settings = termios.tcgetattr(keys)
     terminal = Terminal(keys, screen)
     try:
         with _errors_kept():
             try:
-                termios.tcsetattr(keys, termios.TCSANOW, _keys_alone(settings))
-                terminal.write(ENTER)
+                terminal.enter()
                 yield terminal
             finally:
                 terminal.leave()
-                with suppress(termios.error):  # it may be closed
-                    termios.tcsetattr(keys, termios.TCSANOW, settings)
     finally:
         os.close(screen)

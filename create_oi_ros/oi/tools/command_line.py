@@ -147,9 +147,12 @@ def main(arguments: list[str], stdin: TextIO, stdout: TextIO, stderr: TextIO) ->
         for line in options.work(options, stdin):
             print(line, file=stdout, flush=True)
             status = status if understood(line) else NOT_UNDERSTOOD
-    except (ValueError, OSError) as refused:
-        if isinstance(refused, BrokenPipeError):
-            raise
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        print(f'{error.filename}: {error.strerror}: give a file that can be read', file=stderr)
+        status = NOT_UNDERSTOOD
+    except ValueError as refused:
         print(refused, file=stderr)
         status = NOT_UNDERSTOOD
     return status

@@ -116,9 +116,10 @@ class Text:
     def _kind(self, start: int, name: str) -> type[Command]:
         kind = KINDS.get(plain(name))
         if kind is None:
-            found = get_close_matches(plain(name), KINDS, 3, 0.5) or KINDS
-            titles = ', '.join(KINDS[key].title for key in found)
-            self._refuse(start, f'{name or self._next()!r} is not a command; allowed: {titles}')
+            known = _meant(plain(name))
+            self._refuse(start, f'{name or self._next()!r} is not a command; ' + (
+                f'did you mean {known}?' if known else
+                f'allowed: {", ".join(each.title for each in KINDS.values())}'))
         return kind
 
     def _fields(self, kind: type[Command]) -> dict[str, Any]:
@@ -221,6 +222,15 @@ class Text:
 def _declared(kind: type[Command]) -> list[str]:
     names = [field.name for field in kind.fields]
     return [*names, kind.tail.name] if kind.tail is not None else names
+
+
+def _meant(name: str) -> str:
+    """Return the commands that a wrong name may mean, '' if none: Drive 200 means Drive."""
+    begun = [key for key in KINDS if name.startswith(key)]
+    if not begun:
+        return ', '.join(KINDS[key].title for key in get_close_matches(name, KINDS))
+    kind = KINDS[max(begun, key=len)]
+    return ' '.join([kind.title, *(f'{field}=...' for field in _declared(kind))])
 
 
 def _allowed(wire: Wire) -> str:

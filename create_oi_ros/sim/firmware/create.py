@@ -68,6 +68,7 @@ class Create:
         self.script = b''
         self._queue = oi.CommandReader()
         self._script_plays = False
+        self._deaf_until = 0.0
         self._wait: scripts.Over | None = None
         self._telemetry.reset()
         self._demos.reset()
@@ -112,7 +113,8 @@ class Create:
     @property
     def _listening(self) -> bool:
         """Whether bytes are read (manual: Wait Commands, 'nor does it react to any inputs')."""
-        return self._running and self._wait is None and not self._script_plays
+        return (self._running and self._wait is None and not self._script_plays
+                and self.time >= self._deaf_until - TOLERANCE)
 
     @property
     def waiting(self) -> bool:
@@ -303,7 +305,7 @@ class Create:
         self.commands += 1
         if self.mode not in command.modes:
             return
-        accepted = obeyable(command)
+        accepted = obeyable(command, mask_bits=self.guesses.mask_bits)
         if accepted is None:
             return
         if accepted.enters is not None:
@@ -325,6 +327,9 @@ class Create:
             elif self.demo is not None and not self.guesses.start_ends_demo:
                 return
         self._enter(mode)
+        if self.guesses.mode_settle and not self._script_plays:
+            self._deaf_until = self.time + self.guesses.mode_settle
+            self._queue.clear()
 
     def _obey_other(self, command: oi.Command) -> None:
         match command:

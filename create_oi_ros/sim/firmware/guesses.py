@@ -33,6 +33,12 @@ class Guesses:
     """Start, sent while a demo runs, ends it."""
     stream_while_waiting: bool = True
     """The stream goes on while a script waits."""
+    mask_bits: bool = True
+    """Bits without a meaning in LEDs, Low Side Drivers and Digital Outputs are taken as 0
+    (reported of LEDs: 139 25 0 128 lights them).  Else the robot ignores the command."""
+    mode_settle: float = 0.0
+    """Seconds after a change of mode in which bytes are lost; 0.02 is reported of the Roomba
+    ('ignored or only partially received')."""
     overrun: bool = False
     """At 115200, bytes less than 200 microseconds apart are lost (manual: Baud, 'may').  Bytes
     received in one call count as sent back to back."""

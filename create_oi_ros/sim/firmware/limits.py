@@ -5,18 +5,25 @@ from ...oi.declaration import Tail
 from ...oi.readings import SPEED
 
 
-def obeyable(command: Command) -> Command | None:
-    """Return the command with velocities clamped; None if another value is out of range."""
+def obeyable(command: Command, *, mask_bits: bool) -> Command | None:
+    """
+    Return the command with values that the robot accepts; None if it ignores the command.
+
+    Velocities are clamped; `mask_bits` clears bits without a meaning.
+    """
     if command.tail is not None and not _tail_allowed(command, command.tail):
         return None
     changed: dict[str, int] = {}
     for field in command.fields:
-        value = getattr(command, field.name)
-        if field.wire.allows(value):
+        value, wire = getattr(command, field.name), field.wire
+        if wire.allows(value):
             continue
-        if field.wire is not SPEED:
+        if wire is SPEED:
+            changed[field.name] = max(SPEED.low, min(SPEED.high, value))
+        elif wire.mask and mask_bits:
+            changed[field.name] = value & wire.mask
+        else:
             return None
-        changed[field.name] = max(SPEED.low, min(SPEED.high, value))
     if not changed:
         return command
     values = {field.name: getattr(command, field.name) for field in command.fields}

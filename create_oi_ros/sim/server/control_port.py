@@ -7,7 +7,9 @@ from pathlib import Path
 import socket
 import stat
 
+from .claim import Claim
 from .control import Interpreter, Waiting
+from .path_errors import naming
 
 LONGEST_LINE = 4096
 """Bytes; a client that sends more without an end of line is disconnected."""
@@ -27,15 +29,21 @@ class ControlPort:
     """Serves any number of clients; a client that waits does not block the others."""
 
     def __init__(self, path: Path, control: Interpreter) -> None:
-        """Listen; OSError if the path is not available or is no socket."""
+        """
+        Listen; OSError names the path if that cannot be.
+
+        FileExistsError: it is no socket, or belongs to a live simulator.
+        """
         self._path, self._control = path, control
-        if path.exists() or path.is_symlink():
-            if not stat.S_ISSOCK(os.lstat(path).st_mode):
-                raise FileExistsError(errno.EEXIST, 'is no socket, so it is kept', str(path))
-            path.unlink()
-        self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self._listener.bind(str(path))
-        self._listener.listen()
+        with naming(path):
+            exists = path.exists() or path.is_symlink()
+            if exists and not stat.S_ISSOCK(os.lstat(path).st_mode):
+                raise FileExistsError(errno.EEXIST, 'is no socket, so it is kept')
+            self._claim = Claim(path)
+            path.unlink(missing_ok=True)
+            self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            self._listener.bind(str(path))
+            self._listener.listen()
         self._listener.setblocking(False)
         self._inode = os.stat(path).st_ino
         self._clients: list[ControlConnection] = []
@@ -106,3 +114,4 @@ class ControlPort:
         with suppress(OSError):
             if os.stat(self._path).st_ino == self._inode:
                 self._path.unlink()
+        self._claim.release()

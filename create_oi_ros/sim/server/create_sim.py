@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 import csv
 import ipaddress
+import os
 from pathlib import Path
 import signal
 import sys
@@ -20,12 +21,13 @@ from ..world import parse, shipped, shipped_names, World
 from .control_port import ControlPort
 from .faults import Fault, Faults
 from .lines import Line, PtyLine, TcpLine
+from .path_errors import naming, sentence
 from .play import play, Player
 from .serve import Server
-from .show import CLEAR, Show
+from .show import shower
 
-SHOW_EVERY = 7
-"""Slots: about ten pictures a second."""
+BROKEN_PIPE = 128 + signal.SIGPIPE
+"""Exit code when the reader of the output has gone."""
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
 
@@ -46,7 +48,12 @@ def _world(text: str) -> World:
     except FileNotFoundError:
         raise argparse.ArgumentTypeError(
             f'{text!r}; allowed: a file, or one of {", ".join(shipped_names())}') from None
-    except (ValueError, OSError) as error:
+    except UnicodeDecodeError:
+        raise argparse.ArgumentTypeError(
+            f'{text!r} is no world file: it is not text') from None
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f'{text!r}: {error.strerror}') from None
+    except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
@@ -65,6 +72,16 @@ def _speed(text: str) -> float:
     if not 0 < speed <= 1000:
         raise argparse.ArgumentTypeError(f'{text!r}; allowed: above 0, at most 1000')
     return speed
+
+
+def _linger(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0 <= seconds <= 60:
+        raise argparse.ArgumentTypeError(f'{text!r}; allowed: 0 to 60 seconds')
+    return seconds
 
 
 def _arguments() -> argparse.ArgumentParser:
@@ -95,6 +112,9 @@ def _arguments() -> argparse.ArgumentParser:
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
     add('--show', action='store_true', help='draw room and robot in this terminal (80 by 24)')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
+    add('--linger', type=_linger, default=0.0, metavar='SECONDS',
+        help='at Ctrl-C, serve so long or until the host has closed the port '
+        '(default: %(default)s); a second Ctrl-C ends at once')
     add('--replay', type=Path, metavar='FILE',
         help="send again what the robot sent in FILE, written by the driver's parameter "
         '`capture`; starts when a host sends a byte, nothing is simulated')
@@ -111,27 +131,18 @@ def _end_on_signals(serving: Server | Player) -> None:
 
 
 def _recorder(server: Server, path: Path, stack: ExitStack) -> Callable[[], None]:
-    """Return a function that writes a row of the truth."""
+    """Return a function that writes a row of the truth; OSError names the file."""
+    stack.enter_context(naming(path))
     file = stack.enter_context(path.open('w', newline=''))
     names = [name for name, value in server.control.facts().items()
              if not isinstance(value, list)]
     writer = csv.DictWriter(file, names, extrasaction='ignore')
+
+    def write() -> None:
+        with naming(path):
+            writer.writerow(server.control.facts())
     writer.writeheader()
-    return lambda: writer.writerow(server.control.facts())
-
-
-def _shower(create: Create) -> Callable[[], None]:
-    """Return a function that is called in every slot and draws in some."""
-    show, slots = Show(create), 0
-    sys.stdout.write(CLEAR)
-
-    def draw() -> None:
-        nonlocal slots
-        slots += 1
-        if slots % SHOW_EVERY == 0:
-            sys.stdout.write(show.picture())
-            sys.stdout.flush()
-    return draw
+    return write
 
 
 def _announce(options: argparse.Namespace, line: Line) -> None:
@@ -161,7 +172,7 @@ def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) ->
         line = _line(options)
         stack.callback(line.close)
         server = Server(create, line, Faults(options.fault, options.seed), speed=options.speed,
-                        wire_time=options.wire_time)
+                        wire_time=options.wire_time, linger=options.linger)
         _end_on_signals(server)
         if options.control:
             server.control_port = ControlPort(options.control, server.control)
@@ -170,7 +181,7 @@ def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) ->
             server.watchers.append(_recorder(server, options.record, stack))
         _announce(options, line)
         if options.show:
-            server.watchers.append(_shower(create))
+            server.watchers.append(shower(create, sys.stdout))
         server.serve()
 
 
@@ -179,6 +190,13 @@ def _unfit_for_replay(options: argparse.Namespace, parser: argparse.ArgumentPars
     return next((name for name, value in vars(options).items()
                  if name not in REPLAY_HAS and value != parser.get_default(name)
                  and not (name == 'world' and value.name == parser.get_default(name))), None)
+
+
+def _run(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
+    if options.replay:
+        play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
+    else:
+        _serve(options, guesses, config)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -196,11 +214,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         unfit = unfit.replace('_', '-')
         parser.error(f'--{unfit} does not work with --replay: nothing is simulated then')
     try:
-        if options.replay:
-            play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
-        else:
-            _serve(options, guesses, config)
-    except (OSError, CaptureError) as error:
+        _run(options, guesses, config)
+    except BrokenPipeError:
+        # Python flushes stdout at exit, which would fail again: send that to the null device.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except CaptureError as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1
+    except OSError as error:
+        print(f'create_sim: {sentence(error)}', file=sys.stderr)
+        return 2
     return 0

@@ -18,9 +18,12 @@ import tty
 from typing import Protocol
 
 from ..firmware.uart import DEFAULT_BAUD
+from .claim import Claim
+from .path_errors import naming
 
 AT_ONCE = 4096
 """Bytes that are read at once."""
+TERMINALS = '/dev/pts/'
 TCGETS2 = 0x802C542A
 TERMIOS2 = struct.Struct('4I B 19s 2I')
 """Linux's own structure: the portable one has no 14400 baud."""
@@ -46,6 +49,9 @@ class Line(Protocol):
         Without a host, all bytes are lost and count as written.
         """
 
+    def connected(self) -> bool:
+        """Return whether a host has the port open."""
+
     def baud(self) -> int | None:
         """Return the rate that the host has set, bits per second; None: the right one."""
 
@@ -63,8 +69,13 @@ class PtyLine:
     """A pseudo terminal, with an optional symbolic link that always points to it."""
 
     def __init__(self, link: Path | None = None) -> None:
-        """Make the terminal; FileExistsError if `link` is a file but no symbolic link."""
+        """
+        Make the terminal; OSError names `link` if it cannot be made.
+
+        FileExistsError: it is something else, or belongs to a live simulator.
+        """
         self._link = link
+        self._claim = None if link is None else Claim(link)
         self._master = -1
         self._slave_name = ''
         self._present = False
@@ -91,11 +102,17 @@ class PtyLine:
         self._poll = select.poll()
         self._poll.register(self._master, select.POLLIN)
         if self._link is not None:
-            self._point(self._link)
+            with naming(self._link):
+                self._point(self._link)
 
     def _point(self, link: Path) -> None:
-        if link.exists() and not link.is_symlink():
-            raise FileExistsError(errno.EEXIST, 'is no symbolic link, so it is kept', str(link))
+        if link.is_symlink():
+            target = os.readlink(link)
+            if not target.startswith(TERMINALS):
+                raise FileExistsError(
+                    errno.EEXIST, f'leads to {target}, which is no pseudo terminal, so it is kept')
+        elif link.exists():
+            raise FileExistsError(errno.EEXIST, 'is no symbolic link, so it is kept')
         beside = link.with_name(f'.{link.name}.{os.getpid()}')
         beside.symlink_to(self._slave_name)
         beside.replace(link)
@@ -112,12 +129,20 @@ class PtyLine:
     def _points_here(self, link: Path) -> bool:
         return link.is_symlink() and os.readlink(link) == self._slave_name
 
-    close = unplug
+    def close(self) -> None:
+        """Remove the terminal and the link, and leave the link's name to others."""
+        self.unplug()
+        if self._claim is not None:
+            self._claim.release()
 
     def watched(self) -> list[int]:
         """Return the terminal while a host has it open; without one it is always readable."""
+        return [self._master] if self.connected() else []
+
+    def connected(self) -> bool:
+        """Return whether a host has the terminal open."""
         self._look()
-        return [self._master] if self._present else []
+        return self._present
 
     def _look(self) -> None:
         if self._master < 0 or self._present:
@@ -127,8 +152,7 @@ class PtyLine:
 
     def read(self) -> bytes:
         """Read, and notice when the host has gone."""
-        self._look()
-        if not self._present:
+        if not self.connected():
             return b''
         try:
             return os.read(self._master, AT_ONCE)
@@ -187,7 +211,8 @@ class TcpLine:
         """Listen."""
         if self._listener is None:
             family = socket.AF_INET6 if ':' in self._address[0] else socket.AF_INET
-            self._listener = socket.create_server(self._address, family=family, backlog=4)
+            with naming(self.name):
+                self._listener = socket.create_server(self._address, family=family, backlog=4)
             self._listener.setblocking(False)
             self._address = self._listener.getsockname()[:2]
 
@@ -245,6 +270,10 @@ class TcpLine:
         except OSError:
             # `read` notices that the client has gone.
             return len(data)
+
+    def connected(self) -> bool:
+        """Return whether a client is connected."""
+        return self._client is not None
 
     def baud(self) -> int | None:
         """Return None: TCP has no baud rate."""

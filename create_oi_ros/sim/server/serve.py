@@ -27,7 +27,7 @@ class Server:
     """One robot on one line, in real time or `speed` times as fast."""
 
     def __init__(self, create: Create, line: Line, faults: Faults | None = None, *,
-                 speed: float = 1.0, wire_time: bool = False) -> None:
+                 speed: float = 1.0, wire_time: bool = False, linger: float = 0.0) -> None:
         self._create, self._line, self._speed = create, line, speed
         self._faults = faults or Faults([])
         self._to_host = Pacer() if wire_time else None
@@ -38,18 +38,28 @@ class Server:
         """Called after every slot."""
         self._origin = 0.0
         self._slots = 0
-        self._stopping = False
+        self._linger = linger
+        self._end: float | None = None
+        """When to end at the latest, on the computer's clock."""
 
     def stop(self) -> None:
-        """End `serve` soon; may be called from a signal handler."""
-        self._stopping = True
+        """
+        End `serve` soon; may be called from a signal handler.
+
+        The first call gives the host `linger` seconds to close the port, the second none.
+        """
+        self._end = time.monotonic() + (self._linger if self._end is None else 0.0)
+
+    def _ended(self) -> bool:
+        return self._end is not None and (
+            not self._line.connected() or time.monotonic() >= self._end)
 
     def serve(self) -> None:
         """Serve until `stop`; the robot's clock starts now."""
         self._origin = time.monotonic()
         # Start the robot's slots together with ours.
         self._create.poll(0.0)
-        while not self._stopping:
+        while not self._ended():
             now = self._now()
             if now >= (self._slots + 1) * self._create.period - TOLERANCE:
                 # One at a time, even if late, so that watchers see the end of every slot.

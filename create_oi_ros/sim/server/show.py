@@ -1,7 +1,9 @@
 """A picture of room, robot, track and sensors as text: 24 lines of 80 characters."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import math
+import os
+from typing import TextIO
 
 from ...robot import MILLI
 from ..firmware import Create
@@ -16,6 +18,8 @@ AROUND = 1.5
 """Metres that are shown around the track in a room without walls."""
 ARROWS = '→↗↑↖←↙↓↘'
 HOME_CURSOR, CLEAR, CLEAR_REST = '\x1b[H', '\x1b[2J', '\x1b[K'
+SLOTS_IN_PLACE, SLOTS_BELOW = 7, 67
+"""Slots between two pictures: a tenth of a second over the last one, a second below it."""
 
 
 def outline(world: World) -> Iterator[tuple[str, LineSegment]]:
@@ -78,10 +82,9 @@ class Show:
         self._outline = list(outline(create.body.world))
         self._track: list[Point] = []
 
-    def picture(self) -> str:
-        """Return the picture as text for a terminal that was cleared once."""
-        lines = self._map() + self._status()
-        return HOME_CURSOR + '\n'.join(line[:COLUMNS] + CLEAR_REST for line in lines)
+    def picture(self) -> list[str]:
+        """Return the lines of the picture."""
+        return [line[:COLUMNS] for line in self._map() + self._status()]
 
     def _map(self) -> list[str]:
         pose = self._create.body.truth().pose
@@ -113,3 +116,33 @@ class Show:
             f'  infrared {sense.infrared}  frames {create.frames}',
             f'{on or "nothing touched"}',
         ]
+
+
+def has_cursor(screen: TextIO) -> bool:
+    """Return whether a stream is a terminal that obeys escape sequences."""
+    return screen.isatty() and os.environ.get('TERM', 'dumb') != 'dumb'
+
+
+def shower(create: Create, screen: TextIO) -> Callable[[], None]:
+    """
+    Return a function that is called in every slot and draws in some.
+
+    Without a cursor (a file, a pipe, TERM=dumb) each picture stands below the last one.
+    """
+    show, slots, in_place = Show(create), 0, has_cursor(screen)
+    period = SLOTS_IN_PLACE if in_place else SLOTS_BELOW
+    if in_place:
+        screen.write(CLEAR)
+
+    def draw() -> None:
+        nonlocal slots
+        slots += 1
+        if slots % period:
+            return
+        lines = show.picture()
+        if in_place:
+            screen.write(HOME_CURSOR + '\n'.join(line + CLEAR_REST for line in lines))
+        else:
+            screen.write('\n'.join([*lines, '', '']))
+        screen.flush()
+    return draw

@@ -40,6 +40,8 @@ HALO = 0.3
 """Distance within which a Virtual Wall is seen from all sides, metres (guess)."""
 VIRTUAL_WALL_SPREAD = math.radians(8)
 """Half the opening of a Virtual Wall's beam (guess)."""
+LONGEST = 40
+"""Characters of a wrong word that an error repeats: a file may be no world at all."""
 
 
 class WorldError(ValueError):
@@ -238,7 +240,7 @@ def parse(text: str, name: str) -> World:
 def _read(draft: _Draft, words: Sequence[str]) -> None:
     keyword = KEYWORDS.get(words[0])
     if keyword is None:
-        raise ValueError(f'unknown {words[0]!r}; allowed: {", ".join(KEYWORDS)}')
+        raise ValueError(f'unknown {words[0][:LONGEST]!r}; allowed: {", ".join(KEYWORDS)}')
     numbers = [_number(each) for each in words[1:]]
     if not keyword.fits(len(numbers)):
         raise ValueError(f'{len(numbers)} numbers after {words[0]!r}; '
@@ -252,7 +254,7 @@ def _number(text: str) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f'{text!r} is not a number')
+        raise ValueError(f'{text[:LONGEST]!r} is not a number')
     return number
 
 

@@ -1,0 +1,130 @@
+"""
+`create_run`: a robot and its node in one terminal, with a status line every second.
+
+Without `--port` the robot is a simulated one on a pseudo terminal.
+"""
+
+import argparse
+from collections.abc import Sequence
+from contextlib import ExitStack
+import os
+from pathlib import Path
+from shlex import quote
+import shutil
+import sys
+
+from create_oi_msgs.msg import Bumper, Mode
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.task import Future
+from sensor_msgs.msg import BatteryState
+
+from ...ros.children import Children
+from ...ros.process import call_on_signal, ros_executor, spin_until
+from ...ros.simulated_run import run_domain, run_folder
+from ...ros.topics import LATCHED
+from ...ros.user_errors import check_environment
+from .status import RobotStatus, show, status_line
+
+
+class StatusNode(Node):
+    """Subscribes to the driver's topics and shows a status line every second."""
+
+    def __init__(self, children: Children, ended: Future) -> None:
+        """Watch the children too: when one ends by itself, `ended` gets exit code 1."""
+        super().__init__('create_run')
+        self._ended = ended
+        self._children = children
+        self._status = RobotStatus()
+        self.create_subscription(Odometry, 'odom', self._status.on_odom, 10)
+        self.create_subscription(Mode, 'mode', self._status.on_mode, LATCHED)
+        self.create_subscription(BatteryState, 'battery_state', self._status.on_battery, 10)
+        self.create_subscription(Bumper, 'bumper', self._status.on_bumper, 10)
+        self.create_subscription(
+            DiagnosticArray, '/diagnostics', self._status.on_diagnostics, 10)
+        self.create_timer(1.0, self._show)
+
+    def _show(self) -> None:
+        ended = self._children.ended()
+        if ended is not None:
+            print(f'create_run: {ended}; see above for why', file=sys.stderr)
+            self._ended.set_result(1)
+            return
+        show(self._status.line())
+
+
+def introduction(port: str, simulated: bool) -> str:
+    """Return what runs and what to try next, with commands that work on this machine."""
+    robot = 'a simulated Create' if simulated else 'the robot'
+    domain, environment = os.environ.get('ROS_DOMAIN_ID'), os.environ.get('CREATE_OI_ENV')
+    lines = [f'create_run: node /create drives {robot} on {port}, ROS domain {domain or 0}.']
+    joining = [f'source {quote(environment)}'] if environment else []
+    joining += [f'export ROS_DOMAIN_ID={domain}'] if domain else []
+    if joining:
+        lines += ['In another shell, join it:', f'    {" && ".join(joining)}']
+    if environment:
+        example = quote(str(Path(environment).parent / 'examples' / 'drive.py'))
+        lines += ['then drive it and watch its odometry:', f'    python {example}',
+                  'or look at it, and drive it by keys:', '    create_view']
+    if shutil.which('ros2') is not None:
+        lines += ['Watch a topic, or drive by keyboard:', '    ros2 topic echo /bumper',
+                  '    ros2 run create_oi_ros create_view']
+    return '\n'.join([*lines, 'Ctrl-C stops the robot and everything here.'])
+
+
+def _watch(children: Children, ended: Future) -> int:
+    with ros_executor() as executor:
+        executor.add_node(StatusNode(children, ended))
+        try:
+            spin_until(executor, ended)
+        finally:
+            # Before ROS shuts down: the robot may be moving.
+            children.end()
+    return int(ended.result())
+
+
+def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
+    """Return the arguments; those that contradict each other end the program."""
+    parser = argparse.ArgumentParser(prog='create_run', description=__doc__)
+    parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
+    parser.add_argument('--world', help='world of the simulated robot (default: room)')
+    parser.add_argument('--capture', metavar='FILE', help=(
+        'write every byte of the serial line to FILE, to be sent with a bug report'))
+    options = parser.parse_args(given)
+    for name, value in vars(options).items():
+        if value == '':
+            parser.error(f'--{name} is empty: give a value, or leave it out')
+    if options.port is not None and options.world is not None:
+        parser.error('--port is for a real robot and --world for a simulated one: give one of '
+                     'them')
+    return options
+
+
+def _start(children: Children, port: str, options: argparse.Namespace) -> None:
+    if options.port is None:
+        children.start('create_sim', '--link', port, '--world', options.world or 'room')
+    capture = ['-p', f'capture:={quoted(options.capture)}'] if options.capture else []
+    children.start('create_node', '--ros-args', '-p', f'port:={quoted(port)}', *capture)
+
+
+def quoted(text: str) -> str:
+    """Return a text as YAML that stays a text, even if it looks like a number or a list."""
+    return "'" + text.replace("'", "''") + "'"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run until Ctrl-C; the exit code is 1 when a child ended by itself."""
+    options = _arguments(arguments)
+    check_environment()
+    children, ended = Children(), Future()
+    call_on_signal(lambda: ended.set_result(0))
+    with ExitStack() as stack:
+        port = options.port or f'{stack.enter_context(run_folder())}/create'
+        if options.port is None:
+            stack.enter_context(run_domain())
+        print(introduction(port, options.port is None), flush=True)
+        stack.callback(children.end)
+        stack.enter_context(status_line())
+        _start(children, port, options)
+        return _watch(children, ended)

@@ -1,0 +1,106 @@
+"""The status line of `create_run`: what it shows, and that it fits."""
+
+from math import nan, pi
+
+from create_oi_msgs.msg import Bumper, Mode
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from hypothesis import given
+from hypothesis import strategies as st
+from nav_msgs.msg import Odometry
+import pytest
+from sensor_msgs.msg import BatteryState
+
+from create_oi_ros.apps.run.status import RobotStatus, WIDTH
+from create_oi_ros.ros.rotation import set_yaw
+
+ANY = st.floats(-1e9, 1e9) | st.just(nan)
+
+
+def driving(x: float = 1.0, yaw: float = 0.0) -> RobotStatus:
+    """Return the status of a robot in SAFE that drives."""
+    status = RobotStatus()
+    odom = Odometry()
+    odom.pose.pose.position.x = x
+    odom.twist.twist.linear.x = 0.2
+    set_yaw(odom.pose.pose.orientation, yaw)
+    status.on_odom(odom)
+    status.on_mode(Mode(mode=Mode.SAFE, wanted=Mode.SAFE))
+    status.on_battery(BatteryState(percentage=0.9))
+    return status
+
+
+def diagnostics(about: str, level: bytes, message: str) -> DiagnosticArray:
+    """Return the diagnostics of a driver with one status."""
+    return DiagnosticArray(status=[
+        DiagnosticStatus(name=f'create: {about}', level=level, message=message)])
+
+
+def test_the_usual_line():
+    assert driving().line() == (
+        ' 1 frames/s  SAFE     x +1.00 y +0.00 m    +0 deg  90%  +0.20 m/s  +0.00 rad/s')
+
+
+def test_without_a_driver():
+    assert RobotStatus().line() == ' 0 frames/s  no node yet'
+
+
+def test_frames_are_counted_anew_each_second():
+    status = driving()
+    status.line()
+    assert status.line().startswith(' 0 frames/s')
+
+
+def test_a_script_is_shown():
+    status = driving()
+    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, 'a script plays'))
+    assert 'SAFE     a script plays' in status.line()
+    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.OK, 'driving'))
+    assert 'driving' not in status.line()
+
+
+def test_of_a_script_the_time_that_it_takes_is_shown():
+    status = driving()
+    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, (
+        'a script plays, and the robot ignores everything while it waits, a stop included: let '
+        'it end, or switch the robot off by its Power button (it plays for about 3 s more)')))
+    assert status.line().endswith('SAFE     a script plays (it plays for about 3 s more)')
+
+
+def test_a_short_bump_is_shown_once():
+    status = driving()
+    status.on_bumper(Bumper(left=True))
+    status.on_bumper(Bumper())
+    assert 'BUMP left  ' in status.line()
+    assert 'BUMP' not in status.line()
+
+
+def test_a_bumper_that_stays_pressed_is_shown_until_it_is_free():
+    status = driving()
+    status.on_bumper(Bumper(left=True, right=True))
+    assert [('BUMP left and right' in status.line()) for _ in range(2)] == [True, True]
+    status.on_bumper(Bumper())
+    status.line()
+    assert 'BUMP' not in status.line()
+
+
+def test_the_reason_of_a_mode_is_shown_alone():
+    status = driving()
+    status.on_mode(Mode(mode=Mode.UNKNOWN, wanted=Mode.SAFE, reason='no robot answers'))
+    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, 'no answer yet'))
+    assert 'no robot answers' in status.line()
+    assert 'no answer yet' not in status.line()
+
+
+def test_the_yaw_stays_within_half_a_turn():
+    assert ' -170 deg' in driving(yaw=190 * pi / 180).line()
+
+
+@pytest.mark.parametrize('message', ['x' * 200, 'low: charge it soon'])
+@given(x=ANY, yaw=ANY)
+def test_the_line_always_fits(message, x, yaw):
+    status = driving(x, yaw)
+    status.on_bumper(Bumper(left=True, right=True))
+    status.on_diagnostics(diagnostics('battery', DiagnosticStatus.WARN, message))
+    line = status.line()
+    assert len(line) <= WIDTH == 80
+    assert message[:30] in line

@@ -1,0 +1,159 @@
+"""Set-up and build: what they show meanwhile, and where they put what they make."""
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from support.source import ROOT
+
+TOOLS = ROOT / 'tools'
+WAITING = 'import pathlib, time\nprint("done", flush=True)\n' \
+    'while not pathlib.Path("go").exists(): time.sleep(0.01)\n'
+STEP = ('import sys; sys.path.insert(0, {tools!r}); from step import interruptible, step\n'
+        'with interruptible(): step([sys.executable, "-c", {program!r}], "a.log", "it failed", '
+        'progress=lambda log: str(log.count("done")) + " of 2 done")')
+
+
+@pytest.fixture
+def tool(monkeypatch):
+    """Return a function that imports a file of tools/."""
+    def load(name):
+        monkeypatch.syspath_prepend(TOOLS)
+        monkeypatch.delitem(sys.modules, 'step', raising=False)
+        spec = importlib.util.spec_from_file_location(name, TOOLS / f'{name}.py')
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+    return load
+
+
+def run_step(folder, program, stdout, term='xterm'):
+    """Start a step in a folder."""
+    return subprocess.Popen(
+        [sys.executable, '-c', STEP.format(tools=str(TOOLS), program=program)], cwd=folder,
+        stdout=stdout, stderr=subprocess.PIPE, text=True, env={**os.environ, 'TERM': term})
+
+
+def test_a_terminal_shows_how_far_a_step_is_and_for_how_long(tmp_path):
+    master, slave = os.openpty()
+    with run_step(tmp_path, WAITING, slave) as process:
+        os.close(slave)
+        shown = b''
+        while b'\r  1 of 2 done, 0:0' not in shown:
+            shown += os.read(master, 100)
+        (tmp_path / 'go').touch()
+        assert process.wait(20) == 0
+    os.set_blocking(master, False)
+    shown += os.read(master, 10000)
+    os.close(master)
+    assert b'\x1b' not in shown and b'\n' not in shown
+    assert shown.endswith(b' \r')  # the line is cleared
+
+
+@pytest.mark.parametrize('term', ['xterm', 'dumb'])
+def test_without_a_terminal_a_step_prints_nothing(tmp_path, term):
+    (tmp_path / 'go').touch()
+    with run_step(tmp_path, f'import time; time.sleep(0.7)\n{WAITING}', subprocess.PIPE,
+                  term) as process:
+        assert process.communicate(timeout=20) == ('', '')
+    assert process.returncode == 0
+
+
+def test_a_step_that_fails_shows_the_end_of_its_log(tmp_path):
+    with run_step(tmp_path, 'print("the cause"); raise SystemExit(3)', subprocess.PIPE) as process:
+        _, errors = process.communicate(timeout=20)
+    assert errors == 'the cause\nmake: it failed (complete log: log/a.log)\n'
+    assert process.returncode == 1
+
+
+def test_ctrl_c_of_a_step_is_one_sentence(tmp_path):
+    with run_step(tmp_path, WAITING, subprocess.PIPE) as process:
+        log = tmp_path / 'log' / 'a.log'
+        while not log.exists() or not log.read_text():
+            assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        (tmp_path / 'go').touch()
+        _, errors = process.communicate(timeout=20)
+    assert errors == '\nmake: interrupted; make again begins with what is not complete\n'
+
+
+def test_the_packages_of_pip_are_counted(tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    site = tmp_path / '.venv/lib/python3.12/site-packages'
+    (site / 'pip-24.dist-info').mkdir(parents=True)
+    say = tool('make_venv').counting(3)
+    log = 'Collecting a==1\n  Downloading a.whl\nCollecting b==2\n'
+    assert say(log) == '2 of 3 packages fetched'
+    (site / 'a-1.dist-info').mkdir()
+    assert say(f'{log}Installing collected packages: a, b') == '1 of 3 packages installed'
+
+
+def test_the_packages_of_colcon_are_counted(tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    say = tool('build').counting(3)
+    log = 'Starting >>> tf2_msgs\nStarting >>> create_oi_msgs\n'
+    assert say(log) == '0 of 3 packages built, tf2_msgs 0%, create_oi_msgs 0%'
+    out = tmp_path / 'log/latest_build/create_oi_msgs/stdout.log'
+    out.parent.mkdir(parents=True)
+    out.write_text('-- Found ament\n[  3%] Building\n[ 42%] Building C object\n')
+    log += 'Finished <<< tf2_msgs [9.3s]\n'
+    assert say(log) == '1 of 3 packages built, create_oi_msgs 42%'
+
+
+@pytest.mark.parametrize('name', ['a b', 'ümlaut', 'a;b', '$HOME', '(a)', '日本'])
+def test_what_is_made_for_a_special_path_is_elsewhere(tool, tmp_path, monkeypatch, name):
+    clone, cache = tmp_path / name, tmp_path / 'cache'
+    clone.mkdir()
+    monkeypatch.chdir(clone)
+    monkeypatch.setenv('XDG_CACHE_HOME', str(cache))
+    folders = tool('folders')
+    folders.make_anew()
+    (clone / 'build' / 'old').touch()
+    folders.make_anew()
+    for each in ('.venv', 'build', 'install'):
+        real = (clone / each).resolve()
+        assert real.is_dir() and not list(real.iterdir())
+        assert folders.is_plain(real) and cache in real.parents
+    done = subprocess.run(['make', '-f', ROOT / 'Makefile', 'clean'], cwd=clone, check=False)
+    assert done.returncode == 0
+    assert not list(clone.iterdir()) and not list(cache.iterdir())
+
+
+def test_in_a_plain_path_there_are_no_links(tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    other = tmp_path / 'other'
+    other.mkdir()
+    (tmp_path / 'build').symlink_to(other)
+    (tmp_path / 'install').mkdir()
+    (tmp_path / 'install' / 'old').touch()
+    tool('folders').make_anew()
+    assert list(tmp_path.iterdir()) == [other]
+
+
+@pytest.mark.parametrize('name, sentence', [
+    ('a b', 'set XDG_CACHE_HOME to a folder whose path has none'),
+    ("it's", 'make cannot work in a path with a quote')])
+def test_a_path_in_which_nothing_can_be_built_is_refused_in_one_line(tmp_path, name, sentence):
+    folder = tmp_path / name
+    folder.mkdir()
+    done = subprocess.run(
+        [sys.executable, TOOLS / 'check.py', 'jazzy'], cwd=folder, text=True, check=False,
+        capture_output=True, env={**os.environ, 'XDG_CACHE_HOME': str(folder)})
+    assert (done.returncode, done.stderr, done.stdout.count('\n')) == (1, '', 1)
+    assert sentence in done.stdout and str(folder) in done.stdout.replace('\\', '')
+
+
+def test_a_clone_that_cannot_be_written_is_refused_in_one_line(tmp_path):
+    # Root may write everywhere, so that the answer of the system is replaced.
+    run = ('import os, runpy, sys; os.access = lambda path, mode: False; '
+           f'sys.path.insert(0, {str(TOOLS)!r}); sys.argv = ["check.py", "jazzy"]; '
+           f'runpy.run_path({str(TOOLS / "check.py")!r}, run_name="__main__")')
+    done = subprocess.run([sys.executable, '-c', run], cwd=tmp_path, text=True, check=False,
+                          capture_output=True)
+    assert (done.returncode, done.stderr) == (1, '')
+    assert done.stdout == (f'{tmp_path} cannot be written by you: clone the repository to a '
+                           'folder of your own\n')

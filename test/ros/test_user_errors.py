@@ -1,0 +1,172 @@
+"""What a user gets wrong is one sentence and exit code 2; a bug keeps its traceback."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from create_oi_ros import __version__
+from create_oi_ros.ros import user_errors
+from create_oi_ros.ros.programs import MODULES, PROGRAMS
+from create_oi_ros.ros.user_errors import check_environment, explained, UserError
+
+ROS_PROGRAMS = {
+    'create_node': [], 'create_run': ['--world', 'empty'], 'create_record': ['-o', 'new'],
+    'create_demo': ['--short', '-o', 'new'], 'create_calibrate': ['listen']}
+
+
+def run(program: str, *arguments: str, cwd=None, **environment: str | None):
+    """Run a program to its end; None removes a variable."""
+    changed = {**os.environ, 'ROS_DOMAIN_ID': '1', **environment}
+    return subprocess.run(
+        [sys.executable, '-c', PROGRAMS[program], *arguments], text=True, capture_output=True,
+        timeout=60, cwd=cwd, env={name: value for name, value in changed.items()
+                                  if value is not None})
+
+
+def one_sentence(done, program: str) -> str:
+    """Check that a program refused something in one line; return the line."""
+    assert done.returncode == 2, done.stderr
+    # ROS itself may warn before.
+    line, = (each for each in done.stderr.splitlines() if '] [rcl]: ' not in each)
+    assert line.startswith(f'{program}: ')
+    return line
+
+
+@pytest.mark.parametrize('program', MODULES)
+def test_every_program_tells_its_version(program):
+    done = run(program, '--version')
+    assert (done.returncode, done.stdout, done.stderr) == (0, f'{program} {__version__}\n', '')
+
+
+@pytest.mark.parametrize('program', ROS_PROGRAMS)
+def test_a_wrong_domain_is_one_sentence_and_nothing_starts(program, tmp_path):
+    done = run(program, *ROS_PROGRAMS[program], cwd=tmp_path, ROS_DOMAIN_ID='abc')
+    assert "ROS_DOMAIN_ID is 'abc': allowed is a whole number from 0 to 232" in one_sentence(
+        done, program)
+    assert done.stdout == ''
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('domain', ['233', '-1', '1.5', ' ', '²'])
+def test_domains_that_ros_does_not_have(domain, monkeypatch):
+    monkeypatch.setenv('ROS_DOMAIN_ID', domain)
+    with pytest.raises(UserError, match='from 0 to 232'):
+        check_environment()
+
+
+@pytest.mark.parametrize('domain', ['', '0', '232'])
+def test_domains_that_ros_has(domain, monkeypatch):
+    monkeypatch.setenv('ROS_DOMAIN_ID', domain)
+    check_environment()
+
+
+@pytest.mark.parametrize('environment', [
+    {'HOME': None, 'ROS_HOME': None, 'ROS_LOG_DIR': None}, {'ROS_LOG_DIR': '/proc/logs'},
+    {'ROS_LOG_DIR': __file__}])
+def test_without_a_folder_for_logs_it_says_which_variable_to_set(environment):
+    sentence = one_sentence(run('create_node', **environment), 'create_node')
+    assert 'set HOME, or ROS_LOG_DIR' in sentence
+
+
+@pytest.mark.parametrize(('arguments', 'words'), [
+    (['-p', 'port:='], 'write -p NAME:=VALUE; an empty text is'),
+    (['-p', 'port'], 'write -p NAME:=VALUE'),
+    (['-p', 'port:=[1,a'], '-p port:=[1,a cannot be read'),
+    (['--param', 'port:='], 'write -p NAME:=VALUE'),
+    (['-r', '__ns:='], "a namespace begins with '/'"),
+    (['-r', '__ns:=robot'], "a namespace begins with '/'"),
+    (['--remap', '__node:='], 'write -r FROM:=TO'),
+    (['--log-level', 'loud'], 'allowed: debug, info, warn, error, fatal'),
+    (['--params-file', '/nowhere.yaml'], '--params-file /nowhere.yaml: there is no such file'),
+    (['--params-file', '/'], 'there is no such file'),
+    (['--bogus'], "unknown among the ROS arguments: ['--bogus']"),
+])
+def test_ros_arguments(arguments, words, tmp_path):
+    done = run('create_node', '--ros-args', *arguments, cwd=tmp_path)
+    assert words in one_sentence(done, 'create_node')
+
+
+def test_ros_arguments_of_another_program(tmp_path):
+    done = run('create_record', '--ros-args', '-r', '__ns:=', cwd=tmp_path)
+    assert '-r __ns:= cannot be read' in one_sentence(done, 'create_record')
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('content', [
+    b'create: [b', b'create:\n  ros__parameters:\n    port: [1, a]\n', b'\xff\xfe\x00'])
+def test_a_parameter_file_that_cannot_be_read(content, tmp_path):
+    (tmp_path / 'bad.yaml').write_bytes(content)
+    done = run('create_node', '--ros-args', '--params-file', 'bad.yaml', cwd=tmp_path)
+    assert 'bad.yaml cannot be read (' in one_sentence(done, 'create_node')
+
+
+@pytest.mark.parametrize(('program', 'arguments', 'words'), [
+    ('create_calibrate', ['-o', '/nodir/x', 'line', '1:1'], '/nodir/x: it does not exist'),
+    ('create_calibrate', ['-o', '.', 'line', '1:1'], '.: this is a folder'),
+    ('create_demo', ['-o', '/proc/demo'], '/proc/demo: it does not exist'),
+    ('create_demo', ['-o', f'{__file__}/demo'], 'a part of this path is a file'),
+])
+def test_files_that_cannot_be_written(program, arguments, words, tmp_path):
+    done = run(program, *arguments, cwd=tmp_path)
+    assert words in one_sentence(done, program)
+    assert done.stdout == ''
+
+
+def test_no_permission_is_said_with_what_to_do():
+    error = PermissionError(errno.EACCES, os.strerror(errno.EACCES), '/root/demo')
+    assert explained(error) == (
+        '/root/demo: you may not write or read here: give a place of your own')
+
+
+def test_a_full_disk_is_said_without_a_name():
+    assert explained(OSError(errno.ENOSPC, 'No space left on device')) == (
+        'No space left on device: nothing more can be written')
+
+
+@pytest.mark.parametrize('error', [
+    RuntimeError('a bug'), OSError(errno.EBADF, 'Bad file descriptor'),
+    OSError(errno.ENOENT, 'no name is given')])
+def test_a_bug_is_not_explained(error):
+    assert explained(error) is None
+
+
+def test_what_ros_says_of_its_start_is_passed_on():
+    error = user_errors._ros_errors().RCLError(
+        'failed to initialize rcl: no enclave, at /project/src/rcl/security.c:1')
+    assert explained(error) == 'ROS does not start: failed to initialize rcl: no enclave'
+
+
+def test_a_reader_that_ends_early_is_no_error():
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer) as output:
+        done = subprocess.run(
+            [sys.executable, '-c', PROGRAMS['create_calibrate'], 'line', '1:1'], text=True,
+            stdout=output, stderr=subprocess.PIPE, timeout=60)
+    assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, '')
+
+
+def test_a_path_may_hold_letters_that_the_output_cannot(tmp_path):
+    done = run('create_calibrate', '-o', str(tmp_path / 'ä'), 'line', '1:1',
+               PYTHONIOENCODING='ascii')
+    assert (done.returncode, done.stderr) == (0, '')
+    assert '\\xe4: linear_scale 1.00000' in done.stdout
+
+
+def test_security_without_keys_says_what_to_set(monkeypatch):
+    monkeypatch.setenv('ROS_SECURITY_ENABLE', 'true')
+    monkeypatch.setenv('ROS_SECURITY_STRATEGY', 'Enforce')
+    monkeypatch.delenv('ROS_SECURITY_KEYSTORE', raising=False)
+    with pytest.raises(UserError, match='set ROS_SECURITY_KEYSTORE'):
+        check_environment()
+
+
+def test_output_may_be_closed(tmp_path):
+    done = subprocess.run(
+        ['bash', '-c', '"$@" >&-', 'bash', sys.executable, '-c', PROGRAMS['create_calibrate'],
+         'line', '1:1'], capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, '')
