@@ -5,11 +5,11 @@ from math import pi
 MM = 1e-3
 DEGREE = pi / 180
 GAIN_SPREAD, SEPARATION_SPREAD = 0.02, 0.006
-"""Standard deviations at the start: relative, ..."""
+"""Standard deviations of gain and separation at the start, relative."""
 RAMP_SPREAD = 0.25
-"""... relative, of what one first guess of the acceleration is to cover, ..."""
+"""Standard deviation around one first guess of the acceleration, relative."""
 LAG_SPREAD = 0.005
-"""... and in seconds: a slot is 0.015."""
+"""Standard deviation of the lag at the start, in seconds."""
 GAINS, SEPARATIONS, ACCELERATIONS = (0.92, 1.08), (0.252, 0.264), (0.1, 10.0)
 """What no lesson goes beyond: m, m/s²."""
 HALF_SLOT = 0.0075
@@ -27,9 +27,9 @@ RAMP_NOISE = 0.002
 """Part of a ramp's travel by which it departs from a constant acceleration."""
 UNWATCHED = 3.0
 """Seconds after which a robot that moved on its own may have gone anywhere between two readings,
-whatever their sum, ..."""
+whatever their sum."""
 ROAMING = TOP_SPEED / 8
-"""... and the metres per second by which its place is doubted then."""
+"""Growth of the doubt about the place of such a robot, m/s."""
 WANDER = 0.5
 """Acceleration of a robot that moves on its own, m/s per root second."""
 SURPRISE, SURPRISE_FLOOR = 5.0, 0.1
@@ -43,6 +43,6 @@ LONGEST_SEGMENT = 0.25
 EXPLICABLE = 3.0, 0.15
 """Units, and part of the path, by which wrong parameters may make prediction fail."""
 BELIEVABLE = 2.0, 0.05
-"""Units, and part of the travel, by which a robot that obeys again may miss its prediction, ..."""
+"""Units, and part of the travel, by which a robot that obeys again may miss its prediction."""
 TELLING_TIME = 0.2
-"""... and the seconds that a window must last to tell."""
+"""Seconds that a window must last to show that a robot obeys again."""
