@@ -11,6 +11,9 @@ from campaign.stage import SONG, Stage
 
 SERVICE_TIMEOUT = 0.5
 """Seconds within which a service must answer when there is no robot."""
+STEADY = 0.1
+"""Seconds for which all must be as it was: a robot that was in Safe mode when its line came back
+reports that until it gets the driver's Start, and is in Safe mode again a moment later."""
 
 
 def start_driving(stage: Stage, random: Random) -> None:
@@ -38,14 +41,22 @@ def check_without_robot(stage: Stage, result: Result) -> None:
 def recovered(stage: Stage, result: Result) -> Result:
     """Wait until the wheels have stopped and everything is restored; play the song."""
     begun, odoms = time.monotonic(), stage.watch.odoms
+    back_at: float | None = None
 
     def back() -> bool:
+        nonlocal back_at
+        now = time.monotonic()
         if result.zero is None and stage.stopped():
-            result.zero = time.monotonic() - begun
-        return (result.zero is not None and stage.watch.mode == Mode.SAFE
-                and stage.watch.odoms > odoms and stage.restored())
+            result.zero = now - begun
+        if not (result.zero is not None and stage.watch.mode == Mode.SAFE
+                and stage.watch.odoms > odoms and stage.restored()):
+            back_at = None
+            return False
+        back_at = now if back_at is None else back_at
+        return now - back_at >= STEADY
     stage.until(back, 'recovery')
-    result.recovery = time.monotonic() - begun
+    assert back_at is not None
+    result.recovery = back_at - begun
     song = stage.ros.call(PlaySong, 'play_song', number=SONG)
     if not song.success or stage.control.truth()['song_number'] != SONG:
         result.trouble = f'the song is lost: {song.message}'

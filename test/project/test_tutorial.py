@@ -3,9 +3,10 @@ Runs the blocks of `docs/tutorial.md` in order, all in the ROS domain of the fir
 
 A block marked `terminal N` keeps running; with `: TEXT` the next one waits until TEXT was printed.
 It ends before a block marked `after Ctrl-C in terminal N`. A block marked
-`until: TEXT; then Ctrl-C` is ended when TEXT was printed. One marked `screen` runs on a pseudo
-terminal, where a key drives. The lines of a `text` block must appear in the output; numbers may
-differ. A block that is not run is marked `not run:` and one of the REASONS.
+`until: TEXT; then Ctrl-C` is ended when TEXT was printed, with `until twice` when it was printed
+twice. One marked `screen` runs on a pseudo terminal, where a key drives. The lines of a `text`
+block must appear in the output; numbers may differ. A block that is not run is marked `not run:`
+and one of the REASONS.
 """
 
 import os
@@ -122,9 +123,10 @@ def run(block: Block, folder: Path, environment: dict[str, str]) -> Terminal:
     # Where the reader types the number that the first terminal shows, so does the test.
     text = JOIN.sub(f'export ROS_DOMAIN_ID={environment["ROS_DOMAIN_ID"]}', block.text)
     terminal = Terminal(text, folder, environment)
-    until = re.fullmatch(r'until: (.*); then Ctrl-C', block.mark)
+    until = re.fullmatch(r'until( twice)?: (.*); then Ctrl-C', block.mark)
     if until:
-        terminal.shows(until[1])
+        for _ in range(2 if until[1] else 1):
+            terminal.prints(until[2])
         terminal.interrupt()
     code, printed = terminal.ended(), ''.join(terminal.printed)
     assert code == 0, printed
