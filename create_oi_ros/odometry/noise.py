@@ -14,6 +14,9 @@ UNEVEN = 5e-4
 """Part of the path by which steady wheels depart from their goals."""
 MISCOUNTED = 0.03
 """Part of what was counted with the wrong sign that the model may be wrong by."""
+REOPEN = 0.03
+"""Part of what was not known of a robot at first that is doubted again in a second of motion that
+a track cannot explain."""
 FREE_SPEED = 0.3
 """Doubt of the speed of wheels that do not obey, m/s."""
 STRAY = 0.09
@@ -65,8 +68,9 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
         q += along(travel[wheel], pose | counts | speed)
         q += along(wrong[wheel], counts)
     if did.path[:, 0].any():
-        for index, prior in s.COMMON.items():
-            q[:, index, index] += did.seconds * prior.drift ** 2
+        again = REOPEN * np.clip(doubt - 1, 0, 10) / 10
+        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
+            q[:, index, index] += did.seconds * (prior.drift ** 2 + again * prior.spread ** 2)
     return q
 
 

@@ -15,7 +15,7 @@ from . import accumulators, noise
 from . import states as s
 from .accumulators import UNITS
 from .assumptions import Assumptions
-from .dead_band import DeadBand, FASTEST, OPEN
+from .dead_band import DeadBand, FASTEST
 from .estimate import Geometry
 from .request_history import Array
 from .rounding import Rounding
@@ -32,7 +32,7 @@ CURVED = 0.2
 """Part of what unknowns are believed to do that is not in proportion to them."""
 SURPRISE, LEFT = 3.0, 2.0
 """Standard deviations from which on a reading is a surprise, and what is left of it."""
-RISE, FALL, LEAST_DOUBT, MOST_DOUBT = 0.15, 0.04, 0.5, 1e4
+HASTE, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.3, 1e4
 """How fast doubt follows the innovations, and between what."""
 LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
@@ -41,7 +41,6 @@ NEAR = 0.002
 """m/s from its goal at which a wheel's speed is known well enough to tell roundings apart."""
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
-MOVES = (s.MOVES_RIGHT, s.MOVES_LEFT)
 SPEEDS = (s.SPEED_RIGHT, s.SPEED_LEFT)
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
@@ -67,6 +66,7 @@ class Tracks:
         self._began = self._velocity = 0.0, 0.0, 0.0
         """Mean pose where these began, and how fast it changed there."""
         self._wild, self._window = False, 0.0
+        self._noisy = np.zeros((2, 1))
         """Whether wheels were free since the last reading, and its age, seconds."""
         accumulators.empty(self.rows)
         self._forget()
@@ -198,8 +198,12 @@ class Tracks:
         if not self._idle:
             self._note_motion()
         self._idle += dt
-        if self._idle > STRIDE and (self.wheels.free or not self.wheels.settled):
+        if self._idle > self._stride and (self.wheels.free or not self.wheels.settled):
             self._catch_up()
+
+    @property
+    def _stride(self) -> float:
+        return STRIDE if self.wheels.requests.one_sign is not None else STRIDE / 2
 
     def _note_motion(self) -> None:
         """Note the mean motion, so that not each frame costs a sum over the copies."""
@@ -214,9 +218,9 @@ class Tracks:
     def _catch_up(self) -> None:
         """Let the copies of the wheels roll until now."""
         idle, self._idle = self._idle, 0.0
-        while idle > 1.5 * STRIDE and not self.wheels.settled:
-            self.wheels.roll(STRIDE, self.scales)
-            idle -= STRIDE
+        while idle > 1.5 * self._stride and not self.wheels.settled:
+            idle -= self._stride
+            self.wheels.roll(self._stride, self.scales)
         if idle > 0:
             self.wheels.roll(idle, self.scales)
 
@@ -225,21 +229,13 @@ class Tracks:
         self._catch_up()
         were_open = any(self.band.open)
         answers = self.band.ask(right, left)
-        if were_open or any(self.band.open) or self.rows.means[0, MOVES].tolist() != answers:
+        if were_open or any(self.band.open) or self.rows.means[0, s.MOVES].tolist() != answers:
             self._close()
-            self._decide(answers)
+            self.band.decide(self.rows, answers)
             self._spread()
         change = self.wheels.ask(right, left)
         self._changes += change * change
         return change
-
-    def _decide(self, answers: list[float | None]) -> None:
-        """Set what the wheels move by at their requests; None is open."""
-        for index, answer in zip(MOVES, answers):
-            if answer is None:
-                self.rows.clear(index, OPEN, OPEN ** 2)
-            else:
-                self.rows.clear(index, answer)
 
     # Covariance.
 
@@ -280,7 +276,9 @@ class Tracks:
         """Return the covariances now; what is far from linear is noise in part."""
         f, p = self._transition(ALL), self.rows.p
         g, unknown = f[:, s.X:, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
-        p = f @ p @ f.transpose(0, 2, 1) + self._noise(ALL)
+        q = self._noise(ALL)
+        p = f @ p @ f.transpose(0, 2, 1) + q
+        self._q = np.stack([q[:, index, index] for index, _ in UNITS])
         p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
         return p
 
@@ -289,6 +287,7 @@ class Tracks:
         self._catch_up()
         w, means = self.wheels, self.rows.means
         self.rows.p = self._carried()
+        self._noisy = self._noisy + self._q
         means[:, s.POSE] = w.poses[:, :, 0].T
         means[:, s.DISTANCE:] += w.counts[:, :, 0].T
         means[:, SPEEDS] = w.speed[:, :, 0].T
@@ -315,7 +314,7 @@ class Tracks:
         rows.weigh(logs)
         accumulators.take_out(rows, wholes)
         rows.bound()
-        self._learn_band()
+        self.band.learn(self.rows)
         self._rethink()
         self._open_window()
 
@@ -360,8 +359,8 @@ class Tracks:
         beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
         if beyond[0] > 0:
             self.band.doubt()
-        nis = (z * z).mean(axis=0)
-        growth = np.where(nis > 1, RISE, FALL) * np.clip(nis - 1, -1, 6)
+        share = self._noisy / spreads ** 2
+        growth = HASTE * (share * np.clip(z * z - 1, -1, 9)).sum(axis=0)
         self.rows.doubt = np.clip(self.rows.doubt * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
         if beyond.any():
             more = np.where(np.abs(z) > SURPRISE, (gaps / LEFT) ** 2 - spreads ** 2, 0.0)
@@ -375,17 +374,8 @@ class Tracks:
 
     def _open_window(self) -> None:
         self._wild, self._window = self.is_free, 0.0
+        self._noisy = np.zeros((2, 1))
         self._spread()
-
-    def _learn_band(self) -> None:
-        """See whether the undecided wheels are decided by now."""
-        if not any(self.band.open):
-            return
-        spreads = np.sqrt(np.diag(self.rows.p[0])[[*MOVES]])
-        answers = self.band.learn(self.rows.means[0, MOVES], spreads)
-        for index, answer in zip(MOVES, answers):
-            if answer is not None:
-                self.rows.clear(index, answer)
 
     def _rethink(self) -> None:
         """Try everything again beside the tracks that have explained little for long."""
