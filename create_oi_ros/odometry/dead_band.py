@@ -56,8 +56,9 @@ class DeadBand:
             else:
                 rows.clear(index, answer)
 
-    def learn(self, rows: Assumptions) -> None:
-        """Decide the wheels of which the best track is sure by now."""
+    def learn(self, rows: Assumptions) -> list[int]:
+        """Decide the wheels of which the best track is sure by now; return those that stand."""
+        stand = []
         for wheel, index in enumerate(s.MOVES):
             mean, spread = float(rows.means[0, index]), float(rows.p[0, index, index]) ** 0.5
             if not self.open[wheel] or spread > SURE:
@@ -69,7 +70,9 @@ class DeadBand:
                 self.moves = min(self.moves, self.asked[wheel])
             else:
                 self.stands = max(self.stands, self.asked[wheel])
+                stand.append(wheel)
             rows.settle(index, answer)
             self.open[wheel] = False
         if self.stands >= self.moves:
             self.forget()
+        return stand

@@ -34,8 +34,8 @@ class Prior(NamedTuple):
 
 
 COMMON = {
-    GAIN_RIGHT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
-    GAIN_LEFT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
+    GAIN_RIGHT: Prior(1.0, 0.035, 0.6, 1.5, 2e-5),
+    GAIN_LEFT: Prior(1.0, 0.035, 0.6, 1.5, 2e-5),
     OFFSET_RIGHT: Prior(0.0, 0.004, -0.02, 0.03),
     OFFSET_LEFT: Prior(0.0, 0.004, -0.02, 0.03),
     DEAD_TIME: Prior(0.06, 0.045, 0.0, 0.25),
@@ -51,10 +51,5 @@ RESPONSES = (
      FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(0.7, 0.5, 0.0, 4.0)},
     {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.3, -0.1, 0.8),
      FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
-    {LAG: Prior(0.004, 0.001, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.001, -0.1, 0.8),
-     FAST_LAG: Prior(0.0, 0.001, -0.1, 0.95), RAMP: Prior(1.0, 0.5, 0.0, 4.0), BRAKING: Prior(0.0, 0.02, -1.3, 1.3),
-     DEAD_TIME: Prior(0.0, 0.01, 0.0, 0.25), SEPARATION: Prior(0.0, 0.001, -0.15, 0.15),
-     OFFSET_RIGHT: Prior(0.0, 2e-4, -0.02, 0.03), OFFSET_LEFT: Prior(0.0, 2e-4, -0.02, 0.03)},
 )
-"""Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other. The
-last is a simple robot, as the manual describes it: it is known after a few readings."""
+"""Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other."""

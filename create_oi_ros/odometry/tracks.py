@@ -37,6 +37,8 @@ HASTE, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.3, 1e4
 LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
+FAMILIAR, PUZZLED = 60, 5.0
+"""Readings after which a robot is known, unless the best track has this doubt."""
 NEAR = 0.002
 """m/s from its goal at which a wheel's speed is known well enough to tell roundings apart."""
 RESTLESS = 0.03
@@ -65,6 +67,8 @@ class Tracks:
         """Seconds that the copies of the wheels have still to roll."""
         self._began = self._velocity = 0.0, 0.0, 0.0
         """Mean pose where these began, and how fast it changed there."""
+        self.blur = 0.0
+        """Standard deviation of what the accumulators hold, 2 mm or degrees, when last looked."""
         self._wild, self._window = False, 0.0
         self._noisy = np.zeros((2, 1))
         """Whether wheels were free since the last reading, and its age, seconds."""
@@ -78,6 +82,17 @@ class Tracks:
     def roundings(self) -> set[Rounding]:
         """The roundings that the robot may have."""
         return self._roundings
+
+    @property
+    def known(self) -> float:
+        """
+        How well the robot is known to which readings cost something, 0 to 1.
+
+        One that carries fractions loses none by being asked.
+        """
+        if self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED:
+            return 0.0
+        return min(1.0, self.rows.readings / FAMILIAR)
 
     @property
     def requests(self) -> tuple[float, float]:
@@ -132,11 +147,13 @@ class Tracks:
     def pose_covariance(self) -> tuple[float, ...]:
         """Return the covariance of the mean pose, row by row."""
         self._catch_up()
-        pose, poses = slice(s.X, s.YAW + 1), self.wheels.poses[:, :, 0]
-        f = self._transition(BEST)[0, pose]
+        poses = self.wheels.poses[:, :, 0]
         off = poses - (poses @ self._shares)[:, None]
-        p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, pose, pose]
-        p += (off * self._shares) @ off.T
+        f, q = self._transition(BEST)[0, s.X:], self._noise(BEST)[0, s.X:, s.X:]
+        p = f @ self.rows.p[0] @ f.T + q
+        blur = np.sqrt(np.diag(p)[3:])
+        self.blur = float(max(blur[0] / MM / 2, blur[1] / DEGREE))
+        p = p[:3, :3] + (off * self._shares) @ off.T
         return tuple(((p + p.T) / 2).ravel().tolist())
 
     def twist_variance(self) -> tuple[float, float]:
@@ -233,7 +250,7 @@ class Tracks:
             self._close()
             self.band.decide(self.rows, answers)
             self._spread()
-        change = self.wheels.ask(right, left)
+        change = self.wheels.ask(right, left, [answer == 0 for answer in answers])
         self._changes += change * change
         return change
 
@@ -314,7 +331,8 @@ class Tracks:
         rows.weigh(logs)
         accumulators.take_out(rows, wholes)
         rows.bound()
-        self.band.learn(self.rows)
+        for wheel in self.band.learn(self.rows):
+            self.wheels.requests.stand(wheel)
         self._rethink()
         self._open_window()
 

@@ -10,6 +10,7 @@ Arrays have the axes (wheel, track, copy), right first; copy 0 is the track's ow
 others are off by one standard deviation in one unknown each.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -98,13 +99,13 @@ class Wheels:
         right, left = self._rolled
         return np.stack([(right + left) / 2, (right - left) / self.track_width])
 
-    def ask(self, right: float, left: float) -> Array:
-        """Take other requests; return by how much they changed."""
+    def ask(self, right: float, left: float, stands: Sequence[bool]) -> Array:
+        """Take other requests, of which some may not move; return by how much they changed."""
         self.settled = self.standing = False
         self._goal = None
-        was_right, was_left = np.abs(self.speed[:, 0, 0]).tolist()
-        self._fastest = max(abs(right), was_right), max(abs(left), was_left)
-        change = self.requests.ask(right, left)
+        change = self.requests.ask(right, left, stands)
+        fastest = np.maximum(np.abs(self.requests.speeds), np.abs(self.speed[:, 0, 0]))
+        self._fastest = float(fastest[0]), float(fastest[1])
         self._before = self._sums()
         return change
 
