@@ -13,6 +13,8 @@ SLOWEST, FASTEST = 0.0, 0.0255
 """m/s between which the edge is looked for at the start."""
 OPEN = 0.5
 """Mean and standard deviation of what an undecided wheel moves by."""
+ALIKE = 0.9
+"""Correlation of two wheels that are asked for the same speed."""
 SURE, NEAR, CLEAR = 0.15, 0.35, 0.2
 """An answer is decided when the standard deviation is below this, the mean so near, and two
 standard deviations more so far from the other one."""
@@ -55,6 +57,9 @@ class DeadBand:
                 rows.clear(index, OPEN, OPEN ** 2)
             else:
                 rows.clear(index, answer)
+        if answers == [None, None] and self.asked[0] == self.asked[1]:
+            right, left = s.MOVES
+            rows.p[:, right, left] = rows.p[:, left, right] = ALIKE * OPEN ** 2
 
     def learn(self, rows: Assumptions) -> list[int]:
         """Decide the wheels of which the best track is sure by now; return those that stand."""

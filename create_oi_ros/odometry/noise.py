@@ -8,8 +8,9 @@ from ..robot import SLOT
 from . import states as s
 from .request_history import Array
 
-JITTER = 0.003
-"""Seconds by which a request may take effect earlier or later than the dead time says."""
+JITTER = SLOT / 12 ** 0.5
+"""Seconds by which a request may take effect earlier or later than the dead time says: it came at
+any moment of a frame."""
 UNEVEN = 5e-4
 """Part of the path by which steady wheels depart from their goals."""
 MISCOUNTED = 0.03
@@ -36,6 +37,8 @@ class Stretch(NamedTuple):
     unsure: Array
     """Variance of the travel where frames were lost, m²."""
     path: Array
+    turned: Array
+    """Sum of the squares of the speeds at which encoders took another sign, (m/s)²."""
     miscounted: Array
     """Metres that the encoders counted otherwise than the wheels rolled."""
     free: bool
@@ -55,7 +58,7 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
     linear, angular = scales
     travel = doubt * (JITTER ** 2 * did.changes[:, None] + (UNEVEN * did.path) ** 2)
     travel = travel + did.unsure[:, None] + did.free * (FREE_SPEED * did.seconds) ** 2
-    wrong = doubt * (MISCOUNTED * did.miscounted) ** 2
+    wrong = doubt * ((MISCOUNTED * did.miscounted) ** 2 + (2 * JITTER) ** 2 * did.turned)
     q = np.zeros((len(doubt), s.SIZE, s.SIZE))
     for wheel, side in ((0, 1.0), (1, -1.0)):
         pose: dict[int, Array | float] = {

@@ -41,6 +41,8 @@ FAMILIAR, PUZZLED = 60, 5.0
 """Readings after which a robot is known, unless the best track has this doubt."""
 NEAR = 0.002
 """m/s from its goal at which a wheel's speed is known well enough to tell roundings apart."""
+SWIFT = 0.3
+"""Seconds in which most wheels have followed a request."""
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
 SPEEDS = (s.SPEED_RIGHT, s.SPEED_LEFT)
@@ -284,7 +286,7 @@ class Tracks:
     def _noise(self, tracks: slice) -> Array:
         w = self.wheels
         did = noise.Stretch(self._seconds, self._changes, self._unsure, w.path[:, tracks],
-                            w.miscounted[:, tracks], w.free)
+                            w.turned[:, tracks], w.miscounted[:, tracks], w.free)
         heading = (w.poses[2, tracks, 0] + self._start[tracks, 2]) / 2
         return noise.of_motion(did, self.rows.doubt[tracks], heading, w.track_width[tracks, 0],
                                self.scales, self.geometry.slip)
@@ -375,7 +377,7 @@ class Tracks:
         gaps, spreads = accumulators.innovation(self.rows, wholes)
         z = gaps / spreads
         beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
-        if beyond[0] > 0:
+        if beyond[0] > 0 and self.wheels.requests.age > self._window + SWIFT:
             self.band.doubt()
         share = self._noisy / spreads ** 2
         growth = HASTE * (share * np.clip(z * z - 1, -1, 9)).sum(axis=0)

@@ -73,7 +73,7 @@ class Wheels:
         """Metres that the encoders counted, forwards."""
         self.path = np.zeros((2, len(means)))
         """Metres that each wheel rolled, and that its encoder miscounted."""
-        self.miscounted = np.zeros((2, len(means)))
+        self.miscounted, self.turned = np.zeros((2, len(means))), np.zeros((2, len(means)))
         self.settled, self.standing, self.farthest = False, False, np.inf
         """Whether all wheels run at their goals, whether these are zero, and how far the farthest
         is from its own, m/s."""
@@ -103,7 +103,12 @@ class Wheels:
         """Take other requests, of which some may not move; return by how much they changed."""
         self.settled = self.standing = False
         self._goal = None
+        signs = self.requests.signs
         change = self.requests.ask(right, left, stands)
+        kept, up = (now != was for now, was in zip(self.requests.signs, signs))
+        kinds = self.signs.kinds
+        others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
+        self.turned += others * self.speed[:, :, 0] ** 2
         fastest = np.maximum(np.abs(self.requests.speeds), np.abs(self.speed[:, 0, 0]))
         self._fastest = float(fastest[0]), float(fastest[1])
         self._before = self._sums()
