@@ -13,7 +13,7 @@ from .tracks import Tracks
 
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
-WAITS = 0.7, 5.0
+WAITS = 0.7, 7.0
 """Windows between readings, at least and at most, while the requests stay the same, ..."""
 GROWTH = 0.8
 """... and the part of the seconds since the last change: the longer, the better known."""
