@@ -32,8 +32,9 @@ CURVED = 0.2
 """Part of what unknowns are believed to do that is not in proportion to them."""
 SURPRISE, LEFT = 3.0, 2.0
 """Standard deviations from which on a reading is a surprise, and what is left of it."""
-HASTE, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.3, 1e4
-"""How fast doubt follows the innovations, and between what."""
+HASTE, FADING, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.96, 0.3, 1e4
+"""How fast doubt follows the innovations, by which power it fades at each reading, and between
+what it stays."""
 LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
@@ -380,8 +381,9 @@ class Tracks:
         if beyond[0] > 0 and self.wheels.requests.age > self._window + SWIFT:
             self.band.doubt()
         share = self._noisy / spreads ** 2
-        growth = HASTE * (share * np.clip(z * z - 1, -1, 9)).sum(axis=0)
-        self.rows.doubt = np.clip(self.rows.doubt * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
+        growth = HASTE * (share * np.clip(z * z - 1, -1, 6)).sum(axis=0)
+        self.rows.doubt = np.clip(
+            self.rows.doubt ** FADING * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
         if beyond.any():
             more = np.where(np.abs(z) > SURPRISE, (gaps / LEFT) ** 2 - spreads ** 2, 0.0)
             self._stray(more[0], more[1])
