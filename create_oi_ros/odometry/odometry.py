@@ -39,7 +39,7 @@ class Odometry:
 
     def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0) -> None:
         """
-        Ask for distance and angle every `window` seconds.
+        Ask for distance and angle about every `window` seconds.
 
         With 0, ask in every frame and believe what the robot says.
         """
@@ -55,14 +55,12 @@ class Odometry:
         self._missed: list[tuple[Held, Held]] = []
         """What the accumulators were believed to hold when a reading was asked for that may have
         been lost, and at the end of the frames that may have carried it."""
-        self._asked = self.tracks.held
-        self._lost = False
+        self._asked, self._lost = self.tracks.held, False
         """Whether frames were lost since a reading was asked for."""
         self._driven: bool | None = None
         """Whether the wheels obeyed their requests in the last frame; None before the first."""
-        self._lifted = False
-        self._caught_up = False
-        """Whether the estimate stands where the tracks do."""
+        self._lifted = self._caught_up = False
+        """Whether a wheel hangs down, and whether the estimate stands where the tracks do."""
         self._goal = (0.0, 0.0, 0.0)
         """Where the tracks' mean is."""
         self._covariance = self.estimate.pose_covariance
