@@ -16,6 +16,7 @@ from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
 from . import messages
 from .parameters import Parameters
+from .serialized import filling
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -111,7 +112,8 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', STALE, 'no robot answers', {})
     state = BatteryState()
-    messages.battery_state(state, readings, charge_known=charge_known)
+    content = messages.battery_state
+    filling(state, content.paths)(*content.values(readings, charge_known=charge_known))
     level, message = _battery(readings, state, health.battery)
     return status(f'{name}: battery', level, message, {
         'voltage (V)': round(state.voltage, 3), 'current (A)': round(state.current, 3),

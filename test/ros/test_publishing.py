@@ -4,11 +4,13 @@ from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.publisher import Publisher
+from rclpy.serialization import serialize_message
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Moved
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.odometry import Estimate
+from create_oi_ros.ros import publishing
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.publishing import FramePublisher
 from support.ros import scene
@@ -29,7 +31,7 @@ class Frames:
         really = Publisher.publish
 
         def publish(publisher, message):
-            self._told.append(type(message).__name__)
+            self._told.append(publisher.msg_type.__name__)
             really(publisher, message)
         monkeypatch.setattr(Publisher, 'publish', publish)
         stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
@@ -78,3 +80,20 @@ def test_only_what_is_heard_or_latched_is_published(frames):
     told = {name for wall in range(40) for name in frames.next(wall=wall % 2, buttons=wall % 2)}
     assert {'Odometry', 'Bumper', 'Cliff', 'Buttons'} <= told
     assert not told & {'Wall', 'WheelDrop', 'JointState', 'TFMessage', 'BatteryState'}
+
+
+def test_where_bytes_cannot_be_packed_objects_are_published_with_one_warning(
+        tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(
+        publishing, 'serialize_message', lambda message: serialize_message(message) * 2)
+    with scene(tmp_path) as stage:
+        heard = stage.ros.listen(Odometry, 'odom')
+        frames = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
+        slots = iter(range(100000))
+
+        def publish() -> bool:
+            frames.publish(Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5)), 1.0)
+            return bool(heard)
+        stage.ros.until(publish)
+    assert heard[-1].pose.pose.position.x == 3.5
+    assert capfd.readouterr().err.count('Odometry: the place of ') == 1
