@@ -7,6 +7,7 @@ no robot answers.
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import lru_cache
 from math import isnan
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
@@ -33,10 +34,17 @@ Verdict = tuple[bytes, str]
 
 
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:
-    """Make one status."""
+    """Return a status; do not change it, the same one may be returned again."""
+    return _status(name, level, message, tuple((key, str(value)) for key, value in values.items()))
+
+
+@lru_cache(maxsize=32)  # most do not change from one second to the next
+def _status(
+    name: str, level: bytes, message: str, values: tuple[tuple[str, str], ...],
+) -> DiagnosticStatus:
     return DiagnosticStatus(
         level=level, name=name, message=message, hardware_id='iRobot Create',
-        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
+        values=[KeyValue(key=key, value=value) for key, value in values])
 
 
 def serial_link(

@@ -6,7 +6,6 @@ Latched topics are always published, for subscribers that come later.
 """
 
 from math import inf
-from operator import attrgetter
 import time
 from typing import Any
 
@@ -95,7 +94,8 @@ class FramePublisher:
         self._sensors = [
             (Schedule(topic), self._sensor_topic(node, topic, parameters.base_frame))
             for topic in topics.sensor_topics(charge_known=charge_known)]
-        self._watched = attrgetter(*topics.WATCHED)
+        self._wanted = self._sensors
+        self._watched = Readings.numbers(*topics.WATCHED)
         self._complete = False
         self._seen: object = None
         self._due_at = -inf
@@ -125,11 +125,11 @@ class FramePublisher:
         # A change, such as a bump, must not wait; what is only due again can.
         changed = self._changed(moved.readings)
         if changed:
-            self._publish_sensors(moved, stamp, sensor_period)
+            self._publish_sensors(moved, stamp, sensor_period, changed=True)
         if self._odom.wanted:
             self._odom.publish(stamp, moved.estimate)
         if not changed and moved.stamp >= self._due_at - EARLY:
-            self._publish_sensors(moved, stamp, sensor_period)
+            self._publish_sensors(moved, stamp, sensor_period, changed=False)
         for filled in self._motion:
             if filled.wanted:
                 filled.publish(stamp, moved.estimate)
@@ -147,13 +147,16 @@ class FramePublisher:
         return self._seen != before
 
     def _publish_sensors(
-        self, moved: Moved, stamp: tuple[int, int], sensor_period: float,
+        self, moved: Moved, stamp: tuple[int, int], sensor_period: float, *, changed: bool,
     ) -> None:
-        for schedule, filled in self._sensors:
-            if filled.wanted and schedule.due(moved.readings, moved.stamp, sensor_period):
+        """Publish the sensor topics that are due; without a change, only the time decides."""
+        due_at = inf
+        for schedule, filled in self._wanted:
+            if (changed or moved.stamp >= schedule.due_at - EARLY) and schedule.due(
+                    moved.readings, moved.stamp, sensor_period):
                 filled.publish(stamp, moved.readings)
-        due_times = (schedule.due_at for schedule, filled in self._sensors if filled.wanted)
-        self._due_at = min(due_times, default=inf)
+            due_at = min(due_at, schedule.due_at)
+        self._due_at = due_at
 
     def _check(self) -> None:
         """Check for subscribers; measure the node's clock against the driver's."""
@@ -162,6 +165,7 @@ class FramePublisher:
             filled.check()
         for _, filled in self._sensors:
             filled.check()
+        self._wanted = [(schedule, filled) for schedule, filled in self._sensors if filled.wanted]
         for _ in range(CLOCK_TRIES):
             before, now = time.monotonic_ns(), self._clock.now().nanoseconds
             after = time.monotonic_ns()
