@@ -7,6 +7,7 @@ A `Content` names its fields that change, by their paths (`serialized`), and ret
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import IntFlag
 from math import nan
 from typing import Any
 
@@ -140,20 +141,36 @@ def joint_states(estimate: Estimate) -> tuple[float, ...]:
             estimate.left_wheel_speed, estimate.right_wheel_speed)
 
 
+def flags(*members: IntFlag) -> Callable[[int], tuple[bool, ...]]:
+    """Return a function that tells which of these bits are set: on numbers, enums are slow."""
+    numbers = tuple(map(int, members))
+    return lambda bits: tuple([bits & number != 0 for number in numbers])
+
+
+bumps = flags(BumpsAndWheelDrops.BUMP_LEFT, BumpsAndWheelDrops.BUMP_RIGHT)
+drops = flags(
+    BumpsAndWheelDrops.WHEEL_DROP_LEFT, BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
+    BumpsAndWheelDrops.WHEEL_DROP_CASTER)
+inputs = flags(
+    DigitalInputs.INPUT_0, DigitalInputs.INPUT_1, DigitalInputs.INPUT_2, DigitalInputs.INPUT_3,
+    DigitalInputs.BAUD_RATE_CHANGE)
+
+
 @content('left', 'right')
 def bumper(readings: Readings) -> tuple[bool, ...]:
     """Return the bumper's two halves (packet 7)."""
-    bits = readings.bumps_and_wheel_drops
-    return BumpsAndWheelDrops.BUMP_LEFT in bits, BumpsAndWheelDrops.BUMP_RIGHT in bits
+    return bumps(int(readings.bumps_and_wheel_drops))
 
 
 @content('left', 'right', 'caster')
 def wheel_drop(readings: Readings) -> tuple[bool, ...]:
     """Return the wheel drop sensors (packet 7)."""
-    bits = readings.bumps_and_wheel_drops
-    return (BumpsAndWheelDrops.WHEEL_DROP_LEFT in bits,
-            BumpsAndWheelDrops.WHEEL_DROP_RIGHT in bits,
-            BumpsAndWheelDrops.WHEEL_DROP_CASTER in bits)
+    return drops(int(readings.bumps_and_wheel_drops))
+
+
+cliff_signals = Readings.numbers(
+    'cliff_left_signal', 'cliff_front_left_signal', 'cliff_front_right_signal',
+    'cliff_right_signal')
 
 
 @content('left', 'front_left', 'front_right', 'right',
@@ -161,8 +178,7 @@ def wheel_drop(readings: Readings) -> tuple[bool, ...]:
 def cliff(readings: Readings) -> tuple[int, ...]:
     """Return the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
     return (readings.cliff_left, readings.cliff_front_left, readings.cliff_front_right,
-            readings.cliff_right, readings.cliff_left_signal, readings.cliff_front_left_signal,
-            readings.cliff_front_right_signal, readings.cliff_right_signal)
+            readings.cliff_right, *cliff_signals(readings))
 
 
 CHARGING = {
@@ -269,11 +285,7 @@ def song(readings: Readings) -> tuple[int, bool]:
 @content('input_0', 'input_1', 'input_2', 'input_3', 'baud_rate_pin', 'analog')
 def cargo_bay(readings: Readings) -> tuple[float, ...]:
     """Return the inputs of the cargo bay connector (packets 32 and 33)."""
-    bits = readings.digital_inputs
-    return (DigitalInputs.INPUT_0 in bits, DigitalInputs.INPUT_1 in bits,
-            DigitalInputs.INPUT_2 in bits, DigitalInputs.INPUT_3 in bits,
-            DigitalInputs.BAUD_RATE_CHANGE in bits,
-            readings.analog_signal * VOLTS_PER_STEP)
+    return *inputs(int(readings.digital_inputs)), readings.analog_signal * VOLTS_PER_STEP
 
 
 def age(stamp: Time, nanoseconds: int) -> float:

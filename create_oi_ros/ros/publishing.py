@@ -21,7 +21,7 @@ from . import messages, topics
 from .messages import Content
 from .parameters import Parameters
 from .serialized import Fill, filling, is_number, packing
-from .topics import EARLY, Schedule, SensorTopic, Topic
+from .topics import EARLY, Pace, Schedule, SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
 """Seconds between two checks of subscribers and of the node's clock."""
@@ -91,6 +91,7 @@ class FramePublisher:
         self._offset = 0
         self._check_at = -inf
         self._odom, *self._motion = self._motion_topics(node, parameters)
+        self._motion_pace = Pace()
         self._sensors = [
             (Schedule(topic), self._sensor_topic(node, topic, parameters.base_frame))
             for topic in topics.sensor_topics(charge_known=charge_known)]
@@ -119,19 +120,27 @@ class FramePublisher:
     def _sensor_topic(node: Node, topic: SensorTopic, frame: str) -> FilledTopic:
         return FilledTopic(node, topic, messages.empty(topic.type, frame), topic.content)
 
-    def publish(self, moved: Moved, sensor_period: float) -> None:
-        """Publish a frame; sensors that do not change, once in `sensor_period` seconds."""
+    def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> None:
+        """
+        Publish a frame.
+
+        Sensors that do not change are published once in `sensor_period` seconds, the estimate
+        and the joints once in `motion_period`; 0 is in every frame.
+        """
         stamp = messages.stamp(self._offset + round(moved.stamp * messages.NANOSECONDS))
         # A change, such as a bump, must not wait; what is only due again can.
         changed = self._changed(moved.readings)
         if changed:
             self._publish_sensors(moved, stamp, sensor_period, changed=True)
-        if self._odom.wanted:
+        motion_due = self._motion_pace.due(moved.stamp)
+        if motion_due:
+            self._motion_pace.done(moved.stamp, motion_period)
+        if motion_due and self._odom.wanted:
             self._odom.publish(stamp, moved.estimate)
         if not changed and moved.stamp >= self._due_at - EARLY:
             self._publish_sensors(moved, stamp, sensor_period, changed=False)
         for filled in self._motion:
-            if filled.wanted:
+            if motion_due and filled.wanted:
                 filled.publish(stamp, moved.estimate)
         # Last, since it takes a while.
         if moved.stamp >= self._check_at:
@@ -152,10 +161,10 @@ class FramePublisher:
         """Publish the sensor topics that are due; without a change, only the time decides."""
         due_at = inf
         for schedule, filled in self._wanted:
-            if (changed or moved.stamp >= schedule.due_at - EARLY) and schedule.due(
+            if (changed or schedule.pace.due(moved.stamp)) and schedule.due(
                     moved.readings, moved.stamp, sensor_period):
                 filled.publish(stamp, moved.readings)
-            due_at = min(due_at, schedule.due_at)
+            due_at = min(due_at, schedule.pace.due_at)
         self._due_at = due_at
 
     def _check(self) -> None:

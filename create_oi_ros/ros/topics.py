@@ -80,13 +80,13 @@ class StateTopic(SensorTopic):
 
 
 ODOM = Topic(
-    name='odom', type=Odometry, when='every frame, 66.7 Hz',
+    name='odom', type=Odometry, when='every frame (66.7 Hz), or at `odom_rate`',
     about='pose in `odom_frame`, velocity in `base_frame`, with covariances')
 TF = Topic(
-    name='/tf', type=TFMessage, when='every frame, with `publish_tf`', qos=TRANSFORMS,
+    name='/tf', type=TFMessage, when='like `odom`, with `publish_tf`', qos=TRANSFORMS,
     about='`odom_frame` -> `base_frame`; can be remapped')
 JOINT_STATES = Topic(
-    name='joint_states', type=JointState, when='every frame',
+    name='joint_states', type=JointState, when='like `odom`',
     about=f'measured angle and speed of {" and ".join(f"`{n}`" for n in messages.WHEEL_JOINTS)}')
 MODE = Topic(
     name='mode', type=Mode, when='on change, latched', qos=LATCHED,
@@ -170,6 +170,24 @@ EARLY = SLOT / 2
 """Seconds before its due time at which a topic may be published: it takes the nearest frame."""
 
 
+class Pace:
+    """Tells when something is due that happens once in a period, in the nearest frame."""
+
+    def __init__(self) -> None:
+        self.due_at = -inf
+        """Stamp, s, from which it is due."""
+
+    def due(self, stamp: float) -> bool:
+        """Return whether it is due in the frame with this stamp, s."""
+        return stamp >= self.due_at - EARLY
+
+    def done(self, stamp: float, period: float, *, in_step: bool = True) -> None:
+        """Note that it was done in this frame, in step or before it was due."""
+        # Count the period from the due time, not from the frame: the mean rate is exact.
+        next_at = self.due_at + period
+        self.due_at = next_at if in_step and next_at > stamp else stamp + period
+
+
 class Schedule:
     """Decides when a topic is due: at once on a change, else after its period."""
 
@@ -178,8 +196,8 @@ class Schedule:
         self._watched = attrgetter(*topic.watch)
         self._complete = False
         self._last: Any = None
-        self.due_at = -inf
-        """Stamp, s, from which the topic is due without a change."""
+        self.pace = Pace()
+        """When the topic is due without a change."""
 
     def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
         """Return whether the topic is due in the frame with this stamp, s."""
@@ -190,10 +208,8 @@ class Schedule:
         if self._topic.bits is not None:
             value = int(value) & self._topic.bits
         period = self._topic.period or sensor_period
-        if value == self._last and stamp < self.due_at - EARLY:
+        changed, self._last = value != self._last, value
+        if not changed and not self.pace.due(stamp):
             return False
-        # Count the period from the due time, not from the frame: the mean rate is exact.
-        next_at = self.due_at + period
-        in_step = value == self._last and next_at > stamp
-        self._last, self.due_at = value, next_at if in_step else stamp + period
+        self.pace.done(stamp, period, in_step=not changed)
         return True

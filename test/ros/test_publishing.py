@@ -27,6 +27,7 @@ class Frames:
             stage.ros.listen(*topic)
         self._publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
         self._slot = 0
+        self.motion_period = 0.0
         self._told: list[str] = []
         really = Publisher.publish
 
@@ -41,7 +42,8 @@ class Frames:
         self._told.clear()
         self._slot += 1
         self._publisher.publish(Moved(
-            self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()), PERIOD)
+            self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()), PERIOD,
+            self.motion_period)
         return self._told
 
     def quiet(self) -> None:
@@ -76,6 +78,16 @@ def test_what_is_due_again_comes_behind_the_odometry_in_its_period(frames):
         assert sum(name in names for names in told) == round(200 * oi.SLOT / PERIOD)
 
 
+@pytest.mark.parametrize('rate', [10, 20, 40, 66])
+def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, rate):
+    frames.motion_period = 1 / rate
+    frames.quiet()
+    told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(1000)]
+    assert all(names[0] == 'Bumper' for names in told)
+    assert sum('Odometry' in names for names in told) == pytest.approx(
+        1000 * oi.SLOT * rate, abs=1)
+
+
 def test_only_what_is_heard_or_latched_is_published(frames):
     told = {name for wall in range(40) for name in frames.next(wall=wall % 2, buttons=wall % 2)}
     assert {'Odometry', 'Bumper', 'Cliff', 'Buttons'} <= told
@@ -92,7 +104,7 @@ def test_where_bytes_cannot_be_packed_objects_are_published_with_one_warning(
         slots = iter(range(100000))
 
         def publish() -> bool:
-            frames.publish(Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5)), 1.0)
+            frames.publish(Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5)), 1.0, 0.0)
             return bool(heard)
         stage.ros.until(publish)
     assert heard[-1].pose.pose.position.x == 3.5
