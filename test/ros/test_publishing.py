@@ -41,9 +41,9 @@ class Frames:
         """Return the topics of a frame, in order; readings that are not given are zero."""
         self._told.clear()
         self._slot += 1
-        self._publisher.publish(Moved(
-            self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()), PERIOD,
-            self.motion_period)
+        self._publisher.publish(
+            Moved(self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()),
+            PERIOD, self.motion_period)
         return self._told
 
     def quiet(self) -> None:
@@ -104,7 +104,8 @@ def test_where_bytes_cannot_be_packed_objects_are_published_with_one_warning(
         slots = iter(range(100000))
 
         def publish() -> bool:
-            frames.publish(Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5)), 1.0, 0.0)
+            moved = Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5))
+            frames.publish(moved, 1.0, 0.0)
             return bool(heard)
         stage.ros.until(publish)
     assert heard[-1].pose.pose.position.x == 3.5
