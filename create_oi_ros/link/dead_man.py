@@ -7,7 +7,8 @@ normally writes a goodbye to the pipe. If the pipe closes without it, the driver
 it died, and this process writes the bytes that stop the robot.
 
 It also writes them when the driver is suspended (Ctrl-Z, SIGSTOP, a debugger), since nobody is in
-command then: once for each time, and it keeps watching.
+command then: at once, and again every second, as the driver may run for a moment in between and
+be suspended again. It keeps watching.
 
 `DeadMan` is the driver's side; `dead_man_process` is the process.
 """
@@ -24,7 +25,7 @@ END_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class DeadMan:
-    """Watches over one open line until `release`."""
+    """Watches over one open line until `release` or `say_last_words`."""
 
     def __init__(self, line: int, last_words: bytes) -> None:
         """Start the process; `line` is the file descriptor, `last_words` what stops the robot."""
@@ -60,5 +61,9 @@ class DeadMan:
             # It has been killed: there is nothing left to release.
             return
         finally:
-            os.close(self._pipe)
-            self._process.wait()
+            self.say_last_words()
+
+    def say_last_words(self) -> None:
+        """End the process after it has stopped the robot, if the line still takes bytes."""
+        os.close(self._pipe)
+        self._process.wait()

@@ -16,6 +16,8 @@ WRITE_TIMEOUT = 2.0
 LOOK_INTERVAL, SECOND_LOOK = 0.1, 0.02
 """Seconds between two looks whether the driver is suspended, and before the look that confirms it:
 together 0.12, where 0.2 are promised until the wheels are told to stop."""
+LOOKS_TO_REPEAT = 10
+"""Looks between two times that the last words are written while the driver stays suspended."""
 SUSPENDED = (b'T', b't')
 """Process states: stopped by a signal, and by a debugger (proc(5))."""
 STATUS_LIMIT = 4096
@@ -45,7 +47,7 @@ def watch(pipe: int, line: int, last_words: bytes, driver: int) -> None:
     while not select.select([pipe], [], [], wait)[0]:
         found = found + 1 if is_suspended(status) else 0
         wait = SECOND_LOOK if found == 1 else LOOK_INTERVAL
-        if found == 2:
+        if found % LOOKS_TO_REPEAT == 2:
             write_all(line, last_words)
     if os.read(pipe, 1) != GOODBYE:
         write_all(line, last_words)

@@ -22,7 +22,7 @@ ROSDEP_KEYS = {name: f'python3-{name}' for name in (
 """Modules whose rosdep key has another name."""
 NO_KEY = {'mcap', 'rosbags'}
 """Optional modules without a rosdep key; the programs say how to install them."""
-BARE = 'oi', 'odometry', 'driver', 'sim'
+BARE = 'oi', 'sim'  # the odometry, and so the driver, computes with numpy
 
 
 @cache
