@@ -132,8 +132,8 @@ class FramePublisher:
         changed = self._changed(moved.readings)
         if changed:
             self._publish_sensors(moved, stamp, sensor_period, changed=True)
-        motion_due = self._motion_pace.due(moved.stamp)
-        if motion_due:
+        motion_due = not motion_period or self._motion_pace.due(moved.stamp)
+        if motion_due and motion_period:
             self._motion_pace.done(moved.stamp, motion_period)
         if motion_due and self._odom.wanted:
             self._odom.publish(stamp, moved.estimate)
