@@ -10,6 +10,7 @@ A field is named by its path in the message: `pose.covariance[7]`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from operator import itemgetter
 import re
 import struct
@@ -23,6 +24,8 @@ MARKS = tuple(range(0x11, 0x19)), tuple(range(0x31, 0x39))
 """Two patterns of bytes, with no byte in common; every number can have them."""
 BYTE_ORDER = 1
 """The byte of a serialized message that says the byte order of its numbers; odd: little endian."""
+LONGEST_GAP = 7
+"""Most bytes between two fields: numbers are aligned to their size."""
 Fill = Callable[..., Any]
 """Takes the values of all fields, in order; returns what `Publisher.publish` takes."""
 
@@ -164,6 +167,23 @@ def probes(message: Any, paths: Sequence[str]) -> Iterator[tuple[Any, ...]]:
             for index, type_ in enumerate(types))
 
 
+def length(message: Any, serialize: Callable[[Any], bytes],
+           deserialize: Callable[[bytes, type], Any]) -> int:
+    """
+    Return how many of its serialized bytes a message needs.
+
+    rclpy may append some, such as the gap before the items of an empty list, and readers that
+    are strict refuse them. A message that is published as an object has none.
+    """
+    whole = serialize(message)
+    needed = len(whole)
+    with suppress(RuntimeError):  # which rclpy raises for a message that is cut short
+        while needed > len(whole) - LONGEST_GAP and deserialize(
+                whole[:needed - 1], type(message)) == message:
+            needed -= 1
+    return needed
+
+
 def packing(message: Any, paths: Sequence[str], serialize: Callable[[Any], bytes],
             deserialize: Callable[[bytes, type], Any]) -> Packing:
     """
@@ -171,7 +191,9 @@ def packing(message: Any, paths: Sequence[str], serialize: Callable[[Any], bytes
 
     ValueError: that cannot be done, or a packed message would not be what it has to be.
     """
-    packed, filled = Packing(message, paths, serialize), filling(message, paths)
+    needed = length(message, serialize, deserialize)
+    packed = Packing(message, paths, lambda message: serialize(message)[:needed])
+    filled = filling(message, paths)
     for values in probes(message, paths):
         if deserialize(packed(*values), type(message)) != filled(*values):
             raise ValueError('its packed bytes do not say what was packed')
