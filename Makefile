@@ -7,7 +7,7 @@
 #   make build           the same as make
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
-#   make bench           measure speed and cost: nine minutes, on a quiet machine
+#   make bench           measure speed and cost: fifteen minutes, on a quiet machine
 #   make bench-compare   compare two measurements
 #   make bench-odometry  measure the odometry
 #   make faults          make each fault ten times: an hour

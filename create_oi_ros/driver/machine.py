@@ -142,9 +142,10 @@ class Driver:
     def next_event(self) -> DriverEvent | None:
         """Remove and return what has happened, oldest first."""
         event = self._events.next()
-        if event is None and self.status != self._reported_status:
-            self._reported_status = self.status
-            return ModeChanged(self.status)
+        status = self._supervision.status
+        if event is None and status is not self._reported_status:
+            before, self._reported_status = self._reported_status, status
+            return ModeChanged(status) if status != before else None
         return event
 
     # What is known.
@@ -171,7 +172,7 @@ class Driver:
             activity=self.state.activity, answered=self.state.answered,
             busy=self.scripts.status(now) or self.state.refusal,
             mode=self.status,
-            hazards=tuple(causes_in(readings)) if readings.has('oi_mode') else (),
+            hazards=causes_in(readings) if readings.has('oi_mode') else (),
             readings=readings, counts=copy(self.counts),
             line_problem=connection.frame_budget.problem,
             frame_age=now - connection.heard_at if self.counts.frames else None,

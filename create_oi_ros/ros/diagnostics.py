@@ -7,6 +7,7 @@ no robot answers.
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import lru_cache
 from math import isnan
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
@@ -16,6 +17,7 @@ from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
 from . import messages
 from .parameters import Parameters
+from .serialized import filling
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -32,10 +34,17 @@ Verdict = tuple[bytes, str]
 
 
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:
-    """Make one status."""
+    """Return a status; do not change it, the same one may be returned again."""
+    return _status(name, level, message, tuple((key, str(value)) for key, value in values.items()))
+
+
+@lru_cache(maxsize=32)  # most do not change from one second to the next
+def _status(
+    name: str, level: bytes, message: str, values: tuple[tuple[str, str], ...],
+) -> DiagnosticStatus:
     return DiagnosticStatus(
         level=level, name=name, message=message, hardware_id='iRobot Create',
-        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
+        values=[KeyValue(key=key, value=value) for key, value in values])
 
 
 def serial_link(
@@ -111,7 +120,8 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', STALE, 'no robot answers', {})
     state = BatteryState()
-    messages.battery_state(state, readings, charge_known=charge_known)
+    content = messages.battery_state
+    filling(state, content.paths)(*content.values(readings, charge_known=charge_known))
     level, message = _battery(readings, state, health.battery)
     return status(f'{name}: battery', level, message, {
         'voltage (V)': round(state.voltage, 3), 'current (A)': round(state.current, 3),

@@ -48,6 +48,7 @@ class CreateNode(Node):
         """
         super().__init__('create', **options)
         self.parameters = parameter_checks.declare(self)
+        self._periods = self.parameters.periods()
         self.add_pre_set_parameters_callback(parameter_checks.as_declared)
         self.add_on_set_parameters_callback(parameter_checks.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
@@ -110,6 +111,7 @@ class CreateNode(Node):
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
         self.parameters = parameter_checks.changed(self.parameters, changed)
+        self._periods = self.parameters.periods()
         with self.session.request() as (driver, _now):
             driver.set_limits(self.parameters.limits())
 
@@ -118,7 +120,7 @@ class CreateNode(Node):
     def _on_event(self, event: DriverEvent) -> None:
         match event:
             case Moved():
-                self._frames.publish(event, 1 / self.parameters.sensor_rate)
+                self._frames.publish(event, *self._periods)
             case ModeChanged():
                 self._publish_mode(event.status)
             case Notice():

@@ -80,6 +80,9 @@ class Parameters:
     sensor_rate: float = parameter(
         20.0, 'Rate at which sensor topics are published when nothing changes, Hz',
         low=0.1, high=66.0)
+    odom_rate: float = parameter(
+        0.0, 'Highest rate of `odom`, `/tf` and `joint_states`, Hz; 0: with every frame (66.7). '
+        'The odometry uses every frame at any rate', low=0.0, high=66.0)
     battery_technology: str = parameter(
         'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
         choices=('nimh', 'alkaline'), fixed=True)
@@ -110,6 +113,10 @@ class Parameters:
             geometry=Geometry(
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
                 angular_scale=self.angular_scale))
+
+    def periods(self) -> tuple[float, float]:
+        """Return the seconds between two messages of a sensor, and between two of `odom`."""
+        return 1 / self.sensor_rate, 1 / self.odom_rate if self.odom_rate else 0.0
 
     def limits(self) -> MotionLimits:
         """Return the limits of the motion, which may change while the node runs."""
