@@ -14,6 +14,7 @@ from collections import deque
 from copy import copy
 
 from .. import oi
+from .acquaintance import Acquaintance
 from .battery_guard import BatteryGuard
 from .command_watch import IGNORES
 from .connection import Connection
@@ -54,6 +55,7 @@ class Driver:
         self._wheels = WheelCommands(settings.limits)
         self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
         self._tracking = Tracking(settings, self.counts)
+        self._acquaintance = Acquaintance(settings.robot, self._events)
         self._turn_check = TurnCheck(settings.limits.wheel_separation)
         self._connection = Connection(
             settings.baud, self.state, self._outbox, self._events, self.counts, self._handle)
@@ -177,7 +179,8 @@ class Driver:
             frame_age=now - connection.heard_at if self.counts.frames else None,
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=connection.ignores_commands, angle_stuck=self._turn_check.stuck,
-            battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
+            robot=self._tracking.robot, battery=self._battery.level,
+            songs=tuple(sorted(self.outputs.songs)))
 
     # What is requested.
 
@@ -271,6 +274,8 @@ class Driver:
         if self._turn_check.observe(taken.readings, taken.dt):
             self._events.notice(Severity.WARNING, ANGLE_STUCK)
         self._battery.observe(readings, now)
+        if self._acquaintance.due(now):
+            self._acquaintance.look(self._tracking.robot)
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""

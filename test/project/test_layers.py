@@ -50,7 +50,7 @@ RULES = {
     'link': Rule(ours=('driver', 'oi', 'oi.tools', 'robot'), others='serial', pure=False),
     'ros': Rule(ours=('ros.messages', 'ros.rotation', 'link', 'driver', 'odometry', 'oi',
                       'oi.tools', 'robot', ''),
-                others=rf'{ROS}|{BAGS}', pure=False),
+                others=rf'{ROS}|{BAGS}|yaml', pure=False),
     'ros.messages': Rule(ours=('ros.rotation', 'driver', 'odometry', 'oi', 'oi.tools', 'robot'),
                          others=MESSAGES),
     'ros.rotation': Rule(),
