@@ -21,7 +21,7 @@ from .assumptions import Assumptions, SIGNS
 from .dead_band import DeadBand
 from .request_history import Array
 from .rounding import Rounding
-from .wheel_model import LAST, NONE, Signs, SLOW, UPWARD
+from .wheel_model import lag_parts, LAST, NONE, Signs, UPWARD
 
 
 class SignSource(Enum):
@@ -82,9 +82,11 @@ class Knowledge:
     """m/s that the right wheel adds to any speed."""
     left_offset: Known
     time_constant: Known
-    """Seconds in which 63 % of a change of speed are done, at high speeds."""
-    slow_time_constant: Known
-    """Seconds that come on top at 66 mm/s; they are inversely proportional to the speed."""
+    """Seconds in which 63 % of a change of speed are done, at 76 mm/s."""
+    slow_part: Known
+    """Part of the time constant that comes on top at 50 mm/s and below."""
+    fast_part: Known
+    """Part of the time constant that is missing at 500 mm/s."""
     dead_time: Known
     """Seconds until a wheel begins to follow a request."""
     inverse_acceleration: Known
@@ -118,10 +120,13 @@ class Knowledge:
 
     def delay(self, speed: float) -> Known:
         """Return by how many seconds a wheel is late that starts to run at a speed, m/s."""
-        rates = {'time_constant': 1.0, 'slow_time_constant': SLOW / speed, 'dead_time': 1.0,
-                 'inverse_acceleration': speed / 2}
+        slow, fast = lag_parts(speed)
+        lag, part = self.time_constant.value, (
+            1 + slow * self.slow_part.value - fast * self.fast_part.value)
+        rates = {'time_constant': part, 'slow_part': lag * slow, 'fast_part': -lag * fast,
+                 'dead_time': 1.0, 'inverse_acceleration': speed / 2}
         row = np.array([rates.get(name, 0.0) for name in NUMBERS])
-        value = sum(rate * getattr(self, name).value for name, rate in rates.items())
+        value = lag * part + self.dead_time.value + self.inverse_acceleration.value * speed / 2
         return Known(value, float(row @ _covariance(self) @ row) ** 0.5)
 
 
@@ -152,7 +157,8 @@ NUMBERS = {
     'right_offset': Number(s.OFFSET_RIGHT, _same, _same),
     'left_offset': Number(s.OFFSET_LEFT, _same, _same),
     'time_constant': Number(s.LAG, _same, _same),
-    'slow_time_constant': Number(s.SLOW_LAG, _same, _same),
+    'slow_part': Number(s.SLOW_LAG, _same, _same),
+    'fast_part': Number(s.FAST_LAG, _same, _same),
     'dead_time': Number(s.DEAD_TIME, _same, _same),
     'inverse_acceleration': Number(s.RAMP, _same, _same),
     'braking': Number(s.BRAKING, exp, log, is_logarithm=True),

@@ -17,9 +17,9 @@ _GRAIN = 1e-9
 class Wheel:
     """Motor, tyre and encoder.  Speeds in m/s, forwards positive."""
 
-    __slots__ = ('target', 'slip', 'grounded', '_held', '_up', '_rolled_up', '_scale', '_gain', '_offset',
-                 '_top', '_sign', '_dead_time', '_dead_band', '_tick', '_between', '_waiting',
-                 '_follower', '_recorded')
+    __slots__ = ('target', 'slip', 'grounded', '_held', '_up', '_rolled_up', '_scale', '_gain',
+                 '_offset', '_top', '_sign', '_dead_time', '_dead_band', '_tick', '_between',
+                 '_waiting', '_follower', '_recorded')
 
     def __init__(self, config: BodyConfig, scale: float, gain: float, offset: float,
                  slip: float) -> None:
