@@ -34,9 +34,11 @@ class Taken(NamedTuple):
 class Tracking:
     """Follows the robot from frame to frame."""
 
-    def __init__(self, settings: Settings, counts: LinkCounts) -> None:
+    def __init__(
+        self, settings: Settings, counts: LinkCounts, odometry: Odometry | None = None,
+    ) -> None:
         robot = settings.robot
-        self.odometry = Odometry(
+        self.odometry = odometry or Odometry(
             settings.geometry, window=settings.odometry_window, robot=robot)
         self.readings = oi.Readings()
         """The newest of every packet that has arrived so far."""
