@@ -48,15 +48,15 @@ def read(path: Path) -> Knowledge | None:
         raise ValueError(f'{path}: {error}; delete the file to learn the robot anew') from error
 
 
-def write(path: Path, knowledge: Knowledge, remarks: str = '') -> None:
-    """Write a file as a whole or not at all; OSError: why not."""
-    write_whole(path, (HEAD + remarks + text_of(knowledge)).encode())
+def write(path: Path, knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -> None:
+    """Write a file as a whole or not at all, maybe with a verdict for people; OSError: why not."""
+    write_whole(path, (HEAD + text_of(knowledge, verdict)).encode())
 
 
-def text_of(knowledge: Knowledge) -> str:
+def text_of(knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -> str:
     """Return the content of a file."""
-    content = {
-        'format': FORMAT,
+    content: dict[str, object] = {
+        'format': FORMAT, **({} if verdict is None else {'verdict': dict(verdict)}),
         'rounding': _weights(knowledge.rounding), 'encoder_sign': _weights(knowledge.encoder_sign),
         **{name: _number(getattr(knowledge, name)) for name in (*NUMBERS, 'frame_period')},
         'dead_band': {'stands': _short(knowledge.dead_band[0]),

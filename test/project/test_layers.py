@@ -55,8 +55,8 @@ RULES = {
                          others=MESSAGES),
     'ros.rotation': Rule(),
     'apps': Rule(ours=('ros', 'ros.messages', 'ros.rotation', 'link', 'driver', 'odometry', 'oi',
-                       'oi.tools', 'robot'),
-                 others=rf'{ROS}|{BAGS}|matplotlib|yaml', pure=False),
+                       'oi.tools', 'robot', ''),
+                 others=rf'{ROS}|{BAGS}|matplotlib|numpy|yaml', pure=False),
 }
 PROGRAMS = 'apps'
 """Each program in this package is a room of its own, under this rule."""

@@ -22,7 +22,7 @@ def anything() -> str:
 
 def test_a_file_says_what_was_written(tmp_path):
     before = parsed(anything())
-    write(tmp_path / 'model.yaml', before, '# A remark.\n')
+    write(tmp_path / 'model.yaml', before, {'banner': 'none'})
     after = read(tmp_path / 'model.yaml')
     assert after is not None
     assert after.rounding == pytest.approx(before.rounding)
@@ -63,7 +63,7 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path):
     ({'rounding': {'carry': 0.0}}, 'no probability is above 0'),
     ({'dead_band': {'stands': 0.02, 'moves': 0.01}}, 'must be below moves'),
     ({'frame_period': {'value': 0.02, 'deviation': 1e-5}}, 'frame_period: value is 0.02'),
-    ({'correlations': [[0.0]]}, 'correlations must be 9 rows'),
+    ({'correlations': [[0.0]]}, 'correlations must be 10 rows'),
 ])
 def test_a_value_that_cannot_be_is_named(change, said):
     with pytest.raises(ValueError, match=said):
