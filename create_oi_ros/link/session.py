@@ -77,6 +77,11 @@ class Session:
             self._send()  # first: a command must not wait for the rest
             self._exchange(now)
 
+    @property
+    def port(self) -> Port | None:
+        """The open port; None while there is none. Use it only within a `request`."""
+        return self._port
+
     def close(self) -> None:
         """Stop the robot, leave it in the mode for exit, and close the port."""
         self._closing.set()

@@ -5,16 +5,19 @@ OK: nothing to do. WARN: look at it soon. ERROR: it does not work. STALE: the va
 no robot answers.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import lru_cache
 from math import isnan
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
+from ..odometry import Known
+from ..odometry.knowledge import NUMBERS
 from . import messages
 from .parameters import Parameters
 from .serialized import filling
@@ -165,6 +168,30 @@ def driver(
         'stale commands dropped': stale_commands,
         'cmd_vel publishers': ', '.join(publishers) or 'none',
         'songs stored': ', '.join(map(str, health.songs)) or 'none'})
+
+
+def odometry(name: str, health: Health) -> DiagnosticStatus:
+    """Say what the odometry has learned of this robot, and how sure it is."""
+    robot = health.robot
+    if robot is None:
+        return status(f'{name}: odometry', OK, 'nothing learned yet', {})
+    message = 'knows this robot' if robot.certain else 'learns this robot: drive and turn'
+    numbers = {key.replace('_', ' '): _number(getattr(robot, key))
+               for key in (*NUMBERS, 'frame_period')}
+    stands, moves = robot.dead_band
+    return status(f'{name}: odometry', OK, message, {
+        'rounding': _likely(robot.rounding), 'encoder sign': _likely(robot.encoder_sign),
+        **numbers, 'slowest speed that moves (m/s)': f'{stands:.4f} to {moves:.4f}',
+        'readings': robot.readings})
+
+
+def _likely(weights: Mapping[Any, float]) -> str:
+    likeliest = max(weights, key=weights.__getitem__)
+    return f'{likeliest.value} ({weights[likeliest]:.1%})'
+
+
+def _number(known: Known) -> str:
+    return f'{known.value:.4g} +- {known.deviation:.1g}'
 
 
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:

@@ -73,6 +73,10 @@ class Parameters:
         Settings.odometry_window, 'Seconds between readings of distance and angle, of which the '
         'robot drops the fractions; 0 reads them in every frame and believes them',
         low=0.0, high=10.0, fixed=True)
+    odometry_model: str = parameter(
+        '', 'File of what the odometry knows of this robot (YAML, of `create_check` or of this '
+        'node): read at start, written at the end and by `save_odometry_model`; where it does '
+        'not exist, it is made. Empty: none', fixed=True)
     odom_frame: str = parameter('odom', 'Frame of the odometry', fixed=True)
     base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor', fixed=True)
     publish_tf: bool = parameter(True, 'Whether to publish odom_frame -> base_frame on /tf',

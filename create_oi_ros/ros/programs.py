@@ -19,6 +19,7 @@ from .user_errors import explained, UserError
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
     'create_calibrate': 'apps.calibrate.create_calibrate',
+    'create_check': 'apps.check.create_check',
     'create_demo': 'apps.demo.create_demo',
     'create_node': 'ros.node',
     'create_record': 'apps.record',
@@ -77,6 +78,11 @@ def _imported(program: str) -> ModuleType:
 def create_calibrate() -> int:
     """Compute the parameters of the odometry from measured drives."""
     return _run('create_calibrate')
+
+
+def create_check() -> int:
+    """Find out how a robot drives and counts."""
+    return _run('create_check')
 
 
 def create_demo() -> int:

@@ -93,7 +93,7 @@ MODE = Topic(
     about='the actual mode, the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
-    about='battery, safety, mode, serial link, driver, version and parameters (REP 107)')
+    about='battery, safety, mode, serial link, driver, odometry, version and parameters (REP 107)')
 
 BUMPS = int(BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT)
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')

@@ -50,14 +50,14 @@ RULES = {
     'link': Rule(ours=('driver', 'oi', 'oi.tools', 'robot'), others='serial', pure=False),
     'ros': Rule(ours=('ros.messages', 'ros.rotation', 'ros.serialized', 'link', 'driver',
                       'odometry', 'oi', 'oi.tools', 'robot', ''),
-                others=rf'{ROS}|{BAGS}', pure=False),
+                others=rf'{ROS}|{BAGS}|yaml', pure=False),
     'ros.messages': Rule(ours=('ros.rotation', 'driver', 'odometry', 'oi', 'oi.tools', 'robot'),
                          others=MESSAGES),
     'ros.rotation': Rule(),
     'ros.serialized': Rule(),
     'apps': Rule(ours=('ros', 'ros.messages', 'ros.rotation', 'link', 'driver', 'odometry', 'oi',
-                       'oi.tools', 'robot'),
-                 others=rf'{ROS}|{BAGS}|matplotlib|yaml', pure=False),
+                       'oi.tools', 'robot', ''),
+                 others=rf'{ROS}|{BAGS}|matplotlib|numpy|yaml', pure=False),
 }
 PROGRAMS = 'apps'
 """Each program in this package is a room of its own, under this rule."""
