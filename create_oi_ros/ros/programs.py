@@ -26,6 +26,7 @@ MODULES = {
     'create_run': 'apps.run.create_run',
     'create_sim': 'sim.server.create_sim',
     'create_view': 'apps.view.create_view',
+    'create_web': 'apps.web.create_web',
 }
 """Module with the `main` of each program."""
 PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run())'
@@ -112,3 +113,8 @@ def create_sim() -> int:
 def create_view() -> int:
     """See a robot, and drive it, in a terminal."""
     return _run('create_view')
+
+
+def create_web() -> int:
+    """See a robot, and drive it, in a browser."""
+    return _run('create_web')
