@@ -1,152 +1,195 @@
 """
-How good the odometry is: `python bench/bench_odometry.py`, two minutes, a table.
+How good the odometry is: `python bench/bench_odometry.py`, an hour, two tables.
 
-Mixed drives of five minutes (arcs, turns in place, lines, stops, reversals; 10 to 500 mm/s, 2 to
-200 degrees a second), the estimator told neither rounding nor acceleration, which is 0.5 to
-2 m/s². Mean and worst of ten drives:
+Robots are drawn at random from what was measured and reported of real ones (`robots`), each drives
+two to five minutes in one of five ways (`drives`), byte by byte between the whole driver and the
+whole simulated robot, with default parameters. By class of robot:
 
   turn   |yaw error| at the end, degrees, for each 360 degrees of true rotation either way
-  path   distance from estimated to true place at the end, per cent of the true path's length
+  place  distance from estimated to true place at the end, per cent of the true path's length
   NEES   normalised estimation error squared of (x, y, yaw) at the end; 3 is calibrated
-  step   largest step from frame to frame beyond what the wheels can do in that time
+  >4     drives that end more than 4 standard deviations off in yaw
+  jump   largest change of the yaw's error within half a second, degrees
+  worse  by how much a drive was worse than a reading a second, degrees a turn, at most
 
-The last condition is the whole driver against the whole simulated robot, byte by byte.
+Then the conditions of `odometry_rig`: slip, held wheels, a lifted or pushed robot, demos.
 """
 
+from argparse import ArgumentParser
 from collections.abc import Iterable
+from math import degrees, hypot, tau
 from multiprocessing import Pool
+from random import Random
+from statistics import mean, quantiles
 from typing import NamedTuple
 
 from create_oi_ros.sim.body.encoders import Rounding
-from odometry_loop import travel
-from odometry_rig import Condition, CONDITIONS, follow, Score, simulate
+from drives import DRIVES
+from odometry_loop import Journey
+from odometry_rig import Condition, CONDITIONS, follow, nees_of, simulate
 from results import Figure, keep, machine
+from rivals import Rival
+from robots import CLASSES
 
-DRIVES = 10
-MORE_DRIVES = 37
-"""Further drives in the condition CALIBRATED, for the NEES."""
-CALIBRATED = 2
-WINDOWS = {'naive': 0.0, 'ours': 1.0}
-LOOP = Condition('whole driver', latency=0.03, any_moment=True, target=True, seconds=300)
-LOOP_DRIVES = 4
-MEANS = {'turn': 0.3, 'distance': 1.0}
-WORSTS = {'turn': 0.8, 'distance': 2.5, 'step': 1.0, 'step_angle': 0.2}
-CARRY_TURN = 0.1
+DRIVES_EACH = 70
+"""Robots of each class."""
+HELD_OUT = 10_000
+"""First seed; those from 0 on served for tuning."""
+SHORTEST, LONGEST = 120.0, 300.0
+"""Seconds of a drive."""
+LATENCY = 0.005
+SOON = 0.5
+"""Seconds within which a correction counts as a jump."""
+RIVALS = {'a reading a second': 1.0, 'each frame': 0.0}
+OLD_DRIVES = 10
 
 
-class Job(NamedTuple):
-    """One drive, to be followed by every estimator under every rounding."""
+class Target(NamedTuple):
+    """What a class is to reach: mean and 95th percentile."""
 
-    condition: Condition
-    seed: int
+    turn: tuple[float, float]
+    place: tuple[float, float]
+
+
+TARGETS = {
+    'centre': Target((0.2, 0.5), (0.6, 1.5)),
+    'all ranges': Target((0.3, 1.0), (1.0, 3.0)),
+    'carried, true sign': Target((0.05, 0.15), (0.3, 0.8)),
+}
+
+
+class Score(NamedTuple):
+    """How one drive ended."""
+
+    turn: float
+    place: float
+    nees: float = 0.0
+    sigmas: float = 0.0
+    jump: float = 0.0
+    worse: float = 0.0
 
 
 Result = tuple[str, str, str, Score]
-"""Condition, rounding, estimator and how well it did."""
+"""Class, kind of drive, estimator and how well it did."""
 
 
-def run(job: Job) -> list[Result]:
-    """Simulate a drive and follow it."""
-    condition, seed = job
-    if condition == LOOP:
-        return [(condition.name, rounding.value, 'ours', travel(
-                    seed, rounding, condition.latency, WINDOWS['ours'], condition.seconds))
-                for rounding in Rounding]
-    instants = simulate(seed, condition)
-    return [(condition.name, rounding.value, name,
-             follow(instants, rounding, window, condition))
-            for rounding in Rounding for name, window in WINDOWS.items()
-            if name == 'ours' or seed < DRIVES]
+def drive(kind: str, style: str, seed: int) -> list[Result]:
+    """Drive once; score the odometry and its rivals."""
+    random = Random(f'{kind} {seed}')
+    robot = CLASSES[kind](random)
+    seconds = random.uniform(SHORTEST, LONGEST)
+    journey = Journey(robot, seed, latency=LATENCY)
+    journey.drive(list(DRIVES[style](random, seconds)), seconds)
+    truth = journey.body.truth()
+
+    def missed(x: float, y: float, yaw: float) -> Score:
+        return Score(degrees(abs(yaw - truth.turned)) / max(journey.turned / tau, 1.0),
+                     100 * hypot(x - truth.pose.x, y - truth.pose.y) / max(journey.path, 0.5))
+
+    scores = {}
+    for name, interval in RIVALS.items():
+        rival = Rival(robot.geometry, robot.rounding, interval)
+        for slot, counts in enumerate(journey.counts, 1):
+            rival.frame(counts, robot.period, last=slot == len(journey.counts))
+        scores[name] = missed(rival.x, rival.y, rival.yaw)
+    e = journey.estimate
+    ours = missed(e.x, e.y, e.yaw)
+    scores['ours'] = ours._replace(
+        nees=nees_of(truth.pose.x, truth.pose.y, truth.turned, e),
+        sigmas=abs(e.yaw - truth.turned) / e.pose_covariance[8] ** 0.5,
+        jump=largest_jump(journey), worse=ours.turn - scores['a reading a second'].turn)
+    return [(kind, style, name, score) for name, score in scores.items()]
 
 
-def jobs() -> list[Job]:
-    """Return all drives, the longest first."""
-    return [*(Job(LOOP, seed) for seed in range(LOOP_DRIVES)),
-            *(Job(condition, seed) for condition in CONDITIONS for seed in range(DRIVES)),
-            *(Job(CONDITIONS[CALIBRATED], DRIVES + seed) for seed in range(MORE_DRIVES))]
+def largest_jump(journey: Journey) -> float:
+    """Return the largest change of the yaw's error within SOON, degrees."""
+    errors = [(now, e.yaw - truth.turned) for now, e, truth in journey.moves]
+    largest, first = 0.0, 0
+    for now, error in errors:
+        while errors[first][0] < now - SOON:
+            first += 1
+        largest = max(largest, abs(error - errors[first][1]))
+    return degrees(largest)
 
 
-class Row(NamedTuple):
-    """Figures of one cell of the table."""
-
-    condition: str
-    rounding: str
-    estimator: str
-    drives: int
-    mean: Score
-    worst: Score
-    misses: list[str]
-    """Targets that are not held; empty also where there are none."""
-    has_targets: bool
+def percentile(values: list[float]) -> float:
+    """Return the 95th percentile."""
+    return quantiles(values, n=20, method='inclusive')[-1] if len(values) > 1 else values[0]
 
 
-def rows(results: Iterable[Result]) -> list[Row]:
-    """Gather what belongs together."""
-    cells: dict[tuple[str, str, str], list[Score]] = {}
-    for condition, rounding, estimator, score in results:
-        cells.setdefault((condition, rounding, estimator), []).append(score)
-    targets = {each.name for each in (*CONDITIONS, LOOP) if each.target}
-    table = []
-    for (condition, rounding, estimator), scores in cells.items():
-        mean = Score(*(sum(column) / len(scores) for column in zip(*scores)))
-        worst = Score(*map(max, zip(*scores)))
-        aims = condition in targets and estimator == 'ours'
-        table.append(Row(condition, rounding, estimator, len(scores), mean, worst,
-                         missed(rounding, mean, worst) if aims else [], aims))
-    order = [each.name for each in (*CONDITIONS, LOOP)]
-    return sorted(table, key=lambda row: (order.index(row.condition), row.rounding, row.estimator))
-
-
-def missed(rounding: str, mean: Score, worst: Score) -> list[str]:
-    """Return the names of the targets that are missed."""
-    means = MEANS | ({'turn': CARRY_TURN} if rounding == 'carry' else {})
-    return [*(f'mean {name}' for name, most in means.items() if getattr(mean, name) > most),
-            *(f'worst {name}' for name, most in WORSTS.items() if getattr(worst, name) > most)]
-
-
-def show(row: Row) -> str:
+def show(name: str, estimator: str, scores: list[Score]) -> str:
     """Return a line of the table."""
-    mean, worst = row.mean, row.worst
-    verdict = ('missed: ' + ', '.join(row.misses)) if row.misses else (
-        'met' if row.has_targets else '-')
-    return (f'{row.condition:16} {row.rounding:9} {row.estimator:6} {row.drives:3} '
-            f'{mean.turn:8.3f} {worst.turn:8.3f} {mean.distance:7.2f} {worst.distance:7.2f} '
-            f'{mean.nees:9.2f} {worst.step:5.2f} {worst.step_angle:6.3f}  {verdict}')
+    turn, place = [s.turn for s in scores], [s.place for s in scores]
+    line = (f'{name:28} {estimator:18} {len(scores):3}  {mean(turn):6.3f} {percentile(turn):6.3f} '
+            f'{mean(place):6.2f} {percentile(place):6.2f}')
+    if estimator == 'ours':
+        beyond = sum(s.sigmas > 4 for s in scores)
+        line += (f'  {mean(s.nees for s in scores):6.2f} {beyond:3} '
+                 f'{max(s.jump for s in scores):6.1f} {max(s.worse for s in scores):6.2f}')
+    return line
 
 
-def figures(row: Row) -> list[Figure]:
-    """Return a row with targets as figures; less is better."""
-    means = MEANS | ({'turn': CARRY_TURN} if row.rounding == 'carry' else {})
-    units = {'turn': 'deg a turn', 'distance': '% of the path'}
-    return [Figure(f'{row.condition}, {row.rounding}: {unit}', getattr(row.mean, name), unit,
-                   means[name], worst=getattr(row.worst, name),
-                   beside=f'worst allowed {WORSTS[name]:g}')
-            for name, unit in units.items()]
+def print_table(results: Iterable[Result]) -> dict[str, list[Score]]:
+    """Print the table by class and by kind of drive; return our scores by class."""
+    cells: dict[tuple[str, str], list[Score]] = {}
+    for kind, style, estimator, score in results:
+        for name in (kind, f'{kind}: {style}'):
+            cells.setdefault((name, estimator), []).append(score)
+    print(f'{"":51}  deg a turn    % of path\n'
+          f'{"robots":28} {"by":18}   n    mean   95th   mean   95th    NEES  >4   jump  worse')
+    for (name, estimator), scores in sorted(cells.items()):
+        print(show(name, estimator, scores))
+    return {name: scores for (name, by), scores in cells.items() if by == 'ours'}
+
+
+def figures(kind: str, scores: list[Score]) -> list[Figure]:
+    """Return a class as figures; less is better."""
+    target, made = TARGETS[kind], []
+    for unit, values, (most, most_95) in (
+            ('deg a turn', [s.turn for s in scores], target.turn),
+            ('% of the path', [s.place for s in scores], target.place)):
+        made.append(Figure(f'{kind}: {unit}', mean(values), unit, most,
+                           worst=percentile(values), beside=f'95th allowed {most_95:g}'))
+    return made
+
+
+def old(job: tuple[Condition, int]) -> list[Result]:
+    """Follow a drive of the old conditions under every rounding."""
+    condition, seed = job
+    instants = simulate(seed, condition)
+    found = []
+    for rounding in Rounding:
+        score = follow(instants, rounding, 1.0, condition)
+        found.append((condition.name, rounding.value, 'ours',
+                      Score(score.turn, score.distance, score.nees)))
+    return found
+
+
+def _drive(job: tuple[str, str, int]) -> list[Result]:
+    return drive(*job)
 
 
 def main() -> None:
-    """Print the table; keep the rows that have targets."""
+    """Print the tables; keep the figures that have targets."""
+    parser = ArgumentParser()
+    parser.add_argument('--drives', type=int, default=DRIVES_EACH, help='of each class')
+    parser.add_argument('--seed', type=int, default=HELD_OUT, help='the first')
+    parser.add_argument('--processes', type=int, default=None)
+    parser.add_argument('--no-old', action='store_true', help='leave out the old conditions')
+    options = parser.parse_args()
     where = machine()
-    with Pool() as pool:
-        results = [result for some in pool.imap_unordered(run, jobs()) for result in some]
-    table = rows(results)
-    print('                                        deg per turn      % of path          '
-          '      largest step\n'
-          'condition        rounding  by     n     mean    worst    mean   worst      '
-          'NEES    mm    deg  targets')
-    for row in table:
-        print(show(row))
-    targets = {each.name for each in CONDITIONS if each.target}
-    calibration = [score.nees for condition, _, estimator, score in results
-                   if condition in targets and estimator == 'ours']
-    average = sum(calibration) / len(calibration)
-    print(f'NEES over {len(calibration)} mixed drives: {average:.2f}; target 1.5 to 6: '
-          + ('met' if 1.5 <= average <= 6 else 'missed'))
-    keep('bench_odometry', [
-        *(figure for row in table if row.has_targets for figure in figures(row)),
-        Figure(f'NEES over {len(calibration)} mixed drives, at most', average, '', 6),
-        Figure(f'NEES over {len(calibration)} mixed drives, at least', average, '', 1.5, True),
-    ], where)
+    styles = list(DRIVES)
+    jobs = [(kind, styles[i % len(styles)], options.seed + i)
+            for i in range(options.drives) for kind in TARGETS]
+    with Pool(options.processes) as pool:
+        results = [each for some in pool.imap_unordered(_drive, jobs) for each in some]
+        ours = print_table(results)
+        if not options.no_old:
+            old_jobs = [(c, seed) for c in CONDITIONS for seed in range(OLD_DRIVES)]
+            print_table([each for some in pool.imap_unordered(old, old_jobs) for each in some])
+    if options.drives == DRIVES_EACH and options.seed == HELD_OUT:
+        keep('bench_odometry', [each for kind in TARGETS for each in figures(kind, ours[kind])],
+             where)
 
 
 if __name__ == '__main__':

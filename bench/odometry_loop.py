@@ -1,21 +1,26 @@
 """The whole driver against the whole simulated robot, as bytes over a line that delays them."""
 
 from collections import deque
+from collections.abc import Callable, Sequence
 from math import degrees, hypot, tau
 from random import Random
 
 from create_oi_ros.driver import Driver, MotionLimits, Moved, Settings
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import BodyConfig
-from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.sim.body.mechanics import Truth
 from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import World
-from odometry_rig import HALF_TRACK, Instant, mixed, nees, Score, SLOT, spread, TOP_SPEED
+from drives import Wish
+from rivals import Counts
+from robots import Robot
 
-STEP = SLOT / 3
+TURNS = 3
+"""Turns of the loop a slot."""
 COMMAND_EVERY = 0.1
-"""Seconds from one cmd_vel to the next."""
+"""Seconds from one cmd_vel to the next of the same velocity."""
+Damage = Callable[[bytes], bytes]
 
 
 class Line:
@@ -43,69 +48,62 @@ class Line:
 class Journey:
     """A driver, a robot, and what both say about where it is."""
 
-    def __init__(self, seed: int, rounding: Rounding, latency: float, window: float) -> None:
+    def __init__(self, robot: Robot, seed: int, *, latency: float = 0.0, window: float = 1.0,
+                 limits: MotionLimits | None = None, damage: Damage = bytes) -> None:
+        self.body = Body(World(), rounding=robot.rounding, config=robot.config, seed=seed)
+        self.robot = Create(self.body, guesses=Guesses(
+            boot_seconds=0.0, banner=False, frame_period=robot.period))
+        self.driver = Driver(Settings(
+            odometry_window=window, limits=limits or MotionLimits(), geometry=robot.geometry))
+        self._damage = damage
+        self._step = robot.period / TURNS
         random = Random(seed)
-        config = BodyConfig(
-            wheel_acceleration=spread(random, 0.5, 2.0),
-            right_speed_gain=random.uniform(0.97, 1.03),
-            left_speed_gain=random.uniform(0.97, 1.03))
-        self.body = Body(World(), rounding=rounding, config=config)
-        self.robot = Create(self.body)
-        limits = MotionLimits(timeout=2 * COMMAND_EVERY)
-        self.driver = Driver(Settings(odometry_window=window, limits=limits))
-        self.random = random
         self._up, self._down = Line(random, latency), Line(random, latency)
         self.now = 0.0
         self.estimate = Estimate()
-        self.step = self.step_angle = self.turned = self.path = 0.0
+        self.moves: list[tuple[float, Estimate, Truth]] = []
+        """Each frame's estimate, with the truth when it arrived."""
+        self.counts: list[Counts] = []
+        """What the encoders had counted after each slot."""
+        self.turned = self.path = 0.0
+        self._steps = 0
         self.driver.connected(0.0)
 
     def go(self) -> None:
         """Let a step of time pass."""
-        self.now += STEP
+        self.now += self._step
         before = self.body.truth()
         self.robot.poll(self.now)
-        self._down.put(self.robot.data_to_send(), self.now)
+        self._down.put(self._damage(self.robot.data_to_send()), self.now)
         self.driver.receive(self._down.take(self.now), self.now)
         self.driver.poll(self.now)
         self._up.put(self.driver.data_to_send(), self.now)
         self.robot.receive(self._up.take(self.now), self.now)
+        truth = self.body.truth()
         while (event := self.driver.next_event()) is not None:
             if isinstance(event, Moved):
-                self._see(event.estimate)
-        truth = self.body.truth()
+                self.estimate = event.estimate
+                self.moves.append((self.now, event.estimate, truth))
+        self._steps += 1
+        if self._steps % TURNS == 0:
+            self.counts.append(Counts(self.body.distance_total, self.body.angle_total))
         self.turned += abs(truth.turned - before.turned)
         self.path += abs(truth.travelled - before.travelled)
 
-    def _see(self, estimate: Estimate) -> None:
-        last, self.estimate = self.estimate, estimate
-        self.step = max(self.step, hypot(estimate.x - last.x, estimate.y - last.y))
-        self.step_angle = max(self.step_angle, abs(estimate.yaw - last.yaw))
+    def drive(self, wishes: Sequence[Wish], seconds: float) -> None:
+        """Drive by cmd_vel, as a user does."""
+        velocity, spoken = (0.0, 0.0), 0.0
+        for at, linear, angular in [*wishes, (seconds, 0.0, 0.0)]:
+            while self.now < at:
+                if self.now >= spoken:
+                    self.driver.drive(*velocity, self.now)
+                    spoken = self.now + COMMAND_EVERY
+                self.go()
+            velocity, spoken = (linear, angular), self.now
 
-    def score(self) -> Score:
-        """Judge the estimate that stands at the end."""
+    @property
+    def errors(self) -> tuple[float, float]:
+        """Degrees of yaw error a turn, and per cent of the path, at the end."""
         truth, e = self.body.truth(), self.estimate
-        end = Instant(0, 0, 0, 0, True, False, truth.pose.x, truth.pose.y, truth.turned)
-        reach = TOP_SPEED * SLOT
-        return Score(
-            degrees(abs(e.yaw - end.yaw)) / (self.turned / tau),
-            100 * hypot(e.x - end.x, e.y - end.y) / self.path, nees(end, e),
-            1000 * max(0.0, self.step - reach),
-            degrees(max(0.0, self.step_angle - reach / HALF_TRACK)))
-
-
-def travel(seed: int, rounding: Rounding, latency: float, window: float, seconds: float) -> Score:
-    """Drive a while by cmd_vel, as a user does."""
-    journey = Journey(seed, rounding, latency, window)
-    speeds, spoken = (0.0, 0.0), 0.0
-    for at, right, left in [*mixed(journey.random, seconds), (seconds, 0, 0)]:
-        while journey.now < at:
-            if journey.now >= spoken:
-                journey.driver.drive(*speeds, journey.now)
-                spoken += COMMAND_EVERY
-            journey.go()
-        speeds = (right + left) / 2000, (right - left) / 2000 / HALF_TRACK
-        spoken = journey.now
-    return journey.score()
-
-
+        return (degrees(abs(e.yaw - truth.turned)) / max(self.turned / tau, 1.0),
+                100 * hypot(e.x - truth.pose.x, e.y - truth.pose.y) / max(self.path, 0.5))

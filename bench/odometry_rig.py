@@ -8,14 +8,16 @@ of the slot in which they arrive, as in `sim.firmware`, or at any moment of it.
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import degrees, exp, hypot, log, radians, tau
 from random import Random
 from typing import NamedTuple
 
+import numpy as np
+
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.config import IDEAL
 from create_oi_ros.sim.body.encoders import Accumulator, Rounding
 from create_oi_ros.sim.world import World
 
@@ -100,8 +102,8 @@ def mixed(random: Random, seconds: float) -> Iterator[tuple[float, int, int]]:
 def simulate(seed: int, condition: Condition) -> list[Instant]:
     """Drive once; return what happened, slot by slot."""
     random = Random(seed)
-    body = Body(World(), config=BodyConfig(
-        wheel_acceleration=spread(random, 0.5, 2.0),
+    body = Body(World(), config=replace(
+        IDEAL, wheel_acceleration=spread(random, 0.5, 2.0),
         right_speed_gain=1 + random.uniform(-condition.gain, condition.gain),
         left_speed_gain=1 + random.uniform(-condition.gain, condition.gain)))
     requests = deque(arrivals(random, condition))
@@ -269,13 +271,11 @@ def errors(instants: list[Instant], estimate: Estimate) -> tuple[float, float]:
 
 def nees(truth: Instant, estimate: Estimate) -> float:
     """Return the normalised estimation error squared of x, y and yaw: 3 on average is honest."""
-    e = (estimate.x - truth.x, estimate.y - truth.y, estimate.yaw - truth.yaw)
-    a, b, c, _, d, f, _, _, g = estimate.pose_covariance
-    minors = (d * g - f * f, c * f - b * g, b * f - c * d,
-              a * g - c * c, b * c - a * f, a * d - b * b)
-    determinant = a * minors[0] + b * minors[1] + c * minors[2]
-    i, j, k, m, n, o = (minor / determinant for minor in minors)
-    x, y, z = e
-    return i * x * x + m * y * y + o * z * z + 2 * (j * x * y + k * x * z + n * y * z)
+    return nees_of(truth.x, truth.y, truth.yaw, estimate)
 
 
+def nees_of(x: float, y: float, yaw: float, estimate: Estimate) -> float:
+    """Return the same for a true pose."""
+    error = np.array([estimate.x - x, estimate.y - y, estimate.yaw - yaw])
+    covariance = np.array(estimate.pose_covariance).reshape(3, 3)
+    return float(error @ np.linalg.solve(covariance, error))

@@ -21,7 +21,7 @@ from rclpy.signals import SignalHandlerOptions
 SIGNAL = 500.0
 PERIOD = 0.05
 """Seconds between two commands."""
-SPEED, GAIN, SHARPEST = 0.2, 3.0, 0.8
+SPEED, GAIN, SHARPEST = 0.2, 1.6, 0.8
 """Speed, m/s; turning speed for an error of 1, rad/s; fastest turn, rad/s."""
 AWAY = ((-0.1, 0.0),) * 6 + ((0.0, 1.2),) * 12
 """Moves after a touch, one a period, m/s and rad/s: back a little, then turn left."""

@@ -15,7 +15,7 @@ from .events import EventQueue, LinkCounts, Severity
 from .frame_budget import FrameBudget, too_slow
 from .outbox import Outbox
 from .state import Activity, State, StateEvent
-from .stopping import DRAIN, HALT
+from .stopping import HALT, WAKE_UP
 from .stream_plan import StreamPlan
 
 SILENCE = 0.5
@@ -149,7 +149,7 @@ class Connection:
             return False
         news = self._watch.check(missed_speeds, now)
         if news is Obedience.SUSPECT:
-            self._outbox.send_raw(DRAIN)
+            self._outbox.send_raw(WAKE_UP)
         elif news is Obedience.IGNORES:
             self._events.notice(Severity.ERROR, IGNORES)
         if self.frame_budget.check(self.baud, now, fits=self.plan.budget.fits):
@@ -167,8 +167,7 @@ class Connection:
         if baud != self.plan.baud:
             self.plan.tune(baud)
             self.reader.expect(self.plan.lists)
-        self._outbox.send_raw(DRAIN)
-        self._outbox.send(HALT)
+        self._outbox.send_raw(WAKE_UP)
         self._outbox.send(oi.Start())
         stream = self.plan.next_stream(now, motion_due=True)
         assert stream is not None, 'nothing has been asked for yet'

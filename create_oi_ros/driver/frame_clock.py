@@ -1,9 +1,10 @@
 """
 When a frame left the robot, estimated from when frames arrived.
 
-The robot sends a frame in every slot of its own clock; the line adds a delay that is never
-negative. So the earliest arrivals, not their average, show where the slots are: stamps follow
-the lower envelope of the arrivals over the last second or so.
+The robot sends a frame in each slot of about 15 ms of its own clock; the line adds a delay that is
+never negative. So the earliest arrivals, not their average, show where the slots are: stamps
+follow the lower envelope of the arrivals over the last second or so, and the slope of that
+envelope over minutes is the length of a slot.
 """
 
 from collections import deque
@@ -14,32 +15,52 @@ from .. import oi
 WINDOW = 64
 """Frames over which the earliest arrival counts: about a second."""
 RECENT = 16
-"""Frames in a row that must all be late before a slot is taken to have been lost."""
+"""Frames in a row that must all be late, or early, before slots are counted anew."""
 SILENT = 3.5 * oi.SLOT
 """Seconds without a frame after which some may have been lost unseen; no delay is that long."""
 LEAST_STEP = 1e-4
 """Seconds by which stamps rise at least."""
+SHORTEST, LONGEST = 0.0147, 0.0160
+"""Seconds between which a slot's length is believed; 15 and 15.625 ms were seen."""
+BLOCK = 32
+"""Frames of which the earliest is kept to learn the slot's length."""
+BLOCKS = 400
+"""How many of them are kept: three minutes."""
+NOMINAL = 40.0
+"""Slots after which what was seen of the length counts as much as the manual's 15 ms."""
 
 
 class FrameClock:
     """Turns arrivals into rising stamps, free of most of the line's jitter."""
 
     def __init__(self) -> None:
-        self._lateness: deque[float] = deque(maxlen=WINDOW)
+        self.period = oi.SLOT
+        """Seconds of a slot, as far as it is known."""
+        self._sent: deque[tuple[int, float]] = deque(maxlen=WINDOW)
+        """Slot and earliest possible moment of each frame."""
+        self._earliest: deque[tuple[int, float]] = deque(maxlen=BLOCKS)
+        self._frames = 0
         self._slot = 0
         self._stamp = -float('inf')
         self._arrival: float | None = None
         self._suspicious = 0
+        self._missing = 0.0
+        """Frames that garbage stands for."""
+        self._owed = 0
+        """Slots that were counted though no time had passed."""
 
     def restart(self) -> None:
-        """Forget where the robot's slots lie: it was away."""
-        self._lateness.clear()
+        """Forget where the robot's slots lie: it was away. How long they are stays."""
+        self._sent.clear()
+        self._earliest.clear()
         self._arrival = None
-        self._suspicious = 0
+        self._suspicious = self._frames = self._owed = 0
+        self._missing = 0.0
 
-    def suspect(self) -> None:
-        """Note that bytes came which may have been a frame."""
+    def suspect(self, frames: float = 0.0) -> None:
+        """Note that bytes came which may have been so many frames."""
         self._suspicious = WINDOW
+        self._missing += frames
 
     @property
     def gap(self) -> bool:
@@ -52,31 +73,86 @@ class FrameClock:
 
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
-        if self._arrival is not None and arrival - self._arrival > SILENT:
-            self.suspect()
+        passed = 1 + self._frames_missing(arrival)
         self._arrival = arrival
-        self._slot += 1
-        self._lateness.append(arrival - wire_time - self._slot * oi.SLOT)
-        lost = self._lost_slots()
-        if lost:
-            self._slot += lost
-            recent = list(islice(self._lateness, len(self._lateness) - RECENT, None))
-            self._lateness.clear()
-            self._lateness.extend(late - lost * oi.SLOT for late in recent)
-        stamp = self._slot * oi.SLOT + min(self._lateness)
+        self._slot += passed
+        wrong = self._slots_early(arrival - wire_time)
+        self._slot += wrong
+        self._sent.append((self._slot, arrival - wire_time))
+        late = self._slots_late()
+        if late:
+            self._recount(late)
+        self._learn_period()
+        stamp = self._slot * self.period + min(self._lateness(0, len(self._sent)))
         self._stamp = max(stamp, self._stamp + LEAST_STEP)
-        return self._stamp, (1 + max(lost, 0)) * oi.SLOT
+        return self._stamp, self._duration(passed + wrong + late)
 
-    def _lost_slots(self) -> int:
+    def _duration(self, slots: int) -> float:
+        """Return the seconds of some slots; what is below none is owed to later frames."""
+        self._owed += slots
+        slots = max(0, self._owed)
+        self._owed -= slots
+        return max(slots * self.period, LEAST_STEP)
+
+    def _frames_missing(self, arrival: float) -> int:
+        """Return how many frames seem to be lost before this one: garbage came, or nothing did."""
+        missing, self._missing = round(self._missing), 0.0
+        if self._arrival is None:
+            return 0
+        slots = (arrival - self._arrival) / self.period
+        if arrival - self._arrival > SILENT:
+            self.suspect()
+            self._missing = 0.0
+            return round(slots) - 1
+        return min(missing, int(slots) + 1)
+
+    def _slots_early(self, sent: float) -> int:
+        """Return by how many slots a frame is early (negative): no line is faster than ever."""
+        if self._suspicious <= 0 or not self._sent:
+            return 0
+        earliest = min(self._lateness(0, len(self._sent)))
+        return min(0, round((sent - self._slot * self.period - earliest) / self.period))
+
+    def _lateness(self, begin: int, end: int) -> list[float]:
+        """Return how late frames were by their slots, up to a constant."""
+        return [sent - slot * self.period for slot, sent in islice(self._sent, begin, end)]
+
+    def _slots_late(self) -> int:
         """
-        Return by how many slots all recent frames are late.
+        Return by how many slots all recent frames are late; counted too far they are negative.
 
         One late frame is the line's delay; when none comes in time any more, and there was a
         sign of it, frames are missing. Without a sign a line may just have become slower.
         """
         self._suspicious -= 1
-        older = len(self._lateness) - RECENT
+        older = len(self._sent) - RECENT
         if older <= 0 or self._suspicious < 0:
             return 0
-        before = min(islice(self._lateness, older))
-        return round((min(islice(self._lateness, older, None)) - before) / oi.SLOT)
+        recent = min(self._lateness(older, len(self._sent)))
+        return round((recent - min(self._lateness(0, older))) / self.period)
+
+    def _recount(self, slots: int) -> None:
+        """Put the recent frames into other slots."""
+        self._slot += slots
+        older = len(self._sent) - RECENT
+        recent = [(slot + slots, sent) for slot, sent in islice(self._sent, older, None)]
+        self._sent.clear()
+        self._sent.extend(recent)
+        while self._earliest and self._earliest[-1][0] > self._slot - slots - 2 * RECENT:
+            self._earliest.pop()
+
+    def _learn_period(self) -> None:
+        """Take the slope of the lower envelope, little of it while it is short."""
+        self._frames += 1
+        if self._frames % BLOCK or len(self._sent) < BLOCK:
+            return
+        period = self.period
+        block = islice(self._sent, len(self._sent) - BLOCK, None)
+        self._earliest.append(min(block, key=lambda frame: frame[1] - frame[0] * period))
+        (first, began), (last, ended) = self._earliest[0], self._earliest[-1]
+        slots = last - first
+        if slots > 0:
+            slope = (ended - began) / slots
+            part = slots * slots / (slots * slots + NOMINAL * NOMINAL)
+            period = oi.SLOT + part * (slope - oi.SLOT)
+            self.period = min(LONGEST, max(SHORTEST, period))

@@ -111,7 +111,7 @@ class Driver:
                 self._take_frame(event, now)
             else:
                 self._connection.add_garbage(event.data)
-                self._tracking.clock.suspect()
+                self._tracking.clock.suspect(len(event.data) / self.plan.short.frame_size)
         self.counts.checksum_failures = reader.checksum_failures
 
     def poll(self, now: float) -> None:

@@ -3,13 +3,19 @@
 from .. import oi
 from .supervision import MODE_COMMANDS
 
-DRAIN = b'\xff' + bytes(260)
-"""Ends any command that was cut short, harmlessly (manual: "waiting" state).
-
-The first byte, 255, is no baud code, and as a demo it means `abort`. Zeros do no harm as any other
-data: a count, a speed, an output. Neither byte is an opcode.
-"""
 HALT = oi.DriveDirect(right=0, left=0)
+DRAIN = bytes(2 * HALT.opcode)
+"""Ends any command that was cut short after a `HALT` (manual: "waiting" state).
+
+Zero is no opcode. The longest such command is a Song that takes the opcode for its count of
+notes, of two bytes each.
+"""
+WAKE_UP = 2 * HALT.encode() + DRAIN + HALT.encode()
+"""Stops a robot that may wait for the rest of a command, and has it listen again.
+
+The first `HALT` may be taken as that rest, even as a speed; then the second one stops the wheels.
+docs/reliability.md shows what becomes of each command.
+"""
 END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
 LAST_WORDS = b''.join((
     HALT.encode(), oi.Start().encode(), DRAIN, HALT.encode(), oi.Start().encode()))

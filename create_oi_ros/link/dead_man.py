@@ -7,7 +7,8 @@ normally writes a goodbye to the pipe. If the pipe closes without it, the driver
 it died, and this process writes the bytes that stop the robot.
 
 It also writes them when the driver is suspended (Ctrl-Z, SIGSTOP, a debugger), since nobody is in
-command then: once for each time, and it keeps watching.
+command then: at once, and again every second, as the driver may run for a moment in between and
+be suspended again. It keeps watching.
 
 `DeadMan` is the driver's side. Run as a program, this file is the process. It uses little of the
 standard library, so that it starts in a few milliseconds, before anything moves.
@@ -25,13 +26,15 @@ WRITE_TIMEOUT = 2
 """Seconds after which the process gives up on a line that takes no bytes."""
 CHECK_INTERVAL = 0.04
 """Seconds between two checks whether the driver is suspended; two in a row must find it so."""
+CHECKS_TO_REPEAT = 25
+"""Checks between two times that the last words are written while the driver stays suspended."""
 SUSPENDED = (b'T', b't')
 """Process states: stopped by a signal, and by a debugger (proc(5))."""
 STATUS_LIMIT = 4096
 
 
 class DeadMan:
-    """Watches over one open line until `release`."""
+    """Watches over one open line until `release` or `say_last_words`."""
 
     def __init__(self, line: int, last_words: bytes) -> None:
         """Start the process; `line` is the file descriptor, `last_words` what stops the robot."""
@@ -67,8 +70,12 @@ class DeadMan:
             # It has been killed: there is nothing left to release.
             return
         finally:
-            os.close(self._pipe)
-            self._process.wait()
+            self.say_last_words()
+
+    def say_last_words(self) -> None:
+        """End the process after it has stopped the robot, if the line still takes bytes."""
+        os.close(self._pipe)
+        self._process.wait()
 
 
 def open_status(process: int) -> int | None:
@@ -94,7 +101,7 @@ def watch(pipe: int, line: int, last_words: bytes, driver: int) -> None:
     status, found = open_status(driver), 0
     while not select.select([pipe], [], [], CHECK_INTERVAL)[0]:
         found = found + 1 if is_suspended(status) else 0
-        if found == 2:
+        if found % CHECKS_TO_REPEAT == 2:
             write_all(line, last_words)
     if os.read(pipe, 1) != GOODBYE:
         write_all(line, last_words)

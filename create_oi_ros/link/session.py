@@ -80,17 +80,23 @@ class Session:
         self._closing.set()
         with self._lock:
             self.driver.shut_down(time.monotonic())
-            farewell = self.driver.data_to_send()
+            stopped = self._say_farewell()
             self._report_events()
-            if self._port is not None and farewell:
-                try:
-                    self._port.write(farewell)
-                    self._port.flush()
-                except PortError as error:
-                    self._report(error)
         if self._thread.is_alive():
             self._thread.join()
-        self._close_port()
+        self._close_port(stopped=stopped)
+
+    def _say_farewell(self) -> bool:
+        """Write the driver's last commands; False if the line did not take them."""
+        farewell = self.driver.data_to_send()
+        if self._port is not None and farewell:
+            try:
+                self._port.write(farewell)
+                self._port.flush()
+            except PortError as error:
+                self._report(error)
+                return False
+        return True
 
     def _run(self) -> None:
         pause = RETRY_FIRST
@@ -214,14 +220,18 @@ class Session:
             self._on_event(event)
 
     def _lose(self, error: PortError) -> None:
-        self._close_port()
+        self._close_port(stopped=False)
         self.driver.disconnected(str(error))
         self._report(error)
 
-    def _close_port(self) -> None:
+    def _close_port(self, *, stopped: bool) -> None:
+        """Close the port; a robot that may not have been stopped is left to the dead-man first."""
         # The dead-man holds the line open too, and would keep it from being opened again.
         if self._dead_man is not None:
-            self._dead_man.release()
+            if stopped:
+                self._dead_man.release()
+            else:
+                self._dead_man.say_last_words()
             self._dead_man = None
         if self._port is not None:
             self._port.close()

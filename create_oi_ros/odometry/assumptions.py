@@ -1,48 +1,115 @@
-"""What the tracks take for granted: SI units, standard deviations unless it says otherwise."""
+"""
+What may be assumed of a robot, and how plausible each assumption is.
 
-from math import pi
+An assumption is how readings are rounded, where encoders take their signs from, and the kind of
+response that a track begins with.
+"""
 
-MM = 1e-3
-DEGREE = pi / 180
-GAIN_SPREAD, SEPARATION_SPREAD = 0.02, 0.006
-"""Standard deviations of gain and separation at the start, relative."""
-RAMP_SPREAD = 0.25
-"""Standard deviation around one first guess of the acceleration, relative."""
-LAG_SPREAD = 0.005
-"""Standard deviation of the lag at the start, in seconds."""
-GAINS, SEPARATIONS, ACCELERATIONS = (0.92, 1.08), (0.252, 0.264), (0.1, 10.0)
-"""What no lesson goes beyond: m, m/s²."""
-HALF_SLOT = 0.0075
-JITTER = 1 / 16
-"""Variance, in squared slots, of the moment at which a request takes effect, about the learned
-lag; 1/12 would be any moment, and 0 always the same."""
-GAIN_DRIFT = 1e-4
-"""Standard deviation of a gain's random walk, per root second of motion."""
-ASTRAY = 0.09
-"""Metres by which a wheel that is not driven as requested strays from its encoder, per root metre:
-nobody knows when it reverses, and its encoder counts on with the old sign."""
-TOP_SPEED = 0.5
-"""m/s, of either wheel (manual)."""
-RAMP_NOISE = 0.002
-"""Part of a ramp's travel by which it departs from a constant acceleration."""
-UNWATCHED = 3.0
-"""Seconds after which a robot that moved on its own may have gone anywhere between two readings,
-whatever their sum."""
-ROAMING = TOP_SPEED / 8
-"""Growth of the doubt about the place of such a robot, m/s."""
-WANDER = 0.5
-"""Acceleration of a robot that moves on its own, m/s per root second."""
-SURPRISE, SURPRISE_FLOOR = 5.0, 0.1
-"""Standard deviations, and units added to them, beyond which prediction has failed."""
-CERTAIN = 1e-14
-"""Variance, m² or rad², of what is known exactly: more would be numerical trouble."""
-UNLIKELY = 1e-2
-"""Likelihood that is left to a reading that ought not to be."""
-LONGEST_SEGMENT = 0.25
-"""Seconds between updates of the covariance."""
-EXPLICABLE = 3.0, 0.15
-"""Units, and part of the path, by which wrong parameters may make prediction fail."""
-BELIEVABLE = 2.0, 0.05
-"""Units, and part of the travel, by which a robot that obeys again may miss its prediction."""
-TELLING_TIME = 0.2
-"""Seconds that a window must last to show that a robot obeys again."""
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from . import states as s
+from .request_history import Array
+from .rounding import Rounding
+from .wheel_model import LAST, NONE, Signs, UPWARD
+
+SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, True))
+"""Signs of encoders, and whether they wait for the dead time."""
+LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
+LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
+"""How much likelier than the rest these are before the first reading; reported of real robots."""
+IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
+"""Weights below which a track is given up, and below which it has no share in the estimate."""
+CLEAR, LEAST_WEIGHT = 5.0, 2e-6
+"""Doubt of the best track from which on no other is given up, and the weight that others keep."""
+YOUNG, OLD = 30, 120
+"""Readings from which on only one track of each kind is kept, and none for the sake of variety."""
+MISTRUST, TEMPER, LEAST = 1000.0, 0.5, 4.0
+"""Doubt of the best track up to which likelihoods count less, and by which power of it; the most
+by which one reading may tell two tracks apart, as a logarithm."""
+
+
+@dataclass
+class Assumptions:
+    """The rows of all tracks; the best first after each reading."""
+
+    roundings: list[Rounding]
+    signs: Signs
+    weights: Array
+    doubt: Array
+    """What process noise is multiplied by, as innovations have it."""
+    means: Array
+    p: Array
+    """Covariances, a matrix a track."""
+    readings: int = 0
+
+    @classmethod
+    def all(cls) -> 'Assumptions':
+        """Assume anything that is plausible of a robot that nobody knows."""
+        kinds = list(product(Rounding, SIGNS, s.RESPONSES))
+        weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN.get(sign, 1.0)
+                            for rounding, sign, _ in kinds])
+        means, p = np.zeros((len(kinds), s.SIZE)), np.zeros((len(kinds), s.SIZE, s.SIZE))
+        for row, (_, _, response) in enumerate(kinds):
+            for index, prior in (s.COMMON | response).items():
+                means[row, index], p[row, index, index] = prior.mean, prior.spread ** 2
+        signs = Signs(np.array([kind for _, (kind, _), _ in kinds]),
+                      np.array([late for _, (_, late), _ in kinds]))
+        return cls([rounding for rounding, _, _ in kinds], signs, weights / weights.sum(),
+                   np.ones(len(kinds)), means, p)
+
+    def shares(self) -> Array:
+        """Return what each track contributes to the estimate."""
+        shares: Array = np.where(self.weights < NEGLIGIBLE, 0.0, self.weights)
+        shares /= shares.sum()
+        return shares
+
+    def weigh(self, logs: Array) -> None:
+        """Weigh the tracks by how likely each found a reading (logarithms); drop some."""
+        logs = logs / np.clip(self.doubt[self.weights.argmax()], 1.0, MISTRUST) ** TEMPER
+        weights = self.weights * np.exp(np.maximum(logs - logs.max(), -LEAST))
+        weights /= weights.sum()
+        if self.doubt[weights.argmax()] > CLEAR and self.readings < OLD:
+            weights = np.maximum(weights, LEAST_WEIGHT)
+        self.weights = weights
+        self.readings += 1
+        order = [int(i) for i in np.argsort(-weights) if weights[i] > IMPLAUSIBLE]
+        if self.readings > YOUNG:
+            kinds: dict[Any, int] = {}
+            for i in order:
+                kind = self.roundings[i], int(self.signs.kinds[i]), bool(self.signs.late[i])
+                kinds.setdefault(kind, i)
+            order = list(kinds.values())
+        self._select(order)
+
+    def bound(self) -> None:
+        """Keep all unknowns where they can be."""
+        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
+            values = self.means[:, index]
+            np.clip(values, prior.low, prior.high, out=values)
+
+    def join(self, others: 'Assumptions', weight: float) -> None:
+        """Try others beside these, which have this weight together."""
+        def both(mine: Array, theirs: Array) -> Array:
+            return np.concatenate([mine, theirs])
+        self.roundings = self.roundings + others.roundings
+        self.signs = Signs(*map(both, self.signs, others.signs))
+        self.weights = both(self.weights * (1 - weight), others.weights * weight)
+        self.doubt, self.means = both(self.doubt, others.doubt), both(self.means, others.means)
+        self.p = both(self.p, others.p)
+        self.readings = 0
+
+    def clear(self, index: int, mean: float = 0.0, variance: float | Array = 0.0) -> None:
+        """Set what all tracks believe of a state, whatever they have learned."""
+        self.means[:, index] = mean
+        self.p[:, index, :] = self.p[:, :, index] = 0.0
+        self.p[:, index, index] = variance
+
+    def _select(self, order: list[int]) -> None:
+        self.roundings = [self.roundings[i] for i in order]
+        self.signs = Signs(self.signs.kinds[order], self.signs.late[order])
+        self.weights = self.weights[order] / self.weights[order].sum()
+        self.doubt, self.means, self.p = self.doubt[order], self.means[order], self.p[order]

@@ -3,14 +3,16 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ..robot import WHEEL_RADIUS, WHEEL_SEPARATION
+
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """The robot's dimensions and the corrections that calibration found."""
 
-    wheel_separation: float = 0.258
+    wheel_separation: float = WHEEL_SEPARATION
     """Metres between the wheels' contact points."""
-    wheel_radius: float = 0.033
+    wheel_radius: float = WHEEL_RADIUS
     """Metres; only the wheels' joint angles depend on it."""
     linear_scale: float = 1.0
     """True distance over the distance that the robot reports."""

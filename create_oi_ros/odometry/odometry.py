@@ -1,18 +1,20 @@
 """
 Pose, twist and covariance from every frame and a reading now and then.
 
-Between readings the tracks predict from the requested speeds, a reading corrects them (`track`),
-and readings also tell which of them to believe (`beliefs`). This file follows the best track
-smoothly: the estimate moves as the track moves, and corrections are blended in.
+Between readings the tracks predict from the requested speeds, readings correct them and tell which
+of them to believe (`tracks`). This file watches whether the wheels obey at all, and follows the
+tracks' mean smoothly: the estimate moves as they move, and corrections are blended in.
 """
 
 from math import cos, exp, hypot, sin
 
-from .assumptions import DEGREE, TOP_SPEED
-from .beliefs import Beliefs
+from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .estimate import Estimate, Geometry, Increment
+from .obedience import Obedience
 from .plain import PlainOdometry
-from .reading_plan import ANSWER, ReadingPlan, SLOT
+from .reading_plan import ReadingPlan
+from .states import DEGREE
+from .tracks import Held, LATE, Tracks
 
 BLEND = 0.1
 """Seconds in which a correction is blended in, ..."""
@@ -21,12 +23,12 @@ STEP, TWIST = 1e-3, 0.2 * DEGREE
 FAR, ASKEW = 0.03, 5 * DEGREE
 """... unless it is larger than this, because the robot moved on its own: then as fast as it can
 have moved, ..."""
-TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / 0.258
+TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / WHEEL_SEPARATION
 """... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
-LATE = 1.5 * SLOT
-"""Seconds between two frames from which on one was lost."""
 NEAR = 1e-7
 """m and rad by which an estimate that stands need not come nearer to its track."""
+COVARIANCE_EVERY = 20
+"""Frames from one covariance of the prediction to the next."""
 AS_BUILT = Geometry()
 FLOOR = 1e-9
 """Variance of a pose that is known exactly, m² and rad²."""
@@ -44,23 +46,29 @@ class Odometry:
         self.geometry = geometry
         self.window = window
         self.estimate = Estimate()
-        self.beliefs = Beliefs(geometry)
+        self.tracks = Tracks(geometry)
         self._plain = PlainOdometry(geometry)
         self._plan = ReadingPlan(window)
+        self._obedience = Obedience()
         self._discard = True
-        self._gap = False
-        self._doubt = False
-        self._missed: tuple[float, float] | None = None
-        """What the accumulators were believed to hold when a reading that was asked for had not
-        come, and a frame was lost that may have carried it."""
+        self._gap = self._doubt = False
+        self._missed: list[tuple[Held, Held]] = []
+        """What the accumulators were believed to hold when a reading was asked for that may have
+        been lost, and at the end of the frames that may have carried it."""
+        self._asked = self.tracks.held
         self._lost = False
         """Whether frames were lost since a reading was asked for."""
-        self._driven = self._lifted = False
-        self._at_rest = False
-        self._rested = 0.0
-        """Seconds of rest that the tracks have not been told of."""
+        self._driven: bool | None = None
+        """Whether the wheels obeyed their requests in the last frame; None before the first."""
+        self._lifted = False
         self._caught_up = False
-        """Whether the estimate stands where the best track does."""
+        """Whether the estimate stands where the tracks do."""
+        self._goal = (0.0, 0.0, 0.0)
+        """Where the tracks' mean is."""
+        self._covariance = self.estimate.pose_covariance
+        self._twist_variance = self.estimate.twist_covariance
+        self._unseen = 0
+        """Frames since the tracks were last asked how sure they are after a reading."""
 
     @property
     def reading_due(self) -> bool:
@@ -77,8 +85,8 @@ class Odometry:
         e = self.estimate
         self.estimate = Estimate(right_wheel=e.right_wheel, left_wheel=e.left_wheel)
         self._caught_up = False
-        for track in self.beliefs.tracks:
-            track.reset()
+        self.tracks.reset()
+        self._look()
 
     def recounted(self) -> None:
         """Learn nothing from the next reading: the robot has set its accumulators to zero."""
@@ -95,13 +103,23 @@ class Odometry:
         if not self.window:
             self.estimate = self._as_reported(increment)
             return self.estimate
+        before = self._goal
         rested = self._move(increment)
-        best = self.beliefs.best
-        went, turned = best.went, best.turned
+        after = before if rested else self.tracks.pose()
+        self._goal = after
+        self._unseen += 1
         if increment.distance is not None and increment.angle is not None:
-            self._read(increment.distance, increment.angle, increment.driven)
-        elif rested and self._caught_up:
+            self._read(increment.distance, increment.angle)
+            self._look()
+            self._unseen = 0
+        elif self._unseen % COVARIANCE_EVERY == 0 and not rested:
+            self._look()
+        if self._plan.due:
+            self._asked, self._lost = self.tracks.held, False
+        if rested and self._caught_up and self._unseen:
             return self.estimate  # nothing has moved, nothing was learned
+        turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
+        went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
         self.estimate = self._followed(increment.dt, went, turned)
         return self.estimate
 
@@ -113,77 +131,59 @@ class Odometry:
 
     def _move(self, increment: Increment) -> bool:
         """Let the tracks predict, and plan the next reading; True where nothing has moved."""
-        dt, driven = increment.dt, increment.driven
+        dt, driven, tracks = increment.dt, increment.driven, self.tracks
         right, left = (increment.right, increment.left) if driven else (0.0, 0.0)
-        best = self.beliefs.best
-        steady = right == best.right.request and left == best.left.request
-        usual = steady and not self._gap and increment.lifted == self._lifted
-        if increment.lost:
-            for track in self.beliefs.tracks:
-                track.note_gap(right, left)
-        rested = self._at_rest and usual and dt <= LATE
-        if rested:
-            self._rested += dt
-            best.went = best.turned = 0.0
-        else:
-            self._advance(dt, right, left, increment.lifted)
+        steady = (right, left) == tracks.requests
+        if increment.lifted != self._lifted:
+            tracks.lift(increment.lifted)
         if driven != self._driven:
             self._plan.hurry()
+            tracks.free(not driven)
+        if self._gap:
+            tracks.resume(right, left)
+        rested = steady and tracks.rests
+        tracks.advance(dt, right, left)
+        if dt > LATE and not steady:
+            self._plan.hurry()
+        self._obedience.step(dt, right, left, tracks)
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
-        lost = self._lost or increment.lost
-        if self._plan.step(dt, steady=steady, beliefs=self.beliefs) and lost:
-            self._missed = best.distance, best.angle
-        self._lost = lost and not self._plan.due
+        self._lost = self._lost or increment.lost
+        in_vain = self._plan.step(dt, steady=steady, tracks=tracks)
+        if in_vain and self._lost:
+            self._missed.append((self._asked, tracks.held))
         return rested
 
-    def _advance(self, dt: float, right: float, left: float, lifted: bool) -> None:
-        """Let the tracks predict."""
-        self._tell_rest()
-        late = dt > LATE
-        missed = dt - SLOT if late and self.beliefs.best.unseen else 0.0
-        for track in self.beliefs.tracks:
-            if self._gap:
-                track.resume(right, left)
-            if lifted != self._lifted:
-                track.lift(lifted)
-            track.advance(dt - missed, right, left)
-            if late:
-                track.make_up(missed, SLOT)
-        self._at_rest = all(track.stands for track in self.beliefs.tracks)
-
-    def _tell_rest(self) -> None:
-        """Tell the tracks how long nothing has moved: there may be many, and frames are many."""
-        for track in self.beliefs.tracks:
-            track.rest(self._rested)
-        self._rested = 0.0
-
-    def _read(self, distance: int, angle: int, driven: bool) -> None:
-        self._tell_rest()
+    def _read(self, distance: int, angle: int) -> None:
         self._plan.came()
-        missed, self._missed = self._missed, None
-        if self._discard or missed is not None and self.beliefs.best.since(
-                missed, distance, angle, ANSWER * SLOT):
+        tracks, obedience = self.tracks, self._obedience
+        missed, self._missed = self._missed, []
+        if self._lost:
+            missed.append((self._asked, tracks.held))
+        if self._discard or any(tracks.since(*held, distance, angle) for held in missed):
             # The first reading may hold travel from before; one that was lost on the line has
             # taken away what this one lacks.
-            for track in self.beliefs.tracks:
-                track.discard()
+            tracks.discard()
         else:
-            if self._doubt:
-                for track in self.beliefs.tracks:
-                    track.doubt(distance, angle)
-            self.beliefs.read(distance, angle, driven=driven)
+            if self._driven:
+                obedience.judge(distance, angle, tracks)
+            tracks.read(distance, angle, doubted=self._doubt)
+        obedience.restart()
         self._discard = self._doubt = False
-        self._at_rest = False  # it may have been pushed
+
+    def _look(self) -> None:
+        """Ask the tracks where the robot is, and how sure they are."""
+        self._goal = self.tracks.pose()
+        self._covariance = self.tracks.pose_covariance()
+        self._twist_variance = self.tracks.twist_variance()
 
     def _followed(self, dt: float, went: float, turned: float) -> Estimate:
-        """Move the estimate as the best track moved, and some way towards it."""
-        before, best, g = self.estimate, self.beliefs.best, self.geometry
+        """Move the estimate as the tracks' mean moved, and some way towards it."""
+        before, g, goal = self.estimate, self.geometry, self._goal
         went = max(-TOP * dt, min(TOP * dt, went))
         turned = max(-TOP_TURN * dt, min(TOP_TURN * dt, turned))
         middle = before.yaw + turned / 2
-        chord = went * (1 - turned * turned / 24)
-        dx, dy = chord * cos(middle), chord * sin(middle)
-        x, y, yaw = best.x - before.x - dx, best.y - before.y - dy, best.yaw - before.yaw - turned
+        dx, dy = went * cos(middle), went * sin(middle)
+        x, y, yaw = goal[0] - before.x - dx, goal[1] - before.y - dy, goal[2] - before.yaw - turned
         part = 1 - exp(-dt / BLEND)
         share = _share(part, hypot(x, y), STEP, FAR, TOP * dt - abs(went))
         self._caught_up = not went and not turned and hypot(x, y) < NEAR and abs(yaw) < NEAR
@@ -196,22 +196,17 @@ class Odometry:
             x=before.x + dx, y=before.y + dy, yaw=before.yaw + dyaw,
             linear=went / dt, angular=turned / dt,
             pose_covariance=self._spread((1 - share) * x, (1 - share) * y, yaw - twist),
-            twist_covariance=best.twist_variance,
+            twist_covariance=self._twist_variance,
             right_wheel=before.right_wheel + (forward + half) / g.wheel_radius,
             right_wheel_speed=(went / dt + rate) / g.wheel_radius,
             left_wheel=before.left_wheel + (forward - half) / g.wheel_radius,
             left_wheel_speed=(went / dt - rate) / g.wheel_radius)
 
     def _spread(self, x: float, y: float, yaw: float) -> tuple[float, ...]:
-        """Return the covariance of an estimate that is so far behind the best track."""
-        best = self.beliefs.best
-        (xx, xy, xa, *_), (_, yy, ya, *_), (_, _, aa, *_) = best.errors.rows[:3]
-        leads = [(1.0, x, y, yaw)]
-        for rival in self.beliefs.rivals:
-            leads.append((rival.weight, rival.x - best.x, rival.y - best.y, rival.yaw - best.yaw))
-        for weight, x, y, yaw in leads:
-            xx, xy, xa = xx + weight * x * x, xy + weight * x * y, xa + weight * x * yaw
-            yy, ya, aa = yy + weight * y * y, ya + weight * y * yaw, aa + weight * yaw * yaw
+        """Return the covariance of an estimate that is so far behind the tracks."""
+        xx, xy, xa, _, yy, ya, _, _, aa = self._covariance
+        xx, xy, xa = xx + x * x, xy + x * y, xa + x * yaw
+        yy, ya, aa = yy + y * y, ya + y * yaw, aa + yaw * yaw
         return xx + FLOOR, xy, xa, xy, yy + FLOOR, ya, xa, ya, aa + FLOOR
 
 

@@ -1,10 +1,11 @@
 """Odometry as the robot reports it: every reading is taken for the truth."""
 
-from math import cos, pi, sin
+from math import cos, sin
 
 from .estimate import Estimate, Geometry, Increment
+from .states import DEGREE, MM
 
-LOST_DISTANCE, LOST_ANGLE = 1e-3 ** 2 / 3, (pi / 180) ** 2 / 3
+LOST_DISTANCE, LOST_ANGLE = MM ** 2 / 3, DEGREE ** 2 / 3
 """Variance of what one reading drops, m² and rad², if drops were independent; they are not."""
 
 
@@ -21,8 +22,8 @@ class PlainOdometry:
         if increment.distance is None or increment.angle is None:
             return before
         g, dt, self._waiting = self.geometry, self._waiting, 0.0
-        distance = increment.distance / 1000 * g.linear_scale
-        angle = increment.angle * pi / 180 * g.angular_scale
+        distance = increment.distance * MM * g.linear_scale
+        angle = increment.angle * DEGREE * g.angular_scale
         middle = before.yaw + angle / 2
         chord = distance * (sin(angle / 2) / (angle / 2) if angle else 1.0)
         dx, dy = chord * cos(middle), chord * sin(middle)

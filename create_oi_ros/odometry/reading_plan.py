@@ -1,38 +1,39 @@
 """
 When to ask the robot for distance and angle.
 
-Each reading costs what is below a whole unit, so the robot is asked once a window, and while the
-wheels run at their goals where that is possible. As long as its rounding is unknown, it is also
-asked in some frames in a row at moments at which the roundings would answer differently.
+Each reading may cost what is below a whole unit, and one that falls into a change of speed tells
+least. So the robot is asked about once a window, when its wheels have had time to follow, and less
+often while nothing changes. As long as its rounding is unknown, it is also asked in some frames in
+a row at moments at which the roundings would answer differently.
 """
 
-from .assumptions import DEGREE, MM
-from .beliefs import Beliefs
-from .errors import RAMP
 from .rounding import Rounding
+from .states import DEGREE, MM
+from .tracks import Tracks
 
-SLOT = 0.015
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
-PATIENCE = 1.5
-"""Windows after which a reading no longer waits for the wheels to reach their goals."""
+WAITS = 0.7, 5.0
+"""Windows between readings, at least and at most, while the requests stay the same, ..."""
+GROWTH = 0.8
+"""... and the part of the seconds since the last change: the longer, the better known."""
+VARIED = 0.8, 0.4
+"""Least factor by which waits vary, and how much they vary by."""
+STANDING = 1.0
+"""Windows between readings at rest."""
+UNSETTLED = 2.0
+"""Windows between readings while the requests change."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
-WAITS = 0.5, 1.0
-"""Windows between readings, at least and at most, ..."""
-STEADY_WAITS = 0.5, 2.0
-"""... and once the rounding is known, while the requests stay the same, ..."""
-UNSURE = 0.1
-"""Relative error of the acceleration above which a reading waits for ramps to end, ..."""
-SETTLED, UNSETTLED = 1.0, 2.5
-"""... for so many seconds after a request, and so many windows at most."""
+SETTLED = 0.45
+"""Seconds after a request in which most wheels have followed it."""
 GOLDEN = 0.618
-"""... and the step that fills this range evenly."""
+"""The step that fills a range of waits evenly."""
 PROBE = 8
 """Frames of a probe."""
-PROBE_EVERY = 1.0
+PROBE_EVERY = 1.5
 """Seconds from one probe to the next."""
-STEADY = 0.2
+PROBE_STEADY = 0.6
 """Seconds without a change of request before a probe."""
 
 
@@ -59,9 +60,9 @@ class ReadingPlan:
 
     def hurry(self) -> None:
         """Ask soon: what the robot does has changed for a reason of its own."""
-        self._age = PATIENCE * self.window
+        self._age = max(self._age, UNSETTLED * self.window)
 
-    def step(self, dt: float, *, steady: bool, beliefs: Beliefs) -> bool:
+    def step(self, dt: float, *, steady: bool, tracks: Tracks) -> bool:
         """
         Let a frame pass; `steady`: with the same requests as the one before.
 
@@ -77,41 +78,38 @@ class ReadingPlan:
             self.due = True
         elif self.pending:
             self.due = False
-        elif self._worth_a_probe(beliefs):
+        elif self._worth_a_probe(dt, tracks):
             self._probe, self._probed = PROBE, 0.0
             self.due = True
         else:
-            self.due = self._age >= self._patience(beliefs)
+            self.due = self._age >= self._patience(tracks)
         if self.due:
             self._asked = 0
         return in_vain
 
-    def _patience(self, beliefs: Beliefs) -> float:
+    def _patience(self, tracks: Tracks) -> float:
         """
         Return the seconds to wait after the last reading.
 
         They vary: steady motion read at even intervals would be rounded alike each time.
         """
-        best = beliefs.best
-        if best.free is not None:
+        if tracks.is_free:
             return FREE * self.window
-        if best.errors.variance(RAMP) > UNSURE ** 2 and self._steady < SETTLED:
-            # A ramp that is half over tells little of an acceleration that is hardly known.
+        if self._steady < SETTLED:
             return UNSETTLED * self.window
-        plain = len(beliefs.roundings) == 1 and self._steady > self._age
-        shortest, longest = STEADY_WAITS if plain else WAITS
-        varied = self.window * (shortest + (longest - shortest) * (self._readings * GOLDEN % 1))
-        return varied * (1.0 if best.settled else PATIENCE)
+        shortest, longest = WAITS
+        wait = STANDING if tracks.rests else min(longest, max(shortest, GROWTH * self._steady))
+        return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))
 
-    def _worth_a_probe(self, beliefs: Beliefs) -> bool:
+    def _worth_a_probe(self, dt: float, tracks: Tracks) -> bool:
         """Tell whether readings in a row would now tell the roundings that are left apart."""
-        best, roundings = beliefs.best, beliefs.roundings
-        if (len(roundings) == 1 or self._steady < STEADY or self._probed < PROBE_EVERY
-                or not best.settled or best.free is not None):
+        if (self._steady < PROBE_STEADY or self._probed < PROBE_EVERY or not tracks.settled
+                or tracks.is_free):
             return False
-        right, left = best.speeds
-        steps = ((right + left) / 2 / MM, (right - left) / best.separation / DEGREE)
-        rests = [abs(step * SLOT) % 1 for step in steps]
+        roundings = tracks.roundings
+        if len(roundings) == 1:
+            return False
+        rests = [abs(rate) * dt / unit % 1 for rate, unit in zip(tracks.rates, (MM, DEGREE))]
         # Above a half, rounding gains what truncation loses; below it both lose the same.
         return any(0.62 < rest < 0.88 or Rounding.CARRY in roundings and 0.15 < rest < 0.38
                    for rest in rests)

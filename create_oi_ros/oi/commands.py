@@ -98,11 +98,22 @@ class Demo(Command, title='Demo', opcode=136, section=DEMOS, modes=STARTED, ente
     demo: Annotated[int, choice('b', DemoNumber)]
 
 
+RADIUS = Wire('h', -2000, 2000, 'mm', names=Radius)
+
+
 class Drive(Command, title='Drive', opcode=137, section=ACTUATORS, modes=ACTUATE):
-    """Drive along an arc; positive velocity is forward, positive radius turns left."""
+    """
+    Drive along an arc; positive velocity is forward, positive radius turns left.
+
+    The radius for straight may be written as -32768 or, as in the manual, hex 8000.
+    """
 
     velocity: Annotated[int, SPEED]
-    radius: Annotated[int, Wire('h', -2000, 2000, 'mm', names=Radius)]
+    radius: Annotated[int, RADIUS]
+
+    def __post_init__(self) -> None:
+        if isinstance(self.radius, int):
+            object.__setattr__(self, 'radius', RADIUS.signed(self.radius))
 
 
 class LowSideDrivers(

@@ -158,19 +158,41 @@ class PacketList:
         return Readings.of_fields(dict(zip(self.names, numbers)))
 
     def pack_reply(self, values: Sequence[int]) -> bytes:
-        """Encode the reply to Query List (or Sensors), values in the order of `packets`."""
-        return self._values.pack(*values)
+        """
+        Encode the reply to Query List (or Sensors), values in the order of `packets`.
+
+        ValueError if the number of values is wrong, or a value does not fit into its bytes.
+        """
+        try:
+            return self._values.pack(*values)
+        except struct.error:
+            raise ValueError(self._refusal(values)) from None
 
     def pack_frame(self, values: Sequence[int], *, header_in_sum: bool = True) -> bytes:
         """
         Encode a stream frame, values in the order of `packets`.
 
         The manual leaves the header out of the checksum; real robots include it. ValueError if
-        the list is too long for the length byte.
+        the list is too long for the length byte, the number of values is wrong, or a value does
+        not fit into its bytes.
         """
         if self.frame_size > FRAME_LIMIT:
             raise ValueError(f'frame of {self.frame_size} bytes; allowed: up to {FRAME_LIMIT}')
-        whole = int.from_bytes(self._frame.pack(*values)) | self._tags
+        try:
+            packed = self._frame.pack(*values)
+        except struct.error:
+            raise ValueError(self._refusal(values)) from None
+        whole = int.from_bytes(packed) | self._tags
         frame = bytearray(whole.to_bytes(self.frame_size))
         frame[-1] = (0 if header_in_sum else HEADER) - sum(frame) & 0xff
         return bytes(frame)
+
+    def _refusal(self, values: Sequence[object]) -> str:
+        """Say why values cannot be encoded."""
+        if len(values) != len(self.packets):
+            return f'{len(values)} values for packets {self.ids}; expected {len(self.packets)}'
+        for name, packet, value in zip(self.names, self.packets, values):
+            low, high = packet.wire.limits
+            if not isinstance(value, int) or not low <= value <= high:
+                return f'{name} (packet {packet.id}) = {value!r}; allowed: {low} to {high}'
+        raise AssertionError(f'{values} can be encoded')

@@ -185,9 +185,11 @@ class StreamReader:
         Tell whether a frame with this sum is correct, and change to its checksum convention.
 
         The first frame decides the convention. Later, one damaged frame in 256 is correct by the
-        other convention by chance: such frames are refused until several come in a row.
+        other convention by chance: such frames are refused until several come in a row, with no
+        frame between them that is correct by neither.
         """
         if total not in BY_TOTAL:
+            self._other_in_a_row = 0
             return False
         self._other_in_a_row += 1
         if self._total is not None and self._other_in_a_row < SWITCH_AFTER:

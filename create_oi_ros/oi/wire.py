@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from functools import cached_property
 from operator import index
+from struct import calcsize
 from typing import Any
 
 BIG_ENDIAN = '>'
@@ -47,6 +48,17 @@ class Wire:
         if self.names is None and not self.but:
             return inside
         return frozenset(inside).union(self._values).difference(self.but)
+
+    @property
+    def limits(self) -> tuple[int, int]:
+        """The least and the greatest number that its bytes can hold."""
+        numbers = 1 << 8 * calcsize(self.format)
+        return (-numbers // 2, numbers // 2 - 1) if self.format.islower() else (0, numbers - 1)
+
+    def signed(self, value: int) -> int:
+        """Return a named number that was written without its sign, such as hex 8000, with it."""
+        return value if value <= self.high else self._values.get(
+            value + 2 * self.limits[0], value)
 
     def allows(self, value: object) -> bool:
         """Tell whether a value may be sent; only a whole number may."""

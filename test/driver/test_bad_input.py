@@ -22,7 +22,7 @@ from rclpy.task import Future
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings
-from create_oi_ros.driver.stopping import DRAIN
+from create_oi_ros.driver.stopping import WAKE_UP
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.parameter_checks import declare
 from create_oi_ros.ros.parameters import Parameters
@@ -214,7 +214,7 @@ def test_a_parameter_within_its_range_is_taken_at_start_and_works(node, declared
     loop = Loop(parameters.settings())
     loop.run(0.3)
     loop.drive(0.2, 1.0, 0.2)
-    legal_commands(loop.heard.replace(DRAIN, b''))
+    legal_commands(loop.heard.replace(WAKE_UP, b''))
 
 
 @pytest.mark.parametrize(('declared', 'value'), cases(bad_at_start))

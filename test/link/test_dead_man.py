@@ -105,6 +105,24 @@ def test_each_time_that_it_is_suspended_for_two_looks_is_one_for_last_words(monk
         os.close(end)
 
 
+def test_while_it_stays_suspended_the_last_words_are_repeated(monkeypatch):
+    pipe, speaking = os.pipe()
+    reading, writing = os.pipe()
+    looks = iter([True] * (2 * dead_man.CHECKS_TO_REPEAT + 2))
+
+    def look(_: int) -> bool:
+        seen = next(looks, None)
+        if seen is None:
+            os.write(speaking, GOODBYE)
+        return bool(seen)
+    monkeypatch.setattr(dead_man, 'is_suspended', look)
+    monkeypatch.setattr(dead_man, 'CHECK_INTERVAL', 0.0)
+    watch(pipe, writing, WORDS, os.getpid())
+    assert os.read(reading, 100) == WORDS * 3
+    for end in (pipe, speaking, reading, writing):
+        os.close(end)
+
+
 def test_only_a_stopped_process_is_seen_as_stopped():
     assert not dead_man.is_suspended(dead_man.open_status(os.getpid()))
     assert dead_man.open_status(2 ** 22 + 1) is None, 'no process has such a number'

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
+from create_oi_ros.oi.tools.text import parse_commands
 from create_oi_ros.oi.wire import Counted, Wire
 from support.oi_strategies import commands
 import vectors
@@ -115,6 +116,15 @@ def test_a_value_out_of_range_is_refused_on_encoding(command: oi.Command, name: 
         command.encode()
     message = str(refused.value)
     assert message.startswith(f'{command.title}: {name} ') and 'allowed: ' in message
+
+
+def test_straight_may_be_written_as_the_manual_does() -> None:
+    straight = oi.Drive(velocity=200, radius=0x8000)
+    assert straight == oi.Drive(velocity=200, radius=-0x8000)
+    assert straight.radius is oi.Radius.STRAIGHT
+    assert oi.Drive.decode(straight.encode()) == straight
+    assert parse_commands('drive velocity=200 radius=0x8000') == [straight]
+    assert parse_commands('drive velocity=200 radius=32768') == [straight]
 
 
 @pytest.mark.parametrize('command, message', [

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 import copy
 import pickle
+import re
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -270,3 +271,16 @@ def test_a_frame_is_what_the_manual_says(
     assert not rest
     assert packets.matches(frame)
     assert packets.unpack_frame(frame) == packets.unpack_reply(packets.pack_reply(values))
+
+
+@pytest.mark.parametrize('values, message', [
+    ([40000, 0], 'distance (packet 19) = 40000; allowed: -32768 to 32767'),
+    ([0, 2.5], 'angle (packet 20) = 2.5; allowed: -32768 to 32767'),
+    ([0, None], 'angle (packet 20) = None; allowed: -32768 to 32767'),
+    ([0], '1 values for packets (19, 20); expected 2'),
+])
+def test_values_that_cannot_be_encoded_are_named(values: list[int], message: str) -> None:
+    packets = oi.PacketList([19, 20])
+    for pack in (packets.pack_reply, packets.pack_frame):
+        with pytest.raises(ValueError, match=f'^{re.escape(message)}$'):
+            pack(values)

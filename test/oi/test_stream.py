@@ -180,6 +180,14 @@ def test_the_checksum_convention_is_kept_until_the_other_repeats() -> None:
     assert kinds(events([GOOD], reader=reader)) == 'g'
 
 
+def test_damaged_frames_in_between_are_not_a_row() -> None:
+    damaged = GOOD[:-1] + bytes([GOOD[-1] + 1 & 0xff])
+    reader = oi.StreamReader([CLIFF])
+    found = events([GOOD + (damaged * 50 + BY_THE_MANUAL) * 2 * SWITCH_AFTER], reader=reader)
+    assert [event for event in found if isinstance(event, oi.Frame)] == found[:1]
+    assert reader.checksum is oi.Checksum.HARDWARE
+
+
 def test_the_boot_banner_is_reported() -> None:
     for chunks in ([BANNER + GOOD], bytewise(BANNER + GOOD)):
         garbage, frame = events(chunks, CLIFF)

@@ -23,7 +23,7 @@ ROSDEP_KEYS = {name: f'python3-{name}' for name in (
 """Modules whose rosdep key has another name."""
 NO_KEY = {'mcap', 'playwright', 'rosbags', 'segno'}
 """Optional modules without a rosdep key; the programs say how to install them."""
-BARE = 'oi', 'odometry', 'driver', 'sim'
+BARE = 'oi', 'sim'  # the odometry, and so the driver, computes with numpy
 
 
 @cache

@@ -1,5 +1,6 @@
 """The simulated robot's motion and encoders, and what somebody can do to it by hand."""
 
+from dataclasses import replace
 import math
 from random import Random
 
@@ -7,15 +8,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import BodyConfig, Contact, EncoderSign
+from create_oi_ros.sim.body import Body as AnyBody
+from create_oi_ros.sim.body.config import BodyConfig, Contact, EncoderSign, IDEAL
 from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.body.sensed import checked, RANGES, Sensed
 from create_oi_ros.sim.world import parse, Pose, shipped, World
 
-B = BodyConfig().wheel_separation
+B = IDEAL.wheel_separation
 FRAME = 0.015
 WALL_AHEAD = parse('wall 1 -5 1 5', 'wall')
+
+
+def Body(world, *, config=IDEAL, **kwargs):
+    """Return a body whose wheels ramp without delay, so that sums are easy."""
+    return AnyBody(world, config=config, **kwargs)
+
+
+def ideal(**changes):
+    """Return the ideal wheels with some changes."""
+    return replace(IDEAL, **changes)
 
 
 def run(body, seconds, dt=FRAME):
@@ -87,7 +98,7 @@ def test_wheel_speed_is_clamped_to_the_maximum():
 
 
 def test_wheels_accelerate_at_their_limit():
-    body = Body(World(), config=BodyConfig(wheel_acceleration=0.5))
+    body = Body(World(), config=ideal(wheel_acceleration=0.5))
     body.drive(right=0.5, left=0.5)
     body.step(0.6)
     assert body.truth().speed == pytest.approx(0.3)
@@ -109,7 +120,7 @@ def test_the_last_drive_holds_for_ever():
 
 
 def test_unequal_wheels_bend_the_way_and_hide_it_from_the_encoders():
-    body = body_at_speed(0.3, 0.3, config=BodyConfig(right_wheel_scale=1.02))
+    body = body_at_speed(0.3, 0.3, config=ideal(right_wheel_scale=1.02))
     body.step(5)
     assert body.truth().turned == pytest.approx(0.3 * 0.02 / B * body.truth().measured_travelled
                                                 / 0.3, rel=1e-6)
@@ -117,14 +128,14 @@ def test_unequal_wheels_bend_the_way_and_hide_it_from_the_encoders():
 
 
 def test_a_speed_error_is_seen_by_the_encoders():
-    body = body_at_speed(0.3, 0.3, config=BodyConfig(left_speed_gain=0.97, right_speed_gain=0.97))
+    body = body_at_speed(0.3, 0.3, config=ideal(left_speed_gain=0.97, right_speed_gain=0.97))
     body.step(2)
     assert body.take_distance() == 582
     assert body.truth().travelled == pytest.approx(body.truth().measured_travelled)
 
 
 def test_constant_slip_makes_the_measured_differ_from_the_true():
-    body = body_at_speed(0.3, 0.3, config=BodyConfig(right_slip=0.1, left_slip=0.1))
+    body = body_at_speed(0.3, 0.3, config=ideal(right_slip=0.1, left_slip=0.1))
     truth = body.truth()
     assert truth.travelled == pytest.approx(0.9 * truth.measured_travelled)
 
@@ -243,7 +254,7 @@ def test_rolling_on_forwards_after_a_reverse_command_counts_as_reverse():
 
 
 def rolled_out_after_reverse(sign):
-    body = body_at_speed(-0.3, -0.3, config=BodyConfig(encoder_sign=sign))
+    body = body_at_speed(-0.3, -0.3, config=ideal(encoder_sign=sign))
     body.drive(right=0, left=0)
     body.step(1)
     return body
@@ -262,14 +273,14 @@ def test_rolling_out_of_reverse_counts_up_where_zero_means_forwards():
 
 
 def test_true_encoders_know_the_direction():
-    body = body_at_speed(0.3, 0.3, config=BodyConfig(encoder_sign=EncoderSign.TRUE))
+    body = body_at_speed(0.3, 0.3, config=ideal(encoder_sign=EncoderSign.TRUE))
     body.drive(right=-0.3, left=-0.3)
     body.step(0.3)
     assert body.take_distance() == 45
 
 
 def test_the_firmwares_own_wheel_separation_scales_its_angle():
-    body = body_at_speed(0.129, -0.129, config=BodyConfig(encoder_separation=0.516))
+    body = body_at_speed(0.129, -0.129, config=ideal(encoder_separation=0.516))
     body.step(math.pi / 2)
     assert body.take_angle() == 45
 
@@ -289,7 +300,7 @@ def test_a_wall_stops_the_robot_and_the_wheels_slip():
 
 
 def test_a_wall_stalls_the_wheels_where_the_floor_grips():
-    body = Body(WALL_AHEAD, config=BodyConfig(contact=Contact.STALL))
+    body = Body(WALL_AHEAD, config=ideal(contact=Contact.STALL))
     body.drive(right=0.4, left=0.4)
     run(body, 4)
     truth = body.truth()

@@ -1,6 +1,7 @@
 """The driver and the simulated robot in memory, without clock or thread: hours in seconds."""
 
 from collections import deque
+from dataclasses import replace
 from math import pi
 
 from create_oi_ros import oi
@@ -8,7 +9,7 @@ from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import WHEEL_SEPARATION
 from create_oi_ros.sim.body import Body, Rounding
-from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.config import BodyConfig, IDEAL
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import shipped, World
 
@@ -23,11 +24,12 @@ class Loop:
         self, settings: Settings | None = None, *, world: World | None = None, delay: float = 0.0,
         rounding: Rounding = Rounding.CARRY, checksum: oi.Checksum = oi.Checksum.HARDWARE,
         robot_baud: int | None = None, wheel_separation: float = WHEEL_SEPARATION,
+        config: BodyConfig | None = None,
     ) -> None:
         """`robot_baud` sets the robot's own baud rate; without it, it is always the driver's."""
         self.body = Body(
             world or shipped('empty'), rounding=rounding,
-            config=BodyConfig(wheel_separation=wheel_separation))
+            config=config or replace(IDEAL, wheel_separation=wheel_separation))
         self.robot = Create(self.body, checksum=checksum)
         self.driver = Driver(settings or Settings())
         self.now = 100.0

@@ -50,6 +50,14 @@ class Robot:
             action()
         self._server.watchers.append(once)
 
+    def unplug(self) -> None:
+        """Pull the cable."""
+        self.soon(self._line.unplug)
+
+    def plug(self) -> None:
+        """Plug it in."""
+        self.soon(self._line.plug)
+
     def close(self) -> None:
         """Stop the thread and close the terminal."""
         self._server.stop()

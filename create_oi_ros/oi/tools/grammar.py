@@ -262,5 +262,5 @@ def _named(wire: Wire, word: str) -> int | None:
             if plain(label(member)) == plain(word):
                 return int(member)
     if NUMBER.fullmatch(word):
-        return int(word, 16 if 'x' in word.lower() else 10)
+        return wire.signed(int(word, 16 if 'x' in word.lower() else 10))
     return None

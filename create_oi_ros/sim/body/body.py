@@ -28,7 +28,7 @@ from random import Random
 
 from ...robot import MILLI
 from ..world import Pose, World
-from .config import BodyConfig, IDEAL
+from .config import BodyConfig, CENTRE
 from .electrics import Electrics
 from .encoders import Rounding
 from .mechanics import Mechanics, Truth
@@ -47,7 +47,7 @@ class Body:
                  '_overlay', '_sensed', '_random', '_push_end', '_slip_end')
 
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
-                 config: BodyConfig = IDEAL) -> None:
+                 config: BodyConfig = CENTRE) -> None:
         self.config = config
         self.world = world
         self._time, self._deadline = 0.0, math.inf

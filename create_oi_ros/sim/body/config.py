@@ -11,21 +11,25 @@ from dataclasses import dataclass, fields
 from enum import Enum
 import math
 
+from ...robot import BODY_RADIUS, FIRMWARE_SEPARATION, TOP_SPEED, WHEEL_RADIUS, WHEEL_SEPARATION
 from .battery import BatteryConfig
+from .wheel_log import WheelLog
+from .wheels import Response, TimeConstant
 
 
 class EncoderSign(Enum):
     """How the single-channel encoders decide which way a wheel turned."""
 
+    DRIVE = 'drive'
+    """The sign of the speed that the motor was last driven at, kept at rest: a request counts once
+    its dead time is over (measured of Create 2 robots, and the default)."""
     UNTIL_REST = 'until_rest'
-    """The last command's sign; a command of zero keeps it until the wheel rests, then up (guess).
-
-    Otherwise each stop out of reverse would be counted forwards, which no user has reported.
-    """
+    """The last command's sign at once; a command of zero keeps it until the wheel rests, then up
+    (guess)."""
     COMMAND = 'command'
     """The last command's sign at once, and up for a command of zero, whatever the wheel does."""
     TRUE = 'true'
-    """The true sign, as two-channel encoders would have it: for comparison only."""
+    """The true sign, as two-channel encoders would have it."""
 
 
 class Contact(Enum):
@@ -42,25 +46,43 @@ class BodyConfig:
     """
     Physical constants of a Create: SI units; `right`/`left` as seen by the robot itself.
 
-    The defaults are an ideal robot: equal wheels, no slip, speeds as asked.
+    The defaults are what a first-generation Create most likely is (docs/simulator.md).
     """
 
-    wheel_separation: float = 0.258
-    """Between the wheels' contact points, metres (reported; others say 0.260)."""
-    encoder_separation: float = 0.258
+    wheel_separation: float = 0.262
+    """Between the wheels' contact points, metres (measured of one Create: 0.261 to 0.263)."""
+    encoder_separation: float = 0.262
     """The separation by which the firmware works out the angle, metres (guess: the true one)."""
-    wheel_radius: float = 0.033
+    wheel_radius: float = WHEEL_RADIUS
     """Metres (reported: 0.033 to 0.036); for drawings, the physics knows only metres of travel."""
-    body_radius: float = 0.165
+    body_radius: float = BODY_RADIUS
     """Metres (reported: diameter 330 mm)."""
-    max_wheel_speed: float = 0.5
+    max_wheel_speed: float = TOP_SPEED
     """Metres per second (manual)."""
+    response: Response = Response.FIRST_ORDER
+    """How a wheel's speed follows its goal (measured of one Create)."""
+    time_constant: TimeConstant = TimeConstant(0.2, 1.0)
+    """Of a first-order wheel, or one over the natural frequency of a second-order one (measured
+    of one Create: 0.175 s at 76 mm/s, 0.265 s at 50; constant outside is a guess)."""
+    overshoot: float = 0.2
+    """Part of a step by which a second-order wheel goes beyond it (Create 2: 0 to 0.4)."""
     wheel_acceleration: float = 1.0
-    """Limit of each wheel's acceleration and braking, m/s^2 (guess)."""
-    encoder_sign: EncoderSign = EncoderSign.UNTIL_REST
+    """Acceleration of a wheel that ramps, m/s^2 (guess)."""
+    braking: float = 1.0
+    """How many times as fast a wheel brakes as it speeds up (guess)."""
+    dead_time: float = 0.045
+    """Seconds until a wheel begins to follow a request (Create 2: 0.03 to 0.06)."""
+    dead_band: float = 0.01
+    """Slowest speed that moves a wheel, m/s (reported of the 400 series)."""
+    encoder_tick: float = 0.00027
+    """Metres of travel a count; 0 counts without steps (reported of the 400 series)."""
+    encoder_sign: EncoderSign = EncoderSign.DRIVE
     right_speed_gain: float = 1.0
     """Speed that the right wheel settles at, over the speed asked; the encoder sees it."""
     left_speed_gain: float = 1.0
+    right_speed_offset: float = 0.0
+    """Speed that the right wheel adds to any it is asked, m/s (some Create 2: up to 0.014)."""
+    left_speed_offset: float = 0.0
     right_wheel_scale: float = 1.0
     """True travel of the right wheel over the travel its encoder counts (an unequal wheel)."""
     left_wheel_scale: float = 1.0
@@ -71,7 +93,9 @@ class BodyConfig:
     cliffs_while_charging: bool = False
     """All four cliff sensors see a cliff while a charger's current flows (reported of some)."""
     battery: BatteryConfig = BatteryConfig()
-    wheel_lateral: float = 0.129
+    recording: WheelLog | None = None
+    """Wheels that turn as a log says, whatever is asked of them."""
+    wheel_lateral: float = WHEEL_SEPARATION / 2
     """Distance of each wheel from the robot's centre line, where its drop switch looks, metres."""
     caster_forward: float = 0.13
     """Distance of the front caster ahead of the centre, metres (guess)."""
@@ -82,13 +106,25 @@ class BodyConfig:
             if isinstance(value, float) and not math.isfinite(value):
                 raise ValueError(f'{each.name} is {value}: it must be finite')
         for name in ('wheel_separation', 'encoder_separation', 'body_radius',
-                     'max_wheel_speed', 'wheel_acceleration'):
+                     'max_wheel_speed', 'wheel_acceleration', 'braking'):
             if getattr(self, name) <= 0:
                 raise ValueError(f'{name} is {getattr(self, name)}: it must be above 0')
+        for name in ('dead_time', 'dead_band', 'encoder_tick'):
+            if getattr(self, name) < 0:
+                raise ValueError(f'{name} is {getattr(self, name)}: it must not be below 0')
+        if self.time_constant.seconds <= 0:
+            raise ValueError(f'time_constant is {self.time_constant.seconds}: it must be above 0')
+        if not 0 <= self.overshoot < 1:
+            raise ValueError(f'overshoot is {self.overshoot}: it must be within 0 to 1')
         for name in ('right_slip', 'left_slip'):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f'{name} is {getattr(self, name)}: it must be within 0 to 1')
 
 
-IDEAL = BodyConfig()
-"""Equal wheels, no slip, the speeds that were asked for."""
+CENTRE = BodyConfig()
+"""The centre of what was measured and reported: the default robot."""
+IDEAL = BodyConfig(
+    wheel_separation=WHEEL_SEPARATION, encoder_separation=FIRMWARE_SEPARATION,
+    response=Response.RAMP, dead_time=0.0, dead_band=0.0, encoder_tick=0.0,
+    encoder_sign=EncoderSign.UNTIL_REST)
+"""Wheels that ramp without delay, for tests whose sums are easy."""

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ...robot import SLOT
 from ..world import Pose, World
 from .config import BodyConfig, Contact
-from .drivetrain import Drivetrain, Motion, Wheel
+from .drivetrain import Drivetrain, Motion
 from .encoders import Accumulator, Rounding
 from .surroundings import docked, Surroundings
+from .wheel import Wheel
 
-_LONGEST_PIECE = 0.015
+_LONGEST_PIECE = SLOT
 """Seconds: at 0.5 m/s 7.5 mm, so no wall is jumped."""
 _BLOCKED = 0.5
 """Part of the way lost to an obstacle from which the motors labour (guess)."""

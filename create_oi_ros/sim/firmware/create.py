@@ -3,8 +3,9 @@ What the Create does with each byte, by the manual.
 
 `Create` is the mirror image of the host's driver and has the same verbs: `receive` bytes, `poll`
 up to a time, fetch `data_to_send`. The caller says what time it is, in seconds. Everything but
-the bytes happens in the slots of 15 ms in which a Create updates its values, so it does not matter
-how often `poll` is called. Bytes take effect when they arrive, between two slots. No bytes raise.
+the bytes happens in the slots, about 15 ms long, in which a Create updates its values, so it does
+not matter how often `poll` is called. Bytes take effect when they arrive, between two slots. No
+bytes raise.
 
     create = Create(Body(world))
     create.receive(oi.Start().encode(), 0.0)
@@ -18,7 +19,6 @@ from random import Random
 from ... import oi
 from ...oi import Mode
 from ...oi.commands import ACTUATORS, INPUTS, WAITS
-from ...robot import SLOT
 from ..body import Body
 from ..body.sensed import Sensed
 from ..timing import TOLERANCE
@@ -46,6 +46,8 @@ class Create:
                  guesses: Guesses = LIKELY, seed: int = 0) -> None:
         self.body = body
         self.guesses = guesses
+        self.period = guesses.frame_period
+        """Seconds of a slot, on the robot's clock."""
         self.mode = Mode.OFF
         self.actuators = ActuatorState(body)
         self.speaker = Speaker()
@@ -156,18 +158,18 @@ class Create:
     @property
     def time(self) -> float:
         """Seconds on the robot's clock: whole slots since the first `poll` or `receive`."""
-        return self._slots * SLOT
+        return self._slots * self.period
 
     def poll(self, now: float) -> None:
         """Advance to `now`, in seconds; the first call sets the start of the robot's clock."""
         if self._epoch is None:
             self._epoch = now
-        due = int((now - self._epoch) / SLOT + TOLERANCE)
+        due = int((now - self._epoch) / self.period + TOLERANCE)
         while self._slots < due:
             self._slot()
 
     def _slot(self) -> None:
-        self.body.step(SLOT)
+        self.body.step(self.period)
         self._slots += 1
         self._telemetry.refresh()
         if self._power.on and self.body.battery_flat:

@@ -10,6 +10,8 @@ from dataclasses import dataclass, fields
 import math
 from typing import Any
 
+from ..body import body_guesses
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Guesses:
@@ -40,6 +42,9 @@ class Guesses:
     overrun: bool = False
     """At 115200, bytes less than 200 microseconds apart are lost (manual: Baud, 'may').  Bytes
     received in one call count as sent back to back."""
+    frame_period: float = 0.015
+    """Seconds of a slot by the computer's clock (manual: 15 ms; of Create 2 0.015625 was measured,
+    of Create 1 nothing was published)."""
     transmit_buffer: int = 256
     """Bytes that may wait for the wire; a stream that asks for more than a slot holds loses
     what does not fit, and so is corrupted (manual: Stream)."""
@@ -57,7 +62,8 @@ class Guesses:
     def _value(cls, name: str, text: str) -> bool | int | float:
         defaults = {field.name: field.default for field in fields(cls)}
         if name not in defaults:
-            raise ValueError(f'no guess {name!r}: one of {", ".join(defaults)}')
+            raise ValueError(
+                f'no guess {name!r}: one of {", ".join((*defaults, *body_guesses.names()))}')
         default: Any = defaults[name]
         if isinstance(default, bool):
             if text not in ('0', '1', 'false', 'true'):
@@ -67,7 +73,7 @@ class Guesses:
             value: int | float = type(default)(text)
         except ValueError:
             value = math.nan
-        if not 0 <= value < math.inf:
+        if not 0 <= value < math.inf or name == 'frame_period' and not 0.005 <= value <= 0.1:
             raise ValueError(f'{name}={text}: a number, not negative, is wanted')
         return value
 

@@ -12,7 +12,8 @@ import sys
 
 from ...oi import Checksum
 from ...oi.tools.capture_format import CaptureError
-from ..body import Body
+from ..body import Body, body_guesses
+from ..body.config import BodyConfig
 from ..body.encoders import Rounding
 from ..firmware import Create
 from ..firmware.guesses import Guesses
@@ -162,8 +163,9 @@ def _is_loopback(host: str) -> bool:
         return host == 'localhost'
 
 
-def _serve(options: argparse.Namespace, guesses: Guesses) -> None:
-    body = Body(options.world, rounding=Rounding(options.odometry), seed=options.seed)
+def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
+    body = Body(options.world, rounding=Rounding(options.odometry), seed=options.seed,
+                config=config)
     create = Create(body, checksum=Checksum(options.checksum), guesses=guesses,
                     seed=options.seed)
     with ExitStack() as stack:
@@ -190,11 +192,11 @@ def _unfit_for_replay(options: argparse.Namespace, parser: argparse.ArgumentPars
                  and not (name == 'world' and value.name == parser.get_default(name))), None)
 
 
-def _run(options: argparse.Namespace, guesses: Guesses) -> None:
+def _run(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
     if options.replay:
         play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
     else:
-        _serve(options, guesses)
+        _serve(options, guesses, config)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -202,7 +204,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _arguments()
     options = parser.parse_args(arguments)
     try:
-        guesses = Guesses.parse(options.guess)
+        config, others = body_guesses.parse(
+            options.guess, lambda name: Path(name).read_text('utf-8'))
+        guesses = Guesses.parse(others)
     except ValueError as error:
         parser.error(str(error))
     unfit = _unfit_for_replay(options, parser) if options.replay else None
@@ -210,7 +214,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         unfit = unfit.replace('_', '-')
         parser.error(f'--{unfit} does not work with --replay: nothing is simulated then')
     try:
-        _run(options, guesses)
+        _run(options, guesses, config)
     except BrokenPipeError:
         # Python flushes stdout at exit, which would fail again: send that to the null device.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

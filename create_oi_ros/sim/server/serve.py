@@ -1,8 +1,8 @@
 """
 One simulated robot on one line, in real time.
 
-The robot's clock is the computer's, in slots of 15 ms with absolute deadlines, so it does not
-drift. Late slots are run at once. A delay longer than `LONGEST_STALL` (a laptop that slept) is
+The robot's clock is the computer's, in slots of about 15 ms with absolute deadlines, so it does
+not drift. Late slots are run at once. A delay longer than `LONGEST_STALL` (a laptop that slept) is
 skipped: it never happened for the robot and its world.
 """
 
@@ -11,7 +11,6 @@ import math
 import select
 import time
 
-from ...robot import SLOT
 from ..firmware import Create
 from ..timing import TOLERANCE
 from .control import Interpreter
@@ -62,12 +61,12 @@ class Server:
         self._create.poll(0.0)
         while not self._ended():
             now = self._now()
-            if now >= (self._slots + 1) * SLOT - TOLERANCE:
+            if now >= (self._slots + 1) * self._create.period - TOLERANCE:
                 # One at a time, even if late, so that watchers see the end of every slot.
                 self._slots += 1
-                self._slot(self._slots * SLOT)
+                self._slot(self._slots * self._create.period)
             self._pass_on(now)
-            wait = min((self._slots + 1) * SLOT, self._due()) - self._now()
+            wait = min((self._slots + 1) * self._create.period, self._due()) - self._now()
             ready, _, _ = select.select(self._watched(), [], [], max(0.0, wait / self._speed))
             if ready:
                 self._read(self._now())
@@ -75,7 +74,7 @@ class Server:
     def _now(self) -> float:
         """Return seconds on the robot's clock, without long stalls."""
         now = (time.monotonic() - self._origin) * self._speed
-        late = now - (self._slots + 1) * SLOT
+        late = now - (self._slots + 1) * self._create.period
         if late > LONGEST_STALL * self._speed:
             self._origin += late / self._speed
             now -= late

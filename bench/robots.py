@@ -1,0 +1,85 @@
+"""Robots drawn at random from what was measured and reported (docs/simulator.md)."""
+
+from dataclasses import dataclass, replace
+from math import exp, log
+from random import Random
+
+from create_oi_ros.odometry import Geometry
+from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
+from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.sim.body.wheels import Response, TimeConstant
+
+ROUNDINGS = tuple(Rounding)
+SIGNS = (EncoderSign.DRIVE, EncoderSign.DRIVE, EncoderSign.UNTIL_REST, EncoderSign.COMMAND,
+         EncoderSign.TRUE)
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A body, what the firmware adds to it, and what a calibration of it found."""
+
+    kind: str
+    config: BodyConfig
+    rounding: Rounding
+    period: float
+    """Seconds between two frames."""
+
+    @property
+    def geometry(self) -> Geometry:
+        """The geometry of a robot that was calibrated: angle and distance are true on average."""
+        return Geometry(angular_scale=(
+            self.config.encoder_separation / self.config.wheel_separation))
+
+
+def spread(random: Random, low: float, high: float) -> float:
+    """Draw a positive number whose logarithm is evenly spread."""
+    return exp(random.uniform(log(low), log(high)))
+
+
+def centre(random: Random) -> Robot:
+    """Draw the centre, with a time constant that depends on the speed or not."""
+    config = replace(CENTRE, time_constant=TimeConstant(0.2, random.choice((0.0, 1.0))))
+    return Robot('centre', config, Rounding.TRUNCATE, 0.015)
+
+
+def anywhere(random: Random) -> Robot:
+    """Draw each parameter from its whole range."""
+    track = random.uniform(0.250, 0.266)
+    gain = random.uniform(0.95, 1.05)
+    ratio = random.uniform(0.95, 1.05) ** 0.5
+    response = random.choice(tuple(Response))
+    fastest = random.choice((0.076, 0.5))
+    config = replace(
+        CENTRE, wheel_separation=track, encoder_separation=random.uniform(0.250, 0.266),
+        response=response,
+        time_constant=TimeConstant(
+            spread(random, 0.03, 0.3) * (0.4 if response is Response.SECOND_ORDER else 1.0),
+            random.choice((0.0, random.uniform(0, 1), 1.0)), fastest=fastest),
+        overshoot=random.uniform(0.02, 0.4), wheel_acceleration=spread(random, 0.3, 3.0),
+        braking=random.choice((1.0, spread(random, 0.3, 3.0))),
+        dead_time=random.uniform(0, 0.15), dead_band=random.uniform(0, 0.025),
+        right_speed_gain=gain / ratio, left_speed_gain=gain * ratio,
+        encoder_tick=random.choice((0.0, 0.00027, 0.0004446)), encoder_sign=random.choice(SIGNS))
+    return Robot('all ranges', config, random.choice(ROUNDINGS), random.uniform(0.015, 0.015625))
+
+
+def exact(random: Random) -> Robot:
+    """Draw from the ranges a robot that carries fractions and knows its wheels' directions."""
+    drawn = anywhere(random)
+    return replace(drawn, kind='carried, true sign', rounding=Rounding.CARRY,
+                   config=replace(drawn.config, encoder_sign=EncoderSign.TRUE))
+
+
+def stress(random: Random) -> Robot:
+    """Draw from beyond the ranges: gains far off, and depending on the speed."""
+    drawn = anywhere(random)
+    config = replace(
+        drawn.config, right_speed_gain=random.uniform(0.85, 1.15),
+        left_speed_gain=random.uniform(0.85, 1.15),
+        right_speed_offset=random.uniform(0.0, 0.012),
+        left_speed_offset=random.uniform(0.0, 0.012), dead_time=random.uniform(0, 0.2))
+    return replace(drawn, kind='stress', config=config)
+
+
+CLASSES = {'centre': centre, 'all ranges': anywhere, 'carried, true sign': exact,
+           'stress': stress}

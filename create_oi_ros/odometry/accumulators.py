@@ -1,0 +1,74 @@
+"""
+What a reading says about the robot's accumulators of distance and angle, for all tracks.
+
+A whole number is an interval, as wide as each track's rounding says (`rounding`); a track's belief
+is cut to it, and the mass that is inside is the likelihood of the track.
+"""
+
+from math import log
+
+import numpy as np
+
+from . import states as s
+from .assumptions import Assumptions
+from .request_history import Array
+from .rounding import cut_normal, interval, Rounding
+from .states import DEGREE, MM
+
+UNITS = ((s.DISTANCE, MM), (s.ANGLE, DEGREE))
+TICKS = (0.15 * MM, 0.05 * DEGREE)
+"""Standard deviations of what an encoder's tick hides."""
+UNLIKELY = 1e-2
+"""Likelihood that is left to a reading that a track rules out."""
+Wholes = tuple[int, int]
+"""A reading: millimetres and degrees."""
+
+
+def innovation(rows: Assumptions, wholes: Wholes) -> tuple[Array, Array]:
+    """Return how far readings are from their predictions, and the standard deviations."""
+    gaps, spreads = [], []
+    for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
+        ends = np.array([interval(each, whole) for each in rows.roundings]) * unit
+        width = ends[:, 1] - ends[:, 0]
+        gaps.append(ends.mean(axis=1) - rows.means[:, index])
+        spreads.append(np.sqrt(rows.p[:, index, index] + tick ** 2 + width ** 2 / 12))
+    return np.stack(gaps), np.stack(spreads)
+
+
+def learn(rows: Assumptions, wholes: Wholes) -> Array:
+    """Cut all tracks to a reading; return the logarithms of their likelihoods."""
+    logs = np.zeros(len(rows.roundings))
+    for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
+        for track, rounding in enumerate(rows.roundings):
+            ends = [end * unit for end in interval(rounding, whole)]
+            logs[track] += log(_cut(rows, track, index, ends, tick) + UNLIKELY)
+    return logs
+
+
+def _cut(rows: Assumptions, track: int, index: int, ends: list[float], tick: float) -> float:
+    """Cut a belief to an interval; return the mass that was inside."""
+    p, mean = rows.p[track], rows.means[track]
+    column = p[:, index].copy()
+    variance = float(column[index]) + tick * tick
+    spread = variance ** 0.5
+    low, high = ((end - mean[index]) / spread for end in ends)
+    shift, kept, mass = cut_normal(low, high)
+    mean += column * (shift / spread)
+    p -= np.outer(column, column) * ((1 - kept) / variance)
+    return mass
+
+
+def take_out(rows: Assumptions, wholes: Wholes) -> None:
+    """Let the accumulators be reset by a reading."""
+    carried = np.array([each is Rounding.CARRY for each in rows.roundings])
+    for (index, unit), whole in zip(UNITS, wholes):
+        rows.means[:, index] = carried * (rows.means[:, index] - whole * unit)
+        rows.p[:, index, :] *= carried[:, None]
+        rows.p[:, :, index] *= carried[:, None]
+
+
+def empty(rows: Assumptions) -> None:
+    """Set the accumulators to zero, or to an unknown rest below one unit."""
+    carried = np.array([each is Rounding.CARRY for each in rows.roundings])
+    for index, unit in UNITS:
+        rows.clear(index, 0.0, carried * unit * unit / 3)

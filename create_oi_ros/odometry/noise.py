@@ -1,0 +1,90 @@
+"""What no unknown explains: process noise, as covariances of the states."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..robot import SLOT
+from . import states as s
+from .request_history import Array
+
+JITTER = 0.003
+"""Seconds by which a request may take effect earlier or later than the dead time says."""
+UNEVEN = 5e-4
+"""Part of the path by which steady wheels depart from their goals."""
+MISCOUNTED = 0.03
+"""Part of what was counted with the wrong sign that the model may be wrong by."""
+FREE_SPEED = 0.3
+"""Doubt of the speed of wheels that do not obey, m/s."""
+STRAY = 0.09
+"""Metres by which wheels that do not obey stray from their counts, per root metre."""
+ROAMING, UNWATCHED = 0.0625, 3.0
+"""m/s by which the place of a robot is doubted that was not watched for longer than this, s."""
+Scales = tuple[float, float]
+"""True over counted travel and turn."""
+
+
+class Stretch(NamedTuple):
+    """What the wheels did since the last reading; axes (wheel, track), right first."""
+
+    seconds: float
+    changes: Array
+    """Sum of the squares of the requests' changes, (m/s)²."""
+    unsure: Array
+    """Variance of the travel where frames were lost, m²."""
+    path: Array
+    miscounted: Array
+    """Metres that the encoders counted otherwise than the wheels rolled."""
+    free: bool
+
+
+def along(variance: Array, terms: dict[int, Array | float]) -> Array:
+    """Return covariances of disturbances that move several states at once, a matrix a track."""
+    g = np.zeros((len(variance), s.SIZE))
+    for index, value in terms.items():
+        g[:, index] = value
+    return variance[:, None, None] * g[:, :, None] * g[:, None, :]
+
+
+def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: Scales,
+              slip: float) -> Array:
+    """Return what motion adds: uneven wheels and late requests, slip, wrong signs, drift."""
+    linear, angular = scales
+    travel = doubt * (JITTER ** 2 * did.changes[:, None] + (UNEVEN * did.path) ** 2)
+    travel = travel + did.unsure[:, None] + did.free * (FREE_SPEED * did.seconds) ** 2
+    wrong = doubt * (MISCOUNTED * did.miscounted) ** 2
+    q = np.zeros((len(doubt), s.SIZE, s.SIZE))
+    for wheel, side in ((0, 1.0), (1, -1.0)):
+        pose: dict[int, Array | float] = {
+            s.X: linear * np.cos(heading) / 2, s.Y: linear * np.sin(heading) / 2,
+            s.YAW: angular * side / width}
+        counts: dict[int, Array | float] = {s.DISTANCE: 0.5, s.ANGLE: side / width}
+        speed: dict[int, Array | float] = {
+            s.SPEED_RIGHT + wheel: did.free / max(did.seconds, SLOT)}
+        q += along(slip * slip * did.path[wheel], pose)
+        q += along(travel[wheel], pose | counts | speed)
+        q += along(wrong[wheel], counts)
+    if did.path[:, 0].any():
+        for index, prior in s.COMMON.items():
+            q[:, index, index] += did.seconds * prior.drift ** 2
+    return q
+
+
+def of_surprise(distance: Array, angle: Array, heading: Array, scales: Scales) -> Array:
+    """Return doubt of the travel and the turn since the last reading, of these variances."""
+    linear, angular = scales
+    return (along(distance, {s.X: linear * np.cos(heading), s.Y: linear * np.sin(heading),
+                             s.DISTANCE: 1.0})
+            + along(angle, {s.YAW: angular, s.ANGLE: 1.0}))
+
+
+def of_roaming(distance: float, turn: float, width: float, seconds: float,
+               scales: Scales) -> Array:
+    """Return doubt of the way of a robot that went its own: only its two ends were seen."""
+    linear, angular = scales
+    way = STRAY ** 2 * (abs(distance) + abs(turn) * width / 2)
+    place = way / 2 + (ROAMING * seconds if seconds > UNWATCHED else 0.0) ** 2
+    q = np.zeros((s.SIZE, s.SIZE))
+    q[s.X, s.X] = q[s.Y, s.Y] = linear ** 2 * place
+    q[s.YAW, s.YAW] = angular ** 2 * 2 * way / width ** 2
+    return q

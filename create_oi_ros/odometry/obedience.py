@@ -1,0 +1,60 @@
+"""
+Whether the wheels do what was requested.
+
+Nothing tells but a reading: somebody holds or pushes the robot, or it goes its own way. What
+unknown gains, dead times and encoders could explain is not disobedience.
+"""
+
+from ..robot import FIRMWARE_SEPARATION
+from .states import DEGREE, MM
+from .tracks import Tracks
+
+SLACK, PART, LAG = 4.0, 0.25, 0.3
+"""Units, part of the way, and seconds of a change of speed, by which obedient wheels may miss a
+reading, ..."""
+BELIEVABLE = 2.0, 0.06, 0.2
+"""... and by which those that were free may, to be believed again."""
+TELLING_TIME = 0.2
+"""Seconds that a window must last to tell."""
+
+
+class Obedience:
+    """What the wheels would do by their requests since the last reading."""
+
+    def __init__(self) -> None:
+        self._last = 0.0, 0.0
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin a new window."""
+        self._goals: tuple[float, float] | None = None
+        self._seconds = self._far = self._turn = self._path = self._changes = 0.0
+
+    def step(self, dt: float, right: float, left: float, tracks: Tracks) -> None:
+        """Let time pass under these requests."""
+        if (right, left) != self._last:
+            self._changes += abs(right - self._last[0]) + abs(left - self._last[1])
+            self._last, self._goals = (right, left), None
+        if self._goals is None:
+            self._goals = tracks.goals(right, left)
+        right, left = self._goals
+        self._seconds += dt
+        self._far += (right + left) / 2 * dt
+        self._turn += (right - left) / FIRMWARE_SEPARATION * dt
+        self._path += (abs(right) + abs(left)) / 2 * dt
+
+    def judge(self, distance: int, angle: int, tracks: Tracks) -> None:
+        """Free the wheels, or bind them to their requests, by what a reading says."""
+        if self._seconds < TELLING_TIME:
+            return
+        misses = (abs(distance * MM - self._far), abs(angle * DEGREE - self._turn))
+        if tracks.is_free:
+            if self._within(misses, *BELIEVABLE):
+                tracks.free(False)
+        elif not self._within(misses, SLACK, PART, LAG) and not tracks.explains(distance, angle):
+            tracks.free(True)
+
+    def _within(self, misses: tuple[float, float], slack: float, part: float, lag: float) -> bool:
+        way = part * self._path + lag * self._changes
+        return (misses[0] <= slack * MM + way
+                and misses[1] <= slack * DEGREE + way * 2 / FIRMWARE_SEPARATION)

@@ -1,0 +1,85 @@
+"""
+What the wheels were asked lately: requests and their signs, as sums over time.
+
+A wheel follows a request some dead time later, its encoder may take the request's sign at once or
+as late. Means over a frame that ended a dead time ago are differences of sums at two moments, so
+they change smoothly with the dead time.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RECENT = 0.35
+"""Seconds after which the past of a request no longer matters: longer than any dead time."""
+
+
+class RequestHistory:
+    """Both wheels' requests of the last moments; right first, m/s and seconds."""
+
+    def __init__(self) -> None:
+        self.speeds = np.zeros(2)
+        self.asked = 0.0, 0.0
+        """The same as numbers."""
+        self._kept = np.ones(2)
+        self.settle()
+
+    @property
+    def signs(self) -> tuple[Array, Array]:
+        """The signs of the last requests that were not zero, and of these where zero is up."""
+        return self._rates[2:4, -1, None, None], self._rates[4:, -1, None, None]
+
+    def settle(self) -> None:
+        """Take the present requests to have held for long."""
+        self.age = np.inf
+        """Seconds since the last change."""
+        self._now = 0.0
+        self._times = np.array([-RECENT])
+        self._rates = self._present()
+        self._sums = np.zeros((6, 1))
+        self._compare_signs()
+
+    def ask(self, right: float, left: float) -> Array:
+        """Take requests that hold from now on; return by how much they changed."""
+        if self.age > RECENT:
+            self.settle()
+        asked = np.array([right, left])
+        change = asked - self.speeds
+        self.speeds, self.asked = asked, (right, left)
+        self._kept = np.where(asked != 0, np.sign(asked), self._kept)
+        sums = self._sums[:, -1] + self._rates[:, -1] * (self._now - self._times[-1])
+        first = max(int(np.searchsorted(self._times, self._now - RECENT)) - 1, 0)
+        self._times = np.append(self._times[first:], self._now)
+        self._sums = np.column_stack([self._sums[:, first:], sums])
+        self._rates = np.column_stack([self._rates[:, first:], self._present()])
+        self.age = 0.0
+        self._compare_signs()
+        return change
+
+    def step(self, seconds: float) -> None:
+        """Let time pass."""
+        self.age += seconds
+        self._now += seconds
+
+    def sums(self, ago: Array) -> Array:
+        """
+        Return the sums as they were some seconds ago, with the axes of `ago` last.
+
+        Speeds, kept signs, upward signs (zero is up); of both wheels, right first.
+        """
+        when = self._now - ago.ravel()
+        since = np.maximum(self._times.searchsorted(when) - 1, 0)
+        sums = self._sums[:, since] + self._rates[:, since] * (when - self._times[since])
+        return np.reshape(sums, (3, 2, *ago.shape))
+
+    def _present(self) -> Array:
+        up = np.where(self.speeds >= 0, 1.0, -1.0)
+        present: Array = np.concatenate([self.speeds, self._kept, up]).reshape(6, 1)
+        return present
+
+    def _compare_signs(self) -> None:
+        """See whether it makes a difference where an encoder takes its sign from."""
+        signs = self._rates[2:].reshape(2, 2, -1)
+        self.one_sign = signs[0, :, :1, None] if (signs == signs[0, :, :1]).all() else None
+        """The sign of each wheel, where all kinds of sign have been the same lately."""

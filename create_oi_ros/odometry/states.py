@@ -1,0 +1,59 @@
+"""
+The states of a track, in this order, with what is believed of them before the first reading.
+
+First the unknowns of which the wheels' motion depends on, each of which gets a copy of the wheels
+that is off by one standard deviation (`wheel_model`); then the pose and the accumulators.
+"""
+
+from math import radians
+from typing import NamedTuple
+
+from ..robot import MILLI
+
+MM, DEGREE = MILLI, radians(1)
+"""The units of a reading, m and rad."""
+(GAIN_RIGHT, GAIN_LEFT, OFFSET_RIGHT, OFFSET_LEFT, LAG, SLOW_LAG, DEAD_TIME, RAMP, BRAKING,
+ SEPARATION, MOVES_RIGHT, MOVES_LEFT, SPEED_RIGHT, SPEED_LEFT, X, Y, YAW, DISTANCE,
+ ANGLE) = range(19)
+SIZE = 19
+UNKNOWNS = 14
+"""The states that have a copy of the wheels."""
+POSE = (X, Y, YAW)
+
+
+class Prior(NamedTuple):
+    """Mean and standard deviation at the start, and the range that it never leaves."""
+
+    mean: float
+    spread: float
+    low: float
+    high: float
+    drift: float = 0.0
+    """Standard deviation of its random walk, per root second of motion."""
+
+
+COMMON = {
+    GAIN_RIGHT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
+    GAIN_LEFT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
+    OFFSET_RIGHT: Prior(0.0, 0.004, -0.02, 0.03),
+    OFFSET_LEFT: Prior(0.0, 0.004, -0.02, 0.03),
+    DEAD_TIME: Prior(0.06, 0.045, 0.0, 0.25),
+    BRAKING: Prior(0.0, 0.5, -1.3, 1.3),
+    SEPARATION: Prior(0.0, 0.04, -0.15, 0.15),
+    MOVES_RIGHT: Prior(1.0, 0.0, -0.2, 1.2),
+    MOVES_LEFT: Prior(1.0, 0.0, -0.2, 1.2),
+}
+RESPONSES = (
+    {LAG: Prior(0.12, 0.08, 0.004, 0.6), SLOW_LAG: Prior(0.04, 0.05, -0.1, 0.4),
+     RAMP: Prior(0.1, 0.2, 0.0, 4.0)},
+    {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.02, -0.1, 0.4),
+     RAMP: Prior(0.7, 0.5, 0.0, 4.0)},
+    {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.02, -0.1, 0.4),
+     RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
+    {LAG: Prior(0.004, 0.001, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.001, -0.1, 0.4),
+     RAMP: Prior(1.0, 0.5, 0.0, 4.0), BRAKING: Prior(0.0, 0.02, -1.3, 1.3),
+     DEAD_TIME: Prior(0.0, 0.01, 0.0, 0.25), SEPARATION: Prior(0.0, 0.001, -0.15, 0.15),
+     OFFSET_RIGHT: Prior(0.0, 2e-4, -0.02, 0.03), OFFSET_LEFT: Prior(0.0, 2e-4, -0.02, 0.03)},
+)
+"""Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other. The
+last is a simple robot, as the manual describes it: it is known after a few readings."""

@@ -1,0 +1,401 @@
+"""
+What is believed of the robot, under each assumption about it that is still plausible.
+
+A track is a Kalman filter over `states`: between readings its wheels are simulated, with a copy
+for each unknown, and the differences between the copies are the columns of the transition matrix.
+All tracks are rows of the same arrays. docs/odometry.md has the sums.
+"""
+
+from math import cos, sin
+
+import numpy as np
+
+from ..robot import SLOT
+from . import accumulators, noise
+from . import states as s
+from .accumulators import UNITS
+from .assumptions import Assumptions
+from .dead_band import DeadBand, FASTEST, OPEN
+from .estimate import Geometry
+from .request_history import Array
+from .rounding import Rounding
+from .states import DEGREE, MM
+from .wheel_model import Wheels
+
+STRIDE = 1.9 * SLOT
+"""Seconds that wheels roll at once while their speeds change."""
+LATE = 1.6 * SLOT
+"""Seconds of a frame from which on one before it was lost."""
+SMALLEST_STEP = 1e-5
+"""Least difference between a copy and its track."""
+CURVED = 0.2
+"""Part of what unknowns are believed to do that is not in proportion to them."""
+SURPRISE, LEFT = 3.0, 2.0
+"""Standard deviations from which on a reading is a surprise, and what is left of it."""
+RISE, FALL, LEAST_DOUBT, MOST_DOUBT = 0.15, 0.04, 0.5, 1e4
+"""How fast doubt follows the innovations, and between what."""
+LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
+"""Doubt, for how many readings, from which on all else is tried again; readings until the next
+time; the weight of what is tried."""
+NEAR = 0.002
+"""m/s from its goal at which a wheel's speed is known well enough to tell roundings apart."""
+RESTLESS = 0.03
+"""Doubt of the speed of wheels that begin or cease to obey, m/s."""
+MOVES = (s.MOVES_RIGHT, s.MOVES_LEFT)
+SPEEDS = (s.SPEED_RIGHT, s.SPEED_LEFT)
+ALL, BEST = slice(None), slice(1)
+"""Tracks."""
+OUTSIDE = slice(s.MOVES_RIGHT, s.DISTANCE)
+"""States that have nothing to do with what is assumed of a robot."""
+Held = tuple[float, float]
+"""What the accumulators hold, m and rad."""
+
+
+class Tracks:
+    """All plausible tracks, the best first after each reading."""
+
+    def __init__(self, geometry: Geometry) -> None:
+        self.geometry = geometry
+        self.scales = geometry.linear_scale, geometry.angular_scale
+        self.rows = Assumptions.all()
+        self.wheels = Wheels(self.rows.signs, FASTEST)
+        self.band = DeadBand()
+        self._astray = 0
+        """Readings in a row that the best track did not explain."""
+        self._idle = 0.0
+        """Seconds that the copies of the wheels have still to roll."""
+        self._began = self._velocity = 0.0, 0.0, 0.0
+        """Mean pose where these began, and how fast it changed there."""
+        self._wild, self._window = False, 0.0
+        """Whether wheels were free since the last reading, and its age, seconds."""
+        accumulators.empty(self.rows)
+        self._forget()
+        self._spread()
+
+    # What is believed.
+
+    @property
+    def roundings(self) -> set[Rounding]:
+        """The roundings that the robot may have."""
+        return self._roundings
+
+    @property
+    def requests(self) -> tuple[float, float]:
+        """What the wheels are asked, right and left."""
+        return self.wheels.requests.asked
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the wheels do not do what is asked."""
+        return self.wheels.free
+
+    @property
+    def settled(self) -> bool:
+        """Whether all wheels run near their goals, whatever is assumed of them."""
+        return self.wheels.settled or self.wheels.farthest < NEAR
+
+    @property
+    def rests(self) -> bool:
+        """Whether nothing moves, and nothing will under the same requests."""
+        return self.wheels.standing and not self.wheels.free
+
+    @property
+    def rates(self) -> tuple[float, float]:
+        """Metres and radians that the accumulators gain in a second."""
+        right, left = self.wheels.speed[:, 0, 0]
+        return float(right + left) / 2, float((right - left) / self.wheels.track_width[0, 0])
+
+    @property
+    def held(self) -> Held:
+        """What the accumulators are believed to hold."""
+        self._catch_up()
+        distance, angle = self.rows.means[0, s.DISTANCE:] + self.wheels.counts[:, 0, 0]
+        return float(distance), float(angle)
+
+    def goals(self, right: float, left: float) -> tuple[float, float]:
+        """Return the speeds at which the wheels settle when they are asked for these, m/s."""
+        mean = self.rows.means[0]
+        return (float(mean[s.GAIN_RIGHT] * right + mean[s.OFFSET_RIGHT] * np.sign(right)),
+                float(mean[s.GAIN_LEFT] * left + mean[s.OFFSET_LEFT] * np.sign(left)))
+
+    def pose(self) -> tuple[float, float, float]:
+        """Return the mean pose now: x, y, yaw."""
+        if not self._idle:
+            x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
+            return x, y, yaw
+        (x, y, yaw), (east, north, rate) = self._began, self._velocity
+        half = rate * self._idle / 2
+        chord = self._idle * (sin(half) / half if half else 1.0)
+        c, d = chord * cos(half), chord * sin(half)
+        return x + c * east - d * north, y + c * north + d * east, yaw + 2 * half
+
+    def pose_covariance(self) -> tuple[float, ...]:
+        """Return the covariance of the mean pose, row by row."""
+        self._catch_up()
+        pose, poses = slice(s.X, s.YAW + 1), self.wheels.poses[:, :, 0]
+        f = self._transition(BEST)[0, pose]
+        off = poses - (poses @ self._shares)[:, None]
+        p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, pose, pose]
+        p += (off * self._shares) @ off.T
+        return tuple(((p + p.T) / 2).ravel().tolist())
+
+    def twist_variance(self) -> tuple[float, float]:
+        """Return the variance of the forward speed, (m/s)², and of the turn rate, (rad/s)²."""
+        variances = np.diag(self.rows.p[0])
+        gains = variances[[s.GAIN_RIGHT, s.GAIN_LEFT]] * self.wheels.speed[:, 0, 0] ** 2
+        both = float(variances[[*SPEEDS]].sum() + gains.sum())
+        return both / 4 + 1e-6, both / float(self.wheels.track_width[0, 0]) ** 2 + 1e-6
+
+    # Motion.
+
+    def advance(self, dt: float, right: float, left: float) -> None:
+        """
+        Let time pass under these requests.
+
+        Where frames were lost, nobody knows when within that time the requests came.
+        """
+        if (right, left) != self.requests:
+            if dt > LATE:
+                dt /= 2
+                self._roll(dt)
+            change = self._ask(right, left)
+            if dt > LATE / 2:
+                self._unsure += (change * dt) ** 2 / 3
+        self._roll(dt)
+
+    def lift(self, lifted: bool) -> None:
+        """Take the robot off the floor, where wheels turn and nothing moves, or put it down."""
+        self._close()
+        g = self.geometry
+        self.scales = (0.0, 0.0) if lifted else (g.linear_scale, g.angular_scale)
+        self._spread()
+
+    def free(self, free: bool) -> None:
+        """Give up the requested speeds, or trust them again."""
+        self._close()
+        for index, speed in zip(SPEEDS, (0.0, 0.0) if free else self.requests):
+            self.rows.clear(index, speed, RESTLESS ** 2)
+        self.wheels.free = free
+        self._wild |= free
+        self._spread()
+
+    def resume(self, right: float, left: float) -> None:
+        """Go on after a gap in which the wheels have reached these requests."""
+        self._ask(right, left)
+        self.wheels.requests.settle()
+        self.free(self.wheels.free)
+
+    def reset(self) -> None:
+        """Put the origin where the robot is."""
+        self._close()
+        for index in s.POSE:
+            self.rows.clear(index)
+        self._spread()
+
+    def _roll(self, dt: float) -> None:
+        self._seconds += dt
+        self._window += dt
+        if not self._idle:
+            self._note_motion()
+        self._idle += dt
+        if self._idle > STRIDE and (self.wheels.free or not self.wheels.settled):
+            self._catch_up()
+
+    def _note_motion(self) -> None:
+        """Note the mean motion, so that not each frame costs a sum over the copies."""
+        self._began = self.pose()
+        (right, left), yaw = self.wheels.speed[:, :, 0], self.wheels.poses[2, :, 0]
+        linear, angular = self.scales
+        speed = (right + left) * (self._shares * linear / 2)
+        turning = (right - left) / self.wheels.track_width[:, 0]
+        self._velocity = (float(speed @ np.cos(yaw)), float(speed @ np.sin(yaw)),
+                          angular * float(turning @ self._shares))
+
+    def _catch_up(self) -> None:
+        """Let the copies of the wheels roll until now."""
+        idle, self._idle = self._idle, 0.0
+        while idle > 1.5 * STRIDE and not self.wheels.settled:
+            self.wheels.roll(STRIDE, self.scales)
+            idle -= STRIDE
+        if idle > 0:
+            self.wheels.roll(idle, self.scales)
+
+    def _ask(self, right: float, left: float) -> Array:
+        """Take other requests; return by how much they changed."""
+        self._catch_up()
+        were_open = any(self.band.open)
+        answers = self.band.ask(right, left)
+        if were_open or any(self.band.open) or self.rows.means[0, MOVES].tolist() != answers:
+            self._close()
+            self._decide(answers)
+            self._spread()
+        change = self.wheels.ask(right, left)
+        self._changes += change * change
+        return change
+
+    def _decide(self, answers: list[float | None]) -> None:
+        """Set what the wheels move by at their requests; None is open."""
+        for index, answer in zip(MOVES, answers):
+            if answer is None:
+                self.rows.clear(index, OPEN, OPEN ** 2)
+            else:
+                self.rows.clear(index, answer)
+
+    # Covariance.
+
+    def _spread(self) -> None:
+        """Make the copies of the wheels anew."""
+        variances = np.einsum('tii->ti', self.rows.p)[:, :s.UNKNOWNS]
+        self.wheels.spread(self.rows.means, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)),
+                           self.rows.signs)
+        self._shares = self.rows.shares()
+        self._roundings = {
+            each for each, share in zip(self.rows.roundings, self._shares) if share}
+        self._start = self.rows.means[:, s.POSE].copy()
+
+    def _forget(self) -> None:
+        """Begin to gather noise afresh."""
+        self._seconds, self._changes, self._unsure = 0.0, np.zeros(2), np.zeros(2)
+
+    def _transition(self, tracks: slice) -> Array:
+        """Return the transition of the states since the copies were made, a matrix a track."""
+        w, start = self.wheels, self._start[tracks]
+        f = np.tile(np.eye(s.SIZE), (len(start), 1, 1))
+        ends = np.concatenate([w.speed, w.poses, w.counts])[:, tracks].transpose(1, 0, 2)
+        f[:, s.SPEED_RIGHT:, :s.UNKNOWNS] = (
+            ends[:, :, 1:] - ends[:, :, :1]) / w.steps[tracks, None]
+        f[:, s.X, s.YAW] = start[:, 1] - ends[:, 3, 0]
+        f[:, s.Y, s.YAW] = ends[:, 2, 0] - start[:, 0]
+        return f
+
+    def _noise(self, tracks: slice) -> Array:
+        w = self.wheels
+        did = noise.Stretch(self._seconds, self._changes, self._unsure, w.path[:, tracks],
+                            w.miscounted[:, tracks], w.free)
+        heading = (w.poses[2, tracks, 0] + self._start[tracks, 2]) / 2
+        return noise.of_motion(did, self.rows.doubt[tracks], heading, w.track_width[tracks, 0],
+                               self.scales, self.geometry.slip)
+
+    def _carried(self) -> Array:
+        """Return the covariances now; what is far from linear is noise in part."""
+        f, p = self._transition(ALL), self.rows.p
+        g, unknown = f[:, s.X:, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
+        p = f @ p @ f.transpose(0, 2, 1) + self._noise(ALL)
+        p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
+        return p
+
+    def _close(self) -> None:
+        """Bring means and covariances up to now; the copies are to be made anew."""
+        self._catch_up()
+        w, means = self.wheels, self.rows.means
+        self.rows.p = self._carried()
+        means[:, s.POSE] = w.poses[:, :, 0].T
+        means[:, s.DISTANCE:] += w.counts[:, :, 0].T
+        means[:, SPEEDS] = w.speed[:, :, 0].T
+        self._forget()
+
+    # Readings.
+
+    def read(self, distance: int, angle: int, *, doubted: bool = False) -> None:
+        """Take a reading in; `doubted`: expect nothing of it."""
+        wholes, rows = (distance, angle), self.rows
+        if wholes == (0, 0) and self.rests and not self.wheels.path.any():
+            self._window = 0.0
+            return  # it stood all the time, and nothing is learned
+        self._close()
+        if self._wild and any(wholes):
+            width = float(self.wheels.track_width[0, 0])
+            rows.p += noise.of_roaming(
+                distance * MM, angle * DEGREE, width, self._window, self.scales)
+        if doubted:
+            gaps, _ = accumulators.innovation(self.rows, wholes)
+            self._stray(gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2)
+        logs = self._calm(wholes)
+        logs += accumulators.learn(rows, wholes)
+        rows.weigh(logs)
+        accumulators.take_out(rows, wholes)
+        rows.bound()
+        self._learn_band()
+        self._rethink()
+        self._open_window()
+
+    def discard(self) -> None:
+        """Let a reading go by that spans an unknown time: only the reset counts."""
+        self._close()
+        accumulators.empty(self.rows)
+        self._open_window()
+
+    def since(self, began: Held, ended: Held, distance: int, angle: int) -> bool:
+        """
+        Tell whether a surprising reading is only what came since a moment.
+
+        A reading was lost on the line while the accumulators held something between these.
+        """
+        if self.is_free or self.explains(distance, angle):
+            return False
+        for (_, unit), whole, now, first, last in zip(
+                UNITS, (distance, angle), self.held, began, ended):
+            low, high = sorted((now - first, now - last))
+            if not low - 2 * unit <= whole * unit <= high + 2 * unit:
+                return False
+        return True
+
+    def explains(self, distance: int, angle: int) -> bool:
+        """Tell whether a plausible track expected such a reading."""
+        self._catch_up()
+        p, fits = self._carried(), self.rows.weights > 1e-3
+        for (index, unit), whole, moved in zip(UNITS, (distance, angle), self.wheels.counts):
+            gap = np.abs(self.rows.means[:, index] + moved[:, 0] - whole * unit)
+            fits &= gap < 4 * np.sqrt(p[:, index, index]) + 1.2 * unit
+        return bool(fits.any())
+
+    def _calm(self, wholes: tuple[int, int]) -> Array:
+        """
+        Learn from the innovations how much noise there is; meet surprises with more of it.
+
+        Return the logarithm of what a surprise leaves of each track's likelihood.
+        """
+        gaps, spreads = accumulators.innovation(self.rows, wholes)
+        z = gaps / spreads
+        beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
+        if beyond[0] > 0:
+            self.band.doubt()
+        nis = (z * z).mean(axis=0)
+        growth = np.where(nis > 1, RISE, FALL) * np.clip(nis - 1, -1, 6)
+        self.rows.doubt = np.clip(self.rows.doubt * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
+        if beyond.any():
+            more = np.where(np.abs(z) > SURPRISE, (gaps / LEFT) ** 2 - spreads ** 2, 0.0)
+            self._stray(more[0], more[1])
+        left: Array = -np.minimum(2 * beyond, 3.0)
+        return left
+
+    def _stray(self, distance: Array, angle: Array) -> None:
+        self.rows.p += noise.of_surprise(
+            distance, angle, self.rows.means[:, s.YAW], self.scales)
+
+    def _open_window(self) -> None:
+        self._wild, self._window = self.is_free, 0.0
+        self._spread()
+
+    def _learn_band(self) -> None:
+        """See whether the undecided wheels are decided by now."""
+        if not any(self.band.open):
+            return
+        spreads = np.sqrt(np.diag(self.rows.p[0])[[*MOVES]])
+        answers = self.band.learn(self.rows.means[0, MOVES], spreads)
+        for index, answer in zip(MOVES, answers):
+            if answer is not None:
+                self.rows.clear(index, answer)
+
+    def _rethink(self) -> None:
+        """Try everything again beside the tracks that have explained little for long."""
+        best = self.rows
+        self._astray = self._astray + 1 if best.doubt[0] > LOST else min(self._astray, 0)
+        if self._astray < ENOUGH or self.is_free:
+            return
+        self._astray = -PAUSE
+        others = Assumptions.all()
+        others.means[:, OUTSIDE] = best.means[0, OUTSIDE]
+        others.p[:, OUTSIDE, OUTSIDE] = best.p[0, OUTSIDE, OUTSIDE]
+        accumulators.empty(others)
+        best.join(others, REBORN)

@@ -1,0 +1,224 @@
+"""
+How both wheels follow what is asked, for many tracks and copies of them at once.
+
+A wheel runs to its goal (gain times request, and an offset) after a dead time, by an exponential
+lag whose acceleration is bounded: with a time constant T and an acceleration a, the way E to the
+goal shrinks at the rate min(E / T, a). T near zero is a constant acceleration, 1/a = 0 a first
+order lag. A change of request dv then costs dv (dead time + T + |dv| / 2a) of travel.
+
+Arrays have the axes (wheel, track, copy), right first; copy 0 is the track's own belief, the
+others are off by one standard deviation in one unknown each.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..robot import FIRMWARE_SEPARATION
+from . import states as s
+from .request_history import Array, RECENT, RequestHistory
+
+SLOW, SLOWEST, SLOWER = 0.066, 0.05, 1.4
+"""m/s at which the speed-dependent part of the lag counts once; it falls as 1 / speed, to that
+speed, and counts so often at most."""
+FADE = 0.3
+"""Seconds in which a wheel that stops forgets how fast it was, as far as its lag goes."""
+EDGE = 0.005
+"""m/s below which an offset fades."""
+ARRIVED = 3e-4
+"""m/s from its goal at which a wheel is there."""
+SHORTEST_LAG = 0.004
+"""Seconds."""
+OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 1)])
+"""Which of a track's two dead times a copy has."""
+NONE, LAST, UPWARD = range(3)
+"""Where an encoder takes its sign from: the motion; the last speed asked that was not zero; the
+speed asked, where zero counts as forwards."""
+
+
+class Signs(NamedTuple):
+    """How each track's encoders take their signs."""
+
+    kinds: Array
+    late: Array
+    """Whether a request's sign waits for the dead time."""
+
+
+class Wheels:
+    """The copies of all tracks' wheels, and what they have done since the last reading."""
+
+    def __init__(self, signs: Signs, slowest: float) -> None:
+        self.signs = signs
+        self.requests = RequestHistory()
+        self.free = False
+        """Whether wheels keep their speed, whatever is asked."""
+        self._slowest = slowest
+        """Requests below this may not move a wheel, m/s (`dead_band`)."""
+        self._fastest = 0.0, 0.0
+
+    def spread(self, means: Array, steps: Array, signs: Signs) -> None:
+        """Make copies from the tracks' means (track, state), off by these steps each."""
+        self.signs = signs
+        copies = np.repeat(means[:, None, :], s.UNKNOWNS + 1, axis=1)
+        which = np.arange(s.UNKNOWNS)
+        copies[:, which + 1, which] += steps
+        self.steps = steps
+        copies = np.ascontiguousarray(copies.transpose(2, 0, 1))
+        self._take_unknowns(copies)
+        self._all_move = bool((means[:, s.MOVES_RIGHT:s.MOVES_LEFT + 1] == 1).all())
+        self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1].copy()
+        self.poses = copies[s.X:s.YAW + 1].copy()
+        self._rolled = np.zeros((2,) + copies.shape[1:])
+        """Metres that the encoders counted, forwards."""
+        self.path = np.zeros((2, len(means)))
+        """Metres that each wheel rolled, and that its encoder miscounted."""
+        self.miscounted = np.zeros((2, len(means)))
+        self.settled, self.standing, self.farthest = False, False, np.inf
+        """Whether all wheels run at their goals, whether these are zero, and how far the farthest
+        is from its own, m/s."""
+        self._before = self._sums()
+        self._goal: Array | None = None
+
+    def _take_unknowns(self, copies: Array) -> None:
+        self._gain = copies[s.GAIN_RIGHT:s.GAIN_LEFT + 1]
+        self._offset = copies[s.OFFSET_RIGHT:s.OFFSET_LEFT + 1]
+        self._moves = copies[s.MOVES_RIGHT:s.MOVES_LEFT + 1]
+        self._base_lag, self._slow_lag = copies[s.LAG], copies[s.SLOW_LAG]
+        self._dead_times = np.maximum(copies[s.DEAD_TIME][:, [0, s.DEAD_TIME + 1]], 0.0)
+        self._ramp = np.maximum(copies[s.RAMP], 1e-6)
+        self._braking = np.exp(copies[s.BRAKING])
+        self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
+        self._slowness: tuple[float, float] | None = None
+        self._decay_of = 0.0
+
+    @property
+    def counts(self) -> Array:
+        """What the encoders made of the motion: metres forwards, and radians."""
+        right, left = self._rolled
+        return np.stack([(right + left) / 2, (right - left) / self.track_width])
+
+    def ask(self, right: float, left: float) -> Array:
+        """Take other requests; return by how much they changed."""
+        self.settled = self.standing = False
+        self._goal = None
+        change = self.requests.ask(right, left)
+        self._before = self._sums()
+        return change
+
+    def roll(self, h: float, scales: tuple[float, float]) -> None:
+        """Let h seconds pass; scales are of true over counted travel and turn."""
+        requests = self.requests
+        recent = requests.age <= RECENT
+        requests.step(h)
+        sums = None
+        asked: Array = requests.speeds[:, None, None]
+        if recent:
+            sums = self._sums()
+            means = (sums - self._before) / h
+            asked = means[0][:, :, OF_COPY]
+        if self.free or self.settled:
+            travel = self.speed * h
+        else:
+            travel = self._follow(asked, h, recent)
+        counted = travel if self.free else self._counted(travel, means if recent else None)
+        if sums is not None:
+            self._before = sums
+        self._move(travel, counted, scales)
+
+    def _sums(self) -> Array:
+        """Return sums over the requests as late as each track's dead time, and its copy's."""
+        return self.requests.sums(self._dead_times)
+
+    def _follow(self, asked: Array, h: float, recent: bool) -> Array:
+        """Let wheels run towards their goals; return their travel."""
+        goal = self._goal
+        if goal is None or recent:
+            goal = self._goal = self._goals(asked)
+        self._find_lag(h)
+        way = goal - self.speed
+        far = np.abs(way)
+        self.farthest = float(far.max())
+        if (way * self.speed).min() < 0 or (far * self._ramp > self._lag).any():
+            travel = self._follow_bounded(goal, way, far, h)
+        else:
+            self.speed = goal - way * self._decay
+            travel = goal * h - way * self._gone
+        if not recent and self.farthest < ARRIVED:
+            travel += (goal - self.speed) * -self._lag
+            self.speed, self.settled = goal.copy(), True
+            self.standing = not self.speed.any()
+        return travel
+
+    def _goals(self, asked: Array) -> Array:
+        """Return the speeds at which wheels settle that are asked for these."""
+        goal: Array = self._gain * asked + self._offset * np.minimum(
+            np.maximum(asked * (1 / EDGE), -1.0), 1.0)
+        if self._all_move:
+            return goal
+        moved: Array = np.where(np.abs(asked) < self._slowest, goal * self._moves, goal)
+        return moved
+
+    def _follow_bounded(self, goal: Array, way: Array, far: Array, h: float) -> Array:
+        """Do the same where some wheels brake, or their acceleration is bounded."""
+        haste = np.where(way * self.speed < 0, self._braking, 1.0)
+        lag, ramp = self._lag / haste, self._ramp / haste
+        first = np.minimum(np.maximum(far * ramp - lag, 0.0), h)
+        left = far - first / ramp
+        kept = left * np.exp((first - h) / lag)
+        short = (far + left) * first / 2 + (left - kept) * lag
+        self.speed = goal - np.copysign(kept, way)
+        travel: Array = goal * h - np.copysign(short, way)
+        return travel
+
+    def _find_lag(self, h: float) -> None:
+        """Work out the lag at the present speeds, and what is left of a way after h seconds."""
+        fade = 1 - h / FADE
+        (right, left), (was_right, was_left) = self.requests.asked, self._fastest
+        self._fastest = right, left = max(abs(right), was_right * fade), max(
+            abs(left), was_left * fade)
+        slowness = _slowness(right), _slowness(left)
+        if slowness != self._slowness:
+            self._slowness, self._decay_of = slowness, 0.0
+            many = np.array(slowness)[:, None, None]
+            self._lag = np.maximum(self._base_lag + self._slow_lag * many, SHORTEST_LAG)
+        if h != self._decay_of:
+            self._decay_of = h
+            self._decay = np.exp(-h / self._lag)
+            self._gone = (1 - self._decay) * self._lag
+
+    def _counted(self, travel: Array, means: Array | None) -> Array:
+        """Return what the encoders make of the travel, by each track's idea of their signs."""
+        sign = self.requests.one_sign
+        if sign is not None and (travel * sign).min() >= 0:
+            return travel
+        kept, up = self.requests.signs
+        kinds, late = self.signs.kinds[:, None], self.signs.late[:, None]
+        if means is None:
+            sign = np.where(kinds == LAST, kept, up)
+        else:
+            _, late_kept, late_up = means[:, :, :, OF_COPY]
+            sign = np.where(kinds == LAST, np.where(late, late_kept, kept),
+                            np.where(late, late_up, up))
+        return np.where(kinds == NONE, travel, sign * np.abs(travel))
+
+    def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
+        poses = self.poses
+        right, left = travel
+        turn = (right - left) * (scales[1] / self.track_width)
+        went = (right + left) * (scales[0] / 2)
+        half = turn / 2
+        middle = poses[2] + half
+        if self.settled:  # an arc, maybe a long one
+            went *= np.sinc(half / np.pi)
+        poses[0] += went * np.cos(middle)
+        poses[1] += went * np.sin(middle)
+        poses[2] += turn
+        self._rolled += counted
+        self.path += np.abs(travel[:, :, 0])
+        if counted is not travel:
+            self.miscounted += np.abs(travel[:, :, 0] - counted[:, :, 0])
+
+
+def _slowness(speed: float) -> float:
+    """Return how often the speed-dependent part of the lag counts."""
+    return min(SLOW / max(speed, SLOWEST), SLOWER)

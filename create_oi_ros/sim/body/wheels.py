@@ -1,0 +1,170 @@
+"""
+How a wheel's speed follows the speed that is asked of it: the response models.
+
+Each model advances a speed towards a goal that is constant for the step, and is exact for it.
+What real robots do is in EVIDENCE (docs/simulator.md): a real Create answered like a first-order
+lag with a time constant near 0.2 s; other models are here because nobody measured yours.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+import math
+from typing import NamedTuple, Protocol
+
+
+class Response(Enum):
+    """The kind of a wheel's answer to a step of its goal."""
+
+    FIRST_ORDER = 'first_order'
+    """The rest of the way shrinks by 1/e in each time constant (measured of one Create)."""
+    SECOND_ORDER = 'second_order'
+    """As a spring and a damper: it overshoots (measured of Create 2 robots)."""
+    RAMP = 'ramp'
+    """A constant acceleration."""
+
+
+class Follower(Protocol):
+    """A wheel's speed on its way to a goal; m/s and seconds."""
+
+    speed: float
+
+    def aim(self, goal: float) -> None:
+        """Note a new goal."""
+
+    def horizon(self, longest: float) -> float:
+        """Return the seconds, at most `longest`, for which one `roll` is exact."""
+
+    def roll(self, h: float) -> float:
+        """Let h seconds pass; return the metres travelled."""
+
+
+class TimeConstant(NamedTuple):
+    """A time constant that depends on the speed by a power, held constant outside a range."""
+
+    seconds: float
+    """At REFERENCE_SPEED."""
+    exponent: float = 0.0
+    """0: the same at all speeds; 1: inversely proportional to the speed."""
+    slowest: float = 0.05
+    fastest: float = 0.076
+    """m/s: the range of speeds between which it changes."""
+
+    def at(self, speed: float) -> float:
+        """Return the seconds at a speed, m/s."""
+        bounded = min(self.fastest, max(self.slowest, speed))
+        part: float = (REFERENCE_SPEED / bounded) ** self.exponent
+        return self.seconds * part
+
+
+REFERENCE_SPEED = 0.0665
+"""m/s: there the measured Create had 0.2 s, with an exponent of 1 between 50 and 76 mm/s."""
+ARRIVED = 1e-6
+"""m/s by which a lag may miss its goal and count as there."""
+FINE = 0.004
+"""Seconds within which an oscillating wheel may change the sign of its speed unseen."""
+
+
+class Lag:
+    """First order: the speed error decays exponentially; braking `braking` times as fast."""
+
+    def __init__(self, constant: TimeConstant, braking: float) -> None:
+        self.speed = self._goal = self._reference = 0.0
+        self._constant, self._braking = constant, braking
+
+    def aim(self, goal: float) -> None:
+        self._goal = goal
+        self._reference = max(abs(goal), abs(self.speed))
+
+    def horizon(self, longest: float) -> float:
+        if self.speed == self._goal or self.speed * self._goal >= 0:
+            return min(longest, FINE * 2) if self.speed != self._goal else longest
+        crossing = self._tau() * math.log1p(abs(self.speed / self._goal))
+        return max(min(longest, crossing, FINE * 2), 1e-6)
+
+    def roll(self, h: float) -> float:
+        tau, rest = self._tau(), self.speed - self._goal
+        kept = math.exp(-h / tau)
+        travel = self._goal * h + rest * tau * (1 - kept)
+        self.speed = self._goal + rest * kept
+        if abs(rest * kept) < ARRIVED:
+            self.speed = self._goal
+        elif self._goal and abs(self.speed) < ARRIVED:
+            self.speed = math.copysign(1e-12, self._goal)
+        return travel
+
+    def _tau(self) -> float:
+        tau = self._constant.at(self._reference)
+        return tau / self._braking if brakes(self.speed, self._goal) else tau
+
+
+class Spring:
+    """Second order, underdamped: overshoots its goal by a part of the step."""
+
+    def __init__(self, constant: TimeConstant, overshoot: float, braking: float) -> None:
+        self.speed = self._goal = self._reference = self._rate = 0.0
+        self._constant, self._braking = constant, braking
+        log = math.log(max(1e-4, overshoot))
+        self._damping = -log / math.hypot(math.pi, log)
+
+    def aim(self, goal: float) -> None:
+        self._goal = goal
+        self._reference = max(abs(goal), abs(self.speed))
+
+    def horizon(self, longest: float) -> float:
+        still = self.speed == self._goal and not self._rate
+        return longest if still else min(longest, FINE)
+
+    def roll(self, h: float) -> float:
+        omega = 1 / self._constant.at(self._reference)
+        if brakes(self.speed, self._goal):
+            omega *= self._braking
+        decay = self._damping * omega
+        swing = omega * math.sqrt(1 - self._damping ** 2)
+        x, rate = self.speed - self._goal, self._rate
+        a, b = x, (rate + decay * x) / swing
+        shrunk, cos, sin = math.exp(-decay * h), math.cos(swing * h), math.sin(swing * h)
+        after = shrunk * (a * cos + b * sin)
+        rate_after = -decay * after + shrunk * swing * (b * cos - a * sin)
+        travel = -((rate_after - rate) + 2 * decay * (after - x)) / omega ** 2
+        self.speed, self._rate = self._goal + after, rate_after
+        if abs(after) < ARRIVED and abs(rate_after) < ARRIVED / FINE:
+            self.speed, self._rate = self._goal, 0.0
+        return travel + self._goal * h
+
+
+class Ramp:
+    """Constant acceleration, m/s²; braking `braking` times as hard."""
+
+    def __init__(self, acceleration: float, braking: float) -> None:
+        self.speed = self._goal = 0.0
+        self._limit, self._braking = acceleration, braking
+
+    def aim(self, goal: float) -> None:
+        self._goal = goal
+
+    def horizon(self, longest: float) -> float:
+        way = abs(self._next() - self.speed)
+        return min(longest, max(way / self._rate(), 1e-9)) if way else longest
+
+    def roll(self, h: float) -> float:
+        goal = self._next()
+        way = goal - self.speed
+        change = math.copysign(min(abs(way), self._rate() * h), way)
+        travel = (self.speed + change / 2) * h
+        self.speed += change
+        if abs(goal - self.speed) < 1e-9:
+            self.speed = goal
+        return travel
+
+    def _next(self) -> float:
+        """Return where the present ramp ends: at rest first where the wheel has to reverse."""
+        return 0.0 if self.speed * self._goal < 0 else self._goal
+
+    def _rate(self) -> float:
+        return self._limit * (self._braking if brakes(self.speed, self._goal) else 1.0)
+
+
+def brakes(speed: float, goal: float) -> bool:
+    """Tell whether a wheel on its way from a speed to a goal slows down."""
+    return (goal - speed) * speed < 0
