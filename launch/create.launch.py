@@ -64,7 +64,8 @@ def nodes(context):
         port = os.path.join(tempfile.gettempdir(), f'create_{name}_{os.getpid()}')
     made = [driver(value, port)]
     if asked['simulated']:
-        made = simulated(port, value['world'], made)
+        watched = ['--control', control(port)] if asked['web'] else []
+        made = simulated(port, value['world'], made, watched)
     if asked['web']:
         made.append(page(value, control(port) if asked['simulated'] else None))
     if asked['description']:
@@ -142,7 +143,7 @@ def page(value, socket):
         arguments=['--host', value['host'], *(['--control', socket] if socket else [])])
 
 
-def simulated(port, world, users):
+def simulated(port, world, users, options=()):
     """
     Return a simulated robot, and what is started when its port is there.
 
@@ -151,8 +152,7 @@ def simulated(port, world, users):
     program = os.path.join(
         get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
     simulator = ExecuteProcess(
-        cmd=[program, '--link', port, '--world', world, '--control', control(port),
-             '--linger', str(LINGER)],
+        cmd=[program, '--link', port, '--world', world, '--linger', str(LINGER), *options],
         name='create_sim', output='screen', prefix=ENDS_WITH_LAUNCH,
         on_exit=EmitEvent(event=Shutdown(reason='create_sim has ended')))
     waiting = list(users)

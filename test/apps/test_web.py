@@ -4,6 +4,7 @@ from contextlib import closing
 import http.client
 import signal
 import socket
+import sys
 
 import aiohttp
 from geometry_msgs.msg import Twist
@@ -12,6 +13,7 @@ import pytest
 from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.oi import LedBits, Mode
+from create_oi_ros.ros import programs
 from create_oi_ros.sim.world import shipped
 from support.ros import scene
 from support.simulator import taught
@@ -193,8 +195,9 @@ def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(stage, pages
 
 def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
     _, page = driving(stage, pages, enable_stamped_cmd_vel=True)
-    publishers = stage.ros.node.get_publishers_info_by_topic('cmd_vel')
-    assert [each.topic_type for each in publishers] == ['geometry_msgs/msg/TwistStamped']
+    stage.ros.until(lambda: [
+        each.topic_type for each in stage.ros.node.get_publishers_info_by_topic('cmd_vel')
+    ] == ['geometry_msgs/msg/TwistStamped'])
     page.until(lambda: page.known['pose']['x'] > 0.02)
 
 
@@ -348,6 +351,15 @@ def test_a_simulated_robot_shows_its_room_and_where_it_really_is(stage, pages, t
 
 
 # The command line.
+
+def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, 'aiohttp', None)
+    for name in [name for name in sys.modules if name.startswith('create_oi_ros.apps.web')]:
+        monkeypatch.delitem(sys.modules, name)
+    with pytest.raises(SystemExit, match='needs aiohttp.*sudo apt-get install python3-aiohttp'):
+        programs._imported('create_web')
+
+
 
 @pytest.mark.parametrize(('arguments', 'words'), [
     (['--port', '0'], "'0'; allowed: 1 to 65535"), (['--port', 'http'], 'allowed: 1 to 65535'),

@@ -1,15 +1,11 @@
 // The map: room, track, events, the robot, and how sure the odometry is of its place.
 
-const RECENT = 600;         // seconds for which every point is kept
-const OLD_STEP = 0.2;       // metres between older points
-const THIN_EVERY = 60;      // seconds
-const CHUNK = 400;          // points that are drawn, or left out, together
+import { fillKey, sign, SIGNS } from './map_signs.js';
+import { box, Track } from './map_track.js';
+
 const LEAST_SCALE = 4, MOST_SCALE = 1200, FIRST_SCALE = 90;  // pixels for a metre
 const SIGMAS = 2;           // of the ellipse
 const EASE = 60;            // ms in which the robot drawn follows the one measured
-const SIGNS = {
-  bump: ['bump', '--bump'], cliff: ['cliff', '--cliff'], drop: ['wheel drop', '--drop'],
-};
 
 export class Map2D {
   constructor(canvas, key) {
@@ -19,21 +15,19 @@ export class Map2D {
     this.scale = FIRST_SCALE;
     this.follow = true;
     this.onFollow = () => {};
-    this.points = [];   // [x, y, time]
-    this.chunks = [];
+    this.track = new Track();
     this.events = [];
     this.pose = this.drawn = this.truth = this.room = this.origin = null;
     this.radius = 0.165;
     this.lit = {};
     this.pointers = new Map();
     this.dirty = true;
-    this.thinned = performance.now();
     this.readColors();
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
       this.readColors();
-      this.fillKey(key);
+      fillKey(key, this.color);
     });
-    this.fillKey(key);
+    fillKey(key, this.color);
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.listen();
     this.resize();
@@ -51,60 +45,14 @@ export class Map2D {
   // What the robot tells.
 
   begin(flat) {
-    const now = performance.now() / 1000;
-    this.points = [];
-    for (let at = 0; at < flat.length; at += 2) this.points.push([flat[at], flat[at + 1], now]);
+    this.track.begin(flat);
     this.events = [];
-    this.rebuild();
+    this.touch();
   }
 
   extend(flat) {
-    const now = performance.now() / 1000;
-    for (let at = 0; at < flat.length; at += 2) {
-      const point = [flat[at], flat[at + 1], now];
-      this.points.push(point);
-      this.append(point);
-    }
-    if (now - this.thinned > THIN_EVERY) this.thin(now);
+    this.track.extend(flat);
     this.touch();
-  }
-
-  thin(now) {
-    this.thinned = now;
-    let last = null;
-    const kept = this.points.filter(point => {
-      const old = now - point[2] > RECENT;
-      const near = last && Math.hypot(point[0] - last[0], point[1] - last[1]) < OLD_STEP;
-      if (old && near) return false;
-      last = point;
-      return true;
-    });
-    if (kept.length === this.points.length) return;
-    this.points = kept;
-    this.rebuild();
-  }
-
-  rebuild() {
-    this.chunks = [];
-    for (const point of this.points) this.append(point);
-    this.touch();
-  }
-
-  append([x, y]) {
-    let chunk = this.chunks.at(-1);
-    if (!chunk || chunk.count >= CHUNK) {
-      const path = new Path2D();
-      if (chunk) path.moveTo(chunk.x, chunk.y);
-      else path.moveTo(x, y);
-      chunk = { path, count: 0, left: x, right: x, low: y, high: y,
-                ...(chunk ? box([chunk.x, x], [chunk.y, y]) : {}) };
-      this.chunks.push(chunk);
-    }
-    chunk.path.lineTo(x, y);
-    chunk.count += 1;
-    chunk.x = x; chunk.y = y;
-    chunk.left = Math.min(chunk.left, x); chunk.right = Math.max(chunk.right, x);
-    chunk.low = Math.min(chunk.low, y); chunk.high = Math.max(chunk.high, y);
   }
 
   mark(events) { this.events.push(...events); this.touch(); }
@@ -175,7 +123,7 @@ export class Map2D {
   }
 
   showAll() {
-    const corners = this.points.map(point => point.slice(0, 2));
+    const corners = this.track.points.map(point => point.slice(0, 2));
     if (this.pose) corners.push([this.pose.x, this.pose.y]);
     if (this.room && this.origin) {
       for (const [ax, ay, bx, by] of this.room.walls) {
@@ -343,18 +291,7 @@ export class Map2D {
     const c = this.context, view = this.view();
     c.strokeStyle = this.color('--track');
     c.lineWidth = 2.5 * this.pixel;
-    for (const chunk of this.chunks) {
-      if (chunk.right < view.left || chunk.left > view.right
-          || chunk.high < view.low || chunk.low > view.high) continue;
-      c.stroke(chunk.path);
-    }
-    const last = this.chunks.at(-1);
-    if (last && this.drawn) {
-      c.beginPath();
-      c.moveTo(last.x, last.y);
-      c.lineTo(this.drawn.x, this.drawn.y);
-      c.stroke();
-    }
+    this.track.draw(c, view, this.drawn);
   }
 
   drawSign([kind, x, y]) {
@@ -429,69 +366,8 @@ export class Map2D {
     c.font = '12px system-ui, sans-serif';
     c.fillText(`${metres} m`, left + 4, low - 5);
   }
-
-  // The key below the map: the same signs with their names.
-  fillKey(list) {
-    list.replaceChildren();
-    const entries = [
-      ['track', c => line(c, this.color('--track'), [])],
-      ['2σ of the place', c => ring(c, this.color('--doubt-edge'), this.color('--doubt'), [])],
-      ['true place', c => ring(c, this.color('--truth'), 'transparent', [3, 3]), 'simulated'],
-      ['Home Base', c => line(c, this.color('--accent'), [], 6), 'simulated'],
-      ['virtual wall', c => line(c, this.color('--virtual'), [2, 5]), 'simulated'],
-      ...Object.entries(SIGNS).map(([kind, [name, color]]) =>
-        [name, c => sign(c, kind, this.color(color), this.color('--card'))]),
-    ];
-    for (const [name, paint, only] of entries) {
-      const item = document.createElement('li');
-      const canvas = document.createElement('canvas');
-      const ratio = devicePixelRatio || 1;
-      canvas.width = canvas.height = 18 * ratio;
-      const c = canvas.getContext('2d');
-      c.setTransform(ratio, 0, 0, ratio, 9 * ratio, 9 * ratio);
-      paint(c);
-      item.append(canvas, name);
-      if (only) item.className = only;
-      list.append(item);
-    }
-  }
 }
 
 function pairs(flat) {
   return Array.from({ length: flat.length / 2 }, (_, at) => [flat[2 * at], flat[2 * at + 1]]);
-}
-
-function box(xs, ys) {
-  const least = values => values.reduce((a, b) => Math.min(a, b));
-  const most = values => values.reduce((a, b) => Math.max(a, b));
-  return { left: least(xs), right: most(xs), low: least(ys), high: most(ys) };
-}
-
-// A sign of its own shape for each kind: nobody needs the colours to tell them apart.
-function sign(c, kind, color, edge) {
-  for (const [style, width] of [[edge, 5], [color, 2.5]]) {
-    c.strokeStyle = style;
-    c.lineWidth = width;
-    c.lineCap = c.lineJoin = 'round';
-    c.beginPath();
-    if (kind === 'bump') { c.moveTo(-5, -5); c.lineTo(5, 5); c.moveTo(-5, 5); c.lineTo(5, -5); }
-    else if (kind === 'cliff') { c.moveTo(-6, -4); c.lineTo(6, -4); c.lineTo(0, 6); c.closePath(); }
-    else c.rect(-5, -5, 10, 10);
-    c.stroke();
-  }
-}
-
-function line(c, color, dash, width = 2.5) {
-  c.strokeStyle = color;
-  c.lineWidth = width;
-  c.setLineDash(dash);
-  c.beginPath(); c.moveTo(-8, 0); c.lineTo(8, 0); c.stroke();
-}
-
-function ring(c, color, fill, dash) {
-  c.strokeStyle = color;
-  c.fillStyle = fill;
-  c.lineWidth = 1.5;
-  c.setLineDash(dash);
-  c.beginPath(); c.arc(0, 0, 7, 0, 7); c.fill(); c.stroke();
 }
