@@ -37,7 +37,7 @@ export class Stick {
   grab(event) {
     if (this.pointer !== null || event.button !== 0) return;
     event.preventDefault();
-    this.pad.focus({ preventScroll: true });
+    document.activeElement.blur();  // so that space means STOP from now on
     this.pad.setPointerCapture(event.pointerId);
     this.pressed.clear();
     this.pointer = event.pointerId;
@@ -60,7 +60,7 @@ export class Stick {
     if (event.target.closest('input, [data-arrows]')) return;
     event.preventDefault();
     if (this.pointer !== null || event.repeat) return;
-    this.pad.focus({ preventScroll: true });  // so that space means STOP from now on
+    document.activeElement.blur();
     this.pressed.add(event.key);
     this.fromKeys();
   }
