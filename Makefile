@@ -12,12 +12,13 @@
 #   make bench-odometry  measure the odometry
 #   make faults          make each fault ten times: an hour
 #   make soak            30 minutes under load with faults; ARGS=5: five minutes
+#   make sequences       draw sequences of all that can happen for 10 minutes; ARGS=1: for one
 #   make fuzz            read a million damaged frames; ARGS='20000 7': so many, with a seed
 #   make clean           remove all that was installed, built and measured
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test build bench bench-compare bench-odometry faults soak fuzz docs lint clean
+.PHONY: help run demo test build bench bench-compare bench-odometry faults soak fuzz sequences docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -37,6 +38,7 @@ bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 faults: build ; @$(ENTER) python test faults $(ARGS)
 soak: build ; @$(ENTER) python test soak $(ARGS)
 fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
+sequences: build ; @$(ENTER) python test sequences $(ARGS)
 docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,5 +1,5 @@
 """
-Run a long test by name: `python test NAME [OPTIONS]`. `make faults`, `soak` and `fuzz` use it.
+Run a long test by name: `python test NAME [OPTIONS]`, as `make NAME` does.
 
 Python puts this folder on its path, so `campaign` and `support` are found from any directory.
 """
@@ -7,7 +7,7 @@ Python puts this folder on its path, so `campaign` and `support` are found from 
 from importlib import import_module
 import sys
 
-NAMES = ('faults', 'soak', 'fuzz')
+NAMES = ('faults', 'soak', 'fuzz', 'sequences')
 
 
 def main() -> int:

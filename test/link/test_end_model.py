@@ -13,7 +13,7 @@ import pytest
 
 from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.world import shipped
-from link.end_model import explore, Found, Rules, State, steps
+from support.end_model import explore, Found, Rules, State, steps
 from support.ros import Robot, TIMEOUT
 
 FAULTS = 3

@@ -1,0 +1,209 @@
+"""
+Sequences of all that can happen to a driver: commands, requests, faults, hands on the robot.
+
+`test/driver/test_sequences.py` draws a few of them; `python test sequences` draws more, for some
+minutes, and prints a sequence that fails as a short program.
+"""
+
+import argparse
+from collections import Counter
+from math import inf, nan
+import time
+
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import initialize, rule, RuleBasedStateMachine, run_state_machine_as_test
+
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.oi.script import build_script
+from create_oi_ros.sim.body.config import CENTRE, IDEAL
+from support.watched_loop import WatchedLoop
+
+MODES = (oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL)
+SPEEDS = st.sampled_from((0.0, 0.05, 0.2, -0.3, 0.5, 9.0, nan, inf))
+TURNS = st.sampled_from((0.0, 0.1, -1.0, 3.0, -20.0))
+BODIES = {'ideal': IDEAL, 'centre': CENTRE}
+TIMES = st.sampled_from((0.005, 0.02, 0.1, 0.3, 0.7, 1.5))
+SHARES = st.sampled_from((0.05, 0.3, 1.0))
+SCRIPT = build_script([
+    oi.DriveDirect(right=100, left=100), oi.WaitTime(time=5), oi.DriveDirect(right=0, left=0)])
+
+
+class Sequences(RuleBasedStateMachine):
+    """Everything that can happen to a driver, in any order."""
+
+    totals: Counter[str] = Counter()
+    """What all sequences did together."""
+
+    @initialize(body=st.sampled_from(sorted(BODIES)), acceleration=st.sampled_from((0.0, 0.5)))
+    def begin(self, body, acceleration):
+        self.totals['sequences'] += 1
+        self.loop = WatchedLoop(BODIES[body], Settings(
+            odometry_window=1.0,
+            limits=MotionLimits(linear_acceleration=acceleration,
+                                angular_acceleration=4 * acceleration)))
+        self.loop.run(0.3)
+
+    @property
+    def driver(self):
+        return self.loop.driver
+
+    # Time and commands.
+
+    @rule(seconds=TIMES)
+    def wait(self, seconds):
+        self.loop.run(seconds)
+
+    @rule(linear=SPEEDS, angular=TURNS)
+    def command(self, linear, angular):
+        self.loop.command(linear, angular)
+        self.loop.run(0.03)
+
+    @rule(linear=SPEEDS, angular=TURNS, times=st.integers(2, 15))
+    def drive(self, linear, angular, times):
+        for _ in range(times):
+            self.loop.command(linear, angular)
+            self.loop.run(0.1)
+
+    # Requests.
+
+    @rule(mode=st.sampled_from(MODES))
+    def set_mode(self, mode):
+        self.loop.request(self.driver.set_mode(mode, self.loop.now))
+
+    @rule()
+    def stop(self):
+        self.loop.request(self.driver.stop(self.loop.now))
+        self.loop.asked_at = -inf
+        self.loop.excuse(0.1)
+
+    @rule(demo=st.sampled_from(oi.DemoNumber))
+    def start_demo(self, demo):
+        self.loop.request(self.driver.demos.start(demo))
+
+    @rule()
+    def stop_demo(self):
+        self.loop.request(self.driver.demos.stop())
+
+    @rule(number=st.integers(0, 15))
+    def play_song(self, number):
+        self.loop.request(self.driver.outputs.define_song(number, [60, 64], [0.1, 0.2]))
+        self.loop.request(self.driver.outputs.play_song(number))
+
+    @rule(color=st.integers(0, 255))
+    def light(self, color):
+        self.loop.request(self.driver.outputs.set_leds(oi.LedBits.PLAY, color, 128))
+
+    @rule(force=st.booleans())
+    def play_script(self, force):
+        self.loop.request(self.driver.scripts.define(SCRIPT))
+        self.loop.request(self.driver.scripts.play(self.loop.now, force=force))
+
+    @rule()
+    def show_script(self):
+        self.loop.request(self.driver.scripts.show(self.loop.now))
+
+    @rule()
+    def reset_odometry(self):
+        self.loop.reset_odometry()
+
+    # Hands on the robot.
+
+    @rule(right=st.booleans(), left=st.booleans())
+    def bump(self, right, left):
+        self.loop.body.force(bump_right=right, bump_left=left, seconds=0.4)
+
+    @rule(seconds=st.sampled_from((0.02, 0.5)))
+    def cliff(self, seconds):
+        self.loop.body.force(cliff_left=1, seconds=seconds)
+
+    @rule(lifted=st.booleans())
+    def lift(self, lifted):
+        self.loop.body.lift(lifted)
+
+    @rule(held=st.booleans())
+    def hold(self, held):
+        self.loop.body.hold(right=held, left=held)
+
+    @rule(speed=st.sampled_from((0.1, -0.2)))
+    def push(self, speed):
+        self.loop.body.push(speed=speed, rate=0.3, seconds=0.5)
+
+    @rule(plugged=st.booleans())
+    def charger(self, plugged):
+        self.loop.body.plug_charger(plugged)
+
+    @rule(seconds=st.sampled_from((0.01, 1.0, 3.0)))
+    def power_off_and_on(self, seconds):
+        self.loop.robot.power(False, self.loop.now)
+        self.loop.run(seconds)
+        self.loop.robot.power(True, self.loop.now)
+
+    # The line.
+
+    @rule(seconds=st.sampled_from((0.02, 0.2, 1.2)))
+    def cut(self, seconds):
+        self.loop.cut = True
+        self.loop.run(seconds)
+        self.loop.cut = False
+
+    @rule(seconds=st.sampled_from((0.0, 0.2, 1.2)))
+    def lose_port(self, seconds):
+        self.driver.disconnected('the cable was pulled')
+        self.loop.run(seconds)
+        self.driver.connected(self.loop.now)
+
+    @rule(share=SHARES, seconds=TIMES)
+    def damage_what_comes(self, share, seconds):
+        self.loop.damage_down = share
+        self.loop.run(seconds)
+        self.loop.damage_down = 0.0
+
+    @rule(share=SHARES, seconds=TIMES)
+    def damage_what_goes(self, share, seconds):
+        self.loop.damage_up = share
+        self.loop.run(seconds)
+        self.loop.damage_up = 0.0
+
+    @rule(seconds=st.sampled_from((0.3, 2.0)))
+    def stand_still(self, seconds):
+        """Stop the driver's process for a while; the dead-man stops the robot."""
+        self.loop.stand_still(seconds)
+
+    def teardown(self):
+        if not hasattr(self, 'loop'):
+            return
+        loop = self.loop
+        loop.driver.shut_down(loop.now)
+        loop.run(0.1)
+        reached = loop.robot.powered and not loop.robot.waiting and loop.robot.demo is None
+        if reached and loop.now > loop.excused_until:
+            assert not any(loop.robot.actuators.wheels), 'wheels turn after the end'
+        self.totals['simulated seconds'] += round(loop.now - loop.began)
+        self.totals['requests'] += len(loop.replies)
+        loop.driver.disconnected('closed')
+        assert all(len(got) == 1 for got in loop.replies), 'a reply was lost or given twice'
+
+
+def draw(sequences: int, steps: int, **more: bool) -> None:
+    """Draw sequences of at most so many steps; an AssertionError shows one that fails."""
+    run_state_machine_as_test(Sequences, settings=settings(
+        max_examples=sequences, stateful_step_count=steps, deadline=None, database=None,
+        suppress_health_check=list(HealthCheck), **more))
+
+
+def main() -> int:
+    """Draw sequences for some minutes."""
+    parser = argparse.ArgumentParser(
+        prog='sequences', description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('minutes', type=float, nargs='?', default=10.0)
+    parser.add_argument('steps', type=int, nargs='?', default=200, help='of a sequence, at most')
+    options = parser.parse_args()
+    until = time.monotonic() + 60 * options.minutes
+    while time.monotonic() < until:
+        draw(20, options.steps)
+    print('; '.join(f'{count} {what}' for what, count in Sequences.totals.items())
+          + ': no rule broken')
+    return 0

@@ -1,0 +1,7 @@
+"""Any sequence of commands, requests, faults and hands on the robot ends well."""
+
+from campaign.sequences import draw
+
+
+def test_any_sequence_ends_well():
+    draw(25, 40, derandomize=True)
