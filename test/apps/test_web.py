@@ -88,7 +88,8 @@ def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], s
 
 def test_a_page_is_told_of_the_robot_and_drives_it(stage, pages):
     robot, page = driving(stage, pages)
-    assert page.known['seat'] == {'driver': page.known['you'], 'viewers': 1}
+    assert page.known['seat'] == {
+        'driver': page.known['you'], 'viewers': 1, 'stopped': False}
     assert page.known['top_speed'] == 0.5
     page.until(lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
     page.send('release')
@@ -167,7 +168,8 @@ def test_one_page_drives_and_others_watch_until_they_take_over(stage, pages):
     assert not other.reply()['ok']
     other.send('take_over')
     stage.ros.until(lambda: standing(robot))
-    other.until(lambda: other.known['seat'] == {'driver': other.known['you'], 'viewers': 2})
+    other.until(lambda: other.known['seat'] == {
+        'driver': other.known['you'], 'viewers': 2, 'stopped': False})
     other.drive(-0.1, 0.0, lambda: not standing(robot))
     page.send('drive', linear=0.1, angular=0.0, seen=page.known['at'])
     assert not page.reply()['ok']

@@ -1,5 +1,7 @@
 """The page of `create_web` in a real browser: it drives, lights up, stops, and asks for tokens."""
 
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 import signal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -9,7 +11,7 @@ from create_oi_ros.oi import LedBits
 from create_oi_ros.sim.world import shipped
 from support.browser import browsers, OpenPage
 from support.ros import scene
-from support.web import free_port, served
+from support.web import free_port, PageClient, served
 
 SIZES = {'telephone': (360, 740), 'tablet': (768, 1024), 'desktop': (1920, 1080),
          'wall': (2560, 1440), 'notebook': (1280, 720)}
@@ -197,6 +199,26 @@ def test_another_page_watches_until_it_takes_over(stage, robot, shown):
     first.until('document.getElementById("chip-seat").textContent.startsWith("another page")')
     assert second.text('#chip-seat') == 'you drive, 2 pages open'
     first.page.mouse.up()
+
+
+def press_stop(address: str) -> None:
+    """Press STOP as another page does; on a thread without Playwright's event loop."""
+    with closing(PageClient(address)) as other:
+        other.send('stop')
+        other.reply()
+
+
+def test_stop_on_another_page_lets_the_stick_go(stage, robot, shown):
+    page = shown()
+    page.grab(0.0, 0.7)
+    stage.ros.until(lambda: not standing(robot))
+    # A second page in this browser would take the focus, which lets the stick go as well.
+    with ThreadPoolExecutor() as pool:
+        pool.submit(press_stop, page.page.url).result()
+    page.until('document.getElementById("toast").textContent === "STOP was pressed"')
+    stage.ros.until(lambda: standing(robot))
+    assert page.page.locator('#stick.held').count() == 0
+    page.page.mouse.up()
 
 
 def test_dragging_the_map_ends_following_and_a_button_begins_it(shown):

@@ -101,7 +101,7 @@ class Viewers:
             viewer.news.set()
 
     async def _send(self, viewer: Viewer) -> None:
-        greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': round(TOP_TURN, 3)}
+        greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': TOP_TURN}
         try:
             await viewer.socket.send_json({**greeting, **self._greeting})
             while True:
@@ -185,7 +185,8 @@ class Viewers:
             self._node.velocity.publish(*Velocity())
 
     def _show_seat(self) -> None:
-        self._robot.parts.put('seat', {'driver': self._seat.viewer, 'viewers': len(self)})
+        self._robot.parts.put('seat', {
+            'driver': self._seat.viewer, 'viewers': len(self), 'stopped': self._seat.latched})
 
     # Services.
 

@@ -74,7 +74,13 @@ const TELL = {
   charging: panels.showCharger,
   infrared: panels.showInfrared,
   diagnostics: statuses => { trouble = panels.showDiagnostics(statuses); showState(); },
-  seat: seat => panels.showSeat(seat, known.you),
+  seat: seat => {
+    panels.showSeat(seat, known.you);
+    if (seat.stopped && stick.timer !== null) {
+      stick.letGo();
+      toast('STOP was pressed', false);
+    }
+  },
   silent: silent => { known.silent = silent; showState(); },
   driver_found: found => { known.found = found; showState(); },
 };

@@ -102,11 +102,12 @@ export class Stick {
     this.pressed.clear();
     this.pointer = null;
     this.forward = this.turn = 0;
+    if (this.timer !== null) {
+      clearInterval(this.timer);
+      this.timer = null;
+      this.connection.send('release');
+    }
     this.show();
-    if (this.timer === null) return;
-    clearInterval(this.timer);
-    this.timer = null;
-    this.connection.send('release');
   }
 
   show() {
