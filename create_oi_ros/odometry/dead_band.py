@@ -23,8 +23,8 @@ standard deviations more so far from the other one."""
 class DeadBand:
     """Where the edge lies, and which wheels are undecided."""
 
-    def __init__(self) -> None:
-        self.stands, self.moves = SLOWEST, FASTEST
+    def __init__(self, stands: float = SLOWEST, moves: float = FASTEST) -> None:
+        self.stands, self.moves = stands, moves
         """Fastest request known to stand, slowest known to move, m/s."""
         self.asked = [0.0, 0.0]
         self.open = [False, False]

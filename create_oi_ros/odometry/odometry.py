@@ -10,6 +10,7 @@ from math import cos, exp, hypot, sin
 
 from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .estimate import Estimate, Geometry, Increment
+from .knowledge import Knowledge, learned
 from .obedience import Obedience
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
@@ -37,16 +38,17 @@ FLOOR = 1e-9
 class Odometry:
     """Turns increments into an estimate that never jumps."""
 
-    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0) -> None:
+    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0,
+                 robot: Knowledge | None = None) -> None:
         """
-        Ask for distance and angle about every `window` seconds.
+        Ask for distance and angle about every `window` seconds, of a robot that is known or not.
 
         With 0, ask in every frame and believe what the robot says.
         """
         self.geometry = geometry
         self.window = window
         self.estimate = Estimate()
-        self.tracks = Tracks(geometry)
+        self.tracks = Tracks(geometry, robot)
         self._plain = PlainOdometry(geometry)
         self._plan = ReadingPlan(window)
         self._obedience = Obedience()
@@ -77,6 +79,14 @@ class Odometry:
         answer is under way.
         """
         return not self.window or self._plan.due
+
+    @property
+    def knowledge(self) -> Knowledge | None:
+        """What was learned of the robot; None before anything was."""
+        tracks = self.tracks
+        if not self.window or not tracks.rows.readings:
+            return None
+        return learned(tracks.rows, tracks.band)
 
     def reset(self) -> None:
         """Begin again at the origin; what was learned of the robot stays."""

@@ -17,6 +17,7 @@ from .accumulators import UNITS
 from .assumptions import Assumptions
 from .dead_band import DeadBand, FASTEST
 from .estimate import Geometry
+from .knowledge import Knowledge, known
 from .request_history import Array
 from .rounding import Rounding
 from .states import DEGREE, MM
@@ -58,12 +59,12 @@ Held = tuple[float, float]
 class Tracks:
     """All plausible tracks, the best first after each reading."""
 
-    def __init__(self, geometry: Geometry) -> None:
+    def __init__(self, geometry: Geometry, robot: Knowledge | None = None) -> None:
         self.geometry = geometry
         self.scales = geometry.linear_scale, geometry.angular_scale
-        self.rows = Assumptions.all()
+        self.rows = Assumptions.all() if robot is None else known(robot)
         self.wheels = Wheels(self.rows.signs, FASTEST)
-        self.band = DeadBand()
+        self.band = DeadBand() if robot is None else DeadBand(*robot.dead_band)
         self._astray = 0
         """Readings in a row that the best track did not explain."""
         self._idle = 0.0

@@ -186,7 +186,8 @@ class Wheels:
         """Work out the lag at the present speeds, and what is left of a way after h seconds."""
         if self._lag_of != self._fastest:
             self._lag_of, self._decay_of = self._fastest, 0.0
-            slow, fast = np.array([_parts(speed) for speed in self._fastest]).T[:, :, None, None]
+            parts = np.array([lag_parts(speed) for speed in self._fastest])
+            slow, fast = parts.T[:, :, None, None]
             part = np.maximum(1 + self._slow_lag * slow - self._fast_lag * fast, LEAST_PART)
             self._lag = np.maximum(self._base_lag * part, SHORTEST_LAG)
         if h != self._decay_of:
@@ -235,7 +236,7 @@ def _rolled(travel: Array, before: Array, after: Array, h: float) -> Array:
     return rolled
 
 
-def _parts(speed: float) -> tuple[float, float]:
+def lag_parts(speed: float) -> tuple[float, float]:
     """Return how much of the parts of a lag counts that slow and fast wheels have, 0 to 1."""
     slow = (1 / min(max(speed, SLOWEST), MIDDLE) - 1 / MIDDLE) / (1 / SLOWEST - 1 / MIDDLE)
     fast = (1 / MIDDLE - 1 / max(speed, MIDDLE)) / (1 / MIDDLE - 1 / FASTEST)
