@@ -22,8 +22,10 @@ BLEND = 0.1
 STEP, TWIST = 0.067, 9 * DEGREE
 """... and the most of it in a second, m and rad, ..."""
 FAR, ASKEW = 0.03, 5 * DEGREE
-"""... unless it is larger than this, and the robot moved on its own: then as fast as it can have
-moved, ..."""
+"""... unless it is larger than this, and the robot moved on its own, or unseen while frames were
+lost: then as fast as it can have moved, ..."""
+HASTY = 2.0
+"""Seconds after lost frames in which it may have."""
 TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / WHEEL_SEPARATION
 """... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
 NEAR = 1e-7
@@ -41,7 +43,7 @@ class Odometry:
     def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0,
                  robot: Knowledge | None = None) -> None:
         """
-        Ask for distance and angle every `window` seconds, of a robot that is known or not.
+        Ask for distance and angle about every `window` seconds, of a robot that is known or not.
 
         With 0, ask in every frame and believe what the robot says.
         """
@@ -57,14 +59,14 @@ class Odometry:
         self._missed: list[tuple[Held, Held]] = []
         """What the accumulators were believed to hold when a reading was asked for that may have
         been lost, and at the end of the frames that may have carried it."""
-        self._asked = self.tracks.held
-        self._lost = False
+        self._asked, self._lost = self.tracks.held, False
         """Whether frames were lost since a reading was asked for."""
         self._driven: bool | None = None
         """Whether the wheels obeyed their requests in the last frame; None before the first."""
-        self._lifted = False
-        self._caught_up = False
-        """Whether the estimate stands where the tracks do."""
+        self._lifted = self._caught_up = False
+        """Whether a wheel hangs down, and whether the estimate stands where the tracks do."""
+        self._hasty = 0.0
+        """Seconds for which corrections may still be as fast as the robot."""
         self._goal = (0.0, 0.0, 0.0)
         """Where the tracks' mean is."""
         self._covariance = self.estimate.pose_covariance
@@ -153,8 +155,10 @@ class Odometry:
             tracks.resume(right, left)
         rested = steady and tracks.rests
         tracks.advance(dt, right, left)
+        self._hasty = max(0.0, self._hasty - dt)
         if dt > LATE and not steady:
             self._plan.hurry()
+            self._hasty = HASTY
         self._obedience.step(dt, right, left, tracks)
         self._gap, self._driven, self._lifted = False, driven, increment.lifted
         self._lost = self._lost or increment.lost
@@ -196,7 +200,8 @@ class Odometry:
         x, y, yaw = goal[0] - before.x - dx, goal[1] - before.y - dy, goal[2] - before.yaw - turned
         part = 1 - exp(-dt / BLEND)
         far, askew = hypot(x, y), abs(yaw)
-        room = TOP_TURN * dt - abs(turned) if self.tracks.is_free and askew > ASKEW else 0.0
+        hasty = self.tracks.is_free or self._hasty
+        room = TOP_TURN * dt - abs(turned) if hasty and askew > ASKEW else 0.0
         twist = yaw * _share(part, askew, max(TWIST * dt, room))
         room = TOP * dt - abs(went) if far > FAR else 0.0
         share = _share(part, far, max(STEP * dt, room))

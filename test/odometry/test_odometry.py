@@ -11,9 +11,10 @@ import pytest
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry, Rounding, states
 from create_oi_ros.odometry.rounding import cut_normal, interval
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import BodyConfig, IDEAL
+from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign, IDEAL
 from create_oi_ros.sim.body.encoders import Accumulator
 from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
+from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from create_oi_ros.sim.world import World
 
 SLOT = 0.015
@@ -203,6 +204,49 @@ def test_a_mixed_drive_stays_close(rounding: RobotRounding) -> None:
     ride.go(3)
     assert ride.miss[1] < 6  # of more than 1800
     assert ride.miss[0] < 0.25  # of 12 m
+
+
+REVERSALS = [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (-0.2, 0.2), (0.25, 0.3)]
+
+
+@pytest.mark.parametrize('rounding', ROUNDINGS)
+@pytest.mark.parametrize(('config', 'most'), [
+    (CENTRE, 10),
+    (replace(CENTRE, encoder_sign=EncoderSign.TRUE, response=Response.RAMP, braking=2.0), 10),
+    (replace(CENTRE, encoder_sign=EncoderSign.COMMAND, dead_time=0.12, right_speed_gain=0.96), 10),
+    (replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.05),
+             overshoot=0.3, dead_time=0.1), 25)],
+    ids=['the centre', 'true signs, hard brakes', 'signs of the command', 'overshoot'])
+def test_any_wheels_are_followed(
+        config: BodyConfig, most: float, rounding: RobotRounding) -> None:
+    """Also those that no track describes, as ones that overshoot: yaw does not run away."""
+    ride = Ride(rounding, config=config)
+    for right, left in REVERSALS * 7:
+        ride.go(2.1, right, left)
+    ride.go(3)
+    assert ride.miss[1] < most  # of some 2600
+    assert ride.miss[0] < 0.4  # of 14 m
+
+
+def test_a_reversal_just_before_a_reading_is_no_disobedience() -> None:
+    ride = Ride(config=replace(IDEAL, wheel_acceleration=1.0))
+    ride.learn()
+    for right in (0.4, -0.4) * 6:
+        while not ride.odometry.reading_due:
+            ride.go(SLOT, right, -right)
+        for _ in range(60):
+            ride.go(SLOT, -right, right)
+            assert not ride.odometry.tracks.is_free
+
+
+def test_yaw_is_never_corrected_by_more_than_five_degrees_in_half_a_second() -> None:
+    ride = Ride(config=CENTRE)
+    for right, left in REVERSALS * 3:
+        ride.go(2.1, right, left)
+    corrections = [b.yaw - a.yaw - b.angular * SLOT
+                   for a, b in zip(ride.estimates, ride.estimates[1:])]
+    half = round(0.5 / SLOT)
+    assert max(abs(sum(corrections[i:i + half])) for i in range(len(corrections))) < radians(5)
 
 
 @pytest.mark.parametrize('frame', [2, 3])
