@@ -11,6 +11,7 @@ from create_oi_msgs.msg import CargoBay
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
+from rclpy.action.client import ActionClient, ClientGoalHandle
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor, TimeoutException
 from rclpy.node import Node
@@ -21,8 +22,9 @@ from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
 from ...ros import topics
+from ...ros.actions import ACTIONS
 from ...ros.services import SERVICES
-from .keys import BINDINGS, ServiceCall, STOP
+from .keys import BINDINGS, GoalCall, ServiceCall, STOP
 from .robot_state import CallStatus, RobotState
 from .teleop import STANDSTILL, Velocity
 
@@ -32,8 +34,8 @@ CHECK_INTERVAL, SEARCH_INTERVAL = 1.0, 0.2
 """Seconds between two checks of who subscribes to cmd_vel, with a driver and without."""
 SPIN_TIME = 0.05
 """Seconds for which callbacks run at most before the next picture."""
-HEARD = tuple(topic for topic in topics.PUBLISHED if topic is not topics.TF)
-"""Topics to subscribe to; /tf repeats `odom`."""
+HEARD = tuple(topic for topic in topics.PUBLISHED if topic not in (topics.TF, topics.CONTACTS))
+"""Topics to subscribe to; /tf repeats `odom`, and `contacts` the sensors."""
 FAST = (Odometry, JointState, CargoBay)
 """Message types that come faster than anybody can read: only the newest is kept."""
 NEWEST = QoSProfile(depth=1)
@@ -42,6 +44,7 @@ STOP_TIMEOUT = Duration(seconds=1.0)
 LINK, PARAMETERS = 'serial link', 'parameters'
 """Names of two statuses in the driver's diagnostics."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
+ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 
 
 def period_of(topic: topics.Topic, sensor_period: float = 0.0) -> float:
@@ -71,6 +74,9 @@ class ViewNode(Node):
         self._service_clients = {
             name: self.create_client(TYPES[name], name)
             for name in {call.service for call in (*calls, STOP)}}
+        goals = {each.action.name for each in BINDINGS if isinstance(each.action, GoalCall)}
+        self._action_clients = {
+            name: ActionClient(self, ACTION_TYPES[name], name) for name in goals}
         self._velocity: Publisher | None = None
         self._commands: Subscription | None = None
         self._next_check = -inf
@@ -161,6 +167,33 @@ class ViewNode(Node):
             f'{call.service}: {text}', highlighted=not reply.success)
         if reply.success and call.service == 'reset_odometry':
             self.state.trail.clear()
+
+    # Goals.
+
+    def send_goal(self, call: GoalCall, now: float) -> None:
+        """Send a goal; the result appears in the state."""
+        client = self._action_clients[call.name]
+        if not client.server_is_ready():
+            self.state.call_status = CallStatus(
+                f'nobody offers {call.name}: no driver is running', highlighted=True)
+            return
+        self.state.call_status = CallStatus(call.name, waiting_since=now)
+        sent = client.send_goal_async(ACTION_TYPES[call.name].Goal(**call.fields))
+        sent.add_done_callback(lambda done: self._on_answer(call, done.result()))
+
+    def _on_answer(self, call: GoalCall, handle: ClientGoalHandle) -> None:
+        if not handle.accepted:
+            self.state.call_status = CallStatus(
+                f'{call.name}: rejected, the log of the driver says why', highlighted=True)
+            return
+        self.state.call_status = CallStatus(f'{call.name}: under way; space stops it')
+        handle.get_result_async().add_done_callback(
+            lambda done: self._on_result(call, done.result().result))
+
+    def _on_result(self, call: GoalCall, result: Any) -> None:
+        text = ', '.join(filter(None, ('done' if result.success else 'ended', result.message)))
+        self.state.call_status = CallStatus(
+            f'{call.name}: {text}', highlighted=not result.success)
 
 
 def spin_ready(executor: SingleThreadedExecutor) -> None:
