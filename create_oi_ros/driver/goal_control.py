@@ -35,7 +35,6 @@ TAKEN_OVER = {
 }
 """What an event means for the goal that it ends."""
 CLIFFS = (Cause.CLIFF_LEFT, Cause.CLIFF_FRONT_LEFT, Cause.CLIFF_FRONT_RIGHT, Cause.CLIFF_RIGHT)
-DROPS = (Cause.WHEEL_DROP_LEFT, Cause.WHEEL_DROP_RIGHT, Cause.WHEEL_DROP_CASTER)
 
 
 class GoalControl:
@@ -168,8 +167,6 @@ class GoalControl:
         why = f'the robot left {status.wanted.name}: {status.reason}'
         if any(cause in CLIFFS for cause in status.causes):
             return Over(Code.CLIFF, why)
-        if any(cause in DROPS for cause in status.causes):
-            return Over(Code.WHEEL_DROP, why)
         return Over(Code.MODE, why)
 
     # What a goal orders.

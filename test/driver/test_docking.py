@@ -3,7 +3,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Settings
+from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.charge_watch import WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
 from create_oi_ros.driver.goals.approach import Learned
@@ -201,6 +201,30 @@ def test_a_robot_that_is_held_on_its_dock_stalls():
     ending = pursue(loop, undock())
     assert ending.code is Code.STALL
     assert ending.docked
+
+
+def test_a_bump_ends_the_way_from_the_dock():
+    loop = docked(Guesses(dock_holds_safe=False))
+    running = start(loop, undock())
+    loop.run(1.0)
+    loop.body.force(bump_left=1)
+    loop.run(0.1)
+    assert running.ending.code is Code.BUMP
+
+
+def test_contacts_that_are_felt_for_ever_are_said():
+    loop = docked(mode=oi.Mode.FULL)
+    loop.body.force(home_base=1)
+    ending = pursue(loop, undock())
+    assert ending.code is Code.STALL
+    assert 'still feels the contacts' in ending.text
+
+
+def test_a_robot_that_may_not_turn_its_wheels_stays_on_its_dock():
+    loop = docked(limits=MotionLimits(max_wheel_speed=0.0))
+    ending = pursue(loop, undock())
+    assert ending.code is Code.STALL
+    assert 'max_wheel_speed is 0' in ending.text
 
 
 def test_a_command_to_a_docked_robot_is_answered_with_undock():

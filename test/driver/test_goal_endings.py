@@ -114,6 +114,15 @@ def test_at_a_cliff_in_full_mode_only_the_way_back_is_open():
     assert pursue(loop, distance(-0.1)).code is Code.NONE
 
 
+def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
+    loop = met()
+    loop.body.force(cliff_left=1)
+    loop.run(0.1)
+    ending = pursue(loop, arc(90, 0.1, direction=-1))
+    assert ending.code is Code.CLIFF
+    assert 'the robot left SAFE: cliff left' in ending.text
+
+
 @pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: WallFollow(-1, 60.0, 0.0)])
 def test_a_wheel_that_drops_ends_a_motion(make):
     loop = met()

@@ -99,6 +99,13 @@ def test_unequal_wheels_still_drive_straight():
     assert abs(loop.body.truth().pose.y) < 0.05
 
 
+def test_wheels_that_do_not_move_when_they_creep_are_told_to_creep_faster():
+    loop = Loop(config=replace(CENTRE, dead_band=0.045))
+    loop.run(1.0)
+    went, _ = reach(loop, distance(0.03))
+    assert went == pytest.approx(0.03, abs=0.01)
+
+
 def test_speeds_and_accelerations_stay_within_the_limits():
     limits = MotionLimits(max_wheel_speed=0.2, linear_acceleration=0.2)
     loop = met(settings=Settings(limits=limits))

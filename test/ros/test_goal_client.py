@@ -1,9 +1,11 @@
 """Goals for programs of a few lines, and the example that drives a square by them."""
 
+from functools import partial
+
 import pytest
 
 from create_oi_ros.sim.world import parse, World
-from support.ros import Robot, Scene, scene
+from support.ros import Program, Robot, Scene, scene
 
 FAILS = """
 from create_oi_ros.ros.goal_client import GoalClient, GoalFailed
@@ -34,11 +36,16 @@ def ready(stage: Scene, world: World | None = None) -> Robot:
     return robot
 
 
+def has_printed(program: Program, count: int) -> bool:
+    """Return whether a program has printed so many lines."""
+    return len(program.printed) >= count
+
+
 def test_the_example_drives_a_square(stage):
     robot = ready(stage)
     example = stage.example('square.py')
     for count in range(1, 9):
-        stage.ros.until(lambda: len(example.printed) >= count, f'goal {count}')
+        stage.ros.until(partial(has_printed, example, count), f'goal {count}')
     assert example.ended() == 0
     assert [line.split()[0] for line in example.printed] == ['drove', 'turned'] * 4
     pose = robot.body.truth().pose
