@@ -1,13 +1,13 @@
 # One target a line. What is missing is set up and built first. ARGS= is passed on.
 #
 #   make                 build everything; the first time also set up ROS in .venv
-#   make run             a simulated robot and its driver; PORT=/dev/ttyUSB0: a real robot
+#   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot
 #   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
 #   make test            build, lint and run every test; ARGS='FILE -k NAME' runs some of them
 #   make build           the same as make
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
-#   make bench           measure speed and cost: nine minutes, on a quiet machine
+#   make bench           measure speed and cost: fifteen minutes, on a quiet machine
 #   make bench-compare   compare two measurements
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are

@@ -11,7 +11,7 @@ setup(
     name=NAME,
     version='0.1.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed', 'sim/world/shipped/*.world']},
+    package_data={NAME: ['py.typed', 'sim/world/shipped/*.world', 'apps/web/page/*.*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
@@ -30,12 +30,14 @@ setup(
         'console_scripts': [
             'create_demo = create_oi_ros.ros.programs:create_demo',
             'create_calibrate = create_oi_ros.ros.programs:create_calibrate',
+            'create_check = create_oi_ros.ros.programs:create_check',
             'create_node = create_oi_ros.ros.programs:create_node',
             'create_record = create_oi_ros.ros.programs:create_record',
             'create_report = create_oi_ros.ros.programs:create_report',
             'create_run = create_oi_ros.ros.programs:create_run',
             'create_sim = create_oi_ros.ros.programs:create_sim',
             'create_view = create_oi_ros.ros.programs:create_view',
+            'create_web = create_oi_ros.ros.programs:create_web',
         ],
     },
 )

@@ -3,7 +3,7 @@ How many robots one machine can run: `python bench/bench_fleet.py`, two minutes,
 
 One to 32 simulated robots and their nodes, each a process, and one listener to all odometry. A
 frame without an `odom` counts as lost. When all cores are busy, the machine is full: rows beyond
-that have no target. The last row has several drivers in one process.
+that have no target. The last rows have all drivers in one process.
 """
 
 import os
@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 from create_oi_ros.oi import SLOT
 from create_oi_ros.ros.programs import PROGRAMS
-from processes import machine_seconds, processor_shares
+from processes import machine_seconds, processor_shares, resident
 from results import Figure, run
 from scene import Process, Scene, scene
 
 SIZES = (1, 2, 4, 8, 16, 32)
-TOGETHER = 4
+TOGETHER = (4, 8, 16)
 FLAT = 1.2
 """Target: the cost of a node in a fleet, as a multiple of the cost of one alone."""
 # Seconds: longest wait for all nodes to start, wait for one node, duration of a measurement.
@@ -36,6 +36,8 @@ class Fleet(NamedTuple):
     """Frames that arrived, % of those expected."""
     busy: float
     """Load of the whole machine by all its processes, % of all cores."""
+    memory: float
+    """Resident memory of a driver without its dead-man, MB."""
 
 
 def robots(stage: Scene, size: int) -> list[Process]:
@@ -66,6 +68,7 @@ def measured(size: int, *, together: bool = False) -> Fleet:
         begun, busy = monotonic(), machine_seconds()
         shares = processor_shares([each.pid for each in drivers + fleet], WATCH)
         passed, busy = monotonic() - begun, machine_seconds() - busy
+        memory = sum(resident(each.pid) for each in drivers) / size
         for each in drivers + fleet:
             each.process.kill()  # on a full machine a clean end of all takes minutes
         received = listener.result()
@@ -74,7 +77,8 @@ def measured(size: int, *, together: bool = False) -> Fleet:
     split = len(drivers)
     return Fleet(
         size, sum(shares[:split]) / size, sum(shares[split:]) / size,
-        100 * arrived / (size * passed / SLOT), 100 * busy / passed / (os.cpu_count() or 1))
+        100 * arrived / (size * passed / SLOT), 100 * busy / passed / (os.cpu_count() or 1),
+        memory)
 
 
 def figures(fleet: Fleet, alone: Fleet) -> list[Figure]:
@@ -92,14 +96,24 @@ def figures(fleet: Fleet, alone: Fleet) -> list[Figure]:
 def measure() -> list[Figure]:
     """Return the figures of all fleets."""
     fleets = [measured(size) for size in SIZES]
-    shared = measured(TOGETHER, together=True)
-    apart = next(fleet for fleet in fleets if fleet.size == TOGETHER)
+    apart = {fleet.size: fleet for fleet in fleets}
     return [
         *(figure for fleet in fleets for figure in figures(fleet, fleets[0])),
-        Figure(f'{TOGETHER} drivers in one process beside {TOGETHER} processes',
-               shared.node / apart.node, 'x',
-               beside=f'{shared.node:.1f} % a driver, {shared.arrived:.1f} % of the frames came'),
+        *(figure for size in TOGETHER
+          for figure in shared(measured(size, together=True), apart[size])),
     ]
+
+
+def shared(fleet: Fleet, apart: Fleet) -> list[Figure]:
+    """Return the figures of a fleet in one process."""
+    name = f'{fleet.size} drivers in one process'
+    return [
+        Figure(f'{name}: processor, beside {fleet.size} processes', fleet.node / apart.node, 'x',
+               beside=f'{fleet.node:.1f} % a driver'),
+        Figure(f'{name}: frames that came', fleet.arrived, '%',
+               beside=f'{apart.arrived:.1f} % with {fleet.size} processes'),
+        Figure(f'{name}: memory of a driver', fleet.memory, 'MB',
+               beside=f'{apart.memory:.0f} MB each with {fleet.size} processes')]
 
 
 if __name__ == '__main__':

@@ -1,5 +1,5 @@
 """
-Latency of messages and commands: `python bench/bench_latency.py`, two minutes, a table.
+Latency of messages and commands: `python bench/bench_latency.py`, three minutes, a table.
 
 Robot, driver, listener and commander are processes. All times are of the monotonic clock, which
 they share. The time of a frame is when its last byte was written; of a message, when its callback
@@ -77,12 +77,12 @@ def press(stage: Scene) -> None:
             send('force bump_left=0')
 
 
-def measured(*, floor: bool) -> Latencies:
-    """Run the node, or the floor, once."""
+def measured(*, floor: bool = False, events: bool = False) -> Latencies:
+    """Run the node once, or the floor, or the node on the events executor."""
     with scene() as stage:
         robot = stage.robot()
         listener = stage.listener('odom', 'bumper')
-        stage.driver(floor=floor)
+        stage.driver(floor=floor, events=events)
         commander = stage.program('commander', str(COMMANDS))
         commander.line()
         published = json.loads(commander.line())
@@ -108,7 +108,7 @@ def at(latencies: list[float], share: float) -> float:
 
 
 def compared(what: str, node: list[list[float]], floor: list[list[float]], share: float,
-             target: float) -> Figure:
+             target: float | None = None) -> Figure:
     """Return the ratio of the node to the floor of the same repetition, at a percentile."""
     ratios = [at(ours, share) / at(least, share) for ours, least in zip(node, floor)]
     ours, least = (sorted(at(each, share) for each in all_)[len(all_) // 2]
@@ -118,10 +118,11 @@ def compared(what: str, node: list[list[float]], floor: list[list[float]], share
 
 def measure() -> list[Figure]:
     """Run floor and node in turn; return the figures."""
-    floor, node = [], []
+    floor, node, events = [], [], []
     for _ in range(REPETITIONS):
         floor.append(measured(floor=True))
-        node.append(measured(floor=False))
+        node.append(measured())
+        events.append(measured(events=True))
     odom, least = [each.odom for each in node], [each.odom for each in floor]
     slot = 1e3 * oi.SLOT
     floor_99 = sorted(at(each, 0.99) for each in least)[REPETITIONS // 2]
@@ -130,6 +131,8 @@ def measure() -> list[Figure]:
         compared('frame written to odom heard: 99th percentile', odom, least, 0.99, 1.5),
         compared('cmd_vel published to Drive Direct on the wire: median',
                  [each.commands for each in node], [each.commands for each in floor], 0.5, 1.3),
+        compared('the same, with the node on the events executor',
+                 [each.commands for each in events], [each.commands for each in floor], 0.5),
         repeated('bumper pressed to bumper heard: median',
                  [at(each.bumps, 0.5) for each in node], 'ms'),
         repeated('bumper pressed to bumper heard: 99th percentile',

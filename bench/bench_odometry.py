@@ -9,13 +9,15 @@ whole simulated robot, with default parameters. By class of robot:
   place  distance from estimated to true place at the end, per cent of the true path's length
   NEES   normalised estimation error squared of (x, y, yaw) at the end; 3 is calibrated
   >4     drives that end more than 4 standard deviations off in yaw
-  jump   largest change of the yaw's error within half a second, degrees
+  step   largest correction of the published yaw within half a second, beyond its own turn rate,
+         degrees
   worse  by how much a drive was worse than a reading a second, degrees a turn, at most
 
 Then the conditions of `odometry_rig`: slip, held wheels, a lifted or pushed robot, demos.
 """
 
 from argparse import ArgumentParser
+from collections import deque
 from collections.abc import Iterable
 from math import degrees, hypot, tau
 from multiprocessing import Pool
@@ -39,7 +41,7 @@ SHORTEST, LONGEST = 120.0, 300.0
 """Seconds of a drive."""
 LATENCY = 0.005
 SOON = 0.5
-"""Seconds within which a correction counts as a jump."""
+"""Seconds within which corrections count as one step."""
 RIVALS = {'a reading a second': 1.0, 'each frame': 0.0}
 OLD_DRIVES = 10
 
@@ -65,7 +67,7 @@ class Score(NamedTuple):
     place: float
     nees: float = 0.0
     sigmas: float = 0.0
-    jump: float = 0.0
+    step: float = 0.0
     worse: float = 0.0
 
 
@@ -97,18 +99,23 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
     scores['ours'] = ours._replace(
         nees=nees_of(truth.pose.x, truth.pose.y, truth.turned, e),
         sigmas=abs(e.yaw - truth.turned) / e.pose_covariance[8] ** 0.5,
-        jump=largest_jump(journey), worse=ours.turn - scores['a reading a second'].turn)
+        step=largest_step(journey), worse=ours.turn - scores['a reading a second'].turn)
     return [(kind, style, name, score) for name, score in scores.items()]
 
 
-def largest_jump(journey: Journey) -> float:
-    """Return the largest change of the yaw's error within SOON, degrees."""
-    errors = [(now, e.yaw - truth.turned) for now, e, truth in journey.moves]
-    largest, first = 0.0, 0
-    for now, error in errors:
-        while errors[first][0] < now - SOON:
-            first += 1
-        largest = max(largest, abs(error - errors[first][1]))
+def largest_step(journey: Journey) -> float:
+    """
+    Return the largest correction within SOON, degrees.
+
+    It is what the published yaw changed by beyond what the published turn rate accounts for.
+    """
+    corrections, largest = deque([(0.0, 0.0)]), 0.0
+    for (was, before, _), (stamp, e, _) in zip(journey.moves, journey.moves[1:]):
+        correction = e.yaw - before.yaw - e.angular * (stamp - was)
+        corrections.append((stamp, corrections[-1][1] + correction))
+        while corrections[0][0] < stamp - SOON:
+            corrections.popleft()
+        largest = max(largest, abs(corrections[-1][1] - corrections[0][1]))
     return degrees(largest)
 
 
@@ -125,7 +132,7 @@ def show(name: str, estimator: str, scores: list[Score]) -> str:
     if estimator == 'ours':
         beyond = sum(s.sigmas > 4 for s in scores)
         line += (f'  {mean(s.nees for s in scores):6.2f} {beyond:3} '
-                 f'{max(s.jump for s in scores):6.1f} {max(s.worse for s in scores):6.2f}')
+                 f'{max(s.step for s in scores):6.1f} {max(s.worse for s in scores):6.2f}')
     return line
 
 
@@ -136,7 +143,7 @@ def print_table(results: Iterable[Result]) -> dict[str, list[Score]]:
         for name in (kind, f'{kind}: {style}'):
             cells.setdefault((name, estimator), []).append(score)
     print(f'{"":51}  deg a turn    % of path\n'
-          f'{"robots":28} {"by":18}   n    mean   95th   mean   95th    NEES  >4   jump  worse')
+          f'{"robots":28} {"by":18}   n    mean   95th   mean   95th    NEES  >4   step  worse')
     for (name, estimator), scores in sorted(cells.items()):
         print(show(name, estimator, scores))
     return {name: scores for (name, by), scores in cells.items() if by == 'ours'}

@@ -1,8 +1,9 @@
 """
-Run all bench programs, one after the other: `python bench/everything.py [OPTIONS]`, nine minutes.
+Run all bench programs: `python bench/everything.py [OPTIONS]`, fifteen minutes.
 
-Options are passed on to each. If one fails, the others still run. Those of odometry and goals are
-not among them: they take long and need no quiet machine, so each has a `make` target of its own.
+They run one after the other, and options are passed on to each. If one fails, the others still
+run. Those of odometry and goals are not among them: they take long and need no quiet machine, so
+each has a `make` target of its own.
 """
 
 from collections.abc import Sequence

@@ -83,7 +83,7 @@ class Journey:
         while (event := self.driver.next_event()) is not None:
             if isinstance(event, Moved):
                 self.estimate = event.estimate
-                self.moves.append((self.now, event.estimate, truth))
+                self.moves.append((event.stamp, event.estimate, truth))
         self._steps += 1
         if self._steps % TURNS == 0:
             self.counts.append(Counts(self.body.distance_total, self.body.angle_total))

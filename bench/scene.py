@@ -136,12 +136,17 @@ class Scene:
                         raise RuntimeError(f'{line}: {answer}')
                 yield send
 
-    def driver(self, *, floor: bool = False, imports: tuple[str, ...] = ()) -> Process:
-        """Start the node, or the floor (programs/floor.py)."""
+    def driver(self, *, floor: bool = False, imports: tuple[str, ...] = (),
+               events: bool = False, **parameters: float) -> Process:
+        """Start the node, or the floor (programs/floor.py); or the node on another executor."""
         if floor:
             return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
                                 str(oi.DriveDirect.opcode), *imports)
-        return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
+        set_ = [word for name, value in parameters.items() for word in ('-p', f'{name}:={value}')]
+        arguments = '--ros-args', '-p', f'port:={self.port}', *set_
+        if events:
+            return self.program('events_node', *arguments)
+        return self.start('-c', PROGRAMS['create_node'], *arguments)
 
     def variant(self, which: str) -> Process:
         """Start the floor with one change (programs/variant.py)."""

@@ -3,6 +3,7 @@ One Create: its driver and model, and on request a simulated robot and RViz.
 
     ros2 launch create_oi_ros create.launch.py port:=/dev/ttyUSB0
     ros2 launch create_oi_ros create.launch.py simulated:=true rviz:=true
+    ros2 launch create_oi_ros create.launch.py simulated:=true web:=true
 """
 
 import os
@@ -38,6 +39,8 @@ ARGUMENTS = {
     'params': (os.path.join(SHARE, 'config', 'create.yaml'), 'parameter file of the driver'),
     'description': ('true', 'true: publish the model and its frames (robot_state_publisher)'),
     'rviz': ('false', 'true: open RViz'),
+    'web': ('false', 'true: serve a page that shows the robot and drives it (create_web)'),
+    'host': ('127.0.0.1', 'address on which the page is served; 0.0.0.0: with a token'),
 }
 
 
@@ -52,7 +55,8 @@ LINGER = 3  # seconds; less than the 5 after which launch kills
 def nodes(context):
     """Check all arguments, then return what they ask for: so a wrong one starts nothing."""
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    asked = {name: switch(name, value[name]) for name in ('simulated', 'description', 'rviz')}
+    asked = {name: switch(name, value[name])
+             for name in ('simulated', 'description', 'rviz', 'web')}
     check(value, asked)
     namespace, prefix, port = value['namespace'], value['frame_prefix'], value['port']
     if asked['simulated']:
@@ -60,7 +64,10 @@ def nodes(context):
         port = os.path.join(tempfile.gettempdir(), f'create_{name}_{os.getpid()}')
     made = [driver(value, port)]
     if asked['simulated']:
-        made = simulated(port, value['world'], made)
+        watched = ['--control', control(port)] if asked['web'] else []
+        made = simulated(port, value['world'], made, watched)
+    if asked['web']:
+        made.append(page(value, control(port) if asked['simulated'] else None))
     if asked['description']:
         with open(os.path.join(SHARE, 'urdf', 'create.urdf')) as model:
             made.append(Node(
@@ -123,7 +130,20 @@ def driver(value, port):
         on_exit=EmitEvent(event=Shutdown(reason='create_node has ended')))
 
 
-def simulated(port, world, users):
+def control(port):
+    """Return the control socket of the simulated robot on a port."""
+    return f'{port}.control'
+
+
+def page(value, socket):
+    """Return the web page; `socket` is the control socket of a simulated robot, or None."""
+    return Node(
+        package='create_oi_ros', executable='create_web', exec_name='create_web',
+        namespace=value['namespace'], output='screen', prefix=ENDS_WITH_LAUNCH,
+        arguments=['--host', value['host'], *(['--control', socket] if socket else [])])
+
+
+def simulated(port, world, users, options=()):
     """
     Return a simulated robot, and what is started when its port is there.
 
@@ -132,7 +152,7 @@ def simulated(port, world, users):
     program = os.path.join(
         get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
     simulator = ExecuteProcess(
-        cmd=[program, '--link', port, '--world', world, '--linger', str(LINGER)],
+        cmd=[program, '--link', port, '--world', world, '--linger', str(LINGER), *options],
         name='create_sim', output='screen', prefix=ENDS_WITH_LAUNCH,
         on_exit=EmitEvent(event=Shutdown(reason='create_sim has ended')))
     waiting = list(users)

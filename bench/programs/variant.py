@@ -29,7 +29,7 @@ from create_oi_ros.oi import SLOT
 from create_oi_ros.ros.topics import DIAGNOSTICS, JOINT_STATES, MODE, PUBLISHED, SENSOR_TOPICS, TF
 
 MOST = 120
-"""Limit of processor time, seconds: the events executor never sleeps, so it could run on."""
+"""Limit of processor time, seconds, should it never sleep."""
 SENSOR_PERIOD = 0.05
 """Seconds; the default of the node's parameter `sensor_rate`."""
 PERIODS = {MODE.name: inf, DIAGNOSTICS.name: 1.0} | {
@@ -102,4 +102,9 @@ if which == 'timer':
     node.create_timer(SLOT, read_waiting)
 else:
     threading.Thread(target=read, daemon=True).start()
-rclpy.spin(node, EventsExecutor() if which == 'events' else None)
+if which == 'events':
+    executor = EventsExecutor()
+    executor.add_node(node)
+    while True:  # without a timeout this executor does not sleep
+        executor.spin_once(timeout_sec=1000.0)
+rclpy.spin(node)

@@ -11,6 +11,7 @@ from collections import deque
 from itertools import islice
 
 from .. import oi
+from ..odometry.knowledge import Known, PERIOD
 
 WINDOW = 64
 """Frames over which the earliest arrival counts: about a second."""
@@ -26,16 +27,23 @@ BLOCK = 32
 """Frames of which the earliest is kept to learn the slot's length."""
 BLOCKS = 400
 """How many of them are kept: three minutes."""
-NOMINAL = 40.0
-"""Slots after which what was seen of the length counts as much as the manual's 15 ms."""
+LEAST_DEVIATION = 1e-6
+"""Seconds by which the clocks of robot and computer drift apart, with the temperature."""
+UNEVEN = 40 * PERIOD.deviation
+"""Seconds by which the two ends of the envelope may be wrong together: after 40 slots what was
+seen of the length counts as much as the manual's 15 ms."""
 
 
 class FrameClock:
     """Turns arrivals into rising stamps, free of most of the line's jitter."""
 
-    def __init__(self) -> None:
-        self.period = oi.SLOT
+    def __init__(self, known: Known = PERIOD) -> None:
+        """Start with what is known of a slot's length."""
+        self.period = known.value
         """Seconds of a slot, as far as it is known."""
+        self._first = known
+        self._part: float = 0.0
+        """Share of what was seen in the period."""
         self._sent: deque[tuple[int, float]] = deque(maxlen=WINDOW)
         """Slot and earliest possible moment of each frame."""
         self._earliest: deque[tuple[int, float]] = deque(maxlen=BLOCKS)
@@ -49,8 +57,15 @@ class FrameClock:
         self._owed = 0
         """Slots that were counted though no time had passed."""
 
+    @property
+    def known_period(self) -> Known:
+        """Seconds of a slot, and their standard deviation."""
+        deviation = self._first.deviation * (1 - self._part) ** 0.5
+        return Known(self.period, max(deviation, LEAST_DEVIATION))
+
     def restart(self) -> None:
         """Forget where the robot's slots lie: it was away. How long they are stays."""
+        self._first, self._part = self.known_period, 0.0
         self._sent.clear()
         self._earliest.clear()
         self._arrival = None
@@ -153,6 +168,7 @@ class FrameClock:
         slots = last - first
         if slots > 0:
             slope = (ended - began) / slots
-            part = slots * slots / (slots * slots + NOMINAL * NOMINAL)
-            period = oi.SLOT + part * (slope - oi.SLOT)
+            known, deviation = self._first
+            self._part = slots ** 2 / (slots ** 2 + (UNEVEN / deviation) ** 2)
+            period = known + self._part * (slope - known)
             self.period = min(LONGEST, max(SHORTEST, period))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from .. import oi
+from ..odometry import Knowledge, Known
 from .battery_watch import BatteryLevel
 from .events import LinkCounts
 from .state import Activity
@@ -36,6 +37,10 @@ class Health:
     """Whether the robot ignores commands, stop included."""
     angle_stuck: bool
     """Whether the angle does not change though the robot is told to turn."""
+    frame_period: Known
+    """Seconds between two frames."""
+    robot: Knowledge | None
+    """What the odometry has learned of this robot; None before it has learned anything."""
     battery: BatteryLevel
     songs: tuple[int, ...]
     """Numbers of the songs that are stored."""

@@ -14,6 +14,8 @@ from collections import deque
 from copy import copy
 
 from .. import oi
+from ..odometry import Odometry
+from .acquaintance import Acquaintance
 from .battery_guard import BatteryGuard
 from .charge_watch import ChargeWatch
 from .command_watch import IGNORES
@@ -48,7 +50,10 @@ SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 class Driver:
     """The state machine between the node and the serial port."""
 
-    def __init__(self, settings: Settings | None = None) -> None:
+    def __init__(
+        self, settings: Settings | None = None, odometry: Odometry | None = None,
+    ) -> None:
+        """Drive by these settings; `odometry` replaces the usual one."""
         self.settings = settings = settings or Settings()
         self.state = State()
         self.counts = LinkCounts()
@@ -56,7 +61,8 @@ class Driver:
         self._outbox = Outbox()
         self._wheels = WheelCommands(settings.limits)
         self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
-        self._tracking = Tracking(settings, self.counts)
+        self._tracking = Tracking(settings, self.counts, odometry)
+        self._acquaintance = Acquaintance(settings.robot, self._events)
         self._turn_check = TurnCheck(settings.limits.wheel_separation)
         self._connection = Connection(
             settings.baud, self.state, self._outbox, self._events, self.counts, self._handle)
@@ -152,9 +158,10 @@ class Driver:
     def next_event(self) -> DriverEvent | None:
         """Remove and return what has happened, oldest first."""
         event = self._events.next()
-        if event is None and self.status != self._reported_status:
-            self._reported_status = self.status
-            return ModeChanged(self.status)
+        status = self._supervision.status
+        if event is None and status is not self._reported_status:
+            before, self._reported_status = self._reported_status, status
+            return ModeChanged(status) if status != before else None
         return event
 
     # What is known.
@@ -181,12 +188,13 @@ class Driver:
             activity=self.state.activity, answered=self.state.answered,
             busy=self.scripts.status(now) or self.state.refusal,
             mode=self.status,
-            hazards=tuple(causes_in(readings)) if readings.has('oi_mode') else (),
+            hazards=causes_in(readings) if readings.has('oi_mode') else (),
             readings=readings, counts=copy(self.counts),
             line_problem=connection.frame_budget.problem,
             frame_age=now - connection.heard_at if self.counts.frames else None,
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=connection.ignores_commands, angle_stuck=self._turn_check.stuck,
+            frame_period=self._tracking.clock.known_period, robot=self._tracking.robot,
             battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
 
     # What is requested.
@@ -286,6 +294,8 @@ class Driver:
             self._events.notice(Severity.WARNING, ANGLE_STUCK)
         self._battery.observe(readings, now)
         self._charging.observe(readings, now)
+        if self._acquaintance.due(now):
+            self._acquaintance.look(self._tracking.robot)
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""

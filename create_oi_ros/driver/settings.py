@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from .. import oi
-from ..odometry import Geometry
+from ..odometry import Geometry, Knowledge
 from .battery_watch import BatteryLimits
 from .baud_search import USUAL_BAUDS
 from .motion import MotionLimits
@@ -26,3 +26,5 @@ class Settings:
     battery: BatteryLimits = field(default_factory=BatteryLimits)
     limits: MotionLimits = field(default_factory=MotionLimits)
     geometry: Geometry = field(default_factory=Geometry)
+    robot: Knowledge | None = None
+    """What is known of this robot; None: the odometry learns everything."""

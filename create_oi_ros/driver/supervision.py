@@ -6,9 +6,9 @@ In Safe mode the robot itself falls to Passive on a cliff, a wheel drop or a pow
 bring the wanted mode back.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache, cached_property
 from math import inf
 
 from .. import oi
@@ -40,21 +40,26 @@ class Cause(Enum):
     UNKNOWN = 'unknown cause'
 
 
-def causes_in(readings: oi.Readings) -> Iterator[Cause]:
+HAZARD_FIELDS = (
+    'bumps_and_wheel_drops', 'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
+hazard_numbers = oi.Readings.numbers(*HAZARD_FIELDS)
+
+
+def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
     """Name what in these readings would take the robot out of Safe mode."""
-    # As numbers, and the causes in pairs: enums are slow to combine and to hash.
-    drops = int(readings.bumps_and_wheel_drops)
+    charger = readings.has('charging_sources') and int(readings.charging_sources)
+    return _causes(*hazard_numbers(readings), bool(charger))
+
+
+@cache  # nearly all frames have the same hazards as the one before
+def _causes(drops: int, left: int, front_left: int, front_right: int, right: int,
+            charger: bool) -> tuple[Cause, ...]:
     seen = (
-        (Cause.CLIFF_LEFT, readings.cliff_left),
-        (Cause.CLIFF_FRONT_LEFT, readings.cliff_front_left),
-        (Cause.CLIFF_FRONT_RIGHT, readings.cliff_front_right),
-        (Cause.CLIFF_RIGHT, readings.cliff_right),
-        (Cause.WHEEL_DROP_LEFT, drops & LEFT_DROP),
-        (Cause.WHEEL_DROP_RIGHT, drops & RIGHT_DROP),
-        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP),
-        (Cause.CHARGER, readings.has('charging_sources') and readings.charging_sources),
-    )
-    return (cause for cause, present in seen if present)
+        (Cause.CLIFF_LEFT, left), (Cause.CLIFF_FRONT_LEFT, front_left),
+        (Cause.CLIFF_FRONT_RIGHT, front_right), (Cause.CLIFF_RIGHT, right),
+        (Cause.WHEEL_DROP_LEFT, drops & LEFT_DROP), (Cause.WHEEL_DROP_RIGHT, drops & RIGHT_DROP),
+        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP), (Cause.CHARGER, charger))
+    return tuple(cause for cause, present in seen if present)
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,7 @@ class ModeStatus:
     wanted: oi.Mode
     causes: tuple[Cause, ...] = ()
 
-    @property
+    @cached_property
     def can_drive(self) -> bool:
         """Whether the robot follows velocities in its mode."""
         return self.actual in oi.DriveDirect.modes
@@ -118,7 +123,7 @@ class Supervision:
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
-        present = tuple(causes_in(readings))
+        present = causes_in(readings)
         self.docked = readings.has('charging_sources') and bool(
             int(readings.charging_sources) & HOME_BASE)
         if present:

@@ -4,10 +4,11 @@ What must happen with a frame before it is published: check, time stamp, odometr
 What else follows from a frame is worked out afterwards, in `machine`.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from .. import oi
-from ..odometry import Estimate, Increment, Odometry
+from ..odometry import Estimate, Increment, Knowledge, Odometry
 from .events import LinkCounts, Moved
 from .frame_clock import FrameClock
 from .plausibility import JumpCheck
@@ -33,14 +34,24 @@ class Taken(NamedTuple):
 class Tracking:
     """Follows the robot from frame to frame."""
 
-    def __init__(self, settings: Settings, counts: LinkCounts) -> None:
-        self.odometry = Odometry(settings.geometry, window=settings.odometry_window)
+    def __init__(
+        self, settings: Settings, counts: LinkCounts, odometry: Odometry | None = None,
+    ) -> None:
+        robot = settings.robot
+        self.odometry = odometry or Odometry(
+            settings.geometry, window=settings.odometry_window, robot=robot)
         self.readings = oi.Readings()
         """The newest of every packet that has arrived so far."""
-        self.clock = FrameClock()
+        self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._counts = counts
         self._jumps = JumpCheck()
         self._unseen = 0.0
+
+    @property
+    def robot(self) -> Knowledge | None:
+        """What was learned of the robot; None before anything was."""
+        known = self.odometry.knowledge
+        return None if known is None else replace(known, frame_period=self.clock.known_period)
 
     def restart(self) -> None:
         """Continue after frames were missed."""

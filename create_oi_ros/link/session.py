@@ -52,6 +52,8 @@ class Session:
         self._open_port = open_port
         self._lock = threading.RLock()
         self._port: Port | None = None
+        self._baud = 0
+        """Rate of the open port, bits per second."""
         self._dead_man: DeadMan | None = None
         self._dead_man_started_at = self._check_at = 0.0
         self._lasting_name: str | None = None
@@ -74,6 +76,11 @@ class Session:
             yield self.driver, now
             self._send()  # first: a command must not wait for the rest
             self._exchange(now)
+
+    @property
+    def port(self) -> Port | None:
+        """The open port; None while there is none. Use it only within a `request`."""
+        return self._port
 
     def close(self) -> None:
         """Stop the robot, leave it in the mode for exit, and close the port."""
@@ -128,14 +135,15 @@ class Session:
         url = self.url
         if not exists(url) and self._lasting_name is not None and exists(self._lasting_name):
             url = self._lasting_name
+        baud = self.driver.baud
         try:
-            port = self._open_port(url, self.driver.baud, timeout=READ_TIMEOUT)
+            port = self._open_port(url, baud, timeout=READ_TIMEOUT)
         except PortError as error:
             self._report(error)
             return False
         with self._lock:
             self._reported = None
-            self._port = port
+            self._port, self._baud = port, baud
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
             self._start_dead_man(port)
             now = time.monotonic()
@@ -208,8 +216,9 @@ class Session:
         if self._port is None:
             return
         try:
-            if self._port.baud != self.driver.baud:
-                self._port.baud = self.driver.baud
+            baud = self.driver.baud
+            if baud != self._baud:
+                self._port.baud = self._baud = baud
             if outgoing:
                 self._port.write(outgoing)
         except PortError as error:

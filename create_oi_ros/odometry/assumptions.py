@@ -27,9 +27,8 @@ CLEAR, LEAST_WEIGHT = 5.0, 2e-6
 """Doubt of the best track from which on no other is given up, and the weight that others keep."""
 YOUNG, OLD = 30, 120
 """Readings from which on only one track of each kind is kept, and none for the sake of variety."""
-MISTRUST, TEMPER, LEAST = 1000.0, 0.5, 4.0
-"""Doubt of the best track up to which likelihoods count less, and by which power of it; the most
-by which one reading may tell two tracks apart, as a logarithm."""
+LEAST = 4.0
+"""The most by which one reading may tell two tracks apart, as a logarithm."""
 
 
 @dataclass
@@ -69,7 +68,6 @@ class Assumptions:
 
     def weigh(self, logs: Array) -> None:
         """Weigh the tracks by how likely each found a reading (logarithms); drop some."""
-        logs = logs / np.clip(self.doubt[self.weights.argmax()], 1.0, MISTRUST) ** TEMPER
         weights = self.weights * np.exp(np.maximum(logs - logs.max(), -LEAST))
         weights /= weights.sum()
         if self.doubt[weights.argmax()] > CLEAR and self.readings < OLD:
@@ -107,6 +105,14 @@ class Assumptions:
         self.means[:, index] = mean
         self.p[:, index, :] = self.p[:, :, index] = 0.0
         self.p[:, index, index] = variance
+
+    def settle(self, index: int, value: float) -> None:
+        """Learn the exact value of a state that all tracks share."""
+        column = self.p[:, :, index].copy()
+        variance = np.maximum(column[:, index], 1e-12)[:, None]
+        self.means += column * ((value - self.means[:, index, None]) / variance)
+        self.p -= column[:, :, None] * column[:, None, :] / variance[:, :, None]
+        self.clear(index, value)
 
     def _select(self, order: list[int]) -> None:
         self.roundings = [self.roundings[i] for i in order]

@@ -6,21 +6,25 @@ request that was seen not to move a wheel and the slowest that was seen to, the 
 wheel (0 to 1) is open; readings tell, and the edge is known better from then on.
 """
 
-from .request_history import Array
+from . import states as s
+from .assumptions import Assumptions
 
 SLOWEST, FASTEST = 0.0, 0.0255
 """m/s between which the edge is looked for at the start."""
 OPEN = 0.5
 """Mean and standard deviation of what an undecided wheel moves by."""
-CLEAR = 0.2
-"""Standard deviations to both sides are this far from the other answer when it is decided."""
+ALIKE = 0.9
+"""Correlation of two wheels that are asked for the same speed."""
+SURE, NEAR, CLEAR = 0.15, 0.35, 0.2
+"""An answer is decided when the standard deviation is below this, the mean so near, and two
+standard deviations more so far from the other one."""
 
 
 class DeadBand:
     """Where the edge lies, and which wheels are undecided."""
 
-    def __init__(self) -> None:
-        self.stands, self.moves = SLOWEST, FASTEST
+    def __init__(self, stands: float = SLOWEST, moves: float = FASTEST) -> None:
+        self.stands, self.moves = stands, moves
         """Fastest request known to stand, slowest known to move, m/s."""
         self.asked = [0.0, 0.0]
         self.open = [False, False]
@@ -46,20 +50,34 @@ class DeadBand:
         self.open = [answer is None for answer in answers]
         return answers
 
-    def learn(self, means: Array, spreads: Array) -> list[float | None]:
-        """Return what each undecided wheel moves by, where its estimate is clear."""
-        answers: list[float | None] = [None, None]
-        for wheel, speed in enumerate(self.asked):
-            if not self.open[wheel]:
+    def decide(self, rows: Assumptions, answers: list[float | None]) -> None:
+        """Set what the wheels move by at their requests; None is open."""
+        for index, answer in zip(s.MOVES, answers):
+            if answer is None:
+                rows.clear(index, OPEN, OPEN ** 2)
+            else:
+                rows.clear(index, answer)
+        if answers == [None, None] and self.asked[0] == self.asked[1]:
+            right, left = s.MOVES
+            rows.p[:, right, left] = rows.p[:, left, right] = ALIKE * OPEN ** 2
+
+    def learn(self, rows: Assumptions) -> list[int]:
+        """Decide the wheels of which the best track is sure by now; return those that stand."""
+        stand = []
+        for wheel, index in enumerate(s.MOVES):
+            mean, spread = float(rows.means[0, index]), float(rows.p[0, index, index]) ** 0.5
+            if not self.open[wheel] or spread > SURE:
                 continue
-            mean, spread = float(means[wheel]), float(spreads[wheel])
-            if spread > 0.15:
+            answer = round(mean)
+            if abs(mean - answer) > NEAR or abs(mean - answer) + 2 * spread > 1 - CLEAR:
                 continue
-            if mean < 0.35 and mean + 2 * spread < 1 - CLEAR:
-                answers[wheel], self.stands = 0.0, max(self.stands, speed)
-            elif mean > 0.65 and mean - 2 * spread > CLEAR:
-                answers[wheel], self.moves = 1.0, min(self.moves, speed)
-            self.open[wheel] = answers[wheel] is None
+            if answer:
+                self.moves = min(self.moves, self.asked[wheel])
+            else:
+                self.stands = max(self.stands, self.asked[wheel])
+                stand.append(wheel)
+            rows.settle(index, answer)
+            self.open[wheel] = False
         if self.stands >= self.moves:
             self.forget()
-        return answers
+        return stand

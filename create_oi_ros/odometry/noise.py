@@ -8,12 +8,16 @@ from ..robot import SLOT
 from . import states as s
 from .request_history import Array
 
-JITTER = 0.003
-"""Seconds by which a request may take effect earlier or later than the dead time says."""
+JITTER = SLOT / 12 ** 0.5
+"""Seconds by which a request may take effect earlier or later than the dead time says: it came at
+any moment of a frame."""
 UNEVEN = 5e-4
 """Part of the path by which steady wheels depart from their goals."""
 MISCOUNTED = 0.03
 """Part of what was counted with the wrong sign that the model may be wrong by."""
+REOPEN = 0.03
+"""Part of what was not known of a robot at first that is doubted again in a second of motion that
+a track cannot explain."""
 FREE_SPEED = 0.3
 """Doubt of the speed of wheels that do not obey, m/s."""
 STRAY = 0.09
@@ -33,6 +37,8 @@ class Stretch(NamedTuple):
     unsure: Array
     """Variance of the travel where frames were lost, m²."""
     path: Array
+    turned: Array
+    """Sum of the squares of the speeds at which encoders took another sign, (m/s)²."""
     miscounted: Array
     """Metres that the encoders counted otherwise than the wheels rolled."""
     free: bool
@@ -52,7 +58,7 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
     linear, angular = scales
     travel = doubt * (JITTER ** 2 * did.changes[:, None] + (UNEVEN * did.path) ** 2)
     travel = travel + did.unsure[:, None] + did.free * (FREE_SPEED * did.seconds) ** 2
-    wrong = doubt * (MISCOUNTED * did.miscounted) ** 2
+    wrong = doubt * ((MISCOUNTED * did.miscounted) ** 2 + (2 * JITTER) ** 2 * did.turned)
     q = np.zeros((len(doubt), s.SIZE, s.SIZE))
     for wheel, side in ((0, 1.0), (1, -1.0)):
         pose: dict[int, Array | float] = {
@@ -65,8 +71,9 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
         q += along(travel[wheel], pose | counts | speed)
         q += along(wrong[wheel], counts)
     if did.path[:, 0].any():
-        for index, prior in s.COMMON.items():
-            q[:, index, index] += did.seconds * prior.drift ** 2
+        again = REOPEN * np.clip(doubt - 1, 0, 10) / 10
+        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
+            q[:, index, index] += did.seconds * (prior.drift ** 2 + again * prior.spread ** 2)
     return q
 
 

@@ -23,17 +23,22 @@ class Obedience:
 
     def __init__(self) -> None:
         self._last = 0.0, 0.0
+        self._recent = 0.0
+        """m/s by which the requests changed, fading: wheels still follow these."""
         self.restart()
 
     def restart(self) -> None:
         """Begin a new window."""
         self._goals: tuple[float, float] | None = None
-        self._seconds = self._far = self._turn = self._path = self._changes = 0.0
+        self._seconds = self._far = self._turn = self._path = 0.0
+        self._changes = self._recent
 
     def step(self, dt: float, right: float, left: float, tracks: Tracks) -> None:
         """Let time pass under these requests."""
+        self._recent *= max(0.0, 1 - dt / LAG)
         if (right, left) != self._last:
-            self._changes += abs(right - self._last[0]) + abs(left - self._last[1])
+            change = abs(right - self._last[0]) + abs(left - self._last[1])
+            self._changes, self._recent = self._changes + change, self._recent + change
             self._last, self._goals = (right, left), None
         if self._goals is None:
             self._goals = tracks.goals(right, left)

@@ -10,6 +10,7 @@ from math import cos, exp, hypot, sin
 
 from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .estimate import Estimate, Geometry, Increment
+from .knowledge import Knowledge, learned
 from .obedience import Obedience
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
@@ -18,11 +19,11 @@ from .tracks import Held, LATE, Tracks
 
 BLEND = 0.1
 """Seconds in which a correction is blended in, ..."""
-STEP, TWIST = 1e-3, 0.2 * DEGREE
-"""... and the most of it in one frame, m and rad, ..."""
+STEP, TWIST = 0.067, 9 * DEGREE
+"""... and the most of it in a second, m and rad, ..."""
 FAR, ASKEW = 0.03, 5 * DEGREE
-"""... unless it is larger than this, because the robot moved on its own: then as fast as it can
-have moved, ..."""
+"""... unless it is larger than this, and the robot moved on its own: then as fast as it can have
+moved, ..."""
 TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / WHEEL_SEPARATION
 """... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
 NEAR = 1e-7
@@ -37,16 +38,17 @@ FLOOR = 1e-9
 class Odometry:
     """Turns increments into an estimate that never jumps."""
 
-    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0) -> None:
+    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0,
+                 robot: Knowledge | None = None) -> None:
         """
-        Ask for distance and angle every `window` seconds.
+        Ask for distance and angle every `window` seconds, of a robot that is known or not.
 
         With 0, ask in every frame and believe what the robot says.
         """
         self.geometry = geometry
         self.window = window
         self.estimate = Estimate()
-        self.tracks = Tracks(geometry)
+        self.tracks = Tracks(geometry, robot)
         self._plain = PlainOdometry(geometry)
         self._plan = ReadingPlan(window)
         self._obedience = Obedience()
@@ -79,6 +81,14 @@ class Odometry:
         answer is under way.
         """
         return not self.window or self._plan.due
+
+    @property
+    def knowledge(self) -> Knowledge | None:
+        """What was learned of the robot; None before anything was."""
+        tracks = self.tracks
+        if not self.window or not tracks.rows.readings:
+            return None
+        return learned(tracks.rows, tracks.band)
 
     def reset(self) -> None:
         """Begin again at the origin; what was learned of the robot stays."""
@@ -185,9 +195,12 @@ class Odometry:
         dx, dy = went * cos(middle), went * sin(middle)
         x, y, yaw = goal[0] - before.x - dx, goal[1] - before.y - dy, goal[2] - before.yaw - turned
         part = 1 - exp(-dt / BLEND)
-        share = _share(part, hypot(x, y), STEP, FAR, TOP * dt - abs(went))
+        far, askew = hypot(x, y), abs(yaw)
+        room = TOP_TURN * dt - abs(turned) if self.tracks.is_free and askew > ASKEW else 0.0
+        twist = yaw * _share(part, askew, max(TWIST * dt, room))
+        room = TOP * dt - abs(went) if far > FAR else 0.0
+        share = _share(part, far, max(STEP * dt, room))
         self._caught_up = not went and not turned and hypot(x, y) < NEAR and abs(yaw) < NEAR
-        twist = yaw * _share(part, abs(yaw), TWIST, ASKEW, TOP_TURN * dt - abs(turned))
         dx, dy, dyaw = dx + share * x, dy + share * y, turned + twist
         forward = dx * cos(middle) + dy * sin(middle)
         half = dyaw * g.wheel_separation / 2
@@ -210,8 +223,6 @@ class Odometry:
         return xx + FLOOR, xy, xa, xy, yy + FLOOR, ya, xa, ya, aa + FLOOR
 
 
-def _share(part: float, whole: float, most: float, far: float, room: float) -> float:
+def _share(part: float, whole: float, most: float) -> float:
     """Return which part of a correction to blend in now."""
-    if whole > far:
-        most = max(most, room)
     return min(part, most / whole) if whole else 0.0

@@ -13,7 +13,7 @@ from .tracks import Tracks
 
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
-WAITS = 0.7, 5.0
+WAITS = 0.7, 7.0
 """Windows between readings, at least and at most, while the requests stay the same, ..."""
 GROWTH = 0.8
 """... and the part of the seconds since the last change: the longer, the better known."""
@@ -23,6 +23,11 @@ STANDING = 1.0
 """Windows between readings at rest."""
 UNSETTLED = 2.0
 """Windows between readings while the requests change."""
+STRETCH = 2.0
+"""How much longer waits become, in part, while the robot becomes known."""
+BLURRED, SOON = 2.0, 0.4
+"""Doubt of what the accumulators hold, degrees, from which on to ask after this part of a window.
+"""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
 SETTLED = 0.45
@@ -95,10 +100,14 @@ class ReadingPlan:
         """
         if tracks.is_free:
             return FREE * self.window
+        if tracks.blur > BLURRED:
+            return SOON * self.window
+        patience = 1 + STRETCH * tracks.known
         if self._steady < SETTLED:
-            return UNSETTLED * self.window
+            return UNSETTLED * self.window * patience
         shortest, longest = WAITS
-        wait = STANDING if tracks.rests else min(longest, max(shortest, GROWTH * self._steady))
+        wait = STANDING if tracks.rests else min(
+            longest, max(patience * shortest, GROWTH * self._steady))
         return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))
 
     def _worth_a_probe(self, dt: float, tracks: Tracks) -> bool:

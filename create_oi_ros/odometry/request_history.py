@@ -6,6 +6,8 @@ as late. Means over a frame that ended a dead time ago are differences of sums a
 they change smoothly with the dead time.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,13 +42,18 @@ class RequestHistory:
         self._sums = np.zeros((6, 1))
         self._compare_signs()
 
-    def ask(self, right: float, left: float) -> Array:
-        """Take requests that hold from now on; return by how much they changed."""
+    def ask(self, right: float, left: float, stands: Sequence[bool]) -> Array:
+        """
+        Take requests that hold from now on; return by how much they changed.
+
+        `stands`: whether such a request is too slow to move a wheel. Its sign counts.
+        """
         if self.age > RECENT:
             self.settle()
         asked = np.array([right, left])
-        change = asked - self.speeds
-        self.speeds, self.asked = asked, (right, left)
+        speeds = np.where(stands, 0.0, asked)
+        change = speeds - self.speeds
+        self.speeds, self.asked = speeds, (right, left)
         self._kept = np.where(asked != 0, np.sign(asked), self._kept)
         sums = self._sums[:, -1] + self._rates[:, -1] * (self._now - self._times[-1])
         first = max(int(np.searchsorted(self._times, self._now - RECENT)) - 1, 0)
@@ -56,6 +63,10 @@ class RequestHistory:
         self.age = 0.0
         self._compare_signs()
         return change
+
+    def stand(self, wheel: int) -> None:
+        """Note that the present request never moved a wheel."""
+        self.speeds[wheel] = self._rates[wheel, -1] = 0.0
 
     def step(self, seconds: float) -> None:
         """Let time pass."""
@@ -74,7 +85,7 @@ class RequestHistory:
         return np.reshape(sums, (3, 2, *ago.shape))
 
     def _present(self) -> Array:
-        up = np.where(self.speeds >= 0, 1.0, -1.0)
+        up = np.where(np.array(self.asked) >= 0, 1.0, -1.0)
         present: Array = np.concatenate([self.speeds, self._kept, up]).reshape(6, 1)
         return present
 

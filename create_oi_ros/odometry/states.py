@@ -12,13 +12,14 @@ from ..robot import MILLI
 
 MM, DEGREE = MILLI, radians(1)
 """The units of a reading, m and rad."""
-(GAIN_RIGHT, GAIN_LEFT, OFFSET_RIGHT, OFFSET_LEFT, LAG, SLOW_LAG, DEAD_TIME, RAMP, BRAKING,
- SEPARATION, MOVES_RIGHT, MOVES_LEFT, SPEED_RIGHT, SPEED_LEFT, X, Y, YAW, DISTANCE,
- ANGLE) = range(19)
-SIZE = 19
-UNKNOWNS = 14
+(GAIN_RIGHT, GAIN_LEFT, OFFSET_RIGHT, OFFSET_LEFT, LAG, SLOW_LAG, FAST_LAG, DEAD_TIME, RAMP,
+ BRAKING, SEPARATION, MOVES_RIGHT, MOVES_LEFT, SPEED_RIGHT, SPEED_LEFT, X, Y, YAW, DISTANCE,
+ ANGLE) = range(20)
+SIZE = 20
+UNKNOWNS = 15
 """The states that have a copy of the wheels."""
 POSE = (X, Y, YAW)
+MOVES = (MOVES_RIGHT, MOVES_LEFT)
 
 
 class Prior(NamedTuple):
@@ -33,8 +34,8 @@ class Prior(NamedTuple):
 
 
 COMMON = {
-    GAIN_RIGHT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
-    GAIN_LEFT: Prior(1.0, 0.035, 0.6, 1.5, 1e-4),
+    GAIN_RIGHT: Prior(1.0, 0.035, 0.6, 1.5, 2e-5),
+    GAIN_LEFT: Prior(1.0, 0.035, 0.6, 1.5, 2e-5),
     OFFSET_RIGHT: Prior(0.0, 0.004, -0.02, 0.03),
     OFFSET_LEFT: Prior(0.0, 0.004, -0.02, 0.03),
     DEAD_TIME: Prior(0.06, 0.045, 0.0, 0.25),
@@ -44,16 +45,11 @@ COMMON = {
     MOVES_LEFT: Prior(1.0, 0.0, -0.2, 1.2),
 }
 RESPONSES = (
-    {LAG: Prior(0.12, 0.08, 0.004, 0.6), SLOW_LAG: Prior(0.04, 0.05, -0.1, 0.4),
-     RAMP: Prior(0.1, 0.2, 0.0, 4.0)},
-    {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.02, -0.1, 0.4),
-     RAMP: Prior(0.7, 0.5, 0.0, 4.0)},
-    {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.02, -0.1, 0.4),
-     RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
-    {LAG: Prior(0.004, 0.001, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.001, -0.1, 0.4),
-     RAMP: Prior(1.0, 0.5, 0.0, 4.0), BRAKING: Prior(0.0, 0.02, -1.3, 1.3),
-     DEAD_TIME: Prior(0.0, 0.01, 0.0, 0.25), SEPARATION: Prior(0.0, 0.001, -0.15, 0.15),
-     OFFSET_RIGHT: Prior(0.0, 2e-4, -0.02, 0.03), OFFSET_LEFT: Prior(0.0, 2e-4, -0.02, 0.03)},
+    {LAG: Prior(0.12, 0.08, 0.004, 0.6), SLOW_LAG: Prior(0.25, 0.25, -0.1, 0.8),
+     FAST_LAG: Prior(0.2, 0.3, -0.1, 0.95), RAMP: Prior(0.1, 0.2, 0.0, 4.0)},
+    {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.3, -0.1, 0.8),
+     FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(0.7, 0.5, 0.0, 4.0)},
+    {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.3, -0.1, 0.8),
+     FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
 )
-"""Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other. The
-last is a simple robot, as the manual describes it: it is known after a few readings."""
+"""Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other."""

@@ -15,8 +15,9 @@ from . import accumulators, noise
 from . import states as s
 from .accumulators import UNITS
 from .assumptions import Assumptions
-from .dead_band import DeadBand, FASTEST, OPEN
+from .dead_band import DeadBand, FASTEST
 from .estimate import Geometry
+from .knowledge import Knowledge, known
 from .request_history import Array
 from .rounding import Rounding
 from .states import DEGREE, MM
@@ -32,16 +33,20 @@ CURVED = 0.2
 """Part of what unknowns are believed to do that is not in proportion to them."""
 SURPRISE, LEFT = 3.0, 2.0
 """Standard deviations from which on a reading is a surprise, and what is left of it."""
-RISE, FALL, LEAST_DOUBT, MOST_DOUBT = 0.15, 0.04, 0.5, 1e4
-"""How fast doubt follows the innovations, and between what."""
+HASTE, FADING, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.96, 0.3, 1e4
+"""How fast doubt follows the innovations, by which power it fades at each reading, and between
+what it stays."""
 LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
+FAMILIAR, PUZZLED = 60, 5.0
+"""Readings after which a robot is known, unless the best track has this doubt."""
 NEAR = 0.002
 """m/s from its goal at which a wheel's speed is known well enough to tell roundings apart."""
+SWIFT = 0.3
+"""Seconds in which most wheels have followed a request."""
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
-MOVES = (s.MOVES_RIGHT, s.MOVES_LEFT)
 SPEEDS = (s.SPEED_RIGHT, s.SPEED_LEFT)
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
@@ -54,19 +59,22 @@ Held = tuple[float, float]
 class Tracks:
     """All plausible tracks, the best first after each reading."""
 
-    def __init__(self, geometry: Geometry) -> None:
+    def __init__(self, geometry: Geometry, robot: Knowledge | None = None) -> None:
         self.geometry = geometry
         self.scales = geometry.linear_scale, geometry.angular_scale
-        self.rows = Assumptions.all()
+        self.rows = Assumptions.all() if robot is None else known(robot)
         self.wheels = Wheels(self.rows.signs, FASTEST)
-        self.band = DeadBand()
+        self.band = DeadBand() if robot is None else DeadBand(*robot.dead_band)
         self._astray = 0
         """Readings in a row that the best track did not explain."""
         self._idle = 0.0
         """Seconds that the copies of the wheels have still to roll."""
         self._began = self._velocity = 0.0, 0.0, 0.0
         """Mean pose where these began, and how fast it changed there."""
+        self.blur = 0.0
+        """Standard deviation of what the accumulators hold, 2 mm or degrees, when last looked."""
         self._wild, self._window = False, 0.0
+        self._noisy = np.zeros((2, 1))
         """Whether wheels were free since the last reading, and its age, seconds."""
         accumulators.empty(self.rows)
         self._forget()
@@ -78,6 +86,17 @@ class Tracks:
     def roundings(self) -> set[Rounding]:
         """The roundings that the robot may have."""
         return self._roundings
+
+    @property
+    def known(self) -> float:
+        """
+        How well the robot is known to which readings cost something, 0 to 1.
+
+        One that carries fractions loses none by being asked.
+        """
+        if self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED:
+            return 0.0
+        return min(1.0, self.rows.readings / FAMILIAR)
 
     @property
     def requests(self) -> tuple[float, float]:
@@ -132,11 +151,13 @@ class Tracks:
     def pose_covariance(self) -> tuple[float, ...]:
         """Return the covariance of the mean pose, row by row."""
         self._catch_up()
-        pose, poses = slice(s.X, s.YAW + 1), self.wheels.poses[:, :, 0]
-        f = self._transition(BEST)[0, pose]
+        poses = self.wheels.poses[:, :, 0]
         off = poses - (poses @ self._shares)[:, None]
-        p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, pose, pose]
-        p += (off * self._shares) @ off.T
+        f, q = self._transition(BEST)[0, s.X:], self._noise(BEST)[0, s.X:, s.X:]
+        p = f @ self.rows.p[0] @ f.T + q
+        blur = np.sqrt(np.diag(p)[3:])
+        self.blur = float(max(blur[0] / MM / 2, blur[1] / DEGREE))
+        p = p[:3, :3] + (off * self._shares) @ off.T
         return tuple(((p + p.T) / 2).ravel().tolist())
 
     def twist_variance(self) -> tuple[float, float]:
@@ -198,8 +219,12 @@ class Tracks:
         if not self._idle:
             self._note_motion()
         self._idle += dt
-        if self._idle > STRIDE and (self.wheels.free or not self.wheels.settled):
+        if self._idle > self._stride and (self.wheels.free or not self.wheels.settled):
             self._catch_up()
+
+    @property
+    def _stride(self) -> float:
+        return STRIDE if self.wheels.requests.one_sign is not None else STRIDE / 2
 
     def _note_motion(self) -> None:
         """Note the mean motion, so that not each frame costs a sum over the copies."""
@@ -214,9 +239,9 @@ class Tracks:
     def _catch_up(self) -> None:
         """Let the copies of the wheels roll until now."""
         idle, self._idle = self._idle, 0.0
-        while idle > 1.5 * STRIDE and not self.wheels.settled:
-            self.wheels.roll(STRIDE, self.scales)
-            idle -= STRIDE
+        while idle > 1.5 * self._stride and not self.wheels.settled:
+            idle -= self._stride
+            self.wheels.roll(self._stride, self.scales)
         if idle > 0:
             self.wheels.roll(idle, self.scales)
 
@@ -225,21 +250,13 @@ class Tracks:
         self._catch_up()
         were_open = any(self.band.open)
         answers = self.band.ask(right, left)
-        if were_open or any(self.band.open) or self.rows.means[0, MOVES].tolist() != answers:
+        if were_open or any(self.band.open) or self.rows.means[0, s.MOVES].tolist() != answers:
             self._close()
-            self._decide(answers)
+            self.band.decide(self.rows, answers)
             self._spread()
-        change = self.wheels.ask(right, left)
+        change = self.wheels.ask(right, left, [answer == 0 for answer in answers])
         self._changes += change * change
         return change
-
-    def _decide(self, answers: list[float | None]) -> None:
-        """Set what the wheels move by at their requests; None is open."""
-        for index, answer in zip(MOVES, answers):
-            if answer is None:
-                self.rows.clear(index, OPEN, OPEN ** 2)
-            else:
-                self.rows.clear(index, answer)
 
     # Covariance.
 
@@ -271,7 +288,7 @@ class Tracks:
     def _noise(self, tracks: slice) -> Array:
         w = self.wheels
         did = noise.Stretch(self._seconds, self._changes, self._unsure, w.path[:, tracks],
-                            w.miscounted[:, tracks], w.free)
+                            w.turned[:, tracks], w.miscounted[:, tracks], w.free)
         heading = (w.poses[2, tracks, 0] + self._start[tracks, 2]) / 2
         return noise.of_motion(did, self.rows.doubt[tracks], heading, w.track_width[tracks, 0],
                                self.scales, self.geometry.slip)
@@ -280,7 +297,9 @@ class Tracks:
         """Return the covariances now; what is far from linear is noise in part."""
         f, p = self._transition(ALL), self.rows.p
         g, unknown = f[:, s.X:, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
-        p = f @ p @ f.transpose(0, 2, 1) + self._noise(ALL)
+        q = self._noise(ALL)
+        p = f @ p @ f.transpose(0, 2, 1) + q
+        self._q = np.stack([q[:, index, index] for index, _ in UNITS])
         p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
         return p
 
@@ -289,6 +308,7 @@ class Tracks:
         self._catch_up()
         w, means = self.wheels, self.rows.means
         self.rows.p = self._carried()
+        self._noisy = self._noisy + self._q
         means[:, s.POSE] = w.poses[:, :, 0].T
         means[:, s.DISTANCE:] += w.counts[:, :, 0].T
         means[:, SPEEDS] = w.speed[:, :, 0].T
@@ -315,7 +335,8 @@ class Tracks:
         rows.weigh(logs)
         accumulators.take_out(rows, wholes)
         rows.bound()
-        self._learn_band()
+        for wheel in self.band.learn(self.rows):
+            self.wheels.requests.stand(wheel)
         self._rethink()
         self._open_window()
 
@@ -358,11 +379,12 @@ class Tracks:
         gaps, spreads = accumulators.innovation(self.rows, wholes)
         z = gaps / spreads
         beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
-        if beyond[0] > 0:
+        if beyond[0] > 0 and self.wheels.requests.age > self._window + SWIFT:
             self.band.doubt()
-        nis = (z * z).mean(axis=0)
-        growth = np.where(nis > 1, RISE, FALL) * np.clip(nis - 1, -1, 6)
-        self.rows.doubt = np.clip(self.rows.doubt * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
+        share = self._noisy / spreads ** 2
+        growth = HASTE * (share * np.clip(z * z - 1, -1, 6)).sum(axis=0)
+        self.rows.doubt = np.clip(
+            self.rows.doubt ** FADING * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
         if beyond.any():
             more = np.where(np.abs(z) > SURPRISE, (gaps / LEFT) ** 2 - spreads ** 2, 0.0)
             self._stray(more[0], more[1])
@@ -375,17 +397,8 @@ class Tracks:
 
     def _open_window(self) -> None:
         self._wild, self._window = self.is_free, 0.0
+        self._noisy = np.zeros((2, 1))
         self._spread()
-
-    def _learn_band(self) -> None:
-        """See whether the undecided wheels are decided by now."""
-        if not any(self.band.open):
-            return
-        spreads = np.sqrt(np.diag(self.rows.p[0])[[*MOVES]])
-        answers = self.band.learn(self.rows.means[0, MOVES], spreads)
-        for index, answer in zip(MOVES, answers):
-            if answer is not None:
-                self.rows.clear(index, answer)
 
     def _rethink(self) -> None:
         """Try everything again beside the tracks that have explained little for long."""

@@ -10,6 +10,7 @@ Arrays have the axes (wheel, track, copy), right first; copy 0 is the track's ow
 others are off by one standard deviation in one unknown each.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,15 +19,15 @@ from ..robot import FIRMWARE_SEPARATION
 from . import states as s
 from .request_history import Array, RECENT, RequestHistory
 
-SLOW, SLOWEST, SLOWER = 0.066, 0.05, 1.4
-"""m/s at which the speed-dependent part of the lag counts once; it falls as 1 / speed, to that
-speed, and counts so often at most."""
-FADE = 0.3
-"""Seconds in which a wheel that stops forgets how fast it was, as far as its lag goes."""
+SLOWEST, MIDDLE, FASTEST = 0.05, 0.076, 0.5
+"""m/s between which a lag depends on the speed, as one over it: by one part below the middle, by
+another above."""
 EDGE = 0.005
 """m/s below which an offset fades."""
 ARRIVED = 3e-4
 """m/s from its goal at which a wheel is there."""
+LEAST_PART = 0.05
+"""What is left of a lag at any speed."""
 SHORTEST_LAG = 0.004
 """Seconds."""
 OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 1)])
@@ -72,7 +73,7 @@ class Wheels:
         """Metres that the encoders counted, forwards."""
         self.path = np.zeros((2, len(means)))
         """Metres that each wheel rolled, and that its encoder miscounted."""
-        self.miscounted = np.zeros((2, len(means)))
+        self.miscounted, self.turned = np.zeros((2, len(means))), np.zeros((2, len(means)))
         self.settled, self.standing, self.farthest = False, False, np.inf
         """Whether all wheels run at their goals, whether these are zero, and how far the farthest
         is from its own, m/s."""
@@ -83,12 +84,13 @@ class Wheels:
         self._gain = copies[s.GAIN_RIGHT:s.GAIN_LEFT + 1]
         self._offset = copies[s.OFFSET_RIGHT:s.OFFSET_LEFT + 1]
         self._moves = copies[s.MOVES_RIGHT:s.MOVES_LEFT + 1]
-        self._base_lag, self._slow_lag = copies[s.LAG], copies[s.SLOW_LAG]
+        self._base_lag = copies[s.LAG]
+        self._slow_lag, self._fast_lag = copies[s.SLOW_LAG], copies[s.FAST_LAG]
         self._dead_times = np.maximum(copies[s.DEAD_TIME][:, [0, s.DEAD_TIME + 1]], 0.0)
         self._ramp = np.maximum(copies[s.RAMP], 1e-6)
         self._braking = np.exp(copies[s.BRAKING])
         self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
-        self._slowness: tuple[float, float] | None = None
+        self._lag_of: tuple[float, float] | None = None
         self._decay_of = 0.0
 
     @property
@@ -97,11 +99,18 @@ class Wheels:
         right, left = self._rolled
         return np.stack([(right + left) / 2, (right - left) / self.track_width])
 
-    def ask(self, right: float, left: float) -> Array:
-        """Take other requests; return by how much they changed."""
+    def ask(self, right: float, left: float, stands: Sequence[bool]) -> Array:
+        """Take other requests, of which some may not move; return by how much they changed."""
         self.settled = self.standing = False
         self._goal = None
-        change = self.requests.ask(right, left)
+        signs = self.requests.signs
+        change = self.requests.ask(right, left, stands)
+        kept, up = (now != was for now, was in zip(self.requests.signs, signs))
+        kinds = self.signs.kinds
+        others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
+        self.turned += others * self.speed[:, :, 0] ** 2
+        fastest = np.maximum(np.abs(self.requests.speeds), np.abs(self.speed[:, 0, 0]))
+        self._fastest = float(fastest[0]), float(fastest[1])
         self._before = self._sums()
         return change
 
@@ -116,11 +125,14 @@ class Wheels:
             sums = self._sums()
             means = (sums - self._before) / h
             asked = means[0][:, :, OF_COPY]
+        before = self.speed
         if self.free or self.settled:
             travel = self.speed * h
         else:
             travel = self._follow(asked, h, recent)
-        counted = travel if self.free else self._counted(travel, means if recent else None)
+        counted = travel
+        if not self.free:
+            counted = self._counted(travel, before, h, means if recent else None)
         if sums is not None:
             self._before = sums
         self._move(travel, counted, scales)
@@ -172,21 +184,18 @@ class Wheels:
 
     def _find_lag(self, h: float) -> None:
         """Work out the lag at the present speeds, and what is left of a way after h seconds."""
-        fade = 1 - h / FADE
-        (right, left), (was_right, was_left) = self.requests.asked, self._fastest
-        self._fastest = right, left = max(abs(right), was_right * fade), max(
-            abs(left), was_left * fade)
-        slowness = _slowness(right), _slowness(left)
-        if slowness != self._slowness:
-            self._slowness, self._decay_of = slowness, 0.0
-            many = np.array(slowness)[:, None, None]
-            self._lag = np.maximum(self._base_lag + self._slow_lag * many, SHORTEST_LAG)
+        if self._lag_of != self._fastest:
+            self._lag_of, self._decay_of = self._fastest, 0.0
+            parts = np.array([lag_parts(speed) for speed in self._fastest])
+            slow, fast = parts.T[:, :, None, None]
+            part = np.maximum(1 + self._slow_lag * slow - self._fast_lag * fast, LEAST_PART)
+            self._lag = np.maximum(self._base_lag * part, SHORTEST_LAG)
         if h != self._decay_of:
             self._decay_of = h
             self._decay = np.exp(-h / self._lag)
             self._gone = (1 - self._decay) * self._lag
 
-    def _counted(self, travel: Array, means: Array | None) -> Array:
+    def _counted(self, travel: Array, before: Array, h: float, means: Array | None) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""
         sign = self.requests.one_sign
         if sign is not None and (travel * sign).min() >= 0:
@@ -199,7 +208,7 @@ class Wheels:
             _, late_kept, late_up = means[:, :, :, OF_COPY]
             sign = np.where(kinds == LAST, np.where(late, late_kept, kept),
                             np.where(late, late_up, up))
-        return np.where(kinds == NONE, travel, sign * np.abs(travel))
+        return np.where(kinds == NONE, travel, sign * _rolled(travel, before, self.speed, h))
 
     def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
         poses = self.poses
@@ -219,6 +228,16 @@ class Wheels:
             self.miscounted += np.abs(travel[:, :, 0] - counted[:, :, 0])
 
 
-def _slowness(speed: float) -> float:
-    """Return how often the speed-dependent part of the lag counts."""
-    return min(SLOW / max(speed, SLOWEST), SLOWER)
+def _rolled(travel: Array, before: Array, after: Array, h: float) -> Array:
+    """Return the metres that wheels rolled, forth and back, while their speeds changed."""
+    change = np.maximum(np.abs(after - before), 1e-9)
+    both = (before * before + after * after) * (h / 2) / change
+    rolled: Array = np.where(before * after < 0, both, np.abs(travel))
+    return rolled
+
+
+def lag_parts(speed: float) -> tuple[float, float]:
+    """Return how much of the parts of a lag counts that slow and fast wheels have, 0 to 1."""
+    slow = (1 / min(max(speed, SLOWEST), MIDDLE) - 1 / MIDDLE) / (1 / SLOWEST - 1 / MIDDLE)
+    fast = (1 / MIDDLE - 1 / max(speed, MIDDLE)) / (1 / MIDDLE - 1 / FASTEST)
+    return slow, fast

@@ -6,6 +6,8 @@ from enum import IntEnum, IntFlag
 class Mode(IntEnum):
     """Open Interface modes (manual: OI Mode, packet 35; iRobot Create Open Interface Modes)."""
 
+    __hash__ = int.__hash__  # Enum's is a Python function, and every frame looks a mode up
+
     OFF = 0
     PASSIVE = 1
     SAFE = 2

@@ -5,8 +5,9 @@ A packet is a field of `Readings`: the annotation carries its number, the manual
 range and unit (manual: Sensor Packets).
 """
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from functools import cache
+from operator import itemgetter
 from typing import Annotated, Any, get_args, NamedTuple
 
 from ..robot import TOP_SPEED_MM
@@ -125,6 +126,16 @@ class Readings:
     def has(self, *names: str) -> bool:
         """Tell whether all of these fields have arrived."""
         return self._numbers.keys() >= set(names)
+
+    @staticmethod
+    def numbers(first: str, second: str, *more: str) -> Callable[['Readings'], tuple[int, ...]]:
+        """
+        Return a function that looks these fields up at once, as the plain numbers that came.
+
+        KeyError, from that function: one of them has not arrived.
+        """
+        pick: Callable[[dict[str, int]], tuple[int, ...]] = itemgetter(first, second, *more)
+        return lambda readings: pick(readings._numbers)
 
     def updated(self, newer: 'Readings') -> 'Readings':
         """Return these readings with the newer ones in their place."""

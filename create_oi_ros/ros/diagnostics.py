@@ -5,17 +5,22 @@ OK: nothing to do. WARN: look at it soon. ERROR: it does not work. STALE: the va
 no robot answers.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import lru_cache
 from math import isnan
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
+from ..odometry import Known
+from ..odometry.knowledge import NUMBERS
 from . import messages
 from .parameters import Parameters
+from .serialized import filling
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -32,10 +37,17 @@ Verdict = tuple[bytes, str]
 
 
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:
-    """Make one status."""
+    """Return a status; do not change it, the same one may be returned again."""
+    return _status(name, level, message, tuple((key, str(value)) for key, value in values.items()))
+
+
+@lru_cache(maxsize=32)  # most do not change from one second to the next
+def _status(
+    name: str, level: bytes, message: str, values: tuple[tuple[str, str], ...],
+) -> DiagnosticStatus:
     return DiagnosticStatus(
         level=level, name=name, message=message, hardware_id='iRobot Create',
-        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
+        values=[KeyValue(key=key, value=value) for key, value in values])
 
 
 def serial_link(
@@ -111,7 +123,8 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', STALE, 'no robot answers', {})
     state = BatteryState()
-    messages.battery_state(state, readings, charge_known=charge_known)
+    content = messages.battery_state
+    filling(state, content.paths)(*content.values(readings, charge_known=charge_known))
     level, message = _battery(readings, state, health.battery)
     return status(f'{name}: battery', level, message, {
         'voltage (V)': round(state.voltage, 3), 'current (A)': round(state.current, 3),
@@ -155,6 +168,30 @@ def driver(
         'stale commands dropped': stale_commands,
         'cmd_vel publishers': ', '.join(publishers) or 'none',
         'songs stored': ', '.join(map(str, health.songs)) or 'none'})
+
+
+def odometry(name: str, health: Health) -> DiagnosticStatus:
+    """Say what the odometry has learned of this robot, and how sure it is."""
+    robot = health.robot
+    if robot is None:
+        return status(f'{name}: odometry', OK, 'nothing learned yet', {})
+    message = 'knows this robot' if robot.certain else 'learns this robot: drive and turn'
+    numbers = {key.replace('_', ' '): _number(getattr(robot, key))
+               for key in (*NUMBERS, 'frame_period')}
+    stands, moves = robot.dead_band
+    return status(f'{name}: odometry', OK, message, {
+        'rounding': _likely(robot.rounding), 'encoder sign': _likely(robot.encoder_sign),
+        **numbers, 'slowest speed that moves (m/s)': f'{stands:.4f} to {moves:.4f}',
+        'readings': robot.readings})
+
+
+def _likely(weights: Mapping[Any, float]) -> str:
+    likeliest = max(weights, key=weights.__getitem__)
+    return f'{likeliest.value} ({weights[likeliest]:.1%})'
+
+
+def _number(known: Known) -> str:
+    return f'{known.value:.4g} +- {known.deviation:.1g}'
 
 
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:

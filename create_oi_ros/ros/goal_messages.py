@@ -8,7 +8,7 @@ from create_oi_msgs.action import Dock, NavigateToPosition
 from ..driver.goals import Code, Ending, Phase, Progress
 from ..driver.goals.docking import BEAMS
 from .messages import NANOSECONDS
-from .rotation import set_yaw
+from .rotation import of_yaw
 
 RED, GREEN, FIELD = 8, 4, 2
 """Bits of a Home Base's character (manual: Infrared Byte)."""
@@ -74,7 +74,8 @@ def fill_result(result: Any, ending: Ending) -> None:
     result.message = ending.text
     position = result.pose.pose.position
     position.x, position.y = ending.estimate.x, ending.estimate.y
-    set_yaw(result.pose.pose.orientation, ending.estimate.yaw)
+    turned = result.pose.pose.orientation
+    turned.z, turned.w = of_yaw(ending.estimate.yaw)
     if hasattr(result, 'is_docked'):
         result.is_docked = ending.docked
     if hasattr(result, 'runtime'):

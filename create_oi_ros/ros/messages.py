@@ -1,27 +1,19 @@
 """
 Converts readings and estimates to ROS messages, and requests to the protocol's types. Pure.
 
-Units are SI here; nowhere else are they converted. A message that is published often is created
-once and filled again: creating an Odometry costs more than sending it. Publishing copies it.
+Units are SI here; nowhere else are they converted. A message that is published often is made once.
+A `Content` names its fields that change, by their paths (`serialized`), and returns their values.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntFlag
 from math import nan
+from typing import Any
 
 from builtin_interfaces.msg import Time
-from create_oi_msgs.msg import (
-    Bumper,
-    Buttons,
-    CargoBay,
-    Charging,
-    Cliff,
-    IrOmni,
-    Mode,
-    Overcurrent,
-    Song,
-    Wall,
-    WheelDrop,
-)
+from create_oi_msgs.msg import Mode
+from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 from std_msgs.msg import Header
@@ -46,7 +38,7 @@ from ..oi import (
 from ..oi.script import commands_of
 from ..oi.tools.text import format_commands, parse_script
 from ..robot import MILLI
-from .rotation import set_yaw
+from .rotation import of_yaw
 
 VOLTS_PER_STEP = 5 / 1023
 """Resolution of the analog input (manual: Cargo Bay Analog Signal)."""
@@ -59,19 +51,20 @@ POSE_PLACES = tuple(6 * row + column for row in POSE_AXES for column in POSE_AXE
 """Indices of the covariance of x, y and yaw, row by row, in the 36 numbers of ROS."""
 TWIST_PLACES = tuple(7 * axis for axis in TWIST_AXES)
 """Indices of the variances of the speeds in the same 36 numbers."""
+STAMP = ('stamp.sec', 'stamp.nanosec')
+"""The fields of a header that change."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
 
 
 def time(nanoseconds: int) -> Time:
     """Return a ROS time from nanoseconds since the epoch."""
-    stamp = Time()
-    set_time(stamp, nanoseconds)
-    return stamp
+    seconds, rest = stamp(nanoseconds)
+    return Time(sec=seconds, nanosec=rest)
 
 
-def set_time(stamp: Time, nanoseconds: int) -> None:
-    """Set a ROS time to nanoseconds since the epoch."""
-    stamp.sec, stamp.nanosec = divmod(nanoseconds, NANOSECONDS)
+def stamp(nanoseconds: int) -> tuple[int, int]:
+    """Return the values of the fields STAMP, from nanoseconds since the epoch."""
+    return divmod(nanoseconds, NANOSECONDS)
 
 
 def header(frame: str, stamp: Time) -> Header:
@@ -79,82 +72,113 @@ def header(frame: str, stamp: Time) -> Header:
     return Header(frame_id=frame, stamp=stamp)
 
 
+def empty(type_: type, frame: str) -> Any:
+    """Return a message with a header, to be filled."""
+    return type_(header=Header(frame_id=frame))
+
+
 def unmeasured() -> list[float]:
     """Return a covariance of the six axes of ROS, none of them measured."""
     return [NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
 
 
-def odometry(message: Odometry) -> Callable[[Estimate], None]:
-    """
-    Return a function that fills the message with an estimate.
+@dataclass(frozen=True)
+class Content:
+    """The fields of a message that change, and what they are set to."""
 
-    The pose is in the frame of the header, the twist in the base frame (REP 105, 103). Parts of
-    the message are looked up only once, here: each access is a Python call.
-    """
+    paths: tuple[str, ...]
+    values: Callable[..., tuple[Any, ...]]
+    """Returns the values of these fields, in order, from readings or an estimate."""
+
+
+def content(*paths: str) -> Callable[[Callable[..., tuple[Any, ...]]], Content]:
+    """Make a Content of a function: it returns the values of these fields."""
+    return lambda values: Content(paths, values)
+
+
+def empty_odometry(odom_frame: str, base_frame: str) -> Odometry:
+    """Return a message to be filled with `odometry`; axes that are not measured are set."""
+    message = Odometry(header=Header(frame_id=odom_frame), child_frame_id=base_frame)
     message.pose.covariance = message.twist.covariance = unmeasured()
-    position, orientation = message.pose.pose.position, message.pose.pose.orientation
-    linear, angular = message.twist.twist.linear, message.twist.twist.angular
-    of_pose, of_twist = message.pose.covariance, message.twist.covariance
-
-    def fill(estimate: Estimate) -> None:
-        position.x, position.y = estimate.x, estimate.y
-        set_yaw(orientation, estimate.yaw)
-        for place, known in zip(POSE_PLACES, estimate.pose_covariance):
-            of_pose[place] = known
-        linear.x, angular.z = estimate.linear, estimate.angular
-        for place, known in zip(TWIST_PLACES, estimate.twist_covariance):
-            of_twist[place] = known
-    return fill
+    return message
 
 
-def transforms(message: TFMessage) -> Callable[[Estimate], None]:
-    """Return a function that fills the only transform: from the header's frame to the base."""
-    transform = message.transforms[0].transform
-    translation, rotation = transform.translation, transform.rotation
-
-    def fill(estimate: Estimate) -> None:
-        translation.x, translation.y = estimate.x, estimate.y
-        set_yaw(rotation, estimate.yaw)
-    return fill
+def empty_transforms(odom_frame: str, base_frame: str) -> TFMessage:
+    """Return a message to be filled with `transforms`."""
+    return TFMessage(transforms=[TransformStamped(
+        header=Header(frame_id=odom_frame), child_frame_id=base_frame)])
 
 
-def joint_states(message: JointState) -> Callable[[Estimate], None]:
-    """Return a function that fills the measured angles, rad, and speeds, rad/s, of the wheels."""
-    message.name = WHEEL_JOINTS
-    message.position = message.velocity = [0.0] * len(WHEEL_JOINTS)
-    angles, speeds = message.position, message.velocity
-
-    def fill(estimate: Estimate) -> None:
-        angles[0], angles[1] = estimate.left_wheel, estimate.right_wheel
-        speeds[0], speeds[1] = estimate.left_wheel_speed, estimate.right_wheel_speed
-    return fill
+def empty_joint_states() -> JointState:
+    """Return a message to be filled with `joint_states`."""
+    nothing = [0.0] * len(WHEEL_JOINTS)
+    return JointState(name=list(WHEEL_JOINTS), position=nothing, velocity=nothing)
 
 
-def bumper(message: Bumper, readings: Readings) -> None:
-    """Fill in the bumper's two halves (packet 7)."""
-    bits = readings.bumps_and_wheel_drops
-    message.left = BumpsAndWheelDrops.BUMP_LEFT in bits
-    message.right = BumpsAndWheelDrops.BUMP_RIGHT in bits
+@content(
+    'pose.pose.position.x', 'pose.pose.position.y',
+    'pose.pose.orientation.z', 'pose.pose.orientation.w',
+    *(f'pose.covariance[{place}]' for place in POSE_PLACES),
+    'twist.twist.linear.x', 'twist.twist.angular.z',
+    *(f'twist.covariance[{place}]' for place in TWIST_PLACES))
+def odometry(estimate: Estimate) -> tuple[float, ...]:
+    """Return pose in the header's frame, and twist in the base frame (REP 105, 103)."""
+    return (estimate.x, estimate.y, *of_yaw(estimate.yaw), *estimate.pose_covariance,
+            estimate.linear, estimate.angular, *estimate.twist_covariance)
 
 
-def wheel_drop(message: WheelDrop, readings: Readings) -> None:
-    """Fill in the wheel drop sensors (packet 7)."""
-    bits = readings.bumps_and_wheel_drops
-    message.left = BumpsAndWheelDrops.WHEEL_DROP_LEFT in bits
-    message.right = BumpsAndWheelDrops.WHEEL_DROP_RIGHT in bits
-    message.caster = BumpsAndWheelDrops.WHEEL_DROP_CASTER in bits
+@content(*(f'transforms[0].transform.{part}' for part in (
+    'translation.x', 'translation.y', 'rotation.z', 'rotation.w')))
+def transforms(estimate: Estimate) -> tuple[float, ...]:
+    """Return the only transform: from the header's frame to the base."""
+    return (estimate.x, estimate.y, *of_yaw(estimate.yaw))
 
 
-def cliff(message: Cliff, readings: Readings) -> None:
-    """Fill in the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
-    message.left = readings.cliff_left
-    message.front_left = readings.cliff_front_left
-    message.front_right = readings.cliff_front_right
-    message.right = readings.cliff_right
-    message.left_signal = readings.cliff_left_signal
-    message.front_left_signal = readings.cliff_front_left_signal
-    message.front_right_signal = readings.cliff_front_right_signal
-    message.right_signal = readings.cliff_right_signal
+@content('position[0]', 'position[1]', 'velocity[0]', 'velocity[1]')
+def joint_states(estimate: Estimate) -> tuple[float, ...]:
+    """Return the measured angles, rad, and speeds, rad/s, of the wheels, the left one first."""
+    return (estimate.left_wheel, estimate.right_wheel,
+            estimate.left_wheel_speed, estimate.right_wheel_speed)
+
+
+def flags(*members: IntFlag) -> Callable[[int], tuple[bool, ...]]:
+    """Return a function that tells which of these bits are set: on numbers, enums are slow."""
+    numbers = tuple(map(int, members))
+    return lambda bits: tuple([bits & number != 0 for number in numbers])
+
+
+bumps = flags(BumpsAndWheelDrops.BUMP_LEFT, BumpsAndWheelDrops.BUMP_RIGHT)
+drops = flags(
+    BumpsAndWheelDrops.WHEEL_DROP_LEFT, BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
+    BumpsAndWheelDrops.WHEEL_DROP_CASTER)
+inputs = flags(
+    DigitalInputs.INPUT_0, DigitalInputs.INPUT_1, DigitalInputs.INPUT_2, DigitalInputs.INPUT_3,
+    DigitalInputs.BAUD_RATE_CHANGE)
+
+
+@content('left', 'right')
+def bumper(readings: Readings) -> tuple[bool, ...]:
+    """Return the bumper's two halves (packet 7)."""
+    return bumps(int(readings.bumps_and_wheel_drops))
+
+
+@content('left', 'right', 'caster')
+def wheel_drop(readings: Readings) -> tuple[bool, ...]:
+    """Return the wheel drop sensors (packet 7)."""
+    return drops(int(readings.bumps_and_wheel_drops))
+
+
+cliff_signals = Readings.numbers(
+    'cliff_left_signal', 'cliff_front_left_signal', 'cliff_front_right_signal',
+    'cliff_right_signal')
+
+
+@content('left', 'front_left', 'front_right', 'right',
+         'left_signal', 'front_left_signal', 'front_right_signal', 'right_signal')
+def cliff(readings: Readings) -> tuple[int, ...]:
+    """Return the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
+    return (readings.cliff_left, readings.cliff_front_left, readings.cliff_front_right,
+            readings.cliff_right, *cliff_signals(readings))
 
 
 CHARGING = {
@@ -167,9 +191,12 @@ CHARGING = {
 """Power supply status of a charging state; any other state is discharging."""
 
 
-def battery_state(message: BatteryState, readings: Readings, *, charge_known: bool) -> None:
+@content('present', 'voltage', 'current', 'temperature', 'charge', 'capacity',
+         'design_capacity', 'percentage', 'power_supply_status', 'power_supply_health',
+         'power_supply_technology')
+def battery_state(readings: Readings, *, charge_known: bool) -> tuple[float, ...]:
     """
-    Fill in the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
+    Return the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
 
     The charge of the alkaline pack is not known (manual: Battery Charge). Real robots may report
     a charge above the capacity, and a capacity of 0.
@@ -182,19 +209,13 @@ def battery_state(message: BatteryState, readings: Readings, *, charge_known: bo
     if charge_known and readings.battery_capacity > 0:
         charge = readings.battery_charge * MILLI
         capacity = readings.battery_capacity * MILLI
-    message.present = True
-    message.voltage = readings.voltage * MILLI
-    message.current = readings.current * MILLI
-    message.temperature = float(readings.battery_temperature)
-    message.charge, message.capacity, message.design_capacity = charge, capacity, nan
-    message.percentage = min(charge / capacity, 1.0)
-    message.power_supply_status = status
-    message.power_supply_health = (
-        BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if faulty
-        else BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
-    message.power_supply_technology = (
-        BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
-        else BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN)
+    health = (BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if faulty
+              else BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
+    technology = (BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
+                  else BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN)
+    return (True, readings.voltage * MILLI, readings.current * MILLI,
+            float(readings.battery_temperature), charge, capacity, nan,
+            min(charge / capacity, 1.0), status, health, technology)
 
 
 def mode(status: ModeStatus, header: Header) -> Mode:
@@ -219,59 +240,52 @@ def charging_name(code: int) -> str:
     return ChargingState(code).name.lower().replace('_', ' ')
 
 
-def wall(message: Wall, readings: Readings) -> None:
-    """Fill in the wall sensor and the virtual wall (packets 8, 13 and 27)."""
-    message.wall = readings.wall
-    message.virtual_wall = readings.virtual_wall
-    message.signal = readings.wall_signal
+@content('wall', 'virtual_wall', 'signal')
+def wall(readings: Readings) -> tuple[int, ...]:
+    """Return the wall sensor and the virtual wall (packets 8, 13 and 27)."""
+    return readings.wall, readings.virtual_wall, readings.wall_signal
 
 
-def buttons(message: Buttons, readings: Readings) -> None:
-    """Fill in which buttons are pressed (packet 18)."""
-    message.play = oi.Buttons.PLAY in readings.buttons
-    message.advance = oi.Buttons.ADVANCE in readings.buttons
+@content('play', 'advance')
+def buttons(readings: Readings) -> tuple[bool, ...]:
+    """Return which buttons are pressed (packet 18)."""
+    return oi.Buttons.PLAY in readings.buttons, oi.Buttons.ADVANCE in readings.buttons
 
 
-def ir_omni(message: IrOmni, readings: Readings) -> None:
-    """Fill in the infrared character and its name (packet 17)."""
+@content('character', 'name')
+def ir_omni(readings: Readings) -> tuple[int, str]:
+    """Return the infrared character and its name (packet 17)."""
     character = readings.infrared
-    message.character = character
-    message.name = Infrared(character).name.lower() if character in list(Infrared) else ''
+    return character, Infrared(character).name.lower() if character in list(Infrared) else ''
 
 
-def charging(message: Charging, readings: Readings) -> None:
-    """Fill in the charging state and the sources (packets 21 and 34)."""
+@content('state', 'internal_charger', 'home_base')
+def charging(readings: Readings) -> tuple[int, ...]:
+    """Return the charging state and the sources (packets 21 and 34)."""
     sources = readings.charging_sources
-    message.state = readings.charging_state
-    message.internal_charger = ChargingSources.INTERNAL_CHARGER in sources
-    message.home_base = ChargingSources.HOME_BASE in sources
+    return (readings.charging_state, ChargingSources.INTERNAL_CHARGER in sources,
+            ChargingSources.HOME_BASE in sources)
 
 
-def overcurrent(message: Overcurrent, readings: Readings) -> None:
-    """Fill in which wheels and drivers draw too much current (packet 14)."""
+@content('left_wheel', 'right_wheel', 'driver_0', 'driver_1', 'driver_2')
+def overcurrent(readings: Readings) -> tuple[bool, ...]:
+    """Return which wheels and drivers draw too much current (packet 14)."""
     bits = readings.overcurrents
-    message.left_wheel = Overcurrents.LEFT_WHEEL in bits
-    message.right_wheel = Overcurrents.RIGHT_WHEEL in bits
-    message.driver_0 = Overcurrents.DRIVER_0 in bits
-    message.driver_1 = Overcurrents.DRIVER_1 in bits
-    message.driver_2 = Overcurrents.DRIVER_2 in bits
+    return (Overcurrents.LEFT_WHEEL in bits, Overcurrents.RIGHT_WHEEL in bits,
+            Overcurrents.DRIVER_0 in bits, Overcurrents.DRIVER_1 in bits,
+            Overcurrents.DRIVER_2 in bits)
 
 
-def song(message: Song, readings: Readings) -> None:
-    """Fill in the number of the song and whether it plays (packets 36 and 37)."""
-    message.number = readings.song_number
-    message.playing = readings.song_playing
+@content('number', 'playing')
+def song(readings: Readings) -> tuple[int, bool]:
+    """Return the number of the song and whether it plays (packets 36 and 37)."""
+    return readings.song_number, readings.song_playing
 
 
-def cargo_bay(message: CargoBay, readings: Readings) -> None:
-    """Fill in the inputs of the cargo bay connector (packets 32 and 33)."""
-    bits = readings.digital_inputs
-    message.input_0 = DigitalInputs.INPUT_0 in bits
-    message.input_1 = DigitalInputs.INPUT_1 in bits
-    message.input_2 = DigitalInputs.INPUT_2 in bits
-    message.input_3 = DigitalInputs.INPUT_3 in bits
-    message.baud_rate_pin = DigitalInputs.BAUD_RATE_CHANGE in bits
-    message.analog = readings.analog_signal * VOLTS_PER_STEP
+@content('input_0', 'input_1', 'input_2', 'input_3', 'baud_rate_pin', 'analog')
+def cargo_bay(readings: Readings) -> tuple[float, ...]:
+    """Return the inputs of the cargo bay connector (packets 32 and 33)."""
+    return *inputs(int(readings.digital_inputs)), readings.analog_signal * VOLTS_PER_STEP
 
 
 def age(stamp: Time, nanoseconds: int) -> float:

@@ -1,6 +1,6 @@
 """The ROS node `create`: topics, services and parameters around a session with the robot."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 import sys
 from typing import Any
@@ -29,6 +29,7 @@ from . import diagnostics, messages, node_arguments, parameter_checks, topics
 from .actions import Actions
 from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
+from .model_keeper import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
@@ -50,18 +51,21 @@ class CreateNode(Node):
         """
         super().__init__('create', **options)
         self.parameters = parameter_checks.declare(self)
+        self._periods = self.parameters.periods()
         self.add_pre_set_parameters_callback(parameter_checks.as_declared)
         self.add_on_set_parameters_callback(parameter_checks.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
+        self.model = ModelKeeper(self, self.parameters.odometry_model)
         self.capture = self._start_capture()
         self.session = Session(
-            Driver(self.parameters.settings()), self.parameters.port,
+            Driver(replace(self.parameters.settings(), robot=self.model.robot)),
+            self.parameters.port,
             on_event=self._on_event, on_failure=lambda: ended.set_result(1),
             dead_man=self.parameters.dead_man,
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._stale = 0
         self._declare_topics()
-        Services(self, self.session)  # the node keeps it: its methods are the callbacks
+        Services(self, self.session, self.model)  # the node keeps it, by its methods
         self._actions = Actions(self, self.session, self.parameters)
         self._counts = LinkCounts()
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
@@ -114,6 +118,7 @@ class CreateNode(Node):
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
         self.parameters = parameter_checks.changed(self.parameters, changed)
+        self._periods = self.parameters.periods()
         with self.session.request() as (driver, _now):
             driver.set_limits(self.parameters.limits())
 
@@ -122,7 +127,7 @@ class CreateNode(Node):
     def _on_event(self, event: DriverEvent) -> None:
         match event:
             case Moved():
-                self._frames.publish(event, 1 / self.parameters.sensor_rate)
+                self._frames.publish(event, *self._periods)
                 self._contacts.publish(event, self.parameters)
                 self._actions.report()
             case ModeChanged():
@@ -147,6 +152,7 @@ class CreateNode(Node):
             diagnostics.mode(name, health), diagnostics.safety(name, health),
             diagnostics.battery(name, health, charge_known=self._charge_known),
             diagnostics.driver(name, health, self._stale, self._graph.publishers),
+            diagnostics.odometry(name, health),
             diagnostics.parameters(name, self.parameters)])
         self._counts = health.counts
         message.header.stamp = self.get_clock().now().to_msg()
@@ -185,6 +191,7 @@ def main() -> int:
             spin_until(executor, ended)
         finally:
             node.session.close()
+            node.model.end(node.session)
             if node.capture is not None:
                 node.capture.close()
     return int(ended.result())

@@ -83,6 +83,10 @@ class Parameters:
         Settings.odometry_window, 'Seconds between readings of distance and angle, of which the '
         'robot drops the fractions; 0 reads them in every frame and believes them',
         low=0.0, high=10.0, fixed=True)
+    odometry_model: str = parameter(
+        '', 'File of what the odometry knows of this robot (YAML, of `create_check` or of this '
+        'node): read at start, written at the end and by `save_odometry_model`; where it does '
+        'not exist, it is made. Empty: none', fixed=True)
     odom_frame: str = parameter('odom', 'Frame of the odometry', fixed=True)
     base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor', fixed=True)
     publish_tf: bool = parameter(True, 'Whether to publish odom_frame -> base_frame on /tf',
@@ -90,6 +94,9 @@ class Parameters:
     sensor_rate: float = parameter(
         20.0, 'Rate at which sensor topics are published when nothing changes, Hz',
         low=0.1, high=66.0)
+    odom_rate: float = parameter(
+        0.0, 'Highest rate of `odom`, `/tf` and `joint_states`, Hz; 0: with every frame (66.7). '
+        'The odometry uses every frame at any rate', low=0.0, high=66.0)
     battery_technology: str = parameter(
         'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
         choices=('nimh', 'alkaline'), fixed=True)
@@ -124,6 +131,10 @@ class Parameters:
             geometry=Geometry(
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
                 angular_scale=self.angular_scale))
+
+    def periods(self) -> tuple[float, float]:
+        """Return the seconds between two messages of a sensor, and between two of `odom`."""
+        return 1 / self.sensor_rate, 1 / self.odom_rate if self.odom_rate else 0.0
 
     def limits(self) -> MotionLimits:
         """Return the limits of the motion, which may change while the node runs."""

@@ -13,9 +13,10 @@ import os
 import signal
 import socket
 import threading
+import time
 
 import rclpy
-from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.executors import Executor, SingleThreadedExecutor, TimeoutException
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
@@ -23,6 +24,8 @@ from .user_errors import check_environment
 
 PR_SET_PDEATHSIG = 1
 """Linux, prctl(2)."""
+SPIN_TIME = 0.05
+"""Seconds for which `spin_ready` runs callbacks at most."""
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -90,3 +93,15 @@ def spin_until(executor: Executor, ended: Future) -> None:
     ended.add_done_callback(lambda _: bell.trigger())
     while not ended.done():
         executor.spin_once()
+
+
+def spin_ready(executor: SingleThreadedExecutor) -> None:
+    """Run the callbacks that are ready, without waiting for more."""
+    until = time.monotonic() + SPIN_TIME
+    while time.monotonic() < until:
+        try:
+            callback, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
+        except TimeoutException:
+            return
+        callback()
+        callback.result()

@@ -19,6 +19,7 @@ from .user_errors import explained, UserError
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
     'create_calibrate': 'apps.calibrate.create_calibrate',
+    'create_check': 'apps.check.create_check',
     'create_demo': 'apps.demo.create_demo',
     'create_node': 'ros.node',
     'create_record': 'apps.record',
@@ -26,11 +27,20 @@ MODULES = {
     'create_run': 'apps.run.create_run',
     'create_sim': 'sim.server.create_sim',
     'create_view': 'apps.view.create_view',
+    'create_web': 'apps.web.create_web',
 }
 """Module with the `main` of each program."""
 PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run())'
             for name in MODULES}
 """Python code that runs a program, for `python -c`; the package need not be installed."""
+NEEDED = {
+    'create_oi_msgs': (
+        'the messages of its package msg_defs, which are not built: '
+        '`colcon build --base-paths src/create_oi_ros src/create_oi_ros/msg_defs`, then '
+        '`source install/setup.bash`'),
+    'aiohttp': 'aiohttp for its web page: `sudo apt-get install python3-aiohttp`',
+}
+"""Modules that may be missing, and what to do then."""
 WRONG = 2
 """Exit code when something is wrong that the user can mend."""
 NO_READER = 128 + signal.SIGPIPE
@@ -66,17 +76,20 @@ def _imported(program: str) -> ModuleType:
     try:
         return import_module(f'{PACKAGE}.{MODULES[program]}')
     except ModuleNotFoundError as error:
-        if error.name is None or not error.name.startswith('create_oi_msgs'):
+        needed = (error.name or '').partition('.')[0]
+        if needed not in NEEDED:
             raise
-        raise SystemExit(
-            'create_oi_ros needs the messages of its package msg_defs, which are not built: '
-            '`colcon build --base-paths src/create_oi_ros src/create_oi_ros/msg_defs`, then '
-            '`source install/setup.bash`') from None
+        raise SystemExit(f'create_oi_ros needs {NEEDED[needed]}') from None
 
 
 def create_calibrate() -> int:
     """Compute the parameters of the odometry from measured drives."""
     return _run('create_calibrate')
+
+
+def create_check() -> int:
+    """Find out how a robot drives and counts."""
+    return _run('create_check')
 
 
 def create_demo() -> int:
@@ -112,3 +125,8 @@ def create_sim() -> int:
 def create_view() -> int:
     """See a robot, and drive it, in a terminal."""
     return _run('create_view')
+
+
+def create_web() -> int:
+    """See a robot, and drive it, in a browser."""
+    return _run('create_web')

@@ -1,33 +1,27 @@
 """
-Publishes frames: one message for each topic, made once and filled again.
+Publishes frames: one message for each topic, made once and filled again, as bytes.
 
 A topic without subscribers is not published; how many there are is checked ten times a second.
 Latched topics are always published, for subscribers that come later.
 """
 
-from collections.abc import Callable
-from functools import partial
 from math import inf
-from operator import attrgetter
 import time
 from typing import Any
 
-from builtin_interfaces.msg import Time
-from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
-from sensor_msgs.msg import JointState
-
-from tf2_msgs.msg import TFMessage
+from rclpy.serialization import deserialize_message, serialize_message
 
 from ..driver import Moved
 from ..oi import Readings
 from . import messages, topics
+from .messages import Content
 from .parameters import Parameters
-from .topics import EARLY, Schedule, SensorTopic, Topic
+from .serialized import Fill, filling, is_number, packing
+from .topics import EARLY, Pace, Schedule, SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
 """Seconds between two checks of subscribers and of the node's clock."""
@@ -47,16 +41,32 @@ def publisher(node: Node, topic: Topic) -> Publisher:
         event_callbacks=PublisherEventCallbacks(use_default_callbacks=False))
 
 
+def cheapest(node: Node, message: Any, paths: tuple[str, ...]) -> Fill:
+    """Return what fills a message: as bytes where all that changes are numbers."""
+    if all(is_number(message, path) for path in paths):
+        try:
+            return packing(message, paths, serialize_message, deserialize_message)
+        except ValueError as error:
+            node.get_logger().warning(
+                f'{type(message).__name__}: {error}. It is published as an object instead, which '
+                'takes more processor time; please report it, with the versions of ROS and of '
+                'its middleware')
+    return filling(message, paths)
+
+
 class FilledTopic:
     """One topic, its message, and what fills it."""
 
-    def __init__(self, node: Node, topic: Topic, message: Any,
-                 fill: Callable[[Any], None]) -> None:
-        """Create the publisher; `fill` fills the message."""
+    def __init__(self, node: Node, topic: Topic, message: Any, content: Content, *,
+                 header: str = 'header') -> None:
+        """Create the publisher; `header` is the path of the message's header."""
         self._publisher = publisher(node, topic)
         self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
-        self._message, self._fill = message, fill
-        self._content: object = None
+        stamp = tuple(f'{header}.{path}' for path in messages.STAMP)
+        self._fill = cheapest(node, message, stamp + content.paths)
+        self._content = content.values
+        self._filled_from: object = None
+        self._values: tuple[Any, ...] = ()
         self.wanted = False
         """Whether there are subscribers, or the topic is latched."""
 
@@ -64,62 +74,74 @@ class FilledTopic:
         """Look whether there are subscribers."""
         self.wanted = self._latched or self._publisher.get_subscription_count() > 0
 
-    def publish(self, content: Any) -> None:
-        """Fill the message and publish it."""
-        if content is not self._content:  # a robot that stands has the same estimate again
-            self._fill(content)
-            self._content = content
-        self._publisher.publish(self._message)
+    def publish(self, stamp: tuple[int, int], source: Any) -> None:
+        """Publish the message with this stamp; `source` is an estimate or readings."""
+        if source is not self._filled_from:  # a robot that stands has the same estimate again
+            self._values = self._content(source)
+            self._filled_from = source
+        self._publisher.publish(self._fill(*stamp, *self._values))
 
 
 class FramePublisher:
     """Publishes where the robot is, how it moves and what it senses, frame by frame."""
 
     def __init__(self, node: Node, parameters: Parameters, *, charge_known: bool) -> None:
-        """Create the publishers; all messages share one stamp."""
+        """Create the publishers."""
         self._clock = node.get_clock()
-        self._stamp = Time()
         self._offset = 0
         self._check_at = -inf
         self._odom, *self._motion = self._motion_topics(node, parameters)
+        self._motion_pace = Pace()
         self._sensors = [
             (Schedule(topic), self._sensor_topic(node, topic, parameters.base_frame))
             for topic in topics.sensor_topics(charge_known=charge_known)]
-        self._watched = attrgetter(*topics.WATCHED)
+        self._wanted = self._sensors
+        self._watched = Readings.numbers(*topics.WATCHED)
         self._complete = False
         self._seen: object = None
         self._due_at = -inf
         self._check()
 
-    def _motion_topics(self, node: Node, parameters: Parameters) -> list[FilledTopic]:
-        header, base = messages.header(parameters.odom_frame, self._stamp), parameters.base_frame
-        odom = Odometry(header=header, child_frame_id=base)
-        tf = TFMessage(transforms=[TransformStamped(header=header, child_frame_id=base)])
-        joints = JointState(header=messages.header('', self._stamp))
-        return [FilledTopic(node, topic, message, fill(message)) for topic, message, fill in (
-            (topics.ODOM, odom, messages.odometry),
-            *([(topics.TF, tf, messages.transforms)] if parameters.publish_tf else []),
-            (topics.JOINT_STATES, joints, messages.joint_states))]
+    @staticmethod
+    def _motion_topics(node: Node, parameters: Parameters) -> list[FilledTopic]:
+        frames = parameters.odom_frame, parameters.base_frame
+        odom = FilledTopic(
+            node, topics.ODOM, messages.empty_odometry(*frames), messages.odometry)
+        joints = FilledTopic(
+            node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states)
+        if not parameters.publish_tf:
+            return [odom, joints]
+        tf = FilledTopic(
+            node, topics.TF, messages.empty_transforms(*frames), messages.transforms,
+            header='transforms[0].header')
+        return [odom, tf, joints]
 
-    def _sensor_topic(self, node: Node, topic: SensorTopic, frame: str) -> FilledTopic:
-        message = topic.type(header=messages.header(frame, self._stamp))
-        return FilledTopic(node, topic, message, partial(topic.fill, message))
+    @staticmethod
+    def _sensor_topic(node: Node, topic: SensorTopic, frame: str) -> FilledTopic:
+        return FilledTopic(node, topic, messages.empty(topic.type, frame), topic.content)
 
-    def publish(self, moved: Moved, sensor_period: float) -> None:
-        """Publish a frame; sensors that do not change, once in `sensor_period` seconds."""
-        messages.set_time(
-            self._stamp, self._offset + round(moved.stamp * messages.NANOSECONDS))
+    def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> None:
+        """
+        Publish a frame.
+
+        Sensors that do not change are published once in `sensor_period` seconds, the estimate
+        and the joints once in `motion_period`; 0 is in every frame.
+        """
+        stamp = messages.stamp(self._offset + round(moved.stamp * messages.NANOSECONDS))
         # A change, such as a bump, must not wait; what is only due again can.
         changed = self._changed(moved.readings)
         if changed:
-            self._publish_sensors(moved, sensor_period)
-        if self._odom.wanted:
-            self._odom.publish(moved.estimate)
+            self._publish_sensors(moved, stamp, sensor_period, changed=True)
+        motion_due = not motion_period or self._motion_pace.due(moved.stamp)
+        if motion_due and motion_period:
+            self._motion_pace.done(moved.stamp, motion_period)
+        if motion_due and self._odom.wanted:
+            self._odom.publish(stamp, moved.estimate)
         if not changed and moved.stamp >= self._due_at - EARLY:
-            self._publish_sensors(moved, sensor_period)
+            self._publish_sensors(moved, stamp, sensor_period, changed=False)
         for filled in self._motion:
-            if filled.wanted:
-                filled.publish(moved.estimate)
+            if motion_due and filled.wanted:
+                filled.publish(stamp, moved.estimate)
         # Last, since it takes a while.
         if moved.stamp >= self._check_at:
             self._check_at = moved.stamp + CHECK_INTERVAL
@@ -133,12 +155,17 @@ class FramePublisher:
         before, self._seen = self._seen, self._watched(readings)
         return self._seen != before
 
-    def _publish_sensors(self, moved: Moved, sensor_period: float) -> None:
-        for schedule, filled in self._sensors:
-            if filled.wanted and schedule.due(moved.readings, moved.stamp, sensor_period):
-                filled.publish(moved.readings)
-        due_times = (schedule.due_at for schedule, filled in self._sensors if filled.wanted)
-        self._due_at = min(due_times, default=inf)
+    def _publish_sensors(
+        self, moved: Moved, stamp: tuple[int, int], sensor_period: float, *, changed: bool,
+    ) -> None:
+        """Publish the sensor topics that are due; without a change, only the time decides."""
+        due_at = inf
+        for schedule, filled in self._wanted:
+            if (changed or schedule.pace.due(moved.stamp)) and schedule.due(
+                    moved.readings, moved.stamp, sensor_period):
+                filled.publish(stamp, moved.readings)
+            due_at = min(due_at, schedule.pace.due_at)
+        self._due_at = due_at
 
     def _check(self) -> None:
         """Check for subscribers; measure the node's clock against the driver's."""
@@ -147,6 +174,7 @@ class FramePublisher:
             filled.check()
         for _, filled in self._sensors:
             filled.check()
+        self._wanted = [(schedule, filled) for schedule, filled in self._sensors if filled.wanted]
         for _ in range(CLOCK_TRIES):
             before, now = time.monotonic_ns(), self._clock.now().nanoseconds
             after = time.monotonic_ns()

@@ -4,10 +4,9 @@ from math import atan2, cos, remainder, sin, tau
 from typing import Any
 
 
-def set_yaw(rotation: Any, yaw: float) -> None:
-    """Make a quaternion the rotation by `yaw` radians; x and y stay 0."""
-    rotation.z = sin(yaw / 2)
-    rotation.w = cos(yaw / 2)
+def of_yaw(yaw: float) -> tuple[float, float]:
+    """Return z and w of the quaternion that turns by `yaw` radians; its x and y are 0."""
+    return sin(yaw / 2), cos(yaw / 2)
 
 
 def yaw_of(rotation: Any) -> float:

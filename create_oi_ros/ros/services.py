@@ -32,6 +32,7 @@ from .. import oi
 from ..driver import Outcome, Pending
 from ..link.session import Session
 from . import messages
+from .model_keeper import ModelKeeper
 
 QUEUE = QoSProfile(depth=200)
 """Requests that may arrive at once; more than the depth are never answered (ROS default: 10)."""
@@ -64,10 +65,11 @@ def service(type_: type, about: str) -> Callable[[Method], Method]:
 class Services:
     """The callbacks of all services."""
 
-    def __init__(self, node: Node, session: Session) -> None:
+    def __init__(self, node: Node, session: Session, model: ModelKeeper) -> None:
         """Offer all services."""
         self._node = node
         self._session = session
+        self._model = model
         # A service that waits for the robot must not keep the other callbacks from running.
         group = ReentrantCallbackGroup()
         for each in SERVICES:
@@ -111,6 +113,13 @@ class Services:
         with self._session.request() as (driver, _now):
             ended = self._ended(driver.reset_odometry())
         return fill(response, await ended)
+
+    @service(Trigger, 'write what the odometry has learned of the robot to `odometry_model`')
+    async def save_odometry_model(
+        self, _: Trigger.Request, response: Trigger.Response,
+    ) -> Trigger.Response:
+        """Write what is known of the robot."""
+        return fill(response, self._model.save(self._session))
 
     @service(DefineSong, 'store a song as MIDI numbers and seconds, and play it if `play` is set')
     async def define_song(

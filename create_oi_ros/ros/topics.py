@@ -5,7 +5,6 @@ The publishers, the tables of the README and the decision when a topic is due co
 sensor topic takes three files: its .msg file in msg_defs, its row here, its function in messages.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
@@ -35,6 +34,7 @@ from tf2_msgs.msg import TFMessage
 from ..oi import BumpsAndWheelDrops, Readings
 from ..robot import SLOT
 from . import messages
+from .messages import Content
 
 RELIABLE = QoSProfile(depth=10)
 TRANSFORMS = QoSProfile(depth=100)
@@ -64,8 +64,8 @@ class SensorTopic(Topic):
     """Readings whose change is published at once."""
     bits: int | None = None
     """Bits of the only watched reading that count; None: all."""
-    fill: Callable[..., None]
-    """Fills all of a message but its header, from readings."""
+    content: Content
+    """All of a message but its header, from readings."""
     period: float | None = None
     """Seconds between two messages while nothing changes; None: at `sensor_rate`."""
 
@@ -80,20 +80,20 @@ class StateTopic(SensorTopic):
 
 
 ODOM = Topic(
-    name='odom', type=Odometry, when='every frame, 66.7 Hz',
+    name='odom', type=Odometry, when='every frame (66.7 Hz), or at `odom_rate`',
     about='pose in `odom_frame`, velocity in `base_frame`, with covariances')
 TF = Topic(
-    name='/tf', type=TFMessage, when='every frame, with `publish_tf`', qos=TRANSFORMS,
+    name='/tf', type=TFMessage, when='like `odom`, with `publish_tf`', qos=TRANSFORMS,
     about='`odom_frame` -> `base_frame`; can be remapped')
 JOINT_STATES = Topic(
-    name='joint_states', type=JointState, when='every frame',
+    name='joint_states', type=JointState, when='like `odom`',
     about=f'measured angle and speed of {" and ".join(f"`{n}`" for n in messages.WHEEL_JOINTS)}')
 MODE = Topic(
     name='mode', type=Mode, when='on change, latched', qos=LATCHED,
     about='the actual mode, the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
-    about='battery, safety, mode, serial link, driver, version and parameters (REP 107)')
+    about='battery, safety, mode, serial link, driver, odometry, version and parameters (REP 107)')
 CONTACTS = Topic(
     name='contacts', type=PointCloud2,
     when='on change at once, at `sensor_rate` while there are points, else 1 Hz',
@@ -103,52 +103,53 @@ BUMPS = int(BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT)
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        name='bumper', type=Bumper, fill=messages.bumper, needs=('bumps_and_wheel_drops',),
+        name='bumper', type=Bumper, content=messages.bumper, needs=('bumps_and_wheel_drops',),
         watch=('bumps_and_wheel_drops',), bits=BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
-        name='wheel_drop', type=WheelDrop, fill=messages.wheel_drop,
+        name='wheel_drop', type=WheelDrop, content=messages.wheel_drop,
         needs=('bumps_and_wheel_drops',),
         watch=('bumps_and_wheel_drops',), bits=~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
-        name='cliff', type=Cliff, fill=messages.cliff,
+        name='cliff', type=Cliff, content=messages.cliff,
         needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
         watch=CLIFFS,
         about='the four cliff sensors, with signal strengths'),
     SensorTopic(
-        name='wall', type=Wall, fill=messages.wall,
+        name='wall', type=Wall, content=messages.wall,
         needs=('wall', 'virtual_wall', 'wall_signal'),
         watch=('wall', 'virtual_wall'),
         about='the wall sensor on the right, with its signal strength, and virtual walls'),
     SensorTopic(
-        name='cargo_bay', type=CargoBay, fill=messages.cargo_bay, qos=LATCHED,
+        name='cargo_bay', type=CargoBay, content=messages.cargo_bay, qos=LATCHED,
         needs=('digital_inputs', 'analog_signal'),
         watch=('digital_inputs',),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts, baud rate pin'),
     StateTopic(
-        name='buttons', type=Buttons, fill=messages.buttons, needs=('buttons',),
+        name='buttons', type=Buttons, content=messages.buttons, needs=('buttons',),
         watch=('buttons',), about='Play and Advance'),
     StateTopic(
-        name='ir_omni', type=IrOmni, fill=messages.ir_omni, needs=('infrared',),
+        name='ir_omni', type=IrOmni, content=messages.ir_omni, needs=('infrared',),
         watch=('infrared',),
         about='infrared character that is received, with its name'),
     StateTopic(
-        name='charging', type=Charging, fill=messages.charging,
+        name='charging', type=Charging, content=messages.charging,
         needs=('charging_state', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
         about='charging state, charger and Home Base'),
     StateTopic(
-        name='overcurrent', type=Overcurrent, fill=messages.overcurrent, needs=('overcurrents',),
+        name='overcurrent', type=Overcurrent, content=messages.overcurrent,
+        needs=('overcurrents',),
         watch=('overcurrents',),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
-        name='song', type=Song, fill=messages.song, needs=('song_number', 'song_playing'),
+        name='song', type=Song, content=messages.song, needs=('song_number', 'song_playing'),
         watch=('song_number', 'song_playing'),
         about='the song that plays, or played last'),
     SensorTopic(
-        name='battery_state', type=BatteryState, fill=messages.battery_state, period=1.0,
+        name='battery_state', type=BatteryState, content=messages.battery_state, period=1.0,
         needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
                'battery_capacity', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
@@ -165,12 +166,31 @@ WATCHED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.watch})
 def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
     """Return SENSOR_TOPICS, set for a battery whose charge is known or not."""
     return [
-        replace(topic, fill=partial(topic.fill, charge_known=charge_known))
+        replace(topic, content=Content(
+            topic.content.paths, partial(topic.content.values, charge_known=charge_known)))
         if topic.type is BatteryState else topic for topic in SENSOR_TOPICS]
 
 
 EARLY = SLOT / 2
 """Seconds before its due time at which a topic may be published: it takes the nearest frame."""
+
+
+class Pace:
+    """Tells when something is due that happens once in a period, in the nearest frame."""
+
+    def __init__(self) -> None:
+        self.due_at = -inf
+        """Stamp, s, from which it is due."""
+
+    def due(self, stamp: float) -> bool:
+        """Return whether it is due in the frame with this stamp, s."""
+        return stamp >= self.due_at - EARLY
+
+    def done(self, stamp: float, period: float, *, in_step: bool = True) -> None:
+        """Note that it was done in this frame, in step or before it was due."""
+        # Count the period from the due time, not from the frame: the mean rate is exact.
+        next_at = self.due_at + period
+        self.due_at = next_at if in_step and next_at > stamp else stamp + period
 
 
 class Schedule:
@@ -181,8 +201,8 @@ class Schedule:
         self._watched = attrgetter(*topic.watch)
         self._complete = False
         self._last: Any = None
-        self.due_at = -inf
-        """Stamp, s, from which the topic is due without a change."""
+        self.pace = Pace()
+        """When the topic is due without a change."""
 
     def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
         """Return whether the topic is due in the frame with this stamp, s."""
@@ -193,10 +213,8 @@ class Schedule:
         if self._topic.bits is not None:
             value = int(value) & self._topic.bits
         period = self._topic.period or sensor_period
-        if value == self._last and stamp < self.due_at - EARLY:
+        changed, self._last = value != self._last, value
+        if not changed and not self.pace.due(stamp):
             return False
-        # Count the period from the due time, not from the frame: the mean rate is exact.
-        next_at = self.due_at + period
-        in_step = value == self._last and next_at > stamp
-        self._last, self.due_at = value, next_at if in_step else stamp + period
+        self.pace.done(stamp, period, in_step=not changed)
         return True

@@ -16,6 +16,7 @@ from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import children_of, Listener, Program, scene, TIMEOUT
 from support.screen import terminals
+from support.web import ADDRESS, PageClient
 
 
 @pytest.fixture
@@ -40,7 +41,7 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert 'Point(x=' in example.output
     assert all(len(line) <= 81 for line in run.printed if 'frames/s' in line)
     children = children_of(run.pid)
-    assert len(children) == 2
+    assert len(children) == 3
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
@@ -162,3 +163,21 @@ def test_a_terminal_shows_one_line_that_changes_in_place(stage):
         run.type('\x03')
         assert run.ended() == 0
         assert run.output.endswith('\n')
+
+
+def test_its_page_shows_the_robot_and_the_room(stage):
+    run = stage.program('create_run', '--world', 'room')
+    stage.ros.until(lambda: ADDRESS.search(run.output))
+    with closing(PageClient(ADDRESS.search(run.output)[1])) as page:
+        page.until(lambda: page.known.get('true_pose') and page.known.get('mode'))
+        assert page.known['room']['walls']
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+    assert 'Traceback' not in run.output
+
+
+def test_its_page_is_for_telephones_when_asked(stage):
+    run = stage.program('create_run', '--world', 'empty', '--host', '0.0.0.0')
+    stage.ros.until(lambda: '/?token=' in run.output)
+    run.send(signal.SIGINT)
+    assert run.ended() == 0

@@ -11,7 +11,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.apps.run.status import RobotStatus, WIDTH
-from create_oi_ros.ros.rotation import set_yaw
+from create_oi_ros.ros.rotation import of_yaw
 
 ANY = st.floats(-1e9, 1e9) | st.just(nan)
 
@@ -22,7 +22,8 @@ def driving(x: float = 1.0, yaw: float = 0.0) -> RobotStatus:
     odom = Odometry()
     odom.pose.pose.position.x = x
     odom.twist.twist.linear.x = 0.2
-    set_yaw(odom.pose.pose.orientation, yaw)
+    rotation = odom.pose.pose.orientation
+    rotation.z, rotation.w = of_yaw(yaw)
     status.on_odom(odom)
     status.on_mode(Mode(mode=Mode.SAFE, wanted=Mode.SAFE))
     status.on_battery(BatteryState(percentage=0.9))

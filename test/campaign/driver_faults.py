@@ -17,9 +17,9 @@ RAISING = """
 from create_oi_ros.ros import messages, programs
 def fail(*_):
     raise RuntimeError('a fault of the campaign')
-bumper = messages.bumper
-messages.bumper = lambda message, readings: (
-    fail() if readings.bumps_and_wheel_drops else bumper(message, readings))
+bumper = messages.bumper.values
+messages.bumper = messages.content(*messages.bumper.paths)(lambda readings: (
+    fail() if readings.bumps_and_wheel_drops else bumper(readings)))
 from create_oi_ros.ros.node import CreateNode
 on_velocity = CreateNode._on_velocity
 CreateNode._on_velocity = lambda node, twist: (

@@ -1,14 +1,19 @@
 """The process that stops the robot when the driver has died."""
 
+from contextlib import suppress
 import os
+import pty
 import signal
 import subprocess
 import sys
+import threading
+import tty
 
 import pytest
 
-from create_oi_ros.link import dead_man
-from create_oi_ros.link.dead_man import DeadMan, END_SIGNALS, GOODBYE, watch
+from create_oi_ros.link import dead_man_process
+from create_oi_ros.link.dead_man import DeadMan, END_SIGNALS
+from create_oi_ros.link.dead_man_process import GOODBYE, watch
 
 WORDS = b'stop now'
 
@@ -20,6 +25,11 @@ def gone(pid: int) -> bool:
     except ProcessLookupError:
         return True
     return False
+
+
+def read_words(reading: int) -> bytes:
+    """Wait for as many bytes as the last words have."""
+    return b''.join(os.read(reading, 1) for _ in WORDS)
 
 
 def test_released_it_writes_nothing_and_ends():
@@ -77,7 +87,7 @@ def test_while_its_parent_is_suspended_it_says_the_last_words_and_watches_on():
     assert parent.stdout is not None
     assert parent.stdout.readline()
     parent.send_signal(signal.SIGSTOP)
-    assert os.read(reading, 100) == WORDS
+    assert read_words(reading) == WORDS
     parent.kill()
     heard = b''
     while more := os.read(reading, 100):
@@ -97,8 +107,9 @@ def test_each_time_that_it_is_suspended_for_two_looks_is_one_for_last_words(monk
         if seen is None:
             os.write(speaking, GOODBYE)
         return bool(seen)
-    monkeypatch.setattr(dead_man, 'is_suspended', look)
-    monkeypatch.setattr(dead_man, 'CHECK_INTERVAL', 0.0)
+    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
+    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
+    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
     watch(pipe, writing, WORDS, os.getpid())
     assert os.read(reading, 100) == WORDS * 2
     for end in (pipe, speaking, reading, writing):
@@ -108,15 +119,16 @@ def test_each_time_that_it_is_suspended_for_two_looks_is_one_for_last_words(monk
 def test_while_it_stays_suspended_the_last_words_are_repeated(monkeypatch):
     pipe, speaking = os.pipe()
     reading, writing = os.pipe()
-    looks = iter([True] * (2 * dead_man.CHECKS_TO_REPEAT + 2))
+    looks = iter([True] * (2 * dead_man_process.LOOKS_TO_REPEAT + 2))
 
     def look(_: int) -> bool:
         seen = next(looks, None)
         if seen is None:
             os.write(speaking, GOODBYE)
         return bool(seen)
-    monkeypatch.setattr(dead_man, 'is_suspended', look)
-    monkeypatch.setattr(dead_man, 'CHECK_INTERVAL', 0.0)
+    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
+    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
+    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
     watch(pipe, writing, WORDS, os.getpid())
     assert os.read(reading, 100) == WORDS * 3
     for end in (pipe, speaking, reading, writing):
@@ -124,17 +136,17 @@ def test_while_it_stays_suspended_the_last_words_are_repeated(monkeypatch):
 
 
 def test_only_a_stopped_process_is_seen_as_stopped():
-    assert not dead_man.is_suspended(dead_man.open_status(os.getpid()))
-    assert dead_man.open_status(2 ** 22 + 1) is None, 'no process has such a number'
-    assert not dead_man.is_suspended(None)
+    assert not dead_man_process.is_suspended(dead_man_process.open_status(os.getpid()))
+    assert dead_man_process.open_status(2 ** 22 + 1) is None, 'no process has such a number'
+    assert not dead_man_process.is_suspended(None)
     ended = subprocess.Popen(['cat'], stdin=subprocess.PIPE)
-    status = dead_man.open_status(ended.pid)
+    status = dead_man_process.open_status(ended.pid)
     ended.send_signal(signal.SIGSTOP)
     os.waitpid(ended.pid, os.WUNTRACED)
-    assert dead_man.is_suspended(status)
+    assert dead_man_process.is_suspended(status)
     ended.kill()
     ended.communicate()
-    assert not dead_man.is_suspended(status)
+    assert not dead_man_process.is_suspended(status)
     assert status is not None
     os.close(status)
 
@@ -142,8 +154,43 @@ def test_only_a_stopped_process_is_seen_as_stopped():
 def test_a_line_that_is_gone_ends_the_last_words():
     reading, writing = os.pipe()
     os.close(reading)
-    dead_man.write_all(writing, WORDS)
+    dead_man_process.write_all(writing, WORDS)
     os.close(writing)
+
+
+@pytest.mark.parametrize('blocking', [True, False])
+def test_a_line_that_takes_no_bytes_ends_the_process(monkeypatch, blocking):
+    monkeypatch.setattr(dead_man_process, 'WRITE_TIMEOUT', 0.0)
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with suppress(BlockingIOError):
+        while os.write(writing, bytes(4096)):
+            pass
+    os.set_blocking(writing, blocking)
+    with pytest.raises(SystemExit):
+        dead_man_process.write_all(writing, WORDS)
+    os.close(reading)
+    os.close(writing)
+
+
+@pytest.mark.parametrize('blocking', [True, False])
+def test_a_line_with_little_room_gets_each_byte_once(blocking):
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+    os.set_blocking(theirs, blocking)
+    words = bytes(range(256)) * 64  # more than the terminal takes at once
+    heard = bytearray()
+
+    def hear() -> None:
+        while len(heard) < len(words):
+            heard.extend(os.read(ours, 64))
+    hearing = threading.Thread(target=hear)
+    hearing.start()
+    dead_man_process.write_all(theirs, words)
+    hearing.join()
+    assert heard == words
+    os.close(ours)
+    os.close(theirs)
 
 
 def test_what_ends_its_parent_politely_does_not_reach_it():
@@ -153,7 +200,7 @@ def test_what_ends_its_parent_politely_does_not_reach_it():
     for number in END_SIGNALS:
         os.kill(guard.pid, number)
     os.close(guard._pipe)
-    assert os.read(reading, 100) == WORDS
+    assert read_words(reading) == WORDS
     os.close(reading)
     assert guard._process.wait() == 0
 
@@ -164,10 +211,7 @@ def test_watching_ends_with_a_goodbye_or_with_last_words(word, heard):
     reading, writing = os.pipe()
     os.write(speaking, word)
     os.close(speaking)
-    try:
-        watch(pipe, writing, WORDS, os.getpid())
-    finally:
-        signal.alarm(0)
+    watch(pipe, writing, WORDS, os.getpid())
     os.close(writing)
     assert os.read(reading, 100) == heard
     os.close(reading)

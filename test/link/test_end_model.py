@@ -107,8 +107,13 @@ class Real:
 
     def dead_man(self) -> int:
         """Return the process id of the dead-man."""
-        self.until(self._children)
-        return self._children()[0]
+        found: list[int] = []
+
+        def look() -> list[int]:
+            found[:] = self._children()
+            return found
+        self.until(look)
+        return found[0]
 
     def _children(self) -> list[int]:
         # The session's own thread starts it.

@@ -18,9 +18,10 @@ FOLDERS = ('launch', 'test', 'bench', 'examples')
 OURS = {PACKAGE, *FOLDERS,
         *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
-    'hypothesis', 'matplotlib', 'numpy', 'pexpect', 'psutil', 'pytest', 'serial', 'yaml')}
+    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pexpect', 'psutil', 'pytest', 'serial',
+    'yaml')}
 """Modules whose rosdep key has another name."""
-NO_KEY = {'mcap', 'rosbags'}
+NO_KEY = {'mcap', 'playwright', 'rosbags', 'segno'}
 """Optional modules without a rosdep key; the programs say how to install them."""
 BARE = 'oi', 'sim'  # the odometry, and so the driver, computes with numpy
 

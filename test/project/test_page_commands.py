@@ -20,7 +20,7 @@ from support.pages import blocks, ROOT
 from support.ros import Program, Scene, scene
 from support.screen import terminals
 
-OURS = re.compile(r'create_(calibrate|node|record|report|sim|view)( |$)'
+OURS = re.compile(r'create_(calibrate|node|record|report|sim|view|web)( |$)'
                   r'|python -m create_oi_ros\.oi (?!document)')
 PORT = re.compile(r'/dev/ttyUSB0|/tmp/create\b')
 RECORDED = 150_000
@@ -67,6 +67,8 @@ class Page:
                 self._until_ctrl_c(program, arguments, 'robot answers')
             case 'create_record', _:
                 self._until_ctrl_c(program, arguments, 'until Ctrl-C', recorded)
+            case 'create_web', _:
+                self._until_ctrl_c(program, arguments, 'open http://')
             case 'create_calibrate', ['listen']:
                 self._until_ctrl_c(program, arguments, 'reported:')
             case _:
@@ -117,7 +119,7 @@ def recorded() -> bool:
 
 @pytest.mark.parametrize(('page', 'count'), [
     ('README.md', 2), ('docs/calibration.md', 5), ('docs/recording.md', 6),
-    ('docs/simulator.md', 7), ('docs/view.md', 2)])
+    ('docs/simulator.md', 7), ('docs/view.md', 2), ('docs/web.md', 3)])
 def test_the_commands_of_a_page_work(page, count, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = commands(page)

@@ -163,7 +163,7 @@ def test_a_cancel_stops_the_wheels(ready):
     result = sent.result()
     assert (sent.status, result.error_code) == (
         GoalStatus.STATUS_CANCELED, DriveDistance.Result.CANCELED)
-    assert ready.asked_to_stand
+    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels are told to stand')
 
 
 def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(ready):
@@ -175,7 +175,7 @@ def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(read
     assert 'another goal' in result.message
     ready.ros.call(Trigger, 'stop')
     assert second.result().error_code == RotateAngle.Result.STOPPED
-    assert ready.asked_to_stand
+    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels are told to stand')
     third = ready.moving()
     velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     ready.ros.until(velocity.get_subscription_count, 'cmd_vel')

@@ -234,7 +234,7 @@ def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready
     assert not volatile
     names = {status.name for status in statuses[-1].status}
     assert names == {f'create: {part}' for part in (
-        'battery', 'safety', 'mode', 'serial link', 'driver', 'parameters')}
+        'battery', 'safety', 'mode', 'serial link', 'driver', 'odometry', 'parameters')}
     for topic in PUBLISHED:
         info, = ready.ros.node.get_publishers_info_by_topic(
             topic.name if topic.name.startswith('/') else f'/{topic.name}')

@@ -280,3 +280,25 @@ def test_parameters_are_described_and_refused_at_run_time(stage):
         refused = attempt(name, value)
         assert not refused.successful
         assert refused.reason
+
+
+def test_odom_rate_thins_what_is_sent_and_may_change_at_run_time(stage):
+    robot = stage.robot()
+    stage.node(robot.link, odom_rate=20.0)
+    odoms = stage.ros.listen(Odometry, 'odom')
+    joints = stage.ros.listen(JointState, 'joint_states')
+
+    def mean_step(received: list) -> float:
+        stamps = [each.header.stamp.sec + each.header.stamp.nanosec / 1e9 for each in received]
+        return (stamps[-1] - stamps[0]) / (len(stamps) - 1)
+
+    stage.ros.until(lambda: len(odoms) > 40 and len(joints) > 40)
+    assert mean_step(odoms) == pytest.approx(1 / 20, rel=0.04)
+    assert mean_step(joints) == pytest.approx(1 / 20, rel=0.04)
+    every_frame = Parameter(name='odom_rate', value=ParameterValue(
+        type=ParameterType.PARAMETER_DOUBLE, double_value=0.0))
+    reply = stage.ros.call(SetParameters, 'create/set_parameters', parameters=[every_frame])
+    assert reply.results[0].successful
+    odoms.clear()
+    stage.ros.until(lambda: len(odoms) > 40)
+    assert mean_step(odoms) == pytest.approx(oi.SLOT, rel=0.04)

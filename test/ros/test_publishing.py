@@ -4,11 +4,13 @@ from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.publisher import Publisher
+from rclpy.serialization import serialize_message
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Moved
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.odometry import Estimate
+from create_oi_ros.ros import publishing
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.publishing import FramePublisher
 from support.ros import scene
@@ -25,11 +27,12 @@ class Frames:
             stage.ros.listen(*topic)
         self._publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
         self._slot = 0
+        self.motion_period = 0.0
         self._told: list[str] = []
         really = Publisher.publish
 
         def publish(publisher, message):
-            self._told.append(type(message).__name__)
+            self._told.append(publisher.msg_type.__name__)
             really(publisher, message)
         monkeypatch.setattr(Publisher, 'publish', publish)
         stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
@@ -38,8 +41,9 @@ class Frames:
         """Return the topics of a frame, in order; readings that are not given are zero."""
         self._told.clear()
         self._slot += 1
-        self._publisher.publish(Moved(
-            self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()), PERIOD)
+        self._publisher.publish(
+            Moved(self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()),
+            PERIOD, self.motion_period)
         return self._told
 
     def quiet(self) -> None:
@@ -74,7 +78,35 @@ def test_what_is_due_again_comes_behind_the_odometry_in_its_period(frames):
         assert sum(name in names for names in told) == round(200 * oi.SLOT / PERIOD)
 
 
+@pytest.mark.parametrize('rate', [10, 20, 40, 66])
+def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, rate):
+    frames.motion_period = 1 / rate
+    frames.quiet()
+    told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(1000)]
+    assert all(names[0] == 'Bumper' for names in told)
+    assert sum('Odometry' in names for names in told) == pytest.approx(
+        1000 * oi.SLOT * rate, abs=1)
+
+
 def test_only_what_is_heard_or_latched_is_published(frames):
     told = {name for wall in range(40) for name in frames.next(wall=wall % 2, buttons=wall % 2)}
     assert {'Odometry', 'Bumper', 'Cliff', 'Buttons'} <= told
     assert not told & {'Wall', 'WheelDrop', 'JointState', 'TFMessage', 'BatteryState'}
+
+
+def test_where_bytes_cannot_be_packed_objects_are_published_with_one_warning(
+        tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(
+        publishing, 'serialize_message', lambda message: serialize_message(message) * 2)
+    with scene(tmp_path) as stage:
+        heard = stage.ros.listen(Odometry, 'odom')
+        frames = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
+        slots = iter(range(100000))
+
+        def publish() -> bool:
+            moved = Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5))
+            frames.publish(moved, 1.0, 0.0)
+            return bool(heard)
+        stage.ros.until(publish)
+    assert heard[-1].pose.pose.position.x == 3.5
+    assert capfd.readouterr().err.count('Odometry: the place of ') == 1

@@ -1,9 +1,13 @@
 """The accumulators behind packets 19 and 20, under the three roundings."""
 
+from dataclasses import replace
+
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
+from create_oi_ros.sim.body.config import CENTRE, EncoderSign
+from create_oi_ros.sim.body.drivetrain import Drivetrain
 from create_oi_ros.sim.body.encoders import Accumulator, Rounding
 
 AMOUNTS = st.lists(st.floats(-300, 300), max_size=60)
@@ -76,3 +80,23 @@ def test_each_reading_is_within_its_rounding_of_the_truth(amounts):
         assert abs(filled(Rounding.TRUNCATE, amount).take()) <= abs(amount) + 1e-5
         assert abs(filled(Rounding.TRUNCATE, amount).take() - amount) < 1
         assert abs(filled(Rounding.ROUND, amount).take() - amount) <= 0.5 + 1e-5
+
+
+def reversed_count(sign: EncoderSign, slot: float) -> float:
+    """Return what a wheel that reverses counts, metres, when time is cut into such slots."""
+    wheel = Drivetrain(replace(CENTRE, encoder_sign=sign, encoder_tick=0.0)).right
+    counted, slots = 0.0, round(1.2 / slot)
+    for number in range(2 * slots):
+        if number % slots == 0:
+            wheel.command(-0.25 if number else 0.25)
+        left = slot
+        while left > 1e-12:
+            piece = wheel.horizon(left)
+            counted += wheel.count(wheel.roll(piece))
+            left -= piece
+    return counted
+
+
+@pytest.mark.parametrize('sign', EncoderSign)
+def test_what_a_reversing_wheel_counts_does_not_depend_on_how_time_is_cut(sign):
+    assert reversed_count(sign, 0.04) == pytest.approx(reversed_count(sign, 0.001), abs=1e-4)

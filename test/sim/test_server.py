@@ -339,7 +339,7 @@ def test_it_sets_the_world_and_waits_for_what_happens(tmp_path: Path) -> None:
 def test_every_word_is_understood_or_refused_with_the_reason(tmp_path: Path) -> None:
     with taught(tmp_path) as (_, teacher):
         teacher.tell(
-            'help', 'truth', 'sense', 'wait time>=0 mode=OFF demo=none', 'after 0',
+            'help', 'truth', 'sense', 'room', 'wait time>=0 mode=OFF demo=none', 'after 0',
             'bump both 0.1', 'button play 0.1', 'force wall=1 seconds=0.1', 'unforce wall',
             'unforce', 'lift', 'down', 'drop right caster', 'drop', 'hold left', 'hold',
             'push 0.1 0.5 0.2', 'slip 0.1 0.2 1', 'place 0 0 0', 'load ld0=0.3', 'charger off',

@@ -8,6 +8,7 @@ from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
 from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon
+from create_oi_ros.sim.world.outlines import outlines
 
 FRAME = 0.015
 
@@ -270,3 +271,15 @@ def test_the_home_base_in_the_room_can_be_reached():
     body.drive(right=0.2, left=0.2)
     body.step(6)
     assert body.sense().home_base
+
+
+def test_outlines_are_what_the_lines_of_a_room_say():
+    room = parse('wall 0 0 1 0 1 2\npost 3 4 0.2\ncliff 0 0 1 0 1 1\nground 0 0 9 0 9 9 0 9\n'
+                 'home_base 1 2 90\nvirtual_wall 1 2 180 0.9\n', 'a room')
+    found = outlines(room)
+    assert found['walls'][:2] == [[0, 0, 1, 0], [1, 0, 1, 2]]
+    assert found['posts'] == [[3, 4, 0.2]]
+    assert found['cliffs'] == [[0, 0, 1, 0, 1, 1]]
+    assert found['grounds'] == [[0, 0, 9, 0, 9, 9, 0, 9]]
+    assert found['home_bases'] == [[1, 2, 1.5708]]
+    assert found['virtual_walls'] == [[1, 2, 3.1416, 0.9]]

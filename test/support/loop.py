@@ -6,7 +6,7 @@ from math import pi
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Moved, Notice, Settings
-from create_oi_ros.odometry import Estimate
+from create_oi_ros.odometry import Estimate, Odometry
 from create_oi_ros.robot import WHEEL_SEPARATION
 from create_oi_ros.sim.body import Body, Rounding
 from create_oi_ros.sim.body.config import BodyConfig, IDEAL
@@ -24,14 +24,14 @@ class Loop:
         self, settings: Settings | None = None, *, world: World | None = None, delay: float = 0.0,
         rounding: Rounding = Rounding.CARRY, checksum: oi.Checksum = oi.Checksum.HARDWARE,
         robot_baud: int | None = None, wheel_separation: float = WHEEL_SEPARATION,
-        config: BodyConfig | None = None,
+        config: BodyConfig | None = None, odometry: Odometry | None = None,
     ) -> None:
         """`robot_baud` sets the robot's own baud rate; without it, it is always the driver's."""
         self.body = Body(
             world or shipped('empty'), rounding=rounding,
             config=config or replace(IDEAL, wheel_separation=wheel_separation))
         self.robot = Create(self.body, checksum=checksum)
-        self.driver = Driver(settings or Settings())
+        self.driver = Driver(settings or Settings(), odometry)
         self.now = 100.0
         self.delay = delay
         self.cut = False

@@ -1,5 +1,5 @@
 """
-`create_run`: a robot and its node in one terminal, with a status line.
+`create_run`: a robot, its node and its web page in one terminal, with a status line.
 
 `create_run` starts and ends the processes, `status` makes and shows the line.
 """

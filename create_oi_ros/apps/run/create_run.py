@@ -1,5 +1,5 @@
 """
-`create_run`: a robot and its node in one terminal, with a status line every second.
+`create_run`: a robot, its node and its web page, with a status line every second.
 
 Without `--port` the robot is a simulated one on a pseudo terminal.
 """
@@ -70,6 +70,8 @@ def introduction(port: str, simulated: bool) -> str:
     if shutil.which('ros2') is not None:
         lines += ['Watch a topic, or drive by keyboard:', '    ros2 topic echo /bumper',
                   '    ros2 run create_oi_ros create_view']
+    lines += ['Or see and drive it in a browser, at the address that is printed below.',
+              'Telephones in your network can open it, too, when you add --host 0.0.0.0.']
     return '\n'.join([*lines, 'Ctrl-C stops the robot and everything here.'])
 
 
@@ -91,6 +93,9 @@ def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument('--world', help='world of the simulated robot (default: room)')
     parser.add_argument('--capture', metavar='FILE', help=(
         'write every byte of the serial line to FILE, to be sent with a bug report'))
+    parser.add_argument('--host', help=(
+        'address on which the web page is served (default: for this computer only); 0.0.0.0: '
+        'also for telephones in your network, with a token'))
     options = parser.parse_args(given)
     for name, value in vars(options).items():
         if value == '':
@@ -102,8 +107,13 @@ def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _start(children: Children, port: str, options: argparse.Namespace) -> None:
+    page = [] if options.host is None else ['--host', options.host]
     if options.port is None:
-        children.start('create_sim', '--link', port, '--world', options.world or 'room')
+        control = f'{port}.control'
+        children.start('create_sim', '--link', port, '--world', options.world or 'room',
+                       '--control', control)
+        page += ['--control', control]
+    children.start('create_web', *page)
     capture = ['-p', f'capture:={quoted(options.capture)}'] if options.capture else []
     children.start('create_node', '--ros-args', '-p', f'port:={quoted(port)}', *capture)
 

@@ -15,7 +15,7 @@ import time
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.utilities import remove_ros_args
 
-from ...ros.process import call_on_signal, ros_executor, stop_job
+from ...ros.process import call_on_signal, ros_executor, spin_ready, stop_job
 from .keys import (
     action_of,
     Confirmation,
@@ -30,7 +30,7 @@ from .picture import picture
 from .robot_state import CallStatus, RobotState
 from .teleop import Teleop
 from .terminal import check, opened, simple, Terminal, TerminalClosed, TerminalError
-from .view_node import spin_ready, ViewNode
+from .view_node import ViewNode
 
 REDRAW = 0.1
 """Seconds between two pictures."""

@@ -9,14 +9,9 @@ from typing import Any
 
 from create_oi_msgs.msg import CargoBay
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.action.client import ActionClient, ClientGoalHandle
-from rclpy.duration import Duration
-from rclpy.executors import SingleThreadedExecutor, TimeoutException
 from rclpy.node import Node
-from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
@@ -24,23 +19,15 @@ from sensor_msgs.msg import JointState
 from ...ros import topics
 from ...ros.actions import ACTIONS
 from ...ros.services import SERVICES
+from ...ros.velocity_output import CMD_VEL, NEWEST, VelocityOutput
 from .keys import BINDINGS, GoalCall, ServiceCall, STOP
 from .robot_state import CallStatus, RobotState
-from .teleop import STANDSTILL, Velocity
+from .teleop import Velocity
 
-CMD_VEL = 'cmd_vel'
-COMMANDS = {f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
-CHECK_INTERVAL, SEARCH_INTERVAL = 1.0, 0.2
-"""Seconds between two checks of who subscribes to cmd_vel, with a driver and without."""
-SPIN_TIME = 0.05
-"""Seconds for which callbacks run at most before the next picture."""
 HEARD = tuple(topic for topic in topics.PUBLISHED if topic not in (topics.TF, topics.CONTACTS))
 """Topics to subscribe to; /tf repeats `odom`, and `contacts` the sensors."""
 FAST = (Odometry, JointState, CargoBay)
 """Message types that come faster than anybody can read: only the newest is kept."""
-NEWEST = QoSProfile(depth=1)
-STOP_TIMEOUT = Duration(seconds=1.0)
-"""How long to wait until the last command has arrived."""
 LINK, PARAMETERS = 'serial link', 'parameters'
 """Names of two statuses in the driver's diagnostics."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
@@ -77,9 +64,9 @@ class ViewNode(Node):
         goals = {each.action.name for each in BINDINGS if isinstance(each.action, GoalCall)}
         self._action_clients = {
             name: ActionClient(self, ACTION_TYPES[name], name) for name in goals}
-        self._velocity: Publisher | None = None
+        self._velocity = VelocityOutput(self)
         self._commands: Subscription | None = None
-        self._next_check = -inf
+        self._heard_type: type | None = None
 
     def _set_periods(self, sensor_period: float) -> None:
         self.state.periods = {
@@ -112,40 +99,24 @@ class ViewNode(Node):
 
     def find_driver(self, now: float) -> None:
         """Check now and then who subscribes to cmd_vel, and publish in the type of the driver."""
-        if now < self._next_check:
+        if not self._velocity.find_driver(now):
             return
-        types = [
-            COMMANDS[each.topic_type] for each in self.get_subscriptions_info_by_topic(CMD_VEL)
-            # Another view subscribes too, but does not drive.
-            if each.node_name != self.get_name() and each.topic_type in COMMANDS]
-        self.state.driver_listens = bool(types)
-        self._next_check = now + (CHECK_INTERVAL if types else SEARCH_INTERVAL)
+        self.state.driver_listens = self._velocity.driver_listens
         self.state.driver_count = self.count_publishers(topics.ODOM.name)
-        if types and (self._velocity is None or self._velocity.msg_type is not types[0]):
-            if self._velocity is not None and self._commands is not None:
-                self.destroy_publisher(self._velocity)
+        if self._velocity.type is not None and self._velocity.type is not self._heard_type:
+            if self._commands is not None:
                 self.destroy_subscription(self._commands)
-            self._velocity = self.create_publisher(types[0], CMD_VEL, NEWEST)
+            self._heard_type = self._velocity.type
             self._commands = self.create_subscription(
-                types[0], CMD_VEL, self._on_message, NEWEST)
+                self._heard_type, CMD_VEL, self._on_message, NEWEST)
 
     def drive(self, velocity: Velocity) -> None:
         """Publish a velocity command, if a driver has been found."""
-        if self._velocity is None:
-            return
-        twist = Twist(linear=Vector3(x=velocity.linear), angular=Vector3(z=velocity.angular))
-        if self._velocity.msg_type is Twist:
-            self._velocity.publish(twist)
-        else:
-            stamped = TwistStamped(twist=twist)
-            stamped.header.stamp = self.get_clock().now().to_msg()
-            self._velocity.publish(stamped)
+        self._velocity.publish(*velocity)
 
     def stop_robot(self) -> None:
         """Command a standstill, and wait until the command has arrived."""
-        self.drive(STANDSTILL)
-        if self._velocity is not None:
-            self._velocity.wait_for_all_acked(STOP_TIMEOUT)
+        self._velocity.stop()
 
     # Services.
 
@@ -194,15 +165,3 @@ class ViewNode(Node):
         text = ', '.join(filter(None, ('done' if result.success else 'ended', result.message)))
         self.state.call_status = CallStatus(
             f'{call.name}: {text}', highlighted=not result.success)
-
-
-def spin_ready(executor: SingleThreadedExecutor) -> None:
-    """Run the callbacks that are ready, without waiting for more."""
-    until = time.monotonic() + SPIN_TIME
-    while time.monotonic() < until:
-        try:
-            callback, _, _ = executor.wait_for_ready_callbacks(timeout_sec=0.0)
-        except TimeoutException:
-            return
-        callback()
-        callback.result()

@@ -17,9 +17,9 @@ _GRAIN = 1e-9
 class Wheel:
     """Motor, tyre and encoder.  Speeds in m/s, forwards positive."""
 
-    __slots__ = ('target', 'slip', 'grounded', '_held', '_up', '_scale', '_gain', '_offset',
-                 '_top', '_sign', '_dead_time', '_dead_band', '_tick', '_between', '_waiting',
-                 '_follower', '_recorded')
+    __slots__ = ('target', 'slip', 'grounded', '_held', '_up', '_rolled_up', '_scale', '_gain',
+                 '_offset', '_top', '_sign', '_dead_time', '_dead_band', '_tick', '_between',
+                 '_waiting', '_follower', '_recorded')
 
     def __init__(self, config: BodyConfig, scale: float, gain: float, offset: float,
                  slip: float) -> None:
@@ -29,6 +29,8 @@ class Wheel:
         self.grounded = True
         self._held = False
         self._up = True
+        self._rolled_up: bool | None = None
+        """Its sign while it turned; a request that took effect at the end may have changed it."""
         self._scale, self._gain, self._offset = scale, gain, offset
         self._top, self._sign = config.max_wheel_speed, config.encoder_sign
         self._dead_time, self._dead_band = config.dead_time, config.dead_band
@@ -124,6 +126,7 @@ class Wheel:
     def roll(self, h: float) -> float:
         """Turn for h seconds, at most `horizon`; return the tread's travel, metres."""
         travel = self._follower.roll(h) if not self._held or self._recorded else 0.0
+        self._rolled_up = self._up
         if self._waiting:
             self._waiting = deque((wait - h, speed) for wait, speed in self._waiting)
             while self._waiting and self._waiting[0][0] <= _DUE:
@@ -136,7 +139,8 @@ class Wheel:
         """Return the signed metres that the encoder makes of the tread's travel."""
         if self._sign is EncoderSign.TRUE:
             return self._ticked(travel)
-        counted = abs(travel) if self._up else -abs(travel)
+        up, self._rolled_up = self._up if self._rolled_up is None else self._rolled_up, None
+        counted = abs(travel) if up else -abs(travel)
         if self._sign is EncoderSign.UNTIL_REST and self.at_rest and self.target == 0:
             self._up = True
         return self._ticked(counted)

@@ -15,6 +15,7 @@ from ..body.sensed import RANGES
 from ..firmware import Create
 from ..timing import TOLERANCE
 from ..world import Pose
+from ..world.outlines import outlines
 from .faults import Fault, Faults
 from .lines import Line
 
@@ -107,6 +108,9 @@ class Interpreter:
 
     def _sense(self, words: list[str]) -> str:
         return 'ok ' + json.dumps(self._body.sense()._asdict())
+
+    def _room(self, words: list[str]) -> str:
+        return 'ok ' + json.dumps(outlines(self._body.world))
 
     def _wait(self, words: list[str]) -> Waiting:
         conditions, timeout = [], WAIT_TIMEOUT
@@ -304,6 +308,8 @@ WORDS = {
         Interpreter._truth, '',
         'pose, velocities (m, rad, s), mode, wheels (mm/s), all else, as JSON'),
     'sense': ControlWord(Interpreter._sense, '', 'what the sensors see, as JSON'),
+    'room': ControlWord(
+        Interpreter._room, '', 'what stands in the room, in metres, as JSON'),
     'wait': ControlWord(
         Interpreter._wait, 'NAME=VALUE ... [timeout=S]',
         'answer when truth or sense meet these (also != < > <= >=)'),

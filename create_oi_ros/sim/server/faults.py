@@ -107,6 +107,8 @@ class Faults:
 
     def step(self, time: float) -> set[FaultKind]:
         """Advance to `time`, a slot at a time; return the kinds that started in this slot."""
+        if not self.faults and not self._active:  # as in nearly all runs
+            return set()
         before = self._active
         self._active = {fault.kind for fault in self.faults
                         if fault.kind not in DAMAGE and self._goes_on(fault, time)}
@@ -127,25 +129,20 @@ class Faults:
         """Return what the host receives of bytes from the robot."""
         if self.cable_cut or self._active & {FaultKind.SILENCE, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
-        return self._damaged(data, time, {
-            FaultKind.FLIP: self._flip, FaultKind.DROP: self._drop,
-            FaultKind.GARBAGE: self._garbage})
+        return self._damaged(data, time, FROM_ROBOT)
 
     def to_robot(self, data: bytes, time: float) -> bytes:
         """Return what the robot receives of bytes from the host."""
         if self.cable_cut or self._active & {FaultKind.DEAF, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
-        return self._damaged(data, time, {
-            FaultKind.FLIP_IN: self._flip, FaultKind.DROP_IN: self._drop,
-            FaultKind.GARBAGE_IN: self._garbage})
+        return self._damaged(data, time, TO_ROBOT)
 
-    def _damaged(self, data: bytes, time: float,
-                 kinds: dict[FaultKind, Callable[[bytes], bytes]]) -> bytes:
+    def _damaged(self, data: bytes, time: float, kinds: dict[FaultKind, 'Damage']) -> bytes:
         for fault in self.faults:
             damage = kinds.get(fault.kind)
             if (data and damage is not None and fault.within(time)
                     and self._random.random() < (fault.rate or 0.0)):
-                data = damage(data)
+                data = damage(self, data)
         return data
 
     def _flip(self, data: bytes) -> bytes:
@@ -159,3 +156,12 @@ class Faults:
 
     def _garbage(self, data: bytes) -> bytes:
         return self._random.randbytes(self._random.randint(1, MOST_GARBAGE)) + data
+
+
+Damage = Callable[[Faults, bytes], bytes]
+FROM_ROBOT: dict[FaultKind, Damage] = {
+    FaultKind.FLIP: Faults._flip, FaultKind.DROP: Faults._drop,
+    FaultKind.GARBAGE: Faults._garbage}
+TO_ROBOT: dict[FaultKind, Damage] = {
+    FaultKind.FLIP_IN: Faults._flip, FaultKind.DROP_IN: Faults._drop,
+    FaultKind.GARBAGE_IN: Faults._garbage}

@@ -1,0 +1,96 @@
+"""
+What wakes the node, how often, and what that costs: `python bench/bench_wakeups.py`, a minute.
+
+The node stands, then drives in a circle with ten commands a second, with one subscriber on each
+topic in another process. The kernel counts how often each thread of node and dead-man went to
+sleep by itself, and its processor time (proc(5): status, schedstat). The name of a thread tells
+what woke it.
+"""
+
+from collections import Counter
+from pathlib import Path
+from time import monotonic, sleep
+from typing import NamedTuple
+
+from create_oi_ros.ros.topics import PUBLISHED
+from processes import family
+from results import Figure, run
+from scene import scene
+
+# Seconds to wait before a measurement, and its duration.
+SETTLE, WATCH = 2.0, 10.0
+MAIN = 'commands, services, the timer (thread of the executor)'
+READER = 'frames (thread that reads the port)'
+DEAD_MAN = 'dead-man: looks at the node'
+MIDDLEWARE = {
+    'dds.ev': 'middleware: its timers (heartbeats of reliable topics)',
+    'dds.shm': 'middleware: shared memory (commands, acknowledgements)',
+    'dds.udp': 'middleware: network (discovery)',
+    'dds': 'middleware: the rest'}
+"""Causes by the beginning of the thread's name; the longest counts."""
+
+
+class Spent(NamedTuple):
+    """What one thread has done so far."""
+
+    wakes: int
+    nanoseconds: int
+
+
+def cause(node: int, process: int, thread: Path) -> str:
+    """Return what wakes a thread."""
+    if process != node:
+        return DEAD_MAN
+    name = (thread / 'comm').read_text().strip()
+    known = [begin for begin in MIDDLEWARE if name.startswith(begin)]
+    if known:
+        return MIDDLEWARE[max(known, key=len)]
+    return MAIN if thread.name == str(node) else READER
+
+
+def spent(node: int) -> dict[Path, tuple[str, Spent]]:
+    """Return all threads of the node and its dead-man, with their causes."""
+    found = {}
+    for process in family(node):
+        for thread in Path(f'/proc/{process}/task').iterdir():
+            lines = dict(line.split(':', 1) for line in (thread / 'status').read_text().split('\n')
+                         if ':' in line)
+            nanoseconds = int((thread / 'schedstat').read_text().split()[0])
+            found[thread] = (cause(node, process, thread),
+                             Spent(int(lines['voluntary_ctxt_switches']), nanoseconds))
+    return found
+
+
+def watched(name: str, node: int) -> list[Figure]:
+    """Return how often each cause woke the node in the next seconds."""
+    before, begun = spent(node), monotonic()
+    sleep(WATCH)
+    after, passed = spent(node), monotonic() - begun
+    wakes, times = Counter[str](), Counter[str]()
+    for thread, (why, now) in after.items():
+        then = before.get(thread, (why, Spent(0, 0)))[1]
+        wakes[why] += now.wakes - then.wakes
+        times[why] += now.nanoseconds - then.nanoseconds
+    return [
+        Figure(f'{name}: {why}', count / passed, 'a second',
+               beside=f'{times[why] / count / 1e3:.0f} us each, '
+                      f'{times[why] / passed / 1e7:.2f} % of a core')
+        for why, count in wakes.most_common() if count]
+
+
+def measure() -> list[Figure]:
+    """Return the figures, standing and driving."""
+    with scene() as stage:
+        stage.robot()
+        listener = stage.listener(*(topic.name for topic in PUBLISHED))
+        driver = stage.driver()
+        listener.line()
+        sleep(SETTLE)
+        standing = watched('standing', driver.pid)
+        stage.program('circle')
+        sleep(SETTLE)
+        return standing + watched('driving', driver.pid)
+
+
+if __name__ == '__main__':
+    run('bench_wakeups', measure)

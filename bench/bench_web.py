@@ -1,0 +1,127 @@
+"""
+What the web page costs: `python bench/bench_web.py`, a minute, a table.
+
+A simulated robot, its driver and `create_web`, without a page and with one that drives. Then how
+soon the robot hears of it when the page says nothing more, and when it is closed; and how soon the
+robot stands, which takes its own time to slow down.
+"""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+import json
+from pathlib import Path
+import re
+import socket
+from time import monotonic
+from typing import Any
+
+import aiohttp
+
+from create_oi_ros.ros.programs import PROGRAMS
+from processes import processor_shares
+from results import Figure, repeated, run
+from scene import Scene, scene
+
+WATCH = 10.0
+"""Seconds for which the processor time is measured."""
+STOPS = 10
+SETTLE = 3.0
+"""Seconds until all have found each other."""
+TARGET, STOP_TARGET = 5.0, 0.3
+"""% of a core with one viewer; seconds until the wheels are told to stand."""
+TOLD, STANDS = 'wait right=0 left=0', 'wait speed<0.001'
+SPEED = 0.2
+
+
+class Robot:
+    """The control socket of a simulated robot."""
+
+    def __init__(self, path: Path) -> None:
+        self._socket = socket.socket(socket.AF_UNIX)
+        self._socket.connect(str(path))
+        self._lines = self._socket.makefile('r')
+
+    def ask(self, line: str) -> Any:
+        """Send a line; return the answer."""
+        self._socket.sendall(line.encode() + b'\n')
+        answer = self._lines.readline().removeprefix('ok ')
+        return json.loads(answer)
+
+
+@asynccontextmanager
+async def page(port: int) -> AsyncIterator[aiohttp.ClientWebSocketResponse]:
+    """Yield a connection as the page has it."""
+    address = f'http://127.0.0.1:{port}'
+    async with (aiohttp.ClientSession() as session,
+                session.ws_connect(f'{address}/live', origin=address) as connection):
+        yield connection
+
+
+async def held(connection: aiohttp.ClientWebSocketResponse, until: Callable[[], bool]) -> None:
+    """Hold the stick while news arrive."""
+    while not until():
+        news = json.loads((await connection.receive()).data)
+        if news['type'] == 'news':
+            await connection.send_json({
+                'type': 'drive', 'linear': SPEED, 'angular': 0.5, 'seen': news['at']})
+
+
+async def share_with_a_page(web: int, port: int) -> float:
+    """Return the processor share, %, of a server whose only page drives."""
+    async with page(port) as connection:
+        measured = asyncio.create_task(asyncio.to_thread(processor_shares, [web], WATCH))
+        await held(connection, measured.done)
+        return (await measured)[0]
+
+
+async def stop_times(robot: Robot, port: int, *, closing: bool) -> tuple[float, float]:
+    """Return the seconds from the last command until the wheels are told to stand, and stand."""
+    async with page(port) as connection:
+        def moving() -> bool:
+            return bool(robot.ask('truth')['speed'] > SPEED / 2)
+        await held(connection, moving)
+        begun = float(robot.ask('truth')['time'])
+        if closing:
+            await connection.close()
+        told = await asyncio.to_thread(robot.ask, TOLD)
+        stands = await asyncio.to_thread(robot.ask, STANDS)
+        return float(told['time']) - begun, float(stands['time']) - begun
+
+
+def started(stage: Scene, control: Path) -> tuple[int, int]:
+    """Start robot, driver and server; return process id and port of the server."""
+    stage.start('-c', PROGRAMS['create_sim'], '--link', str(stage.port),
+                '--control', str(control)).line()
+    stage.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={stage.port}',
+                '-p', 'cmd_vel_timeout:=10.0')
+    web = stage.start('-c', PROGRAMS['create_web'], '--control', str(control))
+    deadline = monotonic() + 30
+    while not (found := re.search(r'open http://\S+:(\d+)/', ''.join(web.errors))):
+        assert monotonic() < deadline, web.errors
+    return web.pid, int(found[1])
+
+
+def measure() -> list[Figure]:
+    """Measure all."""
+    with scene() as stage:
+        web, port = started(stage, stage.control)
+        asyncio.run(asyncio.sleep(SETTLE))
+        alone, = processor_shares([web], WATCH)
+        watched = asyncio.run(share_with_a_page(web, port))
+        robot = Robot(stage.control)
+        silent, closed = (zip(*(asyncio.run(stop_times(robot, port, closing=closing))
+                                for _ in range(STOPS))) for closing in (False, True))
+        silent_told, silent_stands = silent
+        closed_told, closed_stands = closed
+    return [
+        Figure('create_web, no page open: processor', alone, '% of a core'),
+        Figure('create_web, one page that drives: processor', watched, '% of a core', TARGET),
+        repeated('last word of a page to wheels told to stand', silent_told, 's', STOP_TARGET),
+        repeated('last word of a page to a robot that stands', silent_stands, 's'),
+        repeated('page closed to wheels told to stand', closed_told, 's', STOP_TARGET),
+        repeated('page closed to a robot that stands', closed_stands, 's')]
+
+
+if __name__ == '__main__':
+    run('bench_web', measure)

@@ -1,0 +1,1 @@
+"""`create_check`: five guided minutes with a robot that show how it drives and counts."""

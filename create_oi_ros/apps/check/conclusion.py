@@ -1,0 +1,118 @@
+"""From all that was written down to what is known of the robot."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import exp
+
+import numpy as np
+
+from ...odometry import Knowledge, Known, Rounding, SignSource
+from ...odometry import states as s
+from ...odometry.knowledge import ANY, numbers, STATES
+from ...odometry.wheel_model import lag_parts
+from .fit import Fit, fit
+from .fractions import roundings
+from .moves import Reads
+from .notebook import Page
+from .trial_wheels import Array, Family, Kind, KNOTS
+
+ROUGH = {s.LAG: 0.005, s.SLOW_LAG: 0.05, s.FAST_LAG: 0.05, s.DEAD_TIME: 0.004, s.RAMP: 0.02,
+         s.BRAKING: 0.03, s.GAIN_RIGHT: 0.001, s.GAIN_LEFT: 0.001, s.SEPARATION: 0.001}
+"""What no fit knows of wheels: least standard deviations."""
+SMALL_STEP = 1e-4
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What is known of the wheels and their counts."""
+
+    fits: Sequence[Fit]
+    """Best first."""
+    knowledge: Knowledge
+
+    @property
+    def wheels(self) -> Fit:
+        """The wheels that explain the readings best."""
+        return self.fits[0]
+
+    @property
+    def is_ramp(self) -> bool:
+        """Whether a bound of the acceleration matters more than a time constant."""
+        wheels = self.wheels
+        return (wheels.start.family is Family.LAG
+                and wheels.kind[Kind.BOUND] * QUICK / 2 > time_constant(wheels.kind, QUICK))
+
+    @property
+    def family_probability(self) -> float:
+        """How likely the family of the response is the right one."""
+        family = self.wheels.start.family
+        return _probability(self.fits, lambda each: each.start.family is family)
+
+
+QUICK = 0.3
+"""m/s."""
+
+
+def conclude(pages: Sequence[Page], band: tuple[float, float], period: Known) -> Conclusion:
+    """Work out what the moves say; this takes some seconds."""
+    rounding = roundings(pages, period.value)
+    likeliest = max(rounding, key=rounding.__getitem__)
+    telling = [page for page in pages if page.move.reads is not Reads.EVERY]
+    fits = fit(telling, likeliest, period.value)
+    signs = {source: _probability(fits, partial(_has_sign, source)) for source in SignSource}
+    lag = min((each for each in fits if each.start.family is Family.LAG),
+              key=lambda each: each.cost)
+    return Conclusion(fits, _knowledge(lag, rounding, signs, band, period, len(telling)))
+
+
+def time_constant(kind: Array, speed: float) -> float:
+    """Return the time constant at a speed, s."""
+    taus = kind[Kind.SLOW:Kind.QUICK + 1]
+    return float(np.exp(np.interp(np.log(speed), KNOTS, taus)))
+
+
+def _has_sign(source: SignSource, found: Fit) -> bool:
+    return found.sign.value == source.value
+
+
+def _probability(fits: Sequence[Fit], wanted: Callable[[Fit], bool]) -> float:
+    """Return the part of all likelihood that the best of the wanted fits has."""
+    best = {True: np.inf, False: np.inf}
+    for each in fits:
+        best[wanted(each)] = min(best[wanted(each)], each.cost)
+    if not np.isfinite(best[True]):
+        return 0.0
+    excess = fits[0].excess
+    return 1 / (1 + exp(min((best[True] - best[False]) / excess, 700)))
+
+
+def _states(kind: Array) -> Array:
+    """Return the numbers of a kind as the odometry's states have them."""
+    found = np.zeros(s.SIZE)
+    found[[s.GAIN_RIGHT, s.GAIN_LEFT]] = kind[[Kind.RIGHT_GAIN, Kind.LEFT_GAIN]]
+    found[[s.OFFSET_RIGHT, s.OFFSET_LEFT]] = kind[[Kind.RIGHT_OFFSET, Kind.LEFT_OFFSET]]
+    found[s.DEAD_TIME], found[s.RAMP] = kind[Kind.DEAD_TIME], kind[Kind.BOUND]
+    found[s.BRAKING], found[s.SEPARATION] = kind[Kind.BRAKING], kind[Kind.SEPARATION]
+    slow, middle, quick = (time_constant(kind, speed) for speed in np.exp(KNOTS))
+    _, missing = lag_parts(float(np.exp(KNOTS[-1])))
+    found[s.LAG], found[s.SLOW_LAG] = middle, slow / middle - 1
+    found[s.FAST_LAG] = (1 - quick / middle) / missing
+    return found
+
+
+def _knowledge(wheels: Fit, rounding: dict[Rounding, float], signs: dict[SignSource, float],
+               band: tuple[float, float], period: Known, readings: int) -> Knowledge:
+    """Return what the odometry can start with."""
+    kind = wheels.kind
+    mean = _states(kind)
+    slopes = np.column_stack([(_states(kind + step) - mean) / SMALL_STEP
+                              for step in SMALL_STEP * np.eye(len(Kind))])
+    p = wheels.excess * slopes @ wheels.covariance @ slopes.T
+    for state, spread in ROUGH.items():
+        p[state, state] += spread ** 2
+    for state in STATES:
+        mean[state] = min(max(mean[state], ANY[state].low), ANY[state].high)
+    return numbers(mean[STATES], p[np.ix_(STATES, STATES)], {
+        'rounding': rounding, 'encoder_sign': signs, 'dead_band': band, 'frame_period': period,
+        'readings': readings})

@@ -1,0 +1,166 @@
+"""
+`create_check`: how a robot drives and counts, found in five guided minutes.
+
+The robot stands on the floor. It makes short moves, each back to where it began; a person confirms
+each step before. The answer is printed, and written as a file for the parameter `odometry_model`,
+beside a capture of all bytes.
+"""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+import signal
+import sys
+from typing import NamedTuple
+
+from ... import oi
+from ...driver import Health
+from ...ros.odometry_model import write
+from ...ros.parameters import BAUDS, Parameters
+from ...ros.user_errors import UserError
+from .conclusion import conclude
+from .dead_band_search import DeadBandSearch
+from .moves import CREEPING, duration, Move, Phase, Reads, Step, STEPS
+from .notebook import Page
+from .questions import about_banner, about_dock, about_leds, Person, progress, tell
+from .robot_line import RobotLine
+from .verdict import as_mapping, Finding, lines, of_wheels
+
+INTRODUCTION = """\
+The robot makes short moves for about four minutes, each of them back to where it began. It needs
+a hard, level floor with 1.2 m free ahead of it, 0.6 m behind it and 0.5 m to each side, and no
+stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops the wheels."""
+ATTEMPTS = 3
+"""How often a disturbed move is tried where nobody is there to ask."""
+OFF_THE_DOCK = Move((Phase(2.5, -150, -150),), Reads.END)
+INTERRUPTED = 128 + signal.SIGINT
+
+
+def _arguments() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='create_check', description='Find out how a robot drives and counts, in five guided '
+        'minutes. No driver may run at its port meanwhile.')
+    parser.add_argument('port', nargs='?', default=Parameters.port,
+                        help=f'serial device of the robot, or socket://HOST:PORT (default '
+                             f'{Parameters.port})')
+    parser.add_argument('--baud', type=int, default=Parameters.baud, choices=(0, *BAUDS),
+                        help='bit/s; 0: look for the rate')
+    parser.add_argument('-o', dest='output', type=Path, metavar='FILE',
+                        default=Path('robot.yaml'), help='file for the verdict, for the parameter '
+                        'odometry_model (default: robot.yaml)')
+    parser.add_argument('--capture', metavar='FILE', default='robot-check.capture',
+                        help='file for all bytes, to send; where it exists, a number is added to '
+                             'its name (default: robot-check.capture)')
+    parser.add_argument('--yes', action='store_true',
+                        help='ask nobody: for a simulated robot')
+    return parser
+
+
+class Written(NamedTuple):
+    """What was written down of a check."""
+
+    pages: list[Page]
+    band: tuple[float, float]
+    """Fastest speed that moved nothing, slowest that moved the robot, m/s."""
+    seen: list[Finding]
+    health: Health
+    """At the end."""
+
+
+class Check:
+    """One check, from the first question to the verdict."""
+
+    def __init__(self, line: RobotLine, person: Person) -> None:
+        self._line, self._person = line, person
+
+    def run(self) -> Written:
+        """Ask and drive; UserError: it cannot go on."""
+        line, person = self._line, self._person
+        line.wait_for_robot()
+        seen = [about_banner(line, person), about_dock(line)]
+        self._to_the_floor()
+        seen.append(about_leds(line, person))
+        pages: list[Page] = []
+        for number, step in enumerate(STEPS, 1):
+            pages += self._take(step, f'{number} of {len(STEPS) + 1}')
+        return Written(pages, self._creep().band, seen, line.health())
+
+    def _to_the_floor(self) -> None:
+        """See that the robot stands on the floor, in Safe mode."""
+        line, person = self._line, self._person
+        outcome = line.enter(oi.Mode.SAFE)
+        if line.health().readings.charging_sources:
+            if person.absent:
+                tell('It backs off its dock.')
+                line.make(OFF_THE_DOCK)
+            else:
+                person.confirm('Take the robot off its dock, and put it on the floor')
+            outcome = line.enter(oi.Mode.SAFE)
+        while not outcome.ok:
+            if person.absent:
+                raise UserError(outcome.text)
+            person.confirm(f'{outcome.text}. Mend this')
+            outcome = line.enter(oi.Mode.SAFE)
+
+    def _take(self, step: Step, number: str) -> list[Page]:
+        self._person.confirm(
+            f'Step {number} ({duration(step.moves):.0f} s): {step.about}')
+        pages = []
+        for done, move in enumerate(step.moves, 1):
+            pages.append(self._made(move))
+            progress(done, len(step.moves))
+        return pages
+
+    def _creep(self) -> DeadBandSearch:
+        search = DeadBandSearch()
+        self._person.confirm(f'Step {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
+        while (move := search.next_move()) is not None:
+            search.learn(self._made(move))
+        return search
+
+    def _made(self, move: Move) -> Page:
+        """Make a move, again where it was disturbed."""
+        for _ in range(ATTEMPTS if self._person.absent else 10 ** 6):
+            page = self._line.make(move)
+            if page is not None:
+                return page
+            why = self._line.runner.disturbance
+            self._person.confirm(f'\nThe robot stands: {why}. Put it back; the move is repeated')
+            self._line.enter(oi.Mode.SAFE)
+        raise UserError(f'the robot cannot make its moves: {self._line.runner.disturbance}')
+
+
+def _conclude(written: Written, output: Path) -> None:
+    """Work out the verdict, print it and write it; OSError: it cannot be written."""
+    tell('The robot has done its part. Working it out takes up to a minute.')
+    found = conclude(written.pages, written.band, written.health.frame_period)
+    findings = of_wheels(found, written.health) + written.seen
+    tell('\n' + '\n'.join(lines(findings)) + '\n')
+    write(output, found.knowledge, as_mapping(findings))
+    tell(f'{output}: give it to the driver with -p odometry_model:={output.absolute()}')
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `create_check`; 130: it was interrupted. UserError, OSError: what is wrong."""
+    options = _arguments().parse_args(arguments)
+    if not options.output.absolute().parent.is_dir():
+        raise UserError(f'{options.output.absolute().parent} is no folder: nothing can be '
+                        'written there')
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _interrupt)
+    person = Person(absent=options.yes)
+    try:
+        person.confirm(INTRODUCTION)
+        line = RobotLine(options.port, options.baud, options.capture)
+        with line.open():
+            written = Check(line, person).run()
+        _conclude(written, options.output)
+        tell(f'{line.path}: all bytes of the check; send both files if something looks wrong')
+    except KeyboardInterrupt:
+        print('\ncreate_check: interrupted; the wheels stand', file=sys.stderr)
+        return INTERRUPTED
+    return 0

@@ -1,0 +1,125 @@
+"""The robot of a check at its port, in real time, with a capture of it all."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+import threading
+import time
+
+from ... import __version__, oi
+from ...driver import Driver, DriverEvent, Health, Notice, Outcome, Settings, Severity
+from ...link.capture import begin, Capture, CapturedPort
+from ...link.session import Session
+from ...oi.tools.capture_format import RecordKind
+from ...ros.user_errors import UserError
+from .moves import Move
+from .notebook import Notebook, Page
+from .runner import Runner
+
+TURN = 0.02
+"""Seconds between two looks."""
+ANSWER = 15.0
+"""Seconds within which a robot must answer."""
+
+
+class CheckedPort(CapturedPort):
+    """A captured port that keeps what the robot says, to look for a banner."""
+
+    def __init__(self, heard: bytearray, capture: Capture, url: str, baud: int, *,
+                 timeout: float) -> None:
+        """Open it; what is received is added to `heard`."""
+        super().__init__(capture, url, baud, timeout=timeout)
+        self._heard = heard
+
+    def read(self) -> bytes:
+        """Read as `Port` does."""
+        received = super().read()
+        self._heard += received
+        return received
+
+
+class RobotLine:
+    """A driver with a notebook in place of its odometry."""
+
+    def __init__(self, url: str, baud: int, capture_file: str) -> None:
+        """Prepare; OSError: the capture cannot be written."""
+        self.notebook = Notebook()
+        self.heard = bytearray()
+        self.lost = threading.Event()
+        """Set when the session has ended by itself."""
+        self.capture, self.path = begin(
+            capture_file, {'driver': f'create_check of create_oi_ros {__version__}', 'port': url},
+            lambda why: print(f'create_check: the capture has ended: {why}'))
+        self.session = Session(
+            Driver(Settings(baud=baud, recover_mode=False), self.notebook), url,
+            on_event=self._on_event, on_failure=self.lost.set, dead_man=True,
+            open_port=partial(CheckedPort, self.heard, self.capture))
+        self.runner = Runner(self.session.driver, self.notebook)
+
+    def _on_event(self, event: DriverEvent) -> None:
+        if isinstance(event, Notice):
+            self.capture.add_text(
+                RecordKind.NOTE, f'{event.severity.name.lower()}: {event.text}')
+            if event.severity is not Severity.INFO and not self.runner.busy:
+                print(f'  ({event.text})', flush=True)
+
+    @contextmanager
+    def open(self) -> Iterator[None]:
+        """Talk to the robot; at the end stop it, whatever happened."""
+        self.session.start()
+        try:
+            yield
+        finally:
+            self.session.close()
+            self.capture.close()
+
+    def health(self) -> Health:
+        """Return what is known now."""
+        with self.session.request() as (driver, now):
+            return driver.health(now)
+
+    def until(self, happened: Callable[[Health], bool], seconds: float) -> bool:
+        """Wait until something is the case; False: it did not become so in time."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if self.lost.is_set():
+                raise UserError('the line to the robot has failed')
+            if happened(self.health()):
+                return True
+            time.sleep(TURN)
+        return False
+
+    def wait_for_robot(self) -> None:
+        """Wait until the robot answers; UserError: it does not."""
+        if not self.until(lambda health: health.answered and bool(self.notebook.frames), ANSWER):
+            raise UserError(f'no robot answers at {self.session.url} within {ANSWER:.0f} s: is it '
+                            'switched on, and the cable in?')
+
+    def enter(self, mode: oi.Mode) -> Outcome:
+        """Ask for a mode; return how that ended."""
+        with self.session.request() as (driver, now):
+            pending = driver.set_mode(mode, now)
+        while pending.outcome is None:
+            time.sleep(TURN)
+        return pending.outcome
+
+    def send_raw(self, data: bytes) -> None:
+        """Send bytes that no command of the driver's has."""
+        with self.session.request():
+            port = self.session.port
+            if port is not None:
+                port.write(data)
+
+    def make(self, move: Move) -> Page | None:
+        """Make a move; None: something disturbed it, and the wheels stand."""
+        with self.session.request() as (_driver, _now):
+            self.runner.begin(move)
+        while True:
+            with self.session.request() as (_driver, now):
+                self.runner.poll(now)
+                if not self.runner.busy:
+                    break
+            if self.lost.is_set():
+                raise UserError('the line to the robot has failed')
+            time.sleep(TURN)
+        return None if self.runner.disturbance else self.runner.pages[-1]

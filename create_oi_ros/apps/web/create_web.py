@@ -1,0 +1,171 @@
+"""The command `create_web`: see a robot, and drive it, in a browser."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+from collections.abc import Sequence
+from contextlib import suppress
+import errno
+from importlib.util import find_spec
+from pathlib import Path
+import secrets
+import socket
+import sys
+import time
+
+from aiohttp import web
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.utilities import remove_ros_args
+
+from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
+from ...ros.process import call_on_signal, ros_executor, spin_ready
+from ...ros.user_errors import UserError
+from .access import Access, is_loopback
+from .live_robot import LiveRobot
+from .simulated_truth import SimulatedTruth
+from .viewers import Viewers
+from .web_node import WebNode
+from .web_server import WebServer
+
+LOOPBACK, PORT = '127.0.0.1', 8080
+PORTS = range(PORT, PORT + 20)
+"""Ports of which the first free one is taken, without --port."""
+TOKEN_BYTES = 16
+LOOKED_AT, ALONE = 0.05, 0.1
+"""Seconds between two looks at what ROS has brought, with a page open and without."""
+EVERYWHERE = ('', '0.0.0.0', '::')
+"""Hosts that mean every network of this computer."""
+DOCUMENTATION_NET = '192.0.2.1'
+"""An address that nobody has: no packet is sent to find the way there."""
+CLEAR_LINE = '\r\x1b[K'
+GREETING = {'top_speed': TOP_SPEED, 'radius': BODY_RADIUS, 'separation': WHEEL_SEPARATION}
+
+
+def listen(host: str, port: int | None) -> socket.socket:
+    """Return a socket that listens; UserError says why it cannot."""
+    for each in PORTS if port is None else [port]:
+        try:
+            family = socket.getaddrinfo(host, each, type=socket.SOCK_STREAM)[0][0]
+            return socket.create_server((host, each), family=family)
+        except socket.gaierror as error:
+            raise UserError(f'--host {host}: {error.strerror}; allowed: an address of this '
+                            'computer, or 0.0.0.0 for all of them') from None
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise UserError(f'cannot listen on {host}, port {each}: '
+                                f'{error.strerror}') from None
+    ports = f'port {port} is' if port else f'the ports {PORTS[0]} to {PORTS[-1]} are'
+    raise UserError(f'{ports} in use on {host}: choose another one with --port')
+
+
+def own_address(host: str) -> str:
+    """Return the host to put into the printed address: one that others can reach."""
+    if host not in EVERYWHERE:
+        return f'[{host}]' if ':' in host else host
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, suppress(OSError):
+        probe.connect((DOCUMENTATION_NET, 9))
+        return str(probe.getsockname()[0])
+    return socket.gethostname()
+
+
+def show_qr_code(address: str) -> None:
+    """Print the address as a QR code, if segno is installed and this is a terminal."""
+    if not sys.stdout.isatty():
+        return
+    if find_spec('segno') is None:
+        print('create_web: for a QR code here, install segno (pip install segno)')
+        return
+    import segno
+    # In `create_run` a status line may stand here.
+    sys.stdout.write(CLEAR_LINE)
+    segno.make(address, error='l').terminal(compact=True, border=2)
+    sys.stdout.flush()
+
+
+async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobot,
+                viewers: Viewers, truth: SimulatedTruth | None) -> None:
+    """Take what ROS brings, and tell the pages."""
+    while True:
+        now = time.monotonic()
+        node.velocity.find_driver(now)
+        robot.parts.put('driver_found', node.velocity.driver_listens)
+        spin_ready(executor)
+        robot.sample(time.monotonic())
+        viewers.tell()
+        if truth is not None:
+            truth.asking = len(viewers) > 0
+        period = LOOKED_AT if len(viewers) else ALONE
+        await asyncio.sleep(max(0.0, now + period - time.monotonic()))
+
+
+async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
+                 options: argparse.Namespace, ended: asyncio.Event) -> None:
+    robot = LiveRobot()
+    node = WebNode(robot)
+    executor.add_node(node)
+    truth = None if options.control is None else SimulatedTruth(options.control, robot)
+
+    def on_reset() -> None:
+        robot.forget()
+        if truth is not None:
+            truth.reset()
+    viewers = Viewers(node, robot, GREETING, on_reset)
+    port = listener.getsockname()[1]
+    access = Access(None if is_loopback(options.host) else secrets.token_urlsafe(TOKEN_BYTES))
+    runner = web.AppRunner(WebServer(access, viewers, port).application(), access_log=None)
+    await runner.setup()
+    await web.SockSite(runner, listener).start()
+    _announce(node, options.host, port, access.token)
+    tasks = [asyncio.create_task(_look(node, executor, robot, viewers, truth)),
+             asyncio.create_task(ended.wait())]
+    if truth is not None:
+        tasks.append(asyncio.create_task(truth.run()))
+    done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    await viewers.close()
+    await runner.cleanup()
+    for task in done:
+        task.result()  # raises what has ended it
+
+
+def _announce(node: WebNode, host: str, port: int, token: str | None) -> None:
+    address = f'http://{own_address(host)}:{port}/' + (f'?token={token}' if token else '')
+    node.get_logger().info(f'open {address} in a browser to see and drive the robot')
+    if token:
+        show_qr_code(address)
+
+
+def _port(text: str) -> int:
+    if not (text.isdecimal() and 0 < int(text) < 65536):
+        raise argparse.ArgumentTypeError(f'{text!r}; allowed: 1 to 65535')
+    return int(text)
+
+
+def _arguments(given: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog='create_web', description=__doc__)
+    parser.add_argument('--host', default=LOOPBACK, help=(
+        'address to serve (default: %(default)s, for this computer only); 0.0.0.0: for all in '
+        'your networks who have the printed address'))
+    parser.add_argument('--port', type=_port, help=(
+        f'TCP port (default: the first free one from {PORTS[0]} to {PORTS[-1]})'))
+    parser.add_argument('--control', type=Path, metavar='PATH', help=(
+        'control socket of create_sim: show its room, and where the robot really is'))
+    options = parser.parse_args(remove_ros_args(['create_web', *given])[1:])
+    if not options.host:
+        parser.error('--host is empty: give an address, or leave it out')
+    return options
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Serve until a signal."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    options = _arguments(given)
+    with asyncio.Runner() as runner, listen(options.host, options.port) as listener:
+        ended, loop = asyncio.Event(), runner.get_loop()
+
+        def end() -> None:
+            loop.call_soon_threadsafe(ended.set)
+        call_on_signal(end)
+        with ros_executor(given) as executor:
+            runner.run(_serve(executor, listener, options, ended))
+    return 0

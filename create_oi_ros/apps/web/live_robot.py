@@ -1,0 +1,209 @@
+"""
+What the pages show of a robot: the newest of each part, and the past. Pure.
+
+Each part is a piece of JSON with the number of its last change. A page is sent the parts that have
+changed since it was sent something before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import json
+from math import hypot, inf, isfinite
+from typing import Any, NamedTuple
+
+from create_oi_msgs.msg import (
+    Bumper,
+    Buttons,
+    Charging,
+    Cliff,
+    IrOmni,
+    Mode,
+    Overcurrent,
+    Song,
+    Wall,
+    WheelDrop,
+)
+from diagnostic_msgs.msg import DiagnosticStatus
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState
+
+from ...ros.messages import charging_name, mode_name
+from ...ros.rotation import yaw_of
+from .battery_time import BatteryTime
+from .past import (
+    CHART_SECONDS,
+    MOST_EVENTS,
+    NewestLog,
+    SAMPLE_PERIOD,
+    TrackLog,
+)
+from .world_frame import FlatPose
+
+Json = Any
+HAZARDS = {Bumper: 'bump', Cliff: 'cliff', WheelDrop: 'drop'}
+"""Messages whose flags are events on the map."""
+FARTHEST = 1e6
+"""Metres from the origin beyond which a place is wrong and is not shown."""
+SILENT = 1.5
+"""Seconds without odometry after which the driver counts as silent."""
+
+
+def finite(value: float, digits: int) -> float | None:
+    """Return a rounded number; None, which JSON can say, if it is infinite or no number."""
+    return round(value, digits) if isfinite(value) else None
+
+
+def flags(message: Any) -> dict[str, bool]:
+    """Return the booleans of a message."""
+    return {name: getattr(message, name)
+            for name, kind in message.get_fields_and_field_types().items() if kind == 'boolean'}
+
+
+class Parts:
+    """Pieces of JSON by name, each with the number of its last change."""
+
+    def __init__(self) -> None:
+        self._parts: dict[str, tuple[int, str]] = {}
+        self.changes = 0
+        """Number of the last change."""
+
+    def put(self, name: str, value: Json) -> None:
+        """Store a part; it counts as changed if it differs."""
+        text = json.dumps(value, allow_nan=False, separators=(',', ':'))
+        if self._parts.get(name, (0, ''))[1] != text:
+            self.changes += 1
+            self._parts[name] = self.changes, text
+
+    def since(self, changes: int) -> dict[str, str]:
+        """Return the parts that have changed since that number of changes."""
+        return {name: text for name, (changed, text) in self._parts.items() if changed > changes}
+
+
+class Cursor(NamedTuple):
+    """How far a page has been told."""
+
+    changes: int = 0
+    epoch: int = -1
+    track: int = 0
+    events: int = 0
+    samples: int = 0
+
+
+class LiveRobot:
+    """Takes the messages of a driver, and tells pages what is new."""
+
+    def __init__(self) -> None:
+        self.parts = Parts()
+        self.track = TrackLog()
+        self.events = NewestLog(MOST_EVENTS)
+        self.samples = NewestLog(round(CHART_SECONDS / SAMPLE_PERIOD))
+        self._battery = BatteryTime()
+        self._newest: dict[type, Any] = {}
+        self._touched: dict[str, bool] = {}
+        self.pose: FlatPose | None = None
+        """The newest pose by the odometry."""
+        self._heard_at, self._sampled_at = -inf, -inf
+
+    def update(self, message: Any, now: float) -> None:
+        """Take a message of the driver."""
+        self._newest[type(message)] = message
+        match message:
+            case Odometry():
+                self._heard_at = now
+                self._move(message, now)
+            case Bumper() | Cliff() | WheelDrop():
+                self.parts.put(HAZARDS[type(message)], flags(message))
+                self._remember(HAZARDS[type(message)], flags(message))
+            case Wall() | Buttons() | Overcurrent():
+                self.parts.put(type(message).__name__.lower(), flags(message))
+            case BatteryState():
+                self.parts.put('battery', self._battery_part(message, now))
+            case Mode():
+                self.parts.put('mode', {
+                    'actual': mode_name(message.mode), 'wanted': mode_name(message.wanted),
+                    'reason': message.reason})
+            case Charging():
+                self.parts.put('charging', {
+                    'state': charging_name(message.state), 'home_base': message.home_base,
+                    'charger': message.internal_charger})
+            case Song():
+                self.parts.put('song', {'number': message.number, 'playing': message.playing})
+            case IrOmni():
+                self.parts.put('infrared', {'code': message.character, 'name': message.name})
+
+    def diagnose(self, statuses: Mapping[str, DiagnosticStatus]) -> None:
+        """Take the statuses of the driver, by their names without the node's name."""
+        self.parts.put('diagnostics', {name: {
+            'level': int.from_bytes(status.level, 'little'), 'message': status.message,
+            'values': {each.key: each.value for each in status.values}}
+            for name, status in statuses.items()})
+
+    def _move(self, odom: Odometry, now: float) -> None:
+        pose, twist, known = odom.pose.pose, odom.twist.twist, odom.pose.covariance
+        x, y, yaw = pose.position.x, pose.position.y, yaw_of(pose.orientation)
+        if not (hypot(x, y) <= FARTHEST and isfinite(yaw)):  # also when one is no number
+            return
+        self.pose = FlatPose(x, y, yaw)
+        epoch = self.track.epoch
+        self.track.add(self.pose, now)
+        if self.track.epoch != epoch:
+            self.events.clear()
+        self.parts.put('pose', {
+            'x': round(x, 4), 'y': round(y, 4), 'yaw': round(yaw, 4),
+            'speed': finite(twist.linear.x, 3), 'turn': finite(twist.angular.z, 3),
+            # Variances of x and y and what they share, and of the heading.
+            'covariance': [finite(known[place], 9) for place in (0, 1, 7, 35)]})
+
+    def _remember(self, kind: str, sides: Mapping[str, bool]) -> None:
+        """Add an event where something is touched that was free before."""
+        touched = [side for side, on in sides.items() if on]
+        if touched and not self._touched.get(kind) and self.pose is not None:
+            self.events.add([kind, round(self.pose.x, 3), round(self.pose.y, 3),
+                             ' and '.join(touched).replace('_', ' ')])
+        self._touched[kind] = bool(touched)
+
+    def _battery_part(self, message: BatteryState, now: float) -> Json:
+        left = self._battery.left(message.charge, message.capacity, message.current, now)
+        return {'part': finite(message.percentage, 3), 'voltage': finite(message.voltage, 2),
+                'current': finite(message.current, 3), 'minutes': left,
+                'temperature': finite(message.temperature, 0)}
+
+    def sample(self, now: float) -> None:
+        """Add a sample to the charts when it is due, and say whether the driver is silent."""
+        silent = now - self._heard_at > SILENT
+        self.parts.put('silent', silent)
+        if silent or now - self._sampled_at < SAMPLE_PERIOD:
+            return
+        self._sampled_at = now
+        cliff, wall = self._newest.get(Cliff), self._newest.get(Wall)
+        twist = self._newest[Odometry].twist.twist
+        battery = self._newest.get(BatteryState)
+        self.samples.add([
+            round(now, 2), finite(twist.linear.x, 3), finite(twist.angular.z, 3),
+            None if battery is None else finite(battery.current, 3),
+            *([None] * 4 if cliff is None else [
+                cliff.left_signal, cliff.front_left_signal, cliff.front_right_signal,
+                cliff.right_signal]),
+            None if wall is None else wall.signal])
+
+    def forget(self) -> None:
+        """Drop track and events: the odometry was reset."""
+        self.track.clear()
+        self.events.clear()
+
+    def news(self, cursor: Cursor, now: float) -> tuple[str, Cursor]:
+        """Return what a page has not been told yet, as JSON, and how far it is told then."""
+        pieces = [f'"at":{now:.3f}', *(
+            f'"{name}":{text}' for name, text in self.parts.since(cursor.changes).items())]
+        anew = cursor.epoch != self.track.epoch
+        if anew:
+            pieces.append(f'"anew":{json.dumps(self.track.whole())}')
+        logs = {'events': self.events.since(0 if anew else cursor.events),
+                'samples': self.samples.since(cursor.samples)}
+        if not anew:
+            logs['track'] = self.track.since(cursor.track)
+        pieces += [f'"{name}":{json.dumps(entries)}' for name, entries in logs.items() if entries]
+        told = Cursor(self.parts.changes, self.track.epoch, self.track.count, self.events.count,
+                      self.samples.count)
+        return f'{{"type":"news",{",".join(pieces)}}}', told

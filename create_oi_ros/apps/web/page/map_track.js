@@ -1,0 +1,91 @@
+// The robot's track as it is drawn: in chunks, of which only those in view are drawn.
+
+const RECENT = 600;         // seconds for which every point is kept
+const OLD_STEP = 0.2;       // metres between older points
+const THIN_EVERY = 60;      // seconds
+const CHUNK = 400;          // points that are drawn, or left out, together
+
+export class Track {
+  constructor() {
+    this.points = [];   // [x, y, time]
+    this.chunks = [];
+    this.thinned = seconds();
+  }
+
+  begin(flat) {
+    const now = seconds();
+    this.points = [];
+    for (let at = 0; at < flat.length; at += 2) this.points.push([flat[at], flat[at + 1], now]);
+    this.rebuild();
+  }
+
+  extend(flat) {
+    const now = seconds();
+    for (let at = 0; at < flat.length; at += 2) {
+      const point = [flat[at], flat[at + 1], now];
+      this.points.push(point);
+      this.append(point);
+    }
+    if (now - this.thinned > THIN_EVERY) this.thin(now);
+  }
+
+  thin(now) {
+    this.thinned = now;
+    let last = null;
+    const kept = this.points.filter(point => {
+      const old = now - point[2] > RECENT;
+      const near = last && Math.hypot(point[0] - last[0], point[1] - last[1]) < OLD_STEP;
+      if (old && near) return false;
+      last = point;
+      return true;
+    });
+    if (kept.length === this.points.length) return;
+    this.points = kept;
+    this.rebuild();
+  }
+
+  rebuild() {
+    this.chunks = [];
+    for (const point of this.points) this.append(point);
+  }
+
+  append([x, y]) {
+    let chunk = this.chunks.at(-1);
+    if (!chunk || chunk.count >= CHUNK) {
+      const path = new Path2D();
+      if (chunk) path.moveTo(chunk.x, chunk.y);
+      else path.moveTo(x, y);
+      chunk = { path, count: 0, left: x, right: x, low: y, high: y,
+                ...(chunk ? box([chunk.x, x], [chunk.y, y]) : {}) };
+      this.chunks.push(chunk);
+    }
+    chunk.path.lineTo(x, y);
+    chunk.count += 1;
+    chunk.x = x; chunk.y = y;
+    chunk.left = Math.min(chunk.left, x); chunk.right = Math.max(chunk.right, x);
+    chunk.low = Math.min(chunk.low, y); chunk.high = Math.max(chunk.high, y);
+  }
+
+  // Draw what is in view, and a line from the end of the track to where the robot is drawn.
+  draw(context, view, robot) {
+    for (const chunk of this.chunks) {
+      if (chunk.right < view.left || chunk.left > view.right
+          || chunk.high < view.low || chunk.low > view.high) continue;
+      context.stroke(chunk.path);
+    }
+    const last = this.chunks.at(-1);
+    if (!last || !robot) return;
+    context.beginPath();
+    context.moveTo(last.x, last.y);
+    context.lineTo(robot.x, robot.y);
+    context.stroke();
+  }
+}
+
+function seconds() { return performance.now() / 1000; }
+
+export function box(xs, ys) {
+  const least = values => values.reduce((a, b) => Math.min(a, b));
+  const most = values => values.reduce((a, b) => Math.max(a, b));
+  return { left: least(xs), right: most(xs), low: least(ys), high: most(ys) };
+}

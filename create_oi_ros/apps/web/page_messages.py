@@ -1,0 +1,105 @@
+"""What a page may send: each message, its fields, and what they may be. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+import json
+from typing import Any, NamedTuple
+
+from ...oi import Mode
+from ...robot import TOP_SPEED
+from .driver_seat import TOP_TURN
+
+LONGEST_SONG = 16
+"""Notes (manual: Song)."""
+LOWEST_NOTE, HIGHEST_NOTE = 31, 127
+LONGEST_NOTE = 255 / 64
+"""Seconds (manual: Song)."""
+
+
+class MessageError(ValueError):
+    """A message is wrong; the text says what is wrong and what is allowed."""
+
+
+class Check(NamedTuple):
+    """What a field may be: a test and its description."""
+
+    passes: Callable[[Any], bool]
+    allowed: str
+
+
+def is_number(value: Any) -> bool:
+    """Return whether a value of JSON is a number; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def number(low: float, high: float) -> Check:
+    """Return a check for a number within limits; NaN is outside of them."""
+    return Check(lambda value: is_number(value) and low <= value <= high,
+                 f'a number from {low:g} to {high:g}')
+
+
+def whole(low: int, high: int) -> Check:
+    """Return a check for a whole number within limits."""
+    return Check(lambda value: isinstance(value, int) and is_number(value)
+                 and low <= value <= high, f'a whole number from {low} to {high}')
+
+
+def one_of(*allowed: str) -> Check:
+    """Return a check for one of some texts."""
+    return Check(lambda value: isinstance(value, str) and value in allowed,
+                 ', '.join(allowed))
+
+
+def _is_note(note: Any) -> bool:
+    return (isinstance(note, list) and len(note) == 2
+            and whole(LOWEST_NOTE, HIGHEST_NOTE).passes(note[0])
+            and number(0, LONGEST_NOTE).passes(note[1]))
+
+
+FLAG = Check(lambda value: isinstance(value, bool), 'true or false')
+NOTES = Check(
+    lambda value: isinstance(value, list) and 0 < len(value) <= LONGEST_SONG
+    and all(map(_is_note, value)),
+    f'1 to {LONGEST_SONG} pairs of a note from {LOWEST_NOTE} to {HIGHEST_NOTE} and its seconds')
+MESSAGES: Mapping[str, Mapping[str, Check]] = {
+    'drive': {'linear': number(-TOP_SPEED, TOP_SPEED), 'angular': number(-TOP_TURN, TOP_TURN),
+              'seen': number(0, 1e12)},
+    'release': {},
+    'stop': {},
+    'take_over': {},
+    'leave': {},
+    'mode': {'mode': one_of(*(mode.name.lower() for mode in Mode if mode is not Mode.OFF))},
+    'song': {'notes': NOTES},
+    'leds': {'play': FLAG, 'advance': FLAG, 'color': whole(0, 255), 'intensity': whole(0, 255)},
+    'dock': {},
+    'reset_odometry': {},
+}
+"""Each message by its `type`, with the checks of its fields."""
+
+
+class PageMessage(NamedTuple):
+    """A message that is as it should be."""
+
+    type: str
+    fields: Mapping[str, Any]
+
+
+def read(text: str) -> PageMessage:
+    """Read a message; MessageError says what is wrong."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):  # numbers of thousands of digits, lists in lists
+        raise MessageError('this is no JSON') from None
+    if not isinstance(found, dict):
+        raise MessageError('allowed is a JSON object with a "type"')
+    type_ = found.pop('type', None)
+    if not isinstance(type_, str) or type_ not in MESSAGES:
+        raise MessageError(f'unknown type; allowed: {", ".join(MESSAGES)}')
+    checks = MESSAGES[type_]
+    if found.keys() != checks.keys():
+        raise MessageError(f'{type_}: allowed fields: {", ".join(checks) or "none"}')
+    for name, check in checks.items():
+        if not check.passes(found[name]):
+            raise MessageError(f'{type_}: {name} is not allowed; allowed: {check.allowed}')
+    return PageMessage(type_, found)

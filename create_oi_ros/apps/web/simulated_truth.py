@@ -1,0 +1,72 @@
+"""Asks the control socket of a simulated robot for its room, and where the robot really is."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from pathlib import Path
+import time
+from typing import Any
+
+from .live_robot import LiveRobot
+from .world_frame import FlatPose, WorldFrame
+
+PERIOD = 0.1
+"""Seconds between two questions."""
+RETRY = 1.0
+"""Seconds until the next attempt when nobody answers."""
+LONGEST_ANSWER = 1 << 20
+"""Bytes."""
+
+
+class SimulatedTruth:
+    """Puts the room and the true pose into what the pages show."""
+
+    def __init__(self, path: Path, robot: LiveRobot) -> None:
+        """Ask at this socket, once `run` is called."""
+        self._path, self._robot = path, robot
+        self._frame = WorldFrame()
+        self.asking = True
+        """Whether anybody looks; else no questions are asked."""
+
+    async def run(self) -> None:
+        """Ask until cancelled; a simulator may start later, or again."""
+        while True:
+            try:
+                await self._ask_on()
+            except (OSError, ValueError, KeyError):  # it has gone, or is something else
+                self._robot.parts.put('true_pose', None)
+            await asyncio.sleep(RETRY)
+
+    async def _ask_on(self) -> None:
+        reader, writer = await asyncio.open_unix_connection(self._path, limit=LONGEST_ANSWER)
+        try:
+            self._robot.parts.put('room', await self._ask(reader, writer, 'room'))
+            while True:
+                if self.asking:
+                    self._show(await self._ask(reader, writer, 'truth'))
+                await asyncio.sleep(PERIOD)
+        finally:
+            writer.close()
+
+    async def _ask(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter,
+                   word: str) -> Any:
+        """Return the answer to a word; ConnectionError: there is none, ValueError: no JSON."""
+        writer.write(f'{word}\n'.encode())
+        answer = await reader.readline()
+        if not answer.endswith(b'\n'):
+            raise ConnectionError('the simulator has closed the connection')
+        return json.loads(answer.removeprefix(b'ok '))
+
+    def _show(self, truth: dict[str, Any]) -> None:
+        odometry = self._robot.pose
+        if odometry is None:
+            return
+        true = FlatPose(truth['x'], truth['y'], truth['yaw'])
+        if self._frame.update(odometry, true, time.monotonic()):
+            self._robot.parts.put('room_origin', self._frame.origin)
+        self._robot.parts.put('true_pose', [round(each, 4) for each in true])
+
+    def reset(self) -> None:
+        """Set the frame again: the odometry was reset."""
+        self._frame.reset()

@@ -1,0 +1,232 @@
+"""The connected pages: what each has been told, and what it may do."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Awaitable, Callable
+import json
+import time
+from typing import Any
+
+from aiohttp import web, WSCloseCode, WSMsgType
+
+from ...oi import Mode
+from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
+from .driver_seat import DriverSeat, Refused, TOP_TURN, Velocity
+from .live_robot import Cursor, LiveRobot
+from .page_messages import MessageError, PageMessage, read
+from .web_node import Reply, WebNode
+
+HEARTBEAT = 5.0
+"""Seconds between two pings; a page that does not answer is disconnected."""
+MOST_REPLIES = 50
+"""Replies that wait to be sent to one page; older ones are dropped."""
+MOST_CALLS = 4
+"""Calls of one page that have no reply yet."""
+SONG = 15
+"""Song number of what the page plays: the last one, which others use least."""
+
+
+class Viewer:
+    """One connected page."""
+
+    def __init__(self, number: int, socket: web.WebSocketResponse) -> None:
+        self.number, self.socket = number, socket
+        self.budget = MessageBudget(time.monotonic())
+        self.cursor = Cursor()
+        self.replies: deque[str] = deque(maxlen=MOST_REPLIES)
+        self.news = asyncio.Event()
+        """Set when there may be something to send."""
+        self.calls = 0
+        """Service calls that have no reply yet."""
+
+    def reply(self, to: str, ok: bool, text: str) -> None:
+        """Queue a reply to a message of this page."""
+        self.replies.append(json.dumps({'type': 'reply', 'to': to, 'ok': ok, 'text': text}))
+        self.news.set()
+
+
+class Viewers:
+    """Serves all pages; everything here runs on the event loop's thread."""
+
+    def __init__(self, node: WebNode, robot: LiveRobot, greeting: dict[str, Any],
+                 on_reset: Callable[[], None]) -> None:
+        """`greeting` is sent first to each page; call `on_reset` after the odometry was reset."""
+        self._node, self._robot, self._greeting = node, robot, greeting
+        self._on_reset = on_reset
+        self._viewers: dict[int, Viewer] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._seat = DriverSeat()
+        self._expiry: asyncio.TimerHandle | None = None
+        self._last_number = 0
+        self._show_seat()
+
+    def __len__(self) -> int:
+        """Return how many pages are connected."""
+        return len(self._viewers)
+
+    async def serve(self, request: web.Request) -> web.WebSocketResponse:
+        """Serve one page until it goes."""
+        socket = web.WebSocketResponse(
+            max_msg_size=LONGEST_MESSAGE, heartbeat=HEARTBEAT, compress=False, timeout=1.0)
+        await socket.prepare(request)
+        if len(self._viewers) >= MOST_VIEWERS:
+            await socket.close(code=WSCloseCode.TRY_AGAIN_LATER,
+                               message=f'{MOST_VIEWERS} pages are open already'.encode())
+            return socket
+        self._last_number += 1
+        viewer = self._viewers[self._last_number] = Viewer(self._last_number, socket)
+        self._show_seat()
+        sender = asyncio.create_task(self._send(viewer))
+        try:
+            await self._receive(viewer)
+        finally:
+            sender.cancel()
+            del self._viewers[viewer.number]
+            self._stop_if(self._seat.leave(viewer.number))
+            self._show_seat()
+        return socket
+
+    async def close(self) -> None:
+        """Stop the wheels if a page drives, and disconnect all pages."""
+        if self._seat.driving:
+            self._node.velocity.stop()
+        for viewer in list(self._viewers.values()):
+            await viewer.socket.close(code=WSCloseCode.GOING_AWAY, message=b'the server ends')
+
+    def tell(self) -> None:
+        """Send what is new to all pages; one that is still being sent something is left out."""
+        for viewer in self._viewers.values():
+            viewer.news.set()
+
+    async def _send(self, viewer: Viewer) -> None:
+        greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': TOP_TURN}
+        try:
+            await viewer.socket.send_json({**greeting, **self._greeting})
+            while True:
+                await viewer.news.wait()
+                viewer.news.clear()
+                while viewer.replies:
+                    await viewer.socket.send_str(viewer.replies.popleft())
+                text, viewer.cursor = self._robot.news(viewer.cursor, time.monotonic())
+                await viewer.socket.send_str(text)
+        except ConnectionError:  # the page has gone: `_receive` ends, too
+            return
+
+    async def _receive(self, viewer: Viewer) -> None:
+        async for message in viewer.socket:
+            if not viewer.budget.spend(time.monotonic()):
+                await viewer.socket.close(code=WSCloseCode.POLICY_VIOLATION,
+                                          message=b'too many messages')
+                return
+            if message.type is not WSMsgType.TEXT:
+                viewer.reply('', False, 'allowed is text: a JSON object')
+                continue
+            self._take(viewer, message.data)
+
+    def _take(self, viewer: Viewer, text: str) -> None:
+        """Do what a page asks for, or tell it why not."""
+        try:
+            message = read(text)
+        except MessageError as error:
+            viewer.reply('', False, str(error))
+            return
+        try:
+            self._obey(viewer, message)
+        except Refused as refusal:
+            viewer.reply(message.type, False, str(refusal))
+
+    def _obey(self, viewer: Viewer, message: PageMessage) -> None:
+        """Do what a page asks for; Refused says why not."""
+        number, fields = viewer.number, message.fields
+        match message.type:
+            case 'drive':
+                self._drive(number, **fields)
+            case 'release':
+                self._stop_if(self._seat.release(number))
+            case 'leave':
+                self._stop_if(self._seat.leave(number))
+            case 'take_over':
+                self._stop_if(self._seat.take_over(number))
+            case 'stop':
+                self._seat.stop()
+                self._stop_if(True)
+                self._call(viewer, message.type, lambda: self._node.call('stop'))
+            case _:
+                self._seat.sit(number)
+                self._call(viewer, message.type, lambda: self._call_of(message))
+        self._show_seat()
+
+    def _drive(self, number: int, linear: float, angular: float, seen: float) -> None:
+        now = time.monotonic()
+        if not self._node.velocity.driver_listens:
+            raise Refused('no driver is running: nobody listens to cmd_vel')
+        velocity = Velocity(float(linear), float(angular))
+        if self._seat.drive(number, velocity, now - seen, now):
+            self._node.velocity.publish(*velocity)
+            self._expire_at(self._seat.deadline)
+
+    def _expire_at(self, deadline: float) -> None:
+        if self._expiry is not None:
+            self._expiry.cancel()
+        loop = asyncio.get_running_loop()
+        self._expiry = loop.call_at(loop.time() + deadline - time.monotonic(), self._expire)
+
+    def _expire(self) -> None:
+        """Stop the wheels: no command came in time."""
+        if self._seat.expire(time.monotonic()):
+            self._stop_if(True)
+        elif self._seat.driving:
+            self._expire_at(self._seat.deadline)
+
+    def _stop_if(self, due: bool) -> None:
+        if due:
+            self._node.velocity.publish(*Velocity())
+
+    def _show_seat(self) -> None:
+        self._robot.parts.put('seat', {
+            'driver': self._seat.viewer, 'viewers': len(self), 'stopped': self._seat.latched})
+
+    # Services.
+
+    def _call_of(self, message: PageMessage) -> Awaitable[Reply]:
+        fields = message.fields
+        match message.type:
+            case 'mode':
+                return self._node.call('set_mode', mode=Mode[fields['mode'].upper()].value)
+            case 'song':
+                return self._node.call(
+                    'define_song', number=SONG, play=True,
+                    pitches=[pitch for pitch, _ in fields['notes']],
+                    seconds=[float(seconds) for _, seconds in fields['notes']])
+            case 'leds':
+                return self._node.call(
+                    'set_leds', play=fields['play'], advance=fields['advance'],
+                    power_color=fields['color'], power_intensity=fields['intensity'])
+            case 'reset_odometry':
+                return self._reset_odometry()
+            case other:
+                return self._node.call(other)
+
+    async def _reset_odometry(self) -> Reply:
+        reply = await self._node.call('reset_odometry')
+        if reply.ok:
+            self._on_reset()
+        return reply
+
+    def _call(self, viewer: Viewer, to: str, call: Callable[[], Awaitable[Reply]]) -> None:
+        """Wait for a reply in the background and pass it on; STOP is never kept waiting."""
+        if viewer.calls >= MOST_CALLS and to != 'stop':
+            raise Refused('wait for the replies to what you asked before')
+
+        async def answer() -> None:
+            viewer.calls += 1
+            try:
+                reply = await call()
+            finally:
+                viewer.calls -= 1
+            viewer.reply(to, reply.ok, reply.text)
+        task = asyncio.create_task(answer())
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)

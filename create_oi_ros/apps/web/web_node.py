@@ -1,0 +1,84 @@
+"""The ROS node of the page: subscriptions, velocity commands, service calls."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import Any, NamedTuple
+
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.task import Future
+
+from ...ros import topics
+from ...ros.services import SERVICES
+from ...ros.velocity_output import NEWEST, VelocityOutput
+from .live_robot import LiveRobot
+
+UNUSED = (topics.TF.name, topics.JOINT_STATES.name, 'cargo_bay', topics.CONTACTS.name)
+"""Topics of the driver that the page does not show; /tf repeats `odom`."""
+HEARD = tuple(topic for topic in topics.PUBLISHED if topic.name not in UNUSED)
+CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'dock', 'reset_odometry')
+"""Services that the page can call."""
+TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
+REPLY_TIMEOUT = 10.0
+"""Seconds to wait for the reply of a service."""
+LINK, PARAMETERS = 'serial link', 'parameters'
+"""Names of two statuses in the driver's diagnostics."""
+
+
+class Reply(NamedTuple):
+    """The reply of a service: whether it worked, and a text for people."""
+
+    ok: bool
+    text: str
+
+
+class WebNode(Node):
+    """Passes messages to a live robot, publishes velocity commands, calls services."""
+
+    def __init__(self, robot: LiveRobot) -> None:
+        """Subscribe to the driver's topics and create clients for the services."""
+        super().__init__('create_web', start_parameter_services=False, enable_rosout=False)
+        self._robot = robot
+        self._own_namespace = self.get_namespace().strip('/')
+        self.velocity = VelocityOutput(self)
+        for topic in HEARD:
+            callback = self._on_diagnostics if topic is topics.DIAGNOSTICS else self._on_message
+            qos = NEWEST if topic.type is Odometry else topic.qos
+            self.create_subscription(topic.type, topic.name, callback, qos)
+        # Discovery takes a moment, so the clients are created before they are needed.
+        self._service_clients = {
+            name: self.create_client(TYPES[name], name) for name in CALLED}
+
+    def _on_message(self, message: Any) -> None:
+        self._robot.update(message, time.monotonic())
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        """Store the diagnostics of the driver in our namespace; other nodes use the topic too."""
+        for status in message.status:
+            node, _, about = status.name.rpartition(': ')
+            if about == LINK and node.rpartition('/')[0] == self._own_namespace:
+                prefix = f'{node}: '
+                self._robot.diagnose({
+                    each.name.removeprefix(prefix): each for each in message.status
+                    if each.name.startswith(prefix) and not each.name.endswith(PARAMETERS)})
+
+    async def call(self, service: str, **fields: Any) -> Reply:
+        """Call a service and return its reply, or why there is none."""
+        client = self._service_clients[service]
+        if not client.service_is_ready():
+            name = self.resolve_service_name(service)
+            return Reply(False, f'nobody offers {name}: no driver is running')
+        answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+
+        def end(done: Future) -> None:
+            if not answered.done():
+                answered.set_result(done.result())
+        client.call_async(TYPES[service].Request(**fields)).add_done_callback(end)
+        try:
+            reply = await asyncio.wait_for(answered, REPLY_TIMEOUT)
+        except TimeoutError:
+            return Reply(False, f'no reply within {REPLY_TIMEOUT:.0f} s')
+        return Reply(bool(reply.success), str(reply.message))

@@ -1,0 +1,73 @@
+"""
+The program of the dead-man: `dead_man_process.py PIPE LINE LAST_WORDS DRIVER`.
+
+`dead_man` says what it is for. This file imports next to nothing: the process starts in a few
+milliseconds, before anything moves, and takes a third less memory than with `signal`, which it
+does without. It writes byte by byte instead, so that no write can block.
+"""
+
+import os
+import select
+import sys
+
+GOODBYE = b'\0'
+WRITE_TIMEOUT = 2.0
+"""Seconds after which the process gives up on a line that takes no byte."""
+LOOK_INTERVAL, SECOND_LOOK = 0.1, 0.02
+"""Seconds between two looks whether the driver is suspended, and before the look that confirms it:
+together 0.12, where 0.2 are promised until the wheels are told to stop."""
+LOOKS_TO_REPEAT = 10
+"""Looks between two times that the last words are written while the driver stays suspended."""
+SUSPENDED = (b'T', b't')
+"""Process states: stopped by a signal, and by a debugger (proc(5))."""
+STATUS_LIMIT = 4096
+
+
+def open_status(process: int) -> int | None:
+    """Open the kernel's status file of a process; None for one that is gone or hidden."""
+    try:
+        return os.open(f'/proc/{process}/stat', os.O_RDONLY)
+    except OSError:
+        return None
+
+
+def is_suspended(status: int | None) -> bool:
+    """Tell whether a process is suspended; one that is gone or hidden is not."""
+    try:
+        # The process name, in brackets, may hold anything.
+        text = b'' if status is None else os.pread(status, STATUS_LIMIT, 0)
+        return text.rpartition(b') ')[2][:1] in SUSPENDED
+    except OSError:
+        return False
+
+
+def watch(pipe: int, line: int, last_words: bytes, driver: int) -> None:
+    """Wait for the driver's goodbye or its death; write the last words after its death."""
+    status, found, wait = open_status(driver), 0, LOOK_INTERVAL
+    while not select.select([pipe], [], [], wait)[0]:
+        found = found + 1 if is_suspended(status) else 0
+        wait = SECOND_LOOK if found == 1 else LOOK_INTERVAL
+        if found % LOOKS_TO_REPEAT == 2:
+            write_all(line, last_words)
+    if os.read(pipe, 1) != GOODBYE:
+        write_all(line, last_words)
+
+
+def write_all(line: int, last_words: bytes) -> None:
+    """Write to a line; end the process if the line takes no bytes, do nothing if it is gone."""
+    written = 0
+    while written < len(last_words):
+        # A suspended driver shares the open line, so its blocking mode must stay as it is. A line
+        # that is ready takes one byte at least; more might block.
+        if not select.select([], [line], [], WRITE_TIMEOUT)[1]:
+            sys.exit(1)
+        try:
+            written += os.write(line, last_words[written:written + 1])
+        except BlockingIOError:
+            continue
+        except OSError:
+            break
+
+
+if __name__ == '__main__':
+    watch(int(sys.argv[1]), int(sys.argv[2]), bytes.fromhex(sys.argv[3]), int(sys.argv[4]))

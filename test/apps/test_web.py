@@ -1,0 +1,400 @@
+"""`create_web` as a browser meets it: every message, every refusal, and wheels that stop."""
+
+from contextlib import closing
+import http.client
+import signal
+import socket
+import sys
+
+import aiohttp
+from geometry_msgs.msg import Twist
+import pytest
+
+from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
+from create_oi_ros.apps.web.create_web import main
+from create_oi_ros.oi import LedBits, Mode
+from create_oi_ros.ros import programs
+from create_oi_ros.sim.world import shipped
+from support.ros import scene
+from support.simulator import taught
+from support.source import PACKAGE, ROOT
+from support.web import PageClient, Relay, served
+
+LONG = 10.0
+"""`cmd_vel_timeout`, s: only the server stops the wheels in time, not the driver."""
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def pages():
+    """Return a function that opens a page; all are closed at the end."""
+    opened = []
+
+    def open_page(address, **arguments):
+        opened.append(PageClient(address, **arguments))
+        return opened[-1]
+    yield open_page
+    for page in opened:
+        page.close()
+
+
+def standing(robot) -> bool:
+    """Return whether the robot was told to stand."""
+    wheels = robot.create.actuators.wheels
+    return (wheels.left, wheels.right) == (0, 0)
+
+
+def ready(page):
+    """Wait until a page shows a robot in SAFE that can be driven."""
+    page.until(lambda: page.known.get('driver_found')
+               and page.known.get('mode', {}).get('actual') == 'SAFE')
+    return page
+
+
+def started(stage, *arguments, **parameters):
+    """Start a robot, its driver and the server; return the robot and the address."""
+    robot = stage.robot(world=shipped('empty'))
+    stage.node(robot.link, **parameters)
+    return robot, served(stage, *arguments)[1]
+
+
+def driving(stage, open_page, **parameters):
+    """Return a robot that a page drives, and the page."""
+    robot, address = started(stage, cmd_vel_timeout=LONG, **parameters)
+    page = ready(open_page(address))
+    page.drive(0.2, 0.0, lambda: page.known['pose']['speed'] > 0.1)
+    return robot, page
+
+
+def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], str]:
+    """Ask for a path as it stands, with just these headers; return status, headers, body."""
+    host = address.removeprefix('http://').partition('/')[0]
+    with closing(http.client.HTTPConnection(host, timeout=20)) as connection:
+        connection.putrequest('GET', path, skip_host='Host' in headers)
+        for name, value in headers.items():
+            connection.putheader(name, value)
+        connection.endheaders()
+        answer = connection.getresponse()
+        return answer.status, dict(answer.getheaders()), answer.read().decode()
+
+
+# Driving.
+
+def test_a_page_is_told_of_the_robot_and_drives_it(stage, pages):
+    robot, page = driving(stage, pages)
+    assert page.known['seat'] == {
+        'driver': page.known['you'], 'viewers': 1, 'stopped': False}
+    assert page.known['top_speed'] == 0.5
+    page.until(lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
+    page.send('release')
+    stage.ros.until(lambda: standing(robot))
+    assert page.known['samples']
+    assert {'bump', 'cliff', 'drop', 'wall', 'battery', 'charging', 'mode'} <= page.known.keys()
+    page.until(lambda: page.known.get('diagnostics', {}).get('driver', {}).get(
+        'values', {}).get('cmd_vel publishers') == '/create_web')
+
+
+def test_the_wheels_stop_when_the_page_is_closed(stage, pages):
+    robot, address = started(stage, cmd_vel_timeout=LONG)
+    page = ready(PageClient(address))
+    page.drive(0.2, 0.0, lambda: not standing(robot))
+    page.close()
+    stage.ros.until(lambda: standing(robot))
+
+
+def test_the_wheels_stop_when_the_page_says_nothing_more(stage, pages):
+    robot, _ = driving(stage, pages)
+    stage.ros.until(lambda: standing(robot))
+
+
+def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(stage, pages):
+    robot, address = started(stage, cmd_vel_timeout=LONG)
+    relay = Relay(int(address.rstrip('/').rpartition(':')[2]))
+    with closing(relay):
+        page = ready(pages(f'http://127.0.0.1:{relay.port}/'))
+        page.drive(0.2, 0.0, lambda: not standing(robot))
+        relay.freeze()
+        stage.ros.until(lambda: standing(robot))
+        heard = stage.ros.listen(Twist, 'cmd_vel', 100)
+        seen = page.known['at']
+        witness = pages(address)
+        witness.until(lambda: witness.known['at'] > seen + 0.6)
+        for _ in range(20):  # they wait in the network, and then arrive all at once
+            page.send('drive', linear=0.2, angular=0.0, seen=seen)
+        page.send('mode', mode='safe')
+        relay.thaw()
+        assert page.reply()['to'] == 'mode', 'all have arrived'
+        assert standing(robot) and not heard
+
+
+def test_the_wheels_stop_when_the_server_is_killed(stage, pages):
+    robot = stage.robot()
+    stage.node(robot.link)
+    web, address = served(stage)
+    page = ready(pages(address))
+    page.drive(0.2, 0.0, lambda: not standing(robot))
+    web.send(signal.SIGKILL)
+    stage.ros.until(lambda: standing(robot))
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_the_wheels_stop_when_the_server_ends(stage, pages, number):
+    robot = stage.robot()
+    stage.node(robot.link, cmd_vel_timeout=LONG)
+    web, address = served(stage)
+    page = ready(pages(address))
+    page.drive(0.2, 0.0, lambda: not standing(robot))
+    web.send(number)
+    assert web.ended() == 0
+    assert page.closed() == aiohttp.WSCloseCode.GOING_AWAY
+    stage.ros.until(lambda: standing(robot))
+    assert 'Traceback' not in web.output
+
+
+def test_one_page_drives_and_others_watch_until_they_take_over(stage, pages):
+    robot, page = driving(stage, pages)
+    other = ready(pages(page.address))
+    other.send('drive', linear=0.1, angular=0.0, seen=other.known['at'])
+    assert other.reply() == {
+        'type': 'reply', 'to': 'drive', 'ok': False,
+        'text': 'another page drives: press "Take over" first'}
+    other.send('dock')
+    assert not other.reply()['ok']
+    other.send('take_over')
+    stage.ros.until(lambda: standing(robot))
+    other.until(lambda: other.known['seat'] == {
+        'driver': other.known['you'], 'viewers': 2, 'stopped': False})
+    other.drive(-0.1, 0.0, lambda: not standing(robot))
+    page.send('drive', linear=0.1, angular=0.0, seen=page.known['at'])
+    assert not page.reply()['ok']
+    other.send('leave')
+    stage.ros.until(lambda: standing(robot))
+    page.until(lambda: page.known['seat']['driver'] is None)
+
+
+def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(stage, pages):
+    robot, page = driving(stage, pages)
+    other = ready(pages(page.address))
+    other.send('stop')
+    reply = other.reply()
+    assert (reply['to'], reply['ok']) == ('stop', True)
+    heard = stage.ros.listen(Twist, 'cmd_vel', 100)
+    for _ in range(5):
+        page.send('drive', linear=0.2, angular=0.0, seen=page.known['at'])
+        page.read()
+    page.send('mode', mode='safe')
+    page.reply()
+    assert standing(robot) and not any(each.linear.x for each in heard)
+    page.send('release')
+    page.drive(0.2, 0.0, lambda: not standing(robot))
+
+
+def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
+    _, page = driving(stage, pages, enable_stamped_cmd_vel=True)
+    stage.ros.until(lambda: [
+        each.topic_type for each in stage.ros.node.get_publishers_info_by_topic('cmd_vel')
+    ] == ['geometry_msgs/msg/TwistStamped'])
+    page.until(lambda: page.known['pose']['x'] > 0.02)
+
+
+def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages):
+    page = pages(served(stage)[1])
+    page.until(lambda: page.known.get('driver_found') is False and page.known['silent'])
+    page.send('drive', linear=0.2, angular=0.0, seen=page.known['at'])
+    assert page.reply()['text'] == 'no driver is running: nobody listens to cmd_vel'
+    page.send('dock')
+    assert page.reply()['text'] == 'nobody offers /dock: no driver is running'
+
+
+# Doing.
+
+def test_modes_songs_leds_dock_and_reset_are_done(stage, pages):
+    robot, address = started(stage)
+    page = ready(pages(address))
+
+    def done(type_, **fields):
+        page.send(type_, **fields)
+        reply = page.reply()
+        assert (reply['to'], reply['ok']) == (type_, True), reply
+    done('leds', play=True, advance=False, color=200, intensity=100)
+    lights = robot.create.lights
+    stage.ros.until(lambda: (lights.bits, lights.color, lights.intensity) == (
+        LedBits.PLAY, 200, 100))
+    done('song', notes=[[67, 0.25], [72, 0.5]])
+    stage.ros.until(lambda: robot.create.note == 72)
+    page.until(lambda: page.known['song']['number'] == 15)
+    page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.1)
+    page.send('release')
+    page.until(lambda: page.known['pose']['speed'] == 0)
+    done('reset_odometry')
+    page.until(lambda: abs(page.known['pose']['x']) < 0.01)
+    assert page.known['track'][:2] == [0.0, 0.0]
+    for mode in ('full', 'passive', 'safe'):
+        done('mode', mode=mode)
+        page.until(lambda mode=mode: page.known['mode']['actual'] == mode.upper())
+    done('dock')
+    stage.ros.until(lambda: robot.create.demo is not None)
+    done('stop')
+    stage.ros.until(lambda: robot.create.demo is None)
+
+
+def test_bad_messages_are_answered_and_nothing_moves(stage, pages):
+    robot, address = started(stage)
+    page = ready(pages(address))
+    for text in ('', '{', '[]', '[' * 2000, '{"type": "fly"}', '{"type": "drive"}',
+                 '{"type": "drive", "linear": 9, "angular": 0, "seen": 0}',
+                 '{"type": "drive", "linear": NaN, "angular": 0, "seen": 0}',
+                 '{"type": "mode", "mode": "off"}', '{"type": "song", "notes": [[0, 1]]}',
+                 '{"type": "leds", "play": "<b>"}'):
+        page.send_text(text)
+        reply = page.reply()
+        assert not reply['ok'] and 'allowed' in reply['text'] or 'no JSON' in reply['text']
+    page.send_bytes(b'\x00\xff')
+    assert page.reply()['text'] == 'allowed is text: a JSON object'
+    assert standing(robot) and robot.create.mode is Mode.SAFE
+
+
+def test_a_message_that_is_too_long_ends_the_connection(stage, pages):
+    page = pages(served(stage)[1])
+    page.send_text('x' * (LONGEST_MESSAGE + 1))
+    assert page.closed() == aiohttp.WSCloseCode.MESSAGE_TOO_BIG
+
+
+def test_a_page_that_sends_too_many_messages_is_disconnected(stage, pages):
+    page = pages(served(stage)[1])
+    with pytest.raises((AssertionError, ConnectionError)):
+        for _ in range(20 * int(BURST)):
+            page.send('release')
+        page.until(lambda: False)
+    assert page.close_code in (None, aiohttp.WSCloseCode.POLICY_VIOLATION)
+
+
+def test_one_page_too_many_is_told_so(stage, pages):
+    address = served(stage)[1]
+    opened = [pages(address) for _ in range(MOST_VIEWERS)]
+    opened[0].until(lambda: opened[0].known.get('seat', {}).get('viewers') == MOST_VIEWERS)
+    assert pages(address).closed() == aiohttp.WSCloseCode.TRY_AGAIN_LATER
+    opened[0].close()
+    opened[1].until(lambda: opened[1].known['seat']['viewers'] == MOST_VIEWERS - 1)
+    assert pages(address).close_code is None
+
+
+# Who may come in.
+
+def refusal(open_page, address, **arguments) -> int:
+    """Return the status with which a connection is refused."""
+    with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+        open_page(address, **arguments)
+    return int(refused.value.status)
+
+
+def test_only_this_computer_and_this_page_come_in(stage, pages):
+    address = served(stage)[1]
+    assert refusal(pages, address, origin='http://evil.example') == 403
+    assert refusal(pages, address, origin='null') == 403
+    assert get(address, '/')[0] == 200
+    assert get(address, '/', Host='evil.example')[0] == 403
+    assert get(address, '/live')[0] == 403
+    for path in ('/../setup.py', '/%2e%2e/index.html', '/page/index.html', '/index.html/',
+                 '/nothing.js', '//', '/__init__.py'):
+        assert get(address, path)[0] == 404, path
+    status, headers, body = get(address, '/main.js')
+    assert (status, headers['Content-Type']) == (200, 'text/javascript; charset=utf-8')
+    assert "default-src 'none'" in headers['Content-Security-Policy']
+    assert headers['X-Content-Type-Options'] == 'nosniff'
+
+
+def test_from_other_computers_a_token_is_needed(stage, pages):
+    web, address = served(stage, '--host', '0.0.0.0')
+    base, _, token = address.partition('?token=')
+    assert len(token) >= 20
+    assert not base.startswith('http://0.0.0.0')
+    here = f'http://127.0.0.1:{base.rstrip("/").rpartition(":")[2]}/'
+    for path in ('/', '/?token=', '/?token=wrong', '/?token=%ff', f'/?token={token}x'):
+        status, _, body = get(here, path)
+        assert status in (401, 403) and 'Which token?' in body, path
+    assert get(here, '/main.js')[0] == 401
+    assert get(here, '/style.css')[0] == 200, 'the question is styled, too'
+    assert refusal(pages, here) == 401
+    assert refusal(pages, here, token='wrong') == 401
+    status, headers, _ = get(here, f'/?token={token}')
+    assert (status, headers['Location']) == (303, '/')
+    cookie = headers['Set-Cookie']
+    assert 'HttpOnly' in cookie and 'SameSite=Lax' in cookie
+    assert get(here, '/', Cookie=cookie.partition(';')[0])[0] == 200
+    assert get(here, '/', Cookie=b'create_web=\xff'.decode('latin-1'))[0] == 401
+    assert refusal(pages, here, token=token, origin='http://evil.example') == 403
+    page = pages(here, token=token)
+    page.until(lambda: page.known['seat']['viewers'] == 1)
+    assert 'Traceback' not in web.output and 'Error' not in web.output
+
+
+# The simulated room.
+
+def test_a_simulated_robot_shows_its_room_and_where_it_really_is(stage, pages, tmp_path):
+    with taught(tmp_path, '--world', 'apartment') as (port, teacher):
+        stage.node(port)
+        page = ready(pages(served(stage, '--control', str(tmp_path / 'control'))[1]))
+        page.until(lambda: page.known.get('true_pose') and page.known.get('room_origin'))
+        assert page.known['room']['home_bases'] == [[1.0, 0.05, 1.5708]]
+        assert page.known['true_pose'] == [1.0, 1.0, 1.5708]
+        assert page.known['room_origin'] == pytest.approx([-1.0, 1.0, -1.5708], abs=1e-3)
+        teacher.tell('bump left 0.3')
+        page.until(lambda: page.known['events'])
+        assert page.known['events'][0][0] == 'bump'
+        teacher.tell('quit')
+        page.until(lambda: page.known['true_pose'] is None)
+
+
+# The command line.
+
+def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, 'aiohttp', None)
+    for name in [name for name in sys.modules if name.startswith('create_oi_ros.apps.web')]:
+        monkeypatch.delitem(sys.modules, name)
+    with pytest.raises(SystemExit, match='needs aiohttp.*sudo apt-get install python3-aiohttp'):
+        programs._imported('create_web')
+
+
+
+@pytest.mark.parametrize(('arguments', 'words'), [
+    (['--port', '0'], "'0'; allowed: 1 to 65535"), (['--port', 'http'], 'allowed: 1 to 65535'),
+    (['--host', ''], '--host is empty'), (['--nonsense'], 'unrecognized arguments')])
+def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_port_or_address_that_cannot_be_served_is_said_in_a_line(stage):
+    with socket.create_server(('127.0.0.1', 0)) as taken:
+        port = taken.getsockname()[1]
+        for arguments, words in (
+                (('--port', str(port)), f'port {port} is in use on 127.0.0.1'),
+                (('--host', '192.0.2.1'), 'cannot listen on 192.0.2.1'),
+                (('--host', 'no such host'), '--host no such host:')):
+            web = stage.program('create_web', *arguments)
+            assert web.ended() == 2
+            assert words in web.output and len(web.output.splitlines()) == 1
+
+
+def test_without_a_port_the_next_free_one_is_taken(stage):
+    first, second = (stage.program('create_web') for _ in range(2))
+    stage.ros.until(lambda: 'open http' in first.output and 'open http' in second.output)
+    assert first.output.partition('open ')[2].split()[0] != second.output.partition(
+        'open ')[2].split()[0]
+
+
+def test_the_page_puts_every_text_in_as_text():
+    scripts = [path.read_text('utf-8') for path in (
+        ROOT / PACKAGE / 'apps' / 'web' / 'page').glob('*.js')]
+    assert len(scripts) > 5
+    for word in ('innerHTML', 'outerHTML', 'insertAdjacentHTML', 'document.write', 'eval('):
+        assert not any(word in script for script in scripts)

@@ -1,0 +1,136 @@
+"""A robot that is known starts at full accuracy; one that is another is learned anew."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import degrees, hypot
+from random import Random
+
+import pytest
+
+from create_oi_ros.driver import Settings
+from create_oi_ros.odometry import Knowledge, Rounding, SignSource
+from create_oi_ros.ros.odometry_model import parsed, text_of
+from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
+from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
+from support.loop import Loop
+
+Wish = tuple[float, float, float]
+"""m/s, rad/s, seconds."""
+TWO_MINUTES = 120.0
+
+
+def robot(rounding: RobotRounding = RobotRounding.TRUNCATE, config: BodyConfig = CENTRE,
+          known: Knowledge | None = None) -> Loop:
+    """Return a robot that a driver has found, and may know."""
+    loop = Loop(Settings(robot=known), rounding=rounding, config=config)
+    loop.run(0.3)
+    return loop
+
+
+def mixed(seed: int, seconds: float) -> Iterable[Wish]:
+    """Yield drives with turns, reversals and stops."""
+    random = Random(seed)
+    while seconds > 0:
+        lasts = random.uniform(0.8, 3.0)
+        yield (random.choice((-1, 1)) * random.uniform(0.05, 0.3),
+               random.choice((-1, 0, 1)) * random.uniform(0.2, 1.2), lasts)
+        if random.random() < 0.4:
+            yield 0.0, 0.0, 1.0
+        seconds -= lasts
+
+
+def learned(loop: Loop) -> Knowledge:
+    """Return what the driver knows."""
+    known = loop.driver.health(loop.now).robot
+    assert known is not None
+    return known
+
+
+def taught(loop: Loop) -> Knowledge:
+    """Drive for two minutes; return what was learned, by way of a file."""
+    for wish in mixed(1, TWO_MINUTES):
+        loop.drive(*wish)
+    return parsed(text_of(learned(loop)))
+
+
+def errors(loop: Loop, wishes: Iterable[Wish]) -> tuple[float, float]:
+    """Drive and come to rest; return the errors, degrees and metres."""
+    for wish in wishes:
+        loop.drive(*wish)
+    truth, estimate = loop.body.truth(), loop.estimate
+    return (abs(degrees(estimate.yaw - truth.turned)),
+            hypot(estimate.x - truth.pose.x, estimate.y - truth.pose.y))
+
+
+@pytest.fixture(scope='module')
+def centre() -> Knowledge:
+    """Return what is learned of the most likely robot."""
+    return taught(robot())
+
+
+def test_a_robot_is_known_after_two_minutes(centre):
+    assert centre.certain
+    assert centre.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
+    assert centre.right_gain.value == pytest.approx(1.0, abs=0.01)
+    assert centre.left_gain.value == pytest.approx(1.0, abs=0.01)
+    assert centre.frame_period.value == pytest.approx(0.015, abs=1e-5)
+    stands, moves = centre.dead_band
+    assert stands <= CENTRE.dead_band <= moves
+
+
+def test_its_acquaintance_is_made_once_in_one_line():
+    loop = robot()
+    taught(loop)
+    lines = [notice.text for notice in loop.notices if 'knows this robot' in notice.text]
+    assert len(lines) == 1
+    assert 'fractions are cut off' in lines[0]
+    assert 'sign of the drive' in lines[0]
+
+
+@pytest.mark.parametrize('wishes', [
+    [(0.2, 0.4, 12.0)], [(0.3, 0.0, 3.0), (-0.3, 0.0, 3.0), (0.0, 1.5, 3.0), (0.0, -1.5, 3.0)]])
+def test_the_first_12_seconds_with_a_known_robot_are_right(centre, wishes):
+    yaw, place = errors(robot(known=centre), wishes)
+    assert yaw < 1.5  # each reading that is cut off may hide a degree
+    assert place < 0.015
+
+
+def test_knowledge_makes_the_start_of_an_unusual_robot_right():
+    unusual = replace(CENTRE, right_speed_gain=1.05, left_speed_gain=0.95,
+                      encoder_sign=EncoderSign.TRUE)
+    known = taught(robot(RobotRounding.CARRY, unusual))
+    wishes = [(0.3, 0.0, 1.0), (-0.3, 0.0, 1.0), (0.1, 1.5, 2.0), (0.0, 0.0, 1.0)]
+    yaw, place = errors(robot(RobotRounding.CARRY, unusual, known), wishes)
+    assert yaw < 0.5
+    assert place < 0.003
+    assert yaw < errors(robot(RobotRounding.CARRY, unusual), wishes)[0] / 2
+
+
+def test_a_known_robot_is_not_announced_again(centre):
+    loop = robot(known=centre)
+    taught(loop)
+    assert not [notice for notice in loop.notices if 'robot now' in notice.text]
+
+
+@pytest.mark.parametrize(('rounding', 'sign', 'is_learned'), [
+    (RobotRounding.CARRY, EncoderSign.DRIVE, (Rounding.CARRY, SignSource.DRIVE)),
+    (RobotRounding.TRUNCATE, EncoderSign.TRUE, (Rounding.TRUNCATE, SignSource.MOTION))])
+def test_knowledge_of_another_robot_is_unlearned(centre, rounding, sign, is_learned):
+    other = replace(CENTRE, encoder_sign=sign, right_speed_gain=1.04)
+    loop = robot(rounding, other, known=centre)
+    known = taught(loop)
+    assert known.likeliest == is_learned
+    assert known.right_gain.value == pytest.approx(1.04, abs=0.015)
+    assert [notice for notice in loop.notices if 'another robot' in notice.text]
+
+
+def test_nothing_is_known_before_the_first_reading():
+    assert Loop().driver.health(100.0).robot is None
+
+
+def test_the_length_of_a_frame_survives_a_silence(centre):
+    period = replace(centre, frame_period=centre.frame_period._replace(value=0.0154))
+    loop = robot(known=period)
+    loop.cut = True
+    loop.run(3.0)
+    assert loop.driver._tracking.clock.period == pytest.approx(0.0154, abs=1e-5)

@@ -1,0 +1,165 @@
+"""Packed messages: whatever is packed, a subscriber gets what an object would have brought."""
+
+from collections.abc import Iterator
+from math import inf
+import struct
+from typing import Any
+
+from create_oi_msgs.msg import Bumper, Cliff, IrOmni
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from nav_msgs.msg import Odometry
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+from rosbags.typesys import get_typestore, Stores
+from sensor_msgs.msg import JointState
+
+from create_oi_ros.ros import messages, topics
+from create_oi_ros.ros.serialized import filling, FORMATS, is_number, packing, slot
+from create_oi_ros.ros.topics import LATCHED
+from support.ros import scene
+
+BOUNDS = {
+    name: (-(1 << (8 * struct.calcsize(code) - 1)), (1 << (8 * struct.calcsize(code) - 1)) - 1)
+    if code.islower() else (0, (1 << (8 * struct.calcsize(code))) - 1)
+    for name, code in FORMATS.items() if code.isalpha() and code not in 'fd'}
+FRAMES = st.text(st.characters(min_codepoint=1, max_codepoint=0x2fff), max_size=40)
+TEXTS = 'frame', 'a_longer_frame', ''
+EMPTY: dict[type, Any] = {
+    topics.ODOM.type: messages.empty_odometry, topics.TF.type: messages.empty_transforms,
+    topics.JOINT_STATES.type: lambda *_: messages.empty_joint_states()}
+TYPES = sorted({topic.type for topic in topics.PUBLISHED} - {topics.DIAGNOSTICS.type},
+               key=lambda type_: type_.__name__)
+
+
+def empty(type_: type, frame: str, other: str) -> Any:
+    """Return the message of a topic as the node makes it."""
+    if type_ in EMPTY:
+        return EMPTY[type_](frame, other)
+    return messages.empty(type_, frame)
+
+
+def numbers(message: Any, path: str = '') -> Iterator[str]:
+    """Yield the paths of all numbers in a message."""
+    for name in message.get_fields_and_field_types():
+        inside, found = f'{path}.{name}'.lstrip('.'), getattr(message, name)
+        if hasattr(found, 'get_fields_and_field_types'):
+            yield from numbers(found, inside)
+        elif isinstance(found, bool | int | float):
+            yield inside
+        elif not isinstance(found, str):
+            for index, each in enumerate(found):
+                if hasattr(each, 'get_fields_and_field_types'):
+                    yield from numbers(each, f'{inside}[{index}]')
+                elif not isinstance(each, str):
+                    yield f'{inside}[{index}]'
+
+
+def value(type_: str) -> st.SearchStrategy[Any]:
+    """Return values of a type of number."""
+    if type_ == 'boolean':
+        return st.booleans()
+    if type_ in ('float', 'double'):
+        return st.floats(allow_nan=False, width=32 if type_ == 'float' else 64)
+    return st.integers(*BOUNDS[type_])
+
+
+@pytest.mark.parametrize('type_', TYPES)
+@settings(max_examples=25)
+@given(drawn=st.data())
+def test_what_is_packed_is_what_an_object_would_have_brought(type_, drawn):
+    message = empty(type_, drawn.draw(FRAMES), drawn.draw(FRAMES))
+    everything = list(numbers(message))
+    paths = drawn.draw(st.lists(st.sampled_from(everything), min_size=1, unique=True))
+    packed = packing(message, paths, serialize_message, deserialize_message)
+    values = [drawn.draw(value(slot(message, path).type)) for path in paths]
+    brought = deserialize_message(packed(*values), type_)
+    assert brought == filling(message, paths)(*values)
+
+
+def test_every_message_has_numbers_enough_to_be_mixed_up():
+    assert all(len(list(numbers(empty(type_, 'a', 'b')))) > 2 for type_ in TYPES)
+
+
+@pytest.mark.parametrize('frame', TEXTS)
+def test_whatever_its_length_text_before_numbers_moves_them(frame):
+    message = Bumper(header=messages.header(frame, messages.time(7)))
+    packed = packing(message, ['left', 'right'], serialize_message, deserialize_message)
+    brought = deserialize_message(packed(False, True), Bumper)
+    assert (brought.header.frame_id, brought.left, brought.right) == (frame, False, True)
+
+
+def test_what_is_not_a_number_fits_as_it_is():
+    message = Cliff()
+    packed = packing(message, ['left_signal'], serialize_message, deserialize_message)
+    with pytest.raises(struct.error):
+        packed(1 << 16)
+    floats = packing(JointState(position=[0.0]), ['position[0]'],
+                     serialize_message, deserialize_message)
+    assert deserialize_message(floats(inf), JointState).position[0] == inf
+
+
+def test_text_is_no_number():
+    message = IrOmni()
+    assert not is_number(message, 'name')
+    assert is_number(message, 'character')
+
+
+@pytest.mark.parametrize('wrong', [
+    lambda message: serialize_message(message)[:-8] + bytes(8),
+    lambda message: serialize_message(message) * 3,
+    lambda message: serialize_message(Odometry()),
+])
+def test_a_middleware_that_serializes_otherwise_is_found_out(wrong):
+    with pytest.raises(ValueError, match='not certain'):
+        packing(Odometry(), ['twist.covariance[35]'], wrong, deserialize_message)
+
+
+def test_a_middleware_that_reads_otherwise_is_found_out():
+    def swapped(received: bytes, type_: type) -> Any:
+        message = deserialize_message(received, type_)
+        message.left, message.right = message.right, message.left
+        return message
+    with pytest.raises(ValueError, match='do not say what was packed'):
+        packing(Bumper(), ['left', 'right'], serialize_message, swapped)
+
+
+def test_on_the_wire_packed_messages_are_as_long_as_objects(tmp_path):
+    with scene(tmp_path) as stage:
+        for type_ in TYPES:
+            heard: list[bytes] = []
+            name = type_.__name__
+            stage.ros.node.create_subscription(type_, name, heard.append, LATCHED, raw=True)
+            publisher = stage.ros.node.create_publisher(type_, name, LATCHED)
+            message = empty(type_, 'odom', 'base')
+            paths = [path for path in numbers(message) if 'stamp' in path]
+            packed = packing(message, paths, serialize_message, deserialize_message)
+            publisher.publish(message)
+            stage.ros.until(lambda heard=heard: heard)
+            assert len(heard[0]) == len(packed(*[0] * len(paths))), name
+
+
+@pytest.mark.parametrize('type_', [
+    type_ for type_ in TYPES if not type_.__module__.startswith('create_oi')])
+def test_a_strict_reader_of_bags_reads_packed_messages(type_):
+    message = empty(type_, 'odom', 'base')
+    paths = [path for path in numbers(message) if 'stamp' in path]
+    packed = packing(message, paths, serialize_message, deserialize_message)
+    package, name = type_.__module__.partition('.')[0], type_.__name__
+    read = get_typestore(Stores.ROS2_JAZZY).deserialize_cdr(
+        packed(*range(1, len(paths) + 1)), f'{package}/msg/{name}')
+    header = read.transforms[0].header if name == 'TFMessage' else read.header
+    assert (header.stamp.sec, header.stamp.nanosec) == (1, 2)
+
+
+def test_numbers_in_the_other_byte_order_are_packed_so():
+    def big(message: Cliff) -> bytes:
+        return b'\0\0\0\0' + struct.pack('>HH', message.left_signal, message.right_signal)
+
+    def read(received: bytes, _: type) -> Cliff:
+        if len(received) < 8:
+            raise RuntimeError('cut short')
+        left, right = struct.unpack('>HH', received[4:])
+        return Cliff(left_signal=left, right_signal=right)
+    packed = packing(Cliff(), ['right_signal', 'left_signal'], big, read)
+    assert packed(1, 515) == bytes([0, 0, 0, 0, 2, 3, 0, 1])

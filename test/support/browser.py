@@ -1,0 +1,78 @@
+"""A real Chromium without a window, driven by Playwright."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+import shutil
+import time
+from typing import Any
+
+import pytest
+
+NAMES = ('chromium', 'chromium-browser', 'google-chrome')
+TIMEOUT_MS, POLL_MS = 20_000, 50
+
+
+def chromium() -> str:
+    """Return the path of a Chromium; skip the test where there is none."""
+    pytest.importorskip('playwright', reason='no playwright here: see tools/pins.txt')
+    found = next(filter(None, map(shutil.which, NAMES)), None)
+    if found is None:
+        pytest.skip('no Chromium here: apt-get install chromium')
+    return found
+
+
+@contextmanager
+def browsers() -> Iterator[Any]:
+    """Yield a browser that runs until the block ends."""
+    path = chromium()
+    from playwright.sync_api import sync_playwright
+    with sync_playwright() as playwright:
+        # In a container its sandbox may be impossible; only our own page is opened here.
+        browser = playwright.chromium.launch(executable_path=path, args=['--no-sandbox'])
+        yield browser
+        browser.close()
+
+
+class OpenPage:
+    """A page, and what its console complains about."""
+
+    def __init__(self, browser: Any, address: str, width: int, height: int) -> None:
+        self._context = browser.new_context(
+            viewport={'width': width, 'height': height}, has_touch=width < 800)
+        self._context.set_default_timeout(TIMEOUT_MS)
+        self.page = self._context.new_page()
+        self.errors: list[str] = []
+        self.page.on('pageerror', lambda error: self.errors.append(str(error)))
+        self.page.on('console', lambda message: message.type == 'error' and self.errors.append(
+            message.text))
+        self.page.goto(address)
+
+    def live(self) -> None:
+        """Wait until the page shows a robot that can be driven."""
+        self.page.wait_for_selector('#chip-link[data-level=good]')
+        self.until('document.getElementById("chip-mode").textContent === "SAFE"')
+
+    def until(self, expression: str) -> None:
+        """Wait until an expression is true in the page."""
+        # Playwright's own wait needs `eval` in the page, which the page forbids.
+        deadline = time.monotonic() + TIMEOUT_MS / 1000
+        while not self.page.evaluate(expression):
+            assert time.monotonic() < deadline, f'{expression} did not happen'
+            self.page.wait_for_timeout(POLL_MS)
+
+    def grab(self, right: float, up: float) -> None:
+        """Take the stick with the mouse, and push it by parts of its radius; hold it."""
+        box = self.page.locator('#stick').bounding_box()
+        x, y = box['x'] + box['width'] / 2, box['y'] + box['height'] / 2
+        self.page.mouse.move(x, y)
+        self.page.mouse.down()
+        reach = box['width'] / 2
+        self.page.mouse.move(x + right * reach, y - up * reach, steps=3)
+
+    def text(self, selector: str) -> str:
+        """Return the text of an element."""
+        return str(self.page.locator(selector).inner_text())
+
+    def close(self) -> None:
+        """Close the page at once."""
+        self._context.close()

@@ -1,0 +1,178 @@
+"""A page's side of `create_web`: a WebSocket client, and a relay that can fail."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+import json
+import re
+import socket
+import threading
+from typing import Any
+
+import aiohttp
+
+from support.ros import Program, Scene, TIMEOUT
+
+ADDRESS = re.compile(r'open (http://\S+:(\d+)/\S*) in a browser')
+
+
+def served(stage: Scene, *arguments: str) -> tuple[Program, str]:
+    """Start `create_web` on a free port; return it and the address that it prints."""
+    port = [] if '--port' in arguments else ['--port', str(free_port())]
+    web = stage.program('create_web', *port, *arguments)
+    stage.ros.until(lambda: ADDRESS.search(web.output) or not web.running(), 'an address')
+    found = ADDRESS.search(web.output)
+    assert found, web.output
+    return web, found[1]
+
+
+def free_port() -> int:
+    """Return a TCP port that nobody listens on."""
+    with socket.create_server(('127.0.0.1', 0)) as probe:
+        return int(probe.getsockname()[1])
+
+
+class PageClient:
+    """Speaks with the server as the page does; what it is told is merged into `known`."""
+
+    def __init__(self, address: str, *, origin: str | None = None, token: str = '') -> None:
+        """Connect, and wait for the first news; aiohttp.WSServerHandshakeError: refused."""
+        self._loop = asyncio.new_event_loop()
+        self.address = address
+        self.known: dict[str, Any] = {
+            'at': 0.0, 'events': [], 'track': [], 'samples': []}
+        self.replies: list[dict[str, Any]] = []
+        self.close_code: int | None = None
+        self._session = self._run(self._open_session())
+        base = address.partition('?')[0].rstrip('/')
+        port = base.rpartition(':')[2]
+        cookies = {'Cookie': f'create_web_{port}={token}'} if token else {}
+        try:
+            self._socket = self._run(self._session.ws_connect(
+                f'{base}/live', origin=base if origin is None else origin, headers=cookies))
+        except aiohttp.WSServerHandshakeError:
+            self._run(self._session.close())
+            self._loop.close()
+            raise
+        while 'seat' not in self.known and self.close_code is None:
+            self.read()
+
+    async def _open_session(self) -> aiohttp.ClientSession:
+        return aiohttp.ClientSession()
+
+    def _run(self, coroutine: Any) -> Any:
+        return self._loop.run_until_complete(coroutine)
+
+    def send(self, type_: str, **fields: object) -> None:
+        """Send a message."""
+        self.send_text(json.dumps({'type': type_, **fields}))
+
+    def send_text(self, text: str) -> None:
+        """Send any text."""
+        self._run(self._socket.send_str(text))
+
+    def send_bytes(self, data: bytes) -> None:
+        """Send a binary message."""
+        self._run(self._socket.send_bytes(data))
+
+    def read(self) -> None:
+        """Take the next message of the server; sets `close_code` when there is none any more."""
+        message = self._run(self._socket.receive(TIMEOUT))
+        if message.type is not aiohttp.WSMsgType.TEXT:
+            self.close_code = self._socket.close_code
+            return
+        found = json.loads(message.data)
+        if found['type'] == 'reply':
+            self.replies.append(found)
+            return
+        if 'anew' in found:
+            self.known['events'], self.known['track'] = [], found['anew']
+        for name in ('events', 'track', 'samples'):
+            self.known[name] += found.pop(name, [])
+        self.known.update(found)
+
+    def until(self, happened: Callable[[], Any]) -> Any:
+        """Read until a condition is true; return its value."""
+        while not (value := happened()):
+            assert self.close_code is None, f'closed with {self.close_code}'
+            self.read()
+        return value
+
+    def reply(self) -> dict[str, Any]:
+        """Wait for the next reply, and take it."""
+        self.until(lambda: self.replies)
+        return self.replies.pop(0)
+
+    def closed(self) -> int:
+        """Read until the server closes; return its code."""
+        while self.close_code is None:
+            self.read()
+        return self.close_code
+
+    def drive(self, linear: float, angular: float, until: Callable[[], Any]) -> None:
+        """Hold the stick until a condition is true; do not let it go."""
+        def held() -> Any:
+            self.send('drive', linear=linear, angular=angular, seen=self.known['at'])
+            self.read()
+            return until()
+        self.until(held)
+
+    def close(self) -> None:
+        """Close the page."""
+        if self._loop.is_closed():
+            return
+        self._run(self._socket.close())
+        self._run(self._session.close())
+        self._loop.close()
+
+
+class Relay:
+    """Passes TCP bytes on, until it is frozen: then none move, and nobody is told."""
+
+    def __init__(self, port: int) -> None:
+        """Listen on `self.port`, and connect whoever comes with `port`."""
+        self._listener = socket.create_server(('127.0.0.1', 0))
+        self.port = int(self._listener.getsockname()[1])
+        self._target = port
+        self._moving = threading.Event()
+        self._moving.set()
+        self._sockets = [self._listener]
+        self._begin(self._accept)
+
+    def _begin(self, work: Callable[..., None], *arguments: object) -> None:
+        threading.Thread(target=work, args=arguments, daemon=True).start()
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                near, _ = self._listener.accept()
+            except OSError:
+                return
+            far = socket.create_connection(('127.0.0.1', self._target))
+            self._sockets += [near, far]
+            self._begin(self._pass, near, far)
+            self._begin(self._pass, far, near)
+
+    def _pass(self, source: socket.socket, target: socket.socket) -> None:
+        try:
+            while data := source.recv(65536):
+                self._moving.wait()
+                target.sendall(data)
+            target.shutdown(socket.SHUT_WR)
+        except OSError:
+            return
+
+    def freeze(self) -> None:
+        """Pass nothing on any more."""
+        self._moving.clear()
+
+    def thaw(self) -> None:
+        """Pass on what has arrived meanwhile, all at once, and all that follows."""
+        self._moving.set()
+
+    def close(self) -> None:
+        """Close everything."""
+        self._moving.set()
+        for each in self._sockets:
+            each.close()
