@@ -10,6 +10,7 @@
 #   make bench           measure speed and cost: fifteen minutes, on a quiet machine
 #   make bench-compare   compare two measurements
 #   make bench-odometry  measure the odometry
+#   make bench-goals     measure how exact goals are
 #   make faults          make each fault ten times: an hour
 #   make soak            30 minutes under load with faults; ARGS=5: five minutes
 #   make sequences       draw sequences of all that can happen for 10 minutes; ARGS=1: for one
@@ -18,7 +19,7 @@
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test build bench bench-compare bench-odometry faults soak fuzz sequences docs lint clean
+.PHONY: help run demo test build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -35,11 +36,12 @@ build: $(BUILT)
 bench: build ; @$(ENTER) python bench/everything.py $(ARGS)
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)
 bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
+bench-goals: build ; @$(ENTER) python bench/bench_goals.py $(ARGS)
 faults: build ; @$(ENTER) python test faults $(ARGS)
 soak: build ; @$(ENTER) python test soak $(ARGS)
 fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
 sequences: build ; @$(ENTER) python test sequences $(ARGS)
-docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md && python bench/draw_odometry.py
+docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/goals.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 

@@ -24,3 +24,8 @@ WHEEL_RADIUS: Final = 0.033
 """Metres (reported: 0.033 to 0.036)."""
 BODY_RADIUS: Final = 0.165
 """Metres (reported: a diameter of 0.33)."""
+CLIFF_BEARINGS: Final = (60, 15, -15, -60)
+"""Degrees to the left at which the cliff sensors sit, seen from the centre (guess): left, front
+left, front right, right."""
+BUMPER_BEARING: Final = 45
+"""Degrees to the left of the middle of the bumper's left half; the right half mirrors it."""

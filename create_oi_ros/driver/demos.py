@@ -42,6 +42,15 @@ class Demos:
         return self._requests.send(
             oi.Demo(demo=demo), f'demo {demo.name} runs; call stop_demo to end it')
 
+    def seek_dock(self) -> None:
+        """Let the robot look for its dock, for a goal."""
+        can_drive = self._supervision.status.can_drive
+        self._handle(StateEvent.DOCKING_STARTED)
+        self._supervision.want(oi.Mode.PASSIVE)
+        if can_drive:
+            self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
+        self._outbox.send(oi.Demo(demo=oi.DemoNumber.COVER_AND_DOCK))
+
     def stop(self) -> Pending:
         """End the demo that runs, if any; the robot stays in Passive."""
         if self._supervision.status.can_drive and self._requests.refusal(oi.Demo) is None:

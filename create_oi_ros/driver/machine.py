@@ -17,10 +17,13 @@ from .. import oi
 from ..odometry import Odometry
 from .acquaintance import Acquaintance
 from .battery_guard import BatteryGuard
+from .charge_watch import ChargeWatch
 from .command_watch import IGNORES
 from .connection import Connection
 from .demos import Demos
 from .events import DriverEvent, EventQueue, LinkCounts, ModeChanged, Moved, Severity
+from .goal_control import GoalControl
+from .goals.hazards import BUMPS
 from .health import Health
 from .modes import Modes
 from .motion import MotionLimits, WheelCommands
@@ -72,9 +75,14 @@ class Driver:
         self._modes = Modes(self._supervision, self.state, self._outbox, requests, self.outputs,
                             self._events, self._handle)
         self._battery = BatteryGuard(settings.battery, self.demos, self._modes, self._events)
+        self._charging = ChargeWatch(
+            self._supervision, self._outbox, self._events, reset=settings.reset_when_not_charging)
+        self.goals = GoalControl(
+            self._wheels, self.state, self._supervision, self._modes, self.demos, self._outbox,
+            self._events, self._handle)
         self._velocity = VelocityControl(
-            self._wheels, self.state, self._supervision, self._modes, self._outbox, self._events,
-            self._handle)
+            self._wheels, self.state, self._supervision, self._modes, self.goals, self._outbox,
+            self._events, self._handle)
         self._unchecked: deque[tuple[Taken, Moved]] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
         self._reported_status = self.status
@@ -93,6 +101,7 @@ class Driver:
             self._wheels.stop()
         if event not in SPEEDS_HOLD:
             self._wheels.forget_sent()
+        self.goals.handled(event)
 
     # What arrives and leaves, and what happened.
 
@@ -133,6 +142,7 @@ class Driver:
         self._connection.check_silence(now)
         self._modes.check_timeout(now)
         self.scripts.poll(now)
+        self.goals.poll(now)
         self._velocity.poll(now)
         if self.state.takes_commands:
             stream = self._connection.plan.next_stream(
@@ -216,7 +226,9 @@ class Driver:
         return self._modes.set(mode, now)
 
     def reset_odometry(self) -> Pending:
-        """Put the origin of the odometry frame where the robot is."""
+        """Put the origin of the odometry frame where the robot is; not while a goal needs it."""
+        if self.goals.active:
+            return refused('a goal runs and needs the odometry: cancel it first')
         self._tracking.odometry.reset()
         return done('odom starts again where the robot is')
 
@@ -267,6 +279,8 @@ class Driver:
     def _check_frame(self, taken: Taken, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
+        self._wheels.blocked = bool(int(readings.bumps_and_wheel_drops) & BUMPS)
+        self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
         if self._modes.observe(readings, now):
             self._velocity.report_next_refusal()
         drives = self.status.can_drive
@@ -279,6 +293,7 @@ class Driver:
         if self._turn_check.observe(taken.readings, taken.dt):
             self._events.notice(Severity.WARNING, ANGLE_STUCK)
         self._battery.observe(readings, now)
+        self._charging.observe(readings, now)
         if self._acquaintance.due(now):
             self._acquaintance.look(self._tracking.robot)
 

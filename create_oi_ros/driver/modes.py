@@ -73,7 +73,7 @@ class Modes:
         left = self._supervision.observe(readings, now)
         status = self._supervision.status
         if left:
-            self._handle(StateEvent.STOPPED)
+            self._handle(StateEvent.MODE_LEFT)
             self._events.notice(
                 Severity.WARNING, f'robot left {status.wanted.name} for '
                 f'{readings.oi_mode.name}: {status.reason}')
@@ -88,6 +88,14 @@ class Modes:
         if self._state.takes_commands and self._supervision.must_enter_again(now):
             self.enter(self._supervision.status.wanted, now)
 
+    def _advice(self) -> str:
+        """Say how a robot that is in no mode to drive is brought to drive."""
+        if self._supervision.docked:
+            return 'it is on its dock: send the goal undock (dock and undock are actions)'
+        if Cause.CHARGER in self._supervision.status.causes:
+            return "pull the charger's plug, let commands pause and send again"
+        return 'let commands pause and send again, or call set_mode with SAFE'
+
     def check_timeout(self, now: float) -> None:
         """End a request whose mode the robot did not report in time."""
         if self._request.outcome is not None or now <= self._deadline:
@@ -95,8 +103,9 @@ class Modes:
         status = self._supervision.status
         stays = 'does not answer' if status.actual is None else f'stays in {status.actual.name}'
         why = f' ({status.reason})' if status.reason else ''
-        self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: in SAFE it '
-                  'needs all wheels down, no cliff under it and no charger plugged in')
+        needs = (self._advice() if self._supervision.docked else 'in SAFE it needs all wheels '
+                 'down, no cliff under it and no charger plugged in')
+        self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: {needs}')
 
     def allow_driving(self, now: float) -> str | None:
         """
@@ -110,8 +119,7 @@ class Modes:
         if not self._supervision.may_recover(now):
             why = f' ({status.reason})' if status.reason else ''
             actual = 'no known mode' if status.actual is None else status.actual.name
-            return (f'robot is in {actual}{why}; let commands pause and send again, or call '
-                    'set_mode with SAFE')
+            return f'robot is in {actual}{why}; {self._advice()}'
         if not self._outbox.busy:
             self._events.notice(Severity.INFO, f'{status.reason} is gone: entering '
                                 f'{status.wanted.name} again')

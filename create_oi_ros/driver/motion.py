@@ -22,6 +22,10 @@ class MotionLimits:
     """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it."""
     angular_acceleration: float = 0.0
     """rad/s², likewise."""
+    bump_stop: bool = False
+    """Whether a pressed bumper lets no command drive forward."""
+    commands_interrupt: bool = True
+    """Whether a velocity command ends a goal that runs; else it is ignored meanwhile."""
 
 
 REPORT_TIMEOUT = 10 * SLOT
@@ -67,6 +71,12 @@ def next_speeds(
     return WheelSpeeds(before.right + fraction * right, before.left + fraction * left)
 
 
+def without_forward(speeds: WheelSpeeds) -> WheelSpeeds:
+    """Return wheel speeds that turn as these do, but do not drive forward."""
+    forward = max(0.0, (speeds.right + speeds.left) / 2)
+    return WheelSpeeds(speeds.right - forward, speeds.left - forward)
+
+
 class WheelCommands:
     """The newest velocity command, and the wheel speeds that were sent to follow it."""
 
@@ -79,6 +89,8 @@ class WheelCommands:
         self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
         self._sent_at = -inf
+        self.blocked = False
+        """Whether the bumper is pressed."""
         self.missed = 0
         """How many times in a row the robot did not take the speeds that it was sent."""
 
@@ -121,6 +133,8 @@ class WheelCommands:
         """
         since = min(now - self._ramped_at, RAMP_STEP)
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
+        if self.blocked and self.limits.bump_stop:
+            self._speeds = without_forward(self._speeds)
         self._ramped_at = now
         speeds = round(self._speeds.right), round(self._speeds.left)
         if speeds == self._sent or speeds != (0, 0) and now - self._sent_at < SLOT:

@@ -19,6 +19,8 @@ class Settings:
     mode_on_exit: oi.Mode = oi.Mode.PASSIVE
     recover_mode: bool = True
     """Whether a fresh velocity command brings back a mode that a hazard ended."""
+    reset_when_not_charging: bool = False
+    """Whether a robot that does not charge on its dock is restarted."""
     odometry_window: float = 1.0
     """Seconds between readings of distance and angle; 0 reads them in every frame."""
     battery: BatteryLimits = field(default_factory=BatteryLimits)

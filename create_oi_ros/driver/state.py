@@ -10,6 +10,7 @@ activity, in the tables below. To add an activity, add a row to each table.
     IDLE --DEMO_STARTED--> DEMO --DEMO_ENDED--> IDLE
     IDLE --SCRIPT_STARTED--> SCRIPT --SCRIPT_ENDED--> IDLE
     IDLE --SHOW_STARTED--> SILENCING --LINE_SILENT--> READING --SHOW_ENDED--> IDLE
+    IDLE --GOAL_STARTED--> GOAL --DOCKING_STARTED--> DOCKING; both --GOAL_ENDED--> IDLE
     every activity --NO_ANSWER--> CALLING, --PORT_CLOSED--> CLOSED
 """
 
@@ -24,6 +25,8 @@ class Activity(Enum):
     IDLE = 'waiting for commands'
     DRIVING = 'driving'
     DEMO = 'a demo runs'
+    GOAL = 'a goal runs'
+    DOCKING = 'a goal looks for the dock'
     SCRIPT = 'a script plays'
     SILENCING = 'waiting for the stream to pause'
     READING = 'reading the stored script'
@@ -45,11 +48,18 @@ class StateEvent(Enum):
     HALTED = auto()
     """The commanded velocity is zero, refused, or too old."""
     STOPPED = auto()
-    """A stop was requested, or the robot left the wanted mode: send the speeds again."""
+    """A stop was requested: send the speeds again."""
+    MODE_LEFT = auto()
+    """The robot left the wanted mode by itself: send the speeds again."""
     MODE_ENTERED = auto()
     """The driver sent a mode command: speeds that were sent before it no longer count."""
     DEMO_STARTED = auto()
     DEMO_ENDED = auto()
+    GOAL_STARTED = auto()
+    """A goal begins that the driver pursues by velocities."""
+    DOCKING_STARTED = auto()
+    """A goal lets the robot look for its dock."""
+    GOAL_ENDED = auto()
     SCRIPT_STARTED = auto()
     SCRIPT_ENDED = auto()
     SHOW_STARTED = auto()
@@ -64,6 +74,8 @@ class Owner(Enum):
     """No robot answers: nothing can be decided."""
     COMMANDS = auto()
     """Velocity commands, as long as they are fresh."""
+    GOAL = auto()
+    """A goal of the driver."""
     ROBOT = auto()
     """The robot itself: a demo or a script."""
 
@@ -73,12 +85,22 @@ TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
     _A.CLOSED: {_E.OPENED: _A.CALLING},
     _A.CALLING: {_E.ANSWERED: _A.IDLE},
     _A.IDLE: {
-        _E.VELOCITY: _A.DRIVING, _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT,
+        _E.VELOCITY: _A.DRIVING, _E.GOAL_STARTED: _A.GOAL,
+        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+    _A.DRIVING: {
+        _E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
+        _E.GOAL_STARTED: _A.GOAL, _E.DEMO_STARTED: _A.DEMO},
+    _A.GOAL: {
+        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
+        _E.DOCKING_STARTED: _A.DOCKING, _E.DEMO_STARTED: _A.DEMO},
+    _A.DOCKING: {
+        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.MODE_ENTERED: _A.IDLE,
+        _E.DEMO_ENDED: _A.IDLE, _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT,
         _E.SHOW_STARTED: _A.SILENCING},
-    _A.DRIVING: {_E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.DEMO_STARTED: _A.DEMO},
     _A.DEMO: {
-        _E.STOPPED: _A.IDLE, _E.MODE_ENTERED: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
-        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+        _E.STOPPED: _A.IDLE, _E.MODE_LEFT: _A.IDLE, _E.MODE_ENTERED: _A.IDLE,
+        _E.DEMO_ENDED: _A.IDLE, _E.GOAL_STARTED: _A.GOAL, _E.SCRIPT_STARTED: _A.SCRIPT,
+        _E.SHOW_STARTED: _A.SILENCING},
     _A.SCRIPT: {_E.SCRIPT_ENDED: _A.IDLE},
     _A.SILENCING: {_E.LINE_SILENT: _A.READING, _E.SHOW_ENDED: _A.IDLE},
     _A.READING: {_E.SHOW_ENDED: _A.IDLE},
@@ -90,8 +112,8 @@ for _activity, _row in TRANSITIONS.items():
 
 OWNERS = {
     _A.CLOSED: Owner.NOBODY, _A.CALLING: Owner.NOBODY,
-    _A.IDLE: Owner.COMMANDS, _A.DRIVING: Owner.COMMANDS,
-    _A.DEMO: Owner.ROBOT, _A.SCRIPT: Owner.ROBOT,
+    _A.IDLE: Owner.COMMANDS, _A.DRIVING: Owner.COMMANDS, _A.GOAL: Owner.GOAL,
+    _A.DOCKING: Owner.ROBOT, _A.DEMO: Owner.ROBOT, _A.SCRIPT: Owner.ROBOT,
     _A.SILENCING: Owner.COMMANDS, _A.READING: Owner.COMMANDS,
 }
 REFUSALS = {
@@ -104,7 +126,8 @@ REFUSALS = {
 }
 """Why the robot takes no commands now, and what to do; activities not listed take them."""
 DRIVE_REFUSALS = {
-    **REFUSALS, _A.DEMO: 'a demo runs: call stop_demo, then set_mode with SAFE'}
+    **REFUSALS, _A.DEMO: 'a demo runs: call stop_demo, then set_mode with SAFE',
+    _A.DOCKING: 'a goal looks for the dock: cancel it, or call stop'}
 """Why the robot follows no velocity now, and what to do."""
 
 
@@ -112,7 +135,7 @@ class State:
     """The present activity, and what follows from it."""
 
     __slots__ = ('activity', 'answered', 'owner', 'refusal', 'drive_refusal', 'takes_commands',
-                 'moving')
+                 'moving', 'pursues')
 
     def __init__(self, activity: Activity = Activity.CLOSED) -> None:
         self._enter(activity)
@@ -139,5 +162,7 @@ class State:
         """Why the robot follows no velocity now, and what to do; None where it may."""
         self.takes_commands = self.refusal is None
         """Whether the robot takes commands now."""
-        self.moving = activity is Activity.DRIVING
-        """Whether a commanded velocity makes the wheels turn."""
+        self.moving = activity in (Activity.DRIVING, Activity.GOAL)
+        """Whether a commanded velocity, or a goal, makes the wheels turn."""
+        self.pursues = activity in (Activity.GOAL, Activity.DOCKING)
+        """Whether a goal runs."""

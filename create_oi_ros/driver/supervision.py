@@ -22,6 +22,8 @@ LEFT_DROP, RIGHT_DROP, CASTER_DROP = map(int, (
     oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT, oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
     oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER))
 
+HOME_BASE = int(oi.ChargingSources.HOME_BASE)
+
 
 class Cause(Enum):
     """What takes the robot out of Safe mode."""
@@ -92,6 +94,8 @@ class Supervision:
         self._commands_paused = False
         self._tries = 0
         self._entered_at = -inf
+        self.docked = False
+        """Whether the robot was on the contacts of a Home Base in the newest frame."""
 
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; why the robot left the last one no longer matters."""
@@ -120,6 +124,8 @@ class Supervision:
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
         present = causes_in(readings)
+        self.docked = readings.has('charging_sources') and bool(
+            int(readings.charging_sources) & HOME_BASE)
         if present:
             self._cause_seen_at = now
         before, actual = self.status, readings.oi_mode

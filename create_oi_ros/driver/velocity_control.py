@@ -9,6 +9,7 @@ from collections.abc import Callable
 from math import isfinite
 
 from .events import EventQueue, Severity
+from .goal_control import GoalControl
 from .modes import Modes
 from .motion import WheelCommands
 from .outbox import Outbox
@@ -21,13 +22,15 @@ class VelocityControl:
 
     def __init__(
         self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
-        outbox: Outbox, events: EventQueue, handle: Callable[[StateEvent], None],
+        goals: GoalControl, outbox: Outbox, events: EventQueue,
+        handle: Callable[[StateEvent], None],
     ) -> None:
         """`handle` passes an event to the driver's state."""
         self._wheels = wheels
         self._state = state
         self._supervision = supervision
         self._modes = modes
+        self._goals = goals
         self._outbox = outbox
         self._events = events
         self._handle = handle
@@ -37,6 +40,8 @@ class VelocityControl:
 
     def command(self, linear: float, angular: float, now: float) -> None:
         """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
+        if self._goals.active and not self._interrupts(linear, angular, now):
+            return
         if isfinite(linear) and isfinite(angular):
             self._report_finite()
         else:
@@ -54,6 +59,14 @@ class VelocityControl:
             self._refusal_reported = False
             self._handle(StateEvent.VELOCITY)
         self._send_speeds(now)
+
+    def _interrupts(self, linear: float, angular: float, now: float) -> bool:
+        """End the goal that runs if this command may and would; False where it is ignored."""
+        if not self._wheels.limits.commands_interrupt or linear == angular == 0:
+            return False
+        drives = self._state.owner is Owner.GOAL
+        self._goals.interrupt(now)
+        return drives  # after a search for the dock the robot first has to enter its mode
 
     def poll(self, now: float) -> None:
         """Stop the wheels when the newest command is too old; send speeds that have changed."""

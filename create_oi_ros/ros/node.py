@@ -26,6 +26,8 @@ from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameter_checks, topics
+from .actions import Actions
+from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_until
@@ -64,6 +66,7 @@ class CreateNode(Node):
         self._stale = 0
         self._declare_topics()
         Services(self, self.session, self.model)  # the node keeps it, by its methods
+        self._actions = Actions(self, self.session, self.parameters)
         self._counts = LinkCounts()
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
         self._publish_mode(self.session.driver.status)
@@ -88,6 +91,7 @@ class CreateNode(Node):
         self._charge_known = self.parameters.battery_technology == 'nimh'
         self._frames = FramePublisher(
             self, self.parameters, charge_known=self._charge_known)
+        self._contacts = ContactCloud(self, self.parameters)
         self._mode = publisher(self, topics.MODE)
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         stamped = self.parameters.enable_stamped_cmd_vel
@@ -124,6 +128,8 @@ class CreateNode(Node):
         match event:
             case Moved():
                 self._frames.publish(event, *self._periods)
+                self._contacts.publish(event, self.parameters)
+                self._actions.report()
             case ModeChanged():
                 self._publish_mode(event.status)
             case Notice():
@@ -137,6 +143,7 @@ class CreateNode(Node):
     def _publish_diagnostics(self) -> None:
         name = self.get_fully_qualified_name().lstrip('/')
         self._graph.check()
+        self._actions.check_client()
         with self.session.request() as (driver, now):
             health = driver.health(now)
         message = topics.DIAGNOSTICS.type(status=[

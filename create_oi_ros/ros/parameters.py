@@ -15,6 +15,7 @@ from ..robot import TOP_SPEED
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
 ACTIONS = {action.value: action for action in LowBatteryAction}
+BUMP_STOPS = {'off': False, 'forward': True}
 BAUDS = tuple(code.rate for code in BaudCode)
 
 
@@ -64,6 +65,15 @@ class Parameters:
     max_angular_acceleration: float = parameter(
         MotionLimits.angular_acceleration,
         'Highest change of the turning speed, rad/s2; 0: no limit', low=0.0, high=100.0)
+    cmd_vel_interrupts: bool = parameter(
+        MotionLimits.commands_interrupt, 'Whether a velocity command that is not zero ends the '
+        'goal of an action that runs; else it is ignored meanwhile')
+    bump_stop: str = parameter(
+        'off', 'Whether a pressed bumper lets no velocity command drive forward; backing and '
+        'turning stay possible', choices=tuple(BUMP_STOPS))
+    contact_persistence: float = parameter(
+        2.0, 'Seconds for which `contacts` keeps what was felt, unless the robot moves away',
+        low=0.0, high=60.0)
     linear_scale: float = parameter(
         1.0, 'True distance over the distance that the robot reports', low=0.5, high=2.0,
         fixed=True)
@@ -99,6 +109,9 @@ class Parameters:
     low_battery_action: str = parameter(
         BatteryLimits.action.value, 'What to do when the battery is nearly empty: nothing, stop '
         'in Passive, or look for the dock', choices=tuple(ACTIONS), fixed=True)
+    reset_when_not_charging: bool = parameter(
+        Settings.reset_when_not_charging, 'Whether a robot that does not charge on its Home Base '
+        'is restarted (opcode 7)', fixed=True)
     dead_man: bool = parameter(
         True, 'Whether a process of its own stops the robot when the node dies', fixed=True)
     capture: str = parameter(
@@ -113,6 +126,7 @@ class Parameters:
             battery=BatteryLimits(
                 low=self.battery_low, empty=self.battery_empty,
                 action=ACTIONS[self.low_battery_action]),
+            reset_when_not_charging=self.reset_when_not_charging,
             odometry_window=self.odometry_window, limits=self.limits(),
             geometry=Geometry(
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
@@ -128,4 +142,6 @@ class Parameters:
             wheel_separation=self.wheel_separation, max_wheel_speed=self.max_wheel_speed,
             timeout=self.cmd_vel_timeout,
             linear_acceleration=self.max_linear_acceleration,
-            angular_acceleration=self.max_angular_acceleration)
+            angular_acceleration=self.max_angular_acceleration,
+            bump_stop=BUMP_STOPS[self.bump_stop],
+            commands_interrupt=self.cmd_vel_interrupts)

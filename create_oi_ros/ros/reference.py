@@ -1,5 +1,5 @@
 """
-Writes what follows from the declarations of topics, services and parameters: `make docs`.
+Writes what follows from the declarations of topics, services, actions and parameters: `make docs`.
 
 `python -m create_oi_ros.ros.reference FILE ...` writes a .yaml file as a whole: the parameters
 with their defaults. In any other file it replaces the blocks between their markers: the tables of
@@ -15,9 +15,10 @@ from textwrap import wrap
 from typing import Any
 
 from ..oi.tools import markdown
+from .actions import ACTIONS
 from .parameters import Parameters
 from .services import SERVICES
-from .topics import PUBLISHED, TF
+from .topics import CONTACTS, PUBLISHED, TF
 
 CONFIG_WIDTH = 93
 """Characters of a comment line at most."""
@@ -25,7 +26,7 @@ POLICY_INDENT = 12 * ' '
 
 
 def type_name(type_: type) -> str:
-    """Return the name of a message or service type as ROS writes it."""
+    """Return the name of a message, service or action type as people write it."""
     package = type_.__module__.partition('.')[0]
     return f'{package}/{type_.__name__}'
 
@@ -41,6 +42,17 @@ def services() -> str:
     """Return the table of services."""
     return markdown.table(('service', 'type', 'what'), (
         (f'`{service.name}`', type_name(service.type), service.about) for service in SERVICES))
+
+
+def actions() -> str:
+    """Return the table of actions."""
+    return markdown.table(('action', 'type', 'goal', 'what'), (
+        (f'`{action.name}`', type_name(action.type), _fields(action.type.Goal), action.about)
+        for action in ACTIONS))
+
+
+def _fields(goal: Any) -> str:
+    return ', '.join(f'`{name}`' for name in goal.get_fields_and_field_types())
 
 
 def parameters() -> str:
@@ -61,11 +73,12 @@ def policy_names(element: str, names: Iterable[str]) -> str:
         + POLICY_INDENT
 
 
-TABLES = {'topics': topics, 'services': services, 'parameters': parameters}
+TABLES = {'topics': topics, 'services': services, 'actions': actions, 'parameters': parameters}
 POLICY = {
     'all topics': lambda: policy_names('topic', (topic.name for topic in PUBLISHED)),
-    'all topics but /tf': lambda: policy_names(
-        'topic', (topic.name for topic in PUBLISHED if topic is not TF)),
+    'all topics but /tf and contacts': lambda: policy_names(
+        'topic', (topic.name for topic in PUBLISHED if topic not in (TF, CONTACTS))),
+    'all actions': lambda: policy_names('action', (action.name for action in ACTIONS)),
     'all services': lambda: policy_names('service', (service.name for service in SERVICES)),
 }
 BLOCKS = {**TABLES, **POLICY}

@@ -27,7 +27,7 @@ from create_oi_msgs.msg import (
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from sensor_msgs.msg import BatteryState, JointState
+from sensor_msgs.msg import BatteryState, JointState, PointCloud2
 
 from tf2_msgs.msg import TFMessage
 
@@ -94,6 +94,10 @@ MODE = Topic(
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
     about='battery, safety, mode, serial link, driver, odometry, version and parameters (REP 107)')
+CONTACTS = Topic(
+    name='contacts', type=PointCloud2,
+    when='on change at once, at `sensor_rate` while there are points, else 1 Hz',
+    about='what bumper, cliffs and virtual wall feel, as points in `base_frame`, for costmaps')
 
 BUMPS = int(BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT)
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
@@ -152,7 +156,8 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
         when='1 Hz, and when the charging state changes',
         about='voltage, current, charge, temperature, charging status'),
 )
-PUBLISHED: tuple[Topic, ...] = (ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, MODE, DIAGNOSTICS)
+PUBLISHED: tuple[Topic, ...] = (
+    ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, CONTACTS, MODE, DIAGNOSTICS)
 
 WATCHED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.watch})
 """All readings whose change is published at once."""

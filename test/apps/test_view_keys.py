@@ -1,8 +1,9 @@
 """Keys of `create_view`: their actions, and how long they drive."""
 
-from math import inf
+from math import inf, pi
 from pathlib import Path
 
+from create_oi_msgs.action import WallFollow
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
@@ -13,6 +14,7 @@ from create_oi_ros.apps.view.keys import (
     CONFIRM,
     Confirmation,
     DriveKey,
+    GoalCall,
     KeyDecoder,
     ServiceCall,
     SONG,
@@ -20,9 +22,11 @@ from create_oi_ros.apps.view.keys import (
     ViewCommand,
 )
 from create_oi_ros.apps.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
+from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.services import SERVICES
 
 ROOT = Path(__file__).parents[2]
+ACTION_TYPES = {action.name: action.type for action in ACTIONS}
 TYPES = {service.name: service.type for service in SERVICES}
 TYPED = (b'w', b'\x1b[A', b'\x1bOA', b'\x1b[1;5C', b'\x1b[D', b'\x1b[3~', b'\x1bOP', b' ', b'Q',
          b'\xc3\xa9', b'\x1b[24;80R')
@@ -43,7 +47,13 @@ def actions(typed: bytes) -> list[object]:
     (b'-', ViewCommand.SLOWER),
     (b'1', ServiceCall('set_mode', {'mode': 1})), (b'2', ServiceCall('set_mode', {'mode': 2})),
     (b'3', ServiceCall('set_mode', {'mode': 3})),
-    (b'g', ServiceCall('dock')), (b'r', ServiceCall('reset_odometry')),
+    (b'i', GoalCall('drive_distance', {'distance': 0.3})),
+    (b'k', GoalCall('drive_distance', {'distance': -0.3})),
+    (b'j', GoalCall('rotate_angle', {'angle': pi / 2})),
+    (b'l', GoalCall('rotate_angle', {'angle': -pi / 2})),
+    (b'f', GoalCall('wall_follow', {'follow_side': WallFollow.Goal.FOLLOW_RIGHT})),
+    (b'u', GoalCall('undock')),
+    (b'g', GoalCall('dock')), (b'r', ServiceCall('reset_odometry')),
     (b'c', ViewCommand.CLEAR), (b'\x0c', ViewCommand.REDRAW),
     (b'h', ViewCommand.HELP), (b'?', ViewCommand.HELP),
     (b'q', ViewCommand.QUIT), (b'Q', ViewCommand.QUIT),
@@ -84,6 +94,13 @@ def test_no_key_has_two_actions():
     ids=lambda ask: f'{ask.service}{ask.fields.get("mode", "")}')
 def test_every_service_call_is_valid(ask):
     TYPES[ask.service].Request(**ask.fields)
+
+
+@pytest.mark.parametrize('ask', [
+    each.action for each in BINDINGS if isinstance(each.action, GoalCall)],
+    ids=lambda ask: ask.name)
+def test_every_goal_is_valid(ask):
+    ACTION_TYPES[ask.name].Goal(**ask.fields)
 
 
 def test_the_tune_leaves_the_songs_that_others_use_most():
@@ -211,7 +228,7 @@ def test_whatever_is_typed_it_ends_with_a_zero_and_is_never_too_fast(typed):
     assert not teleop.driving
 
 
-DOCK = ServiceCall('dock')
+DOCK = GoalCall('dock')
 
 
 def test_a_key_that_moves_the_robot_by_itself_is_pressed_twice():
@@ -240,3 +257,9 @@ def test_all_services_that_start_a_motion_ask():
     moving = {'dock', 'start_demo'}
     assert moving <= set(TYPES)
     assert all(not Confirmation().confirmed(ServiceCall(name), 0.0) for name in moving)
+
+
+def test_all_actions_in_which_the_robot_finds_its_way_ask():
+    moving = {'dock', 'undock', 'wall_follow'}
+    assert moving <= set(ACTION_TYPES)
+    assert all(not Confirmation().confirmed(GoalCall(name), 0.0) for name in moving)

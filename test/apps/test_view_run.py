@@ -286,5 +286,19 @@ def test_the_robot_docks_when_g_is_pressed_twice(stage, start_view):
 
     def twice():
         view.type('gg')
-        return 'dock: done' in view.screen.text
-    view.until(twice, 'the robot docks')
+        return 'dock: under way' in view.screen.text
+    view.until(twice, 'the robot looks for its dock')
+    view.type(' ')
+    view.sees('dock: ended, stopped')
+
+
+def test_a_key_drives_a_set_way_and_the_result_is_shown(stage, start_view):
+    ready(stage)
+    view = start_view()
+    safe(view)
+
+    def under_way():
+        view.type('i')
+        return 'drive_distance: under way' in view.screen.text
+    view.until(under_way, 'the goal runs')
+    view.sees('drive_distance: done, drove 0.')

@@ -46,10 +46,12 @@ def test_a_robot_that_does_not_answer_is_called(activity):
 
 @pytest.mark.parametrize('activity', Activity)
 @pytest.mark.parametrize('event', StateEvent)
-def test_only_a_velocity_makes_the_wheels_turn(activity, event):
+def test_only_a_velocity_and_a_goal_make_the_wheels_turn(activity, event):
     state = State(activity)
     if state.handle(event) and state.moving:
-        assert (activity, event) == (Activity.IDLE, StateEvent.VELOCITY)
+        assert (activity, event) in (
+            (Activity.IDLE, StateEvent.VELOCITY), (Activity.IDLE, StateEvent.GOAL_STARTED),
+            (Activity.DRIVING, StateEvent.GOAL_STARTED), (Activity.DEMO, StateEvent.GOAL_STARTED))
 
 
 @pytest.mark.parametrize('activity', Activity)

@@ -54,6 +54,8 @@ class Page:
                 self._on_a_screen(program, arguments, 'q quit', 'q')
             case 'create_sim', _ if '--show' in arguments:
                 self._on_a_screen(program, arguments, 'infrared', '\x03')
+            case 'create_sim', _ if '--export' in arguments:
+                self._to_its_end(self._stage.program(program, *arguments))
             case 'create_sim', _:
                 self.end()
                 self._simulator = self._stage.program(program, *arguments)
@@ -117,7 +119,7 @@ def recorded() -> bool:
 
 @pytest.mark.parametrize(('page', 'count'), [
     ('README.md', 2), ('docs/calibration.md', 5), ('docs/recording.md', 6),
-    ('docs/simulator.md', 5), ('docs/view.md', 2), ('docs/web.md', 3)])
+    ('docs/simulator.md', 7), ('docs/view.md', 2), ('docs/web.md', 3)])
 def test_the_commands_of_a_page_work(page, count, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = commands(page)

@@ -17,4 +17,5 @@ def test_generated_blocks_are_made_from_the_code(name, labels):
 
 
 def test_the_script_in_the_readme_is_the_example():
-    assert f'```python\n{(ROOT / "examples" / "drive.py").read_text()}```' in README
+    for name in ('drive.py', 'square.py'):
+        assert f'```python\n{(ROOT / "examples" / name).read_text()}```' in README

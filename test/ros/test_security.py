@@ -23,6 +23,7 @@ from create_oi_ros.apps.view.robot_state import RobotState
 from create_oi_ros.apps.view.view_node import ViewNode
 from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.web_node import WebNode
+from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
@@ -41,9 +42,29 @@ def allowed(enclave: str, what: str) -> set[str]:
     for rule in profile.findall(f"./*[@{what}='ALLOW']"):
         assert set(rule.attrib) == {what}
         for name in rule:
+            assert name.tag != 'action'
             whole = re.sub('^~', f"/{profile.get('node')}", str(name.text))
             names.add(whole if whole.startswith('/') else f"{profile.get('ns')}{whole}")
     return names
+
+
+OF_ACTIONS = {
+    'publish': ('execute', ('feedback', 'status')), 'subscribe': ('call', ('feedback', 'status')),
+    'reply': ('execute', ('send_goal', 'cancel_goal', 'get_result')),
+    'request': ('call', ('send_goal', 'cancel_goal', 'get_result'))}
+"""What `execute` and `call` of an action allow, as `ros2 security` writes it."""
+
+
+def actions(enclave: str, what: str) -> set[str]:
+    """Return the names of the actions that an enclave may execute or call."""
+    profile, = POLICY.findall(f".//enclave[@path='{enclave}']/profiles/profile")
+    return {str(name.text) for name in profile.findall(f"./actions[@{what}='ALLOW']/action")}
+
+
+def allowed_by_actions(enclave: str, what: str) -> set[str]:
+    """Return the full names that an enclave may use as parts of its actions."""
+    rule, parts = OF_ACTIONS[what]
+    return {f'/{name}/_action/{part}' for name in actions(enclave, rule) for part in parts}
 
 
 def full(names: list[str]) -> set[str]:
@@ -78,7 +99,8 @@ def node():
 @pytest.mark.parametrize(('enclave', 'name'), [
     ('/create', 'create'), ('/view', 'create_view'), ('/web', 'create_web')])
 def test_a_node_may_do_what_it_does_and_no_more(node, enclave, name, what, ask):
-    assert allowed(enclave, what) == {each for each, _ in getattr(node, ask)(name, '/')}
+    used = {each for each, _ in getattr(node, ask)(name, '/')}
+    assert allowed(enclave, what) | allowed_by_actions(enclave, what) == used
 
 
 def test_a_pilot_may_drive_listen_and_ask():
@@ -86,6 +108,7 @@ def test_a_pilot_may_drive_listen_and_ask():
     assert allowed(pilot, 'publish') == {'/cmd_vel', *EVERY_NODE}
     assert allowed(pilot, 'subscribe') == full([topic.name for topic in PUBLISHED])
     assert allowed(pilot, 'request') == full([service.name for service in SERVICES])
+    assert actions(pilot, 'call') == {action.name for action in ACTIONS}
 
 
 def test_the_policy_is_installed_where_the_page_looks_for_it():

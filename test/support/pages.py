@@ -6,10 +6,12 @@ import re
 import shlex
 from typing import Any
 
+from create_oi_msgs import action as our_actions
 from create_oi_msgs import msg as our_messages
 from geometry_msgs.msg import Twist, TwistStamped
 import yaml
 
+from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.services import SERVICES
@@ -19,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r'(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$', re.M | re.S)
 OURS = {f'/{topic.name.lstrip("/")}' for topic in PUBLISHED} | {'/cmd_vel'}
 """Full names of all topics of a driver without a namespace."""
+ACTION_TYPES = {f'/{action.name}': action.type for action in ACTIONS}
 SERVICE_TYPES = {f'/{service.name}': service.type for service in SERVICES}
 LAUNCH = re.compile(r"^    '(\w+)': \(|DeclareLaunchArgument\('(\w+)'", re.M)
 """How the launch files declare their arguments."""
@@ -68,8 +71,15 @@ def check_ros2(words: list[str], foreign: frozenset[str] = frozenset()) -> None:
         case ['service', 'call', name, kind, *fields]:
             assert kind == type_name(SERVICE_TYPES[name])
             check_fields(SERVICE_TYPES[name].Request, yaml.safe_load(' '.join(fields) or '{}'))
+        case ['action', 'list']:
+            pass
+        case ['action', 'send_goal', *rest]:
+            name, kind, fields = (word for word in rest if word != '--feedback')
+            assert kind == type_name(ACTION_TYPES[name])
+            check_fields(ACTION_TYPES[name].Goal, yaml.safe_load(fields))
         case ['interface', 'show', name]:
-            assert hasattr(our_messages, name.removeprefix('create_oi_msgs/msg/'))
+            kind = name.removeprefix('create_oi_msgs/msg/').removeprefix('create_oi_msgs/action/')
+            assert hasattr(our_messages, kind) or hasattr(our_actions, kind)
         case ['run', 'create_oi_ros', program, *arguments]:
             assert program in PROGRAMS
             check_parameters(arguments)

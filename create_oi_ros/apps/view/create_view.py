@@ -20,6 +20,7 @@ from .keys import (
     action_of,
     Confirmation,
     DriveKey,
+    GoalCall,
     KeyDecoder,
     ServiceCall,
     STOP,
@@ -88,6 +89,8 @@ class RobotView:
                         self._teleop.press(drive, now)
                 case ServiceCall() as call:
                     self._node.call_service(call, now)
+                case GoalCall() as goal:
+                    self._node.send_goal(goal, now)
                 case ViewCommand() as command:
                     self._do(command, now)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from math import inf
+from math import inf, pi
 
 from ...oi import Mode
 
@@ -35,6 +35,14 @@ class ServiceCall:
     fields: Mapping[str, object] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class GoalCall:
+    """A goal of an action to send, with its fields."""
+
+    name: str
+    fields: Mapping[str, object] = field(default_factory=dict)
+
+
 class ViewCommand(Enum):
     """What the view itself does."""
 
@@ -48,17 +56,17 @@ class ViewCommand(Enum):
     QUIT = 'quit'
 
 
-Action = DriveKey | ServiceCall | ViewCommand
+Action = DriveKey | ServiceCall | GoalCall | ViewCommand
 
 
 @dataclass(frozen=True)
 class Binding:
-    """Keys, their action, and their line on the help page."""
+    """Keys, their action, and their line on the help page; none if the line before names them."""
 
     keys: tuple[str, ...]
     action: Action
-    shown: str
-    about: str
+    shown: str = ''
+    about: str = ''
 
 
 def _mode(mode: Mode) -> ServiceCall:
@@ -69,21 +77,35 @@ TUNE: dict[str, object] = {
     'number': SONG, 'pitches': [67, 72, 76, 79], 'seconds': [0.15, 0.15, 0.15, 0.3], 'play': True}
 STOP = ServiceCall('stop')
 """Called when space is pressed, after the keys are released."""
-MOVING = ('dock', 'start_demo')
-"""Services that start a motion of the robot's own: their keys count when pressed twice."""
+MOVING = ('dock', 'start_demo', 'undock', 'wall_follow')
+"""Services and actions in which the robot finds its own way: their keys count when pressed
+twice."""
+STEP, QUARTER = 0.3, pi / 2
+"""Metres and radians of the keys that drive a set way."""
+RIGHT_SIDE = -1
+"""The wall sensor's side, as the action wall_follow has it."""
 BINDINGS = (
     Binding(('up', 'w'), DriveKey(forward=1), 'up w', 'forward, as long as it is held'),
     Binding(('down', 's'), DriveKey(forward=-1), 'down s', 'backward'),
     Binding(('left', 'a'), DriveKey(turn=1), 'left a', 'turn left; with up: a curve'),
     Binding(('right', 'd'), DriveKey(turn=-1), 'right d', 'turn right'),
     Binding((' ',), ViewCommand.STOP, 'space', 'stop wheels and demos at once'),
-    Binding(('+', '='), ViewCommand.FASTER, '+', 'drive faster from now on'),
-    Binding(('-', '_'), ViewCommand.SLOWER, '-', 'drive slower'),
-    Binding(('1',), _mode(Mode.PASSIVE), '1', 'Passive: rests and charges'),
-    Binding(('2',), _mode(Mode.SAFE), '2', 'Safe: drives, stops at cliffs'),
-    Binding(('3',), _mode(Mode.FULL), '3', 'Full: drives off tables, too'),
+    Binding(('+', '='), ViewCommand.FASTER, '+ -', 'drive faster, slower'),
+    Binding(('-', '_'), ViewCommand.SLOWER),
+    Binding(('1',), _mode(Mode.PASSIVE), '1 2 3', 'Passive, Safe, Full'),
+    Binding(('2',), _mode(Mode.SAFE)),
+    Binding(('3',), _mode(Mode.FULL)),
     Binding(('p',), ServiceCall('define_song', TUNE), 'p', f'play a tune (stored as song {SONG})'),
-    Binding(('g',), ServiceCall('dock'), 'g g', 'go to the Home Base: press twice'),
+    Binding(('i',), GoalCall('drive_distance', {'distance': STEP}), 'i k',
+            '30 cm forward, backward'),
+    Binding(('k',), GoalCall('drive_distance', {'distance': -STEP})),
+    Binding(('j',), GoalCall('rotate_angle', {'angle': QUARTER}), 'j l',
+            '90 degrees left, right'),
+    Binding(('l',), GoalCall('rotate_angle', {'angle': -QUARTER})),
+    Binding(('f',), GoalCall('wall_follow', {'follow_side': RIGHT_SIDE}), 'f f',
+            'follow a wall: press twice'),
+    Binding(('g',), GoalCall('dock'), 'g g', 'go to the Home Base: press twice'),
+    Binding(('u',), GoalCall('undock'), 'u u', 'leave the Home Base: press twice'),
     Binding(('r',), ServiceCall('reset_odometry'), 'r', 'reset the odometry'),
     Binding(('c',), ViewCommand.CLEAR, 'c', 'clear the map'),
     Binding(('\x0c',), ViewCommand.REDRAW, '^L', 'draw the screen again'),
@@ -99,6 +121,14 @@ def action_of(key: str) -> Action | None:
     return ACTIONS.get(key.lower() if len(key) == 1 else key)
 
 
+def moves_by_itself(action: Action) -> bool:
+    """Tell whether the robot finds its own way in this action."""
+    match action:
+        case ServiceCall(service=name) | GoalCall(name=name):
+            return name in MOVING
+    return False
+
+
 class Confirmation:
     """Asks for the second press of a key whose action moves the robot by itself."""
 
@@ -110,7 +140,7 @@ class Confirmation:
         """Take a key's action; return whether to do it, False: ask for the same key again."""
         second = action == self._asked and now <= self._until
         self._asked = None
-        if not (isinstance(action, ServiceCall) and action.service in MOVING) or second:
+        if second or not moves_by_itself(action):
             return True
         self._asked, self._until = action, now + CONFIRM
         return False

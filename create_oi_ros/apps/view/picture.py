@@ -55,7 +55,8 @@ def _head(canvas: Canvas, state: RobotState) -> None:
 
 
 def _help(canvas: Canvas, box: chart.Box) -> None:
-    for row, each in enumerate(BINDINGS[:box.rows], box.row):
+    lines = [each for each in BINDINGS if each.shown]
+    for row, each in enumerate(lines[:box.rows], box.row):
         canvas.put(row, box.column + 1, each.shown, width=8)
         canvas.put(row, box.column + 9, each.about, width=box.columns - 9)
 

@@ -10,25 +10,28 @@ from typing import Any
 from create_oi_msgs.msg import CargoBay
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
+from rclpy.action.client import ActionClient, ClientGoalHandle
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
 from ...ros import topics
+from ...ros.actions import ACTIONS
 from ...ros.services import SERVICES
 from ...ros.velocity_output import CMD_VEL, NEWEST, VelocityOutput
-from .keys import BINDINGS, ServiceCall, STOP
+from .keys import BINDINGS, GoalCall, ServiceCall, STOP
 from .robot_state import CallStatus, RobotState
 from .teleop import Velocity
 
-HEARD = tuple(topic for topic in topics.PUBLISHED if topic is not topics.TF)
-"""Topics to subscribe to; /tf repeats `odom`."""
+HEARD = tuple(topic for topic in topics.PUBLISHED if topic not in (topics.TF, topics.CONTACTS))
+"""Topics to subscribe to; /tf repeats `odom`, and `contacts` the sensors."""
 FAST = (Odometry, JointState, CargoBay)
 """Message types that come faster than anybody can read: only the newest is kept."""
 LINK, PARAMETERS = 'serial link', 'parameters'
 """Names of two statuses in the driver's diagnostics."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
+ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 
 
 def period_of(topic: topics.Topic, sensor_period: float = 0.0) -> float:
@@ -58,6 +61,9 @@ class ViewNode(Node):
         self._service_clients = {
             name: self.create_client(TYPES[name], name)
             for name in {call.service for call in (*calls, STOP)}}
+        goals = {each.action.name for each in BINDINGS if isinstance(each.action, GoalCall)}
+        self._action_clients = {
+            name: ActionClient(self, ACTION_TYPES[name], name) for name in goals}
         self._velocity = VelocityOutput(self)
         self._commands: Subscription | None = None
         self._heard_type: type | None = None
@@ -133,3 +139,29 @@ class ViewNode(Node):
         if reply.success and call.service == 'reset_odometry':
             self.state.trail.clear()
 
+    # Goals.
+
+    def send_goal(self, call: GoalCall, now: float) -> None:
+        """Send a goal; the result appears in the state."""
+        client = self._action_clients[call.name]
+        if not client.server_is_ready():
+            self.state.call_status = CallStatus(
+                f'nobody offers {call.name}: no driver is running', highlighted=True)
+            return
+        self.state.call_status = CallStatus(call.name, waiting_since=now)
+        sent = client.send_goal_async(ACTION_TYPES[call.name].Goal(**call.fields))
+        sent.add_done_callback(lambda done: self._on_answer(call, done.result()))
+
+    def _on_answer(self, call: GoalCall, handle: ClientGoalHandle) -> None:
+        if not handle.accepted:
+            self.state.call_status = CallStatus(
+                f'{call.name}: rejected, the log of the driver says why', highlighted=True)
+            return
+        self.state.call_status = CallStatus(f'{call.name}: under way; space stops it')
+        handle.get_result_async().add_done_callback(
+            lambda done: self._on_result(call, done.result().result))
+
+    def _on_result(self, call: GoalCall, result: Any) -> None:
+        text = ', '.join(filter(None, ('done' if result.success else 'ended', result.message)))
+        self.state.call_status = CallStatus(
+            f'{call.name}: {text}', highlighted=not result.success)

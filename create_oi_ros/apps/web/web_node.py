@@ -16,7 +16,7 @@ from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot
 
-UNUSED = (topics.TF.name, topics.JOINT_STATES.name, 'cargo_bay')
+UNUSED = (topics.TF.name, topics.JOINT_STATES.name, 'cargo_bay', topics.CONTACTS.name)
 """Topics of the driver that the page does not show; /tf repeats `odom`."""
 HEARD = tuple(topic for topic in topics.PUBLISHED if topic.name not in UNUSED)
 CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'dock', 'reset_odometry')

@@ -10,6 +10,7 @@ left positive.
 
 import math
 
+from ...robot import CLIFF_BEARINGS
 from ..world import HomeBase, Pose, World
 from ..world.geometry import Obstacle, Point, reach, sees
 from .sensed import BEAMS, FORCE_FIELD, GREEN_BUOY, NO_INFRARED, RED_BUOY
@@ -30,12 +31,10 @@ WALL_PEAK, WALL_FALL = 4000, 0.04
 WALL_SEEN = 600
 """Least signal at which packet 8 reports a wall: at about 6 cm."""
 
-CLIFF_BEARINGS = tuple(map(math.radians, (60, 15, -15, -60)))
-"""Left, front left, front right, right."""
 CLIFF_FORWARD = 0.15
 """Distance of the cliff sensors from the robot's centre, metres."""
 CLIFF_PLACES = tuple((CLIFF_FORWARD * math.cos(bearing), CLIFF_FORWARD * math.sin(bearing))
-                      for bearing in CLIFF_BEARINGS)
+                      for bearing in map(math.radians, CLIFF_BEARINGS))
 FLOOR_PEAK = 2500
 """Cliff signal over a floor that reflects everything."""
 CLIFF_BELOW = 150

@@ -35,6 +35,8 @@ from .uart import DEFAULT_BAUD, SLOW_BAUD, Uart
 
 RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""
+FULL = 0.98
+"""Part of the capacity from which on a battery counts as full."""
 CHUNK = 256
 """Bytes that are interpreted at once, so that the cost of a flood only grows with its length."""
 
@@ -210,6 +212,12 @@ class Create:
                 self._enter(Mode.PASSIVE)
             self._demos.stop()
 
+    def _held_by_dock(self) -> bool:
+        """Return whether the robot stays on its Home Base, as Safe mode may have it."""
+        sensed = self.body.sense()
+        return (self.guesses.dock_holds_safe and self.mode is Mode.SAFE and sensed.home_base
+                and sensed.charge < FULL * sensed.capacity)
+
     # Power and buttons.
 
     @property
@@ -267,7 +275,8 @@ class Create:
         elif mode is Mode.SAFE or self.mode is Mode.PASSIVE:
             self.actuators.lights = DARK
         self.mode = mode
-        self.body.allow_charging(mode is Mode.PASSIVE)
+        begins = self.guesses.dock_charges or not self.body.sense().home_base
+        self.body.allow_charging(mode is Mode.PASSIVE and begins)
 
     @property
     def demo(self) -> oi.DemoNumber | None:
@@ -312,6 +321,8 @@ class Create:
             self._change_mode(accepted, accepted.enters)
         if accepted.section == ACTUATORS:
             self.actuators.obey(accepted)
+            if self._held_by_dock():
+                self.actuators.turn_wheels(Wheels())
             self.speaker.obey(accepted, self.time)
         elif accepted.section == INPUTS:
             self._uart.reply(self._telemetry.answer(accepted, self._own_values()), self.time)

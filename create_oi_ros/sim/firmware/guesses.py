@@ -27,6 +27,11 @@ class Guesses:
     dock_ends_safe: bool = False
     """The Home Base counts as 'charger plugged in and powered' in Safe.  Were it so, no robot
     could leave its dock in Safe."""
+    dock_holds_safe: bool = True
+    """Docked in Safe, the wheels do not turn until the battery is full (reported)."""
+    dock_charges: bool = True
+    """Passive, entered on the contacts of a Home Base, begins to charge; else only a restart does
+    (reported of some)."""
     passive_stops_drivers: bool = True
     """Whatever leads to Passive turns the low side drivers off, as it stops the wheels."""
     start_ends_demo: bool = True

@@ -19,6 +19,7 @@ from ..firmware import Create
 from ..firmware.guesses import Guesses
 from ..world import parse, shipped, shipped_names, World
 from .control_port import ControlPort
+from .export import export, SUFFIXES
 from .faults import Fault, Faults
 from .lines import Line, PtyLine, TcpLine
 from .path_errors import naming, sentence
@@ -62,6 +63,13 @@ def _fault(text: str) -> Fault:
         return Fault.parse(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _export(text: str) -> Path:
+    if Path(text).suffix not in SUFFIXES:
+        raise argparse.ArgumentTypeError(
+            f'{text!r}; allowed: a file that ends with .yaml (a map for Nav2) or .sdf (Gazebo)')
+    return Path(text)
 
 
 def _speed(text: str) -> float:
@@ -112,6 +120,9 @@ def _arguments() -> argparse.ArgumentParser:
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
     add('--show', action='store_true', help='draw room and robot in this terminal (80 by 24)')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
+    add('--export', type=_export, metavar='FILE.yaml|.sdf',
+        help='write the world as a map for Nav2 (YAML and PGM, 2 cm a cell) or as walls for '
+        'Gazebo, and end; nothing is simulated')
     add('--linger', type=_linger, default=0.0, metavar='SECONDS',
         help='at Ctrl-C, serve so long or until the host has closed the port '
         '(default: %(default)s); a second Ctrl-C ends at once')
@@ -193,7 +204,9 @@ def _unfit_for_replay(options: argparse.Namespace, parser: argparse.ArgumentPars
 
 
 def _run(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
-    if options.replay:
+    if options.export:
+        print(export(options.world, options.export))
+    elif options.replay:
         play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
     else:
         _serve(options, guesses, config)

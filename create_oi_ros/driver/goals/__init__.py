@@ -1,0 +1,12 @@
+"""Goals: motions with an end, which the driver pursues frame by frame. Pure."""
+
+from .docking import Dock, Undock
+from .goal import Goal, Malformed
+from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle
+from .outcome import Code, Ending, Phase, Progress, Running
+from .wall_following import WallFollow
+
+__all__ = [
+    'Code', 'Dock', 'DriveArc', 'DriveDistance', 'Ending', 'Goal', 'Malformed',
+    'NavigateToPosition', 'Phase', 'Progress', 'RotateAngle', 'Running', 'Undock', 'WallFollow',
+]

@@ -1,0 +1,130 @@
+"""
+What a goal is: told of every frame, it answers with an order for the driver.
+
+A goal has no clock and touches nothing. `begin` gets the first view, `step` that and each later
+one. The driver carries out what they order, and ends the goal for reasons that are not its own: a
+stop, another goal, a lost robot.
+"""
+
+from abc import ABC, abstractmethod
+from enum import auto, Enum
+from math import isfinite, tau
+from typing import NamedTuple
+
+from ... import oi
+from ...odometry import Estimate
+from ..motion import MotionLimits
+from .outcome import Code, Progress
+
+LONGEST, MOST_TURN = 1000.0, 1000 * tau
+"""Metres and radians of one goal at most: the odometry is worth little after that."""
+
+
+class Malformed(ValueError):
+    """A goal that no robot could follow: what is wrong with it, and what is allowed."""
+
+
+class View(NamedTuple):
+    """What a goal knows when a frame has come."""
+
+    now: float
+    """Seconds."""
+    dt: float
+    """Seconds since the view before."""
+    estimate: Estimate
+    readings: oi.Readings
+    """The newest of every packet."""
+    measured: bool
+    """Whether distance and angle came with this frame."""
+    limits: MotionLimits
+
+
+class Velocity(NamedTuple):
+    """An order: drive at this velocity."""
+
+    linear: float = 0.0
+    """m/s, forward."""
+    angular: float = 0.0
+    """rad/s, counter-clockwise."""
+
+
+class Enter(NamedTuple):
+    """An order: stand still and enter a mode."""
+
+    mode: oi.Mode
+    why: str = ''
+    """What to tell the user; empty: nothing."""
+
+
+class Demo(Enum):
+    """An order about the demo that finds the Home Base."""
+
+    PLAY = auto()
+    GO_ON = auto()
+
+
+class Over(NamedTuple):
+    """An order: the goal is over."""
+
+    code: Code
+    text: str
+
+
+Order = Velocity | Enter | Demo | Over
+
+
+class Goal(ABC):
+    """One goal; SI units."""
+
+    needs_driving = True
+    """Whether the robot must follow velocities when the goal begins."""
+
+    def __init__(self, allowance: float) -> None:
+        """Take the seconds that the goal may take; 0 leaves that to the goal."""
+        check_number('time_allowance', allowance, 's')
+        if allowance < 0:
+            raise Malformed(f'time_allowance = {allowance:g} s; allowed: 0 or more')
+        self.allowance = allowance
+
+    @abstractmethod
+    def begin(self, view: View) -> Over | None:
+        """Start here and now; or say why that is not possible, or not necessary."""
+
+    @abstractmethod
+    def step(self, view: View) -> Order:
+        """Return what to do until the next frame."""
+
+    @property
+    @abstractmethod
+    def progress(self) -> Progress:
+        """How far the goal is."""
+
+    def timed_out(self) -> Over:
+        """Return how the goal ends when its time is over."""
+        return Over(Code.TIMEOUT, f'time_allowance of {self.allowance:.1f} s is over')
+
+
+def check_number(name: str, value: float, unit: str) -> None:
+    """Refuse a value that is no number."""
+    if not isfinite(value):
+        raise Malformed(f'{name} = {value} {unit} is not finite')
+
+
+def check_amount(name: str, value: float, most: float, unit: str) -> None:
+    """Refuse a distance or an angle that is no number, or too long."""
+    check_number(name, value, unit)
+    if abs(value) > most:
+        raise Malformed(f'{name} = {value:g} {unit}; allowed: {-most:g} to {most:g}')
+
+
+def check_positive(name: str, value: float, unit: str) -> None:
+    """Refuse a speed or a radius that is not above 0."""
+    check_number(name, value, unit)
+    if value <= 0:
+        raise Malformed(f'{name} = {value:g} {unit}; allowed: above 0')
+
+
+def docked(readings: oi.Readings) -> bool:
+    """Tell whether the robot is on the contacts of a Home Base; charging or full."""
+    return (readings.has('charging_sources')
+            and oi.ChargingSources.HOME_BASE in readings.charging_sources)

@@ -1,0 +1,91 @@
+"""How far a goal is, and how it ends."""
+
+from collections.abc import Callable
+from enum import auto, Enum, IntEnum
+from typing import NamedTuple
+
+from ...odometry import Estimate
+
+
+class Code(IntEnum):
+    """How a goal ended; the numbers are those of `error_code` in the actions."""
+
+    NONE = 0
+    """No error."""
+    TIMEOUT = 1
+    BUMP = 2
+    CLIFF = 3
+    WHEEL_DROP = 4
+    STALL = 5
+    MODE = 6
+    NO_ROBOT = 7
+    LINK = 8
+    NO_DOCK = 9
+    SUPERSEDED = 10
+    STOPPED = 11
+    CANCELED = 12
+
+
+class Phase(Enum):
+    """What a goal of several phases is doing."""
+
+    TURNING_TO_PLACE = auto()
+    DRIVING = auto()
+    TURNING_TO_HEADING = auto()
+    LOOKING = auto()
+    SEES_DOCK = auto()
+    DOCKED = auto()
+    CHARGING = auto()
+    SEARCHING = auto()
+    ENGAGED = auto()
+
+
+class Progress(NamedTuple):
+    """How far a goal is."""
+
+    distance: float = 0.0
+    """Metres that are left, not negative."""
+    angle: float = 0.0
+    """Radians that are left, not negative."""
+    phase: Phase | None = None
+    infrared: int = 0
+    """Character that the infrared receiver receives; 0 for a goal that does not look."""
+
+
+class Ending(NamedTuple):
+    """How a goal ended."""
+
+    code: Code
+    text: str
+    """For people: what was done; or why not, and what to do."""
+    estimate: Estimate = Estimate()
+    """Where the robot was then."""
+    seconds: float = 0.0
+    """How long the goal ran."""
+    docked: bool = False
+    """Whether the robot was on the contacts of a Home Base then."""
+
+
+class Running:
+    """A goal that was given to the driver. Only the first ending counts."""
+
+    def __init__(self) -> None:
+        self.progress = Progress()
+        self.ending: Ending | None = None
+        """None while the goal runs."""
+        self._callbacks: list[Callable[[Ending], None]] = []
+
+    def end(self, ending: Ending) -> None:
+        """End the goal."""
+        if self.ending is None:
+            self.ending = ending
+            for callback in self._callbacks:
+                callback(ending)
+            self._callbacks.clear()
+
+    def then(self, callback: Callable[[Ending], None]) -> None:
+        """Call back with the ending: now if it is known, else as soon as it is."""
+        if self.ending is None:
+            self._callbacks.append(callback)
+        else:
+            callback(self.ending)

@@ -1,0 +1,236 @@
+"""
+The actions: each declared beside the function that turns its request into a goal.
+
+The driver pursues the goals. Here they are checked, handed over, reported on and answered. Only a
+malformed goal is rejected, with the reason in the log; any other is accepted, and its result says
+why it could not be reached.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from create_oi_msgs.action import (
+    Dock,
+    DriveArc,
+    DriveDistance,
+    NavigateToPosition,
+    RotateAngle,
+    Undock,
+    WallFollow,
+)
+from geometry_msgs.msg import PoseStamped
+from rclpy.action.server import (
+    ActionServer,
+    CancelResponse,
+    GoalResponse,
+    ServerGoalHandle,
+)
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+
+from ..driver import goals
+from ..driver.goal_control import GoalControl
+from ..driver.goals import Code, Ending, Goal, Malformed, Progress, Running
+from ..driver.goals.motions import Circle, Place
+from ..link.session import Session
+from . import goal_messages, messages
+from .parameters import Parameters
+from .rotation import yaw_of
+from .services import QUEUE
+
+FEEDBACK_EVERY = 7
+"""Frames from one feedback to the next: ten a second."""
+RESULT_KEPT = 60
+"""Seconds for which a client can still ask for the result of a goal that has ended."""
+GONE = 2
+"""Looks at the graph, one a second, without a client after which that of a goal has gone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Action:
+    """One action."""
+
+    name: str
+    type: Any
+    about: str
+    goal: Callable[[Any, GoalControl], Goal]
+    """Turns a request into a goal; Malformed says what is wrong."""
+    feedback: Callable[[Any, Progress], None]
+    """Fills the feedback."""
+
+
+ACTIONS = (
+    Action(
+        name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
+        goal=lambda goal, control: goals.DriveDistance(
+            goal.distance, goal.max_translation_speed, allowance(goal), control.straight),
+        feedback=goal_messages.distance_left),
+    Action(
+        name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
+        goal=lambda goal, control: goals.RotateAngle(
+            goal.angle, goal.max_rotation_speed, allowance(goal), control.turning),
+        feedback=goal_messages.angle_left),
+    Action(
+        name='drive_arc', type=DriveArc, about='drive on a circle',
+        goal=lambda goal, control: goals.DriveArc(
+            Circle(goal.angle, goal.radius, goal.translate_direction),
+            goal.max_translation_speed, allowance(goal), control.turning),
+        feedback=goal_messages.angle_left),
+    Action(
+        name='navigate_to_position', type=NavigateToPosition,
+        about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
+        goal=lambda goal, control: goals.NavigateToPosition(
+            place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
+            control.straight, control.turning),
+        feedback=goal_messages.phase_left),
+    Action(
+        name='dock', type=Dock, about='look for the Home Base and charge there',
+        goal=lambda goal, control: goals.Dock(allowance(goal)),
+        feedback=goal_messages.dock_seen),
+    Action(
+        name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
+        goal=lambda goal, control: goals.Undock(allowance(goal), control.straight),
+        feedback=goal_messages.distance_left),
+    Action(
+        name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
+        goal=lambda goal, control: goals.WallFollow(
+            goal.follow_side, goal_messages.seconds(goal.max_runtime), allowance(goal)),
+        feedback=goal_messages.wall_engaged),
+)
+"""All actions."""
+
+
+def allowance(goal: Any) -> float:
+    """Return the seconds that a goal may take; 0 leaves that to the goal."""
+    return goal_messages.seconds(goal.time_allowance)
+
+
+def place(goal: Any) -> Place:
+    """Return where a goal leads to."""
+    pose = goal.goal_pose.pose
+    heading = yaw_of(pose.orientation) if goal.achieve_goal_heading else None
+    return Place(pose.position.x, pose.position.y, heading)
+
+
+@dataclass
+class Pursued:
+    """A goal that runs, and how to report on it."""
+
+    action: Action
+    handle: ServerGoalHandle
+    running: Running
+    feedback: Any
+    frames: int = 0
+    unseen: int = 0
+    """Looks at the graph in a row that showed no client."""
+
+
+class Actions:
+    """The servers of all actions; the driver runs one goal at a time."""
+
+    def __init__(self, node: Node, session: Session, parameters: Parameters) -> None:
+        """Offer all actions."""
+        self._node = node
+        self._session = session
+        self._odom_frame = parameters.odom_frame
+        self._pursued: Pursued | None = None
+        group = ReentrantCallbackGroup()
+        for action in ACTIONS:
+            ActionServer(
+                node, action.type, action.name, self._execute(action), callback_group=group,
+                goal_callback=self._check(action), cancel_callback=self._cancel,
+                goal_service_qos_profile=QUEUE, result_service_qos_profile=QUEUE,
+                cancel_service_qos_profile=QUEUE, result_timeout=RESULT_KEPT)
+
+    # On the executor's thread.
+
+    def _check(self, action: Action) -> Callable[[Any], GoalResponse]:
+        """Return the function that rejects malformed goals of an action."""
+        def check(request: Any) -> GoalResponse:
+            try:
+                self._goal(action, request, self._session.driver.goals)
+            except Malformed as error:
+                self._node.get_logger().warning(f'{action.name} rejected: {error}')
+                return GoalResponse.REJECT
+            return GoalResponse.ACCEPT
+        return check
+
+    def _goal(self, action: Action, request: Any, control: GoalControl) -> Goal:
+        if action.type is NavigateToPosition:
+            frame = request.goal_pose.header.frame_id
+            if frame not in ('', self._odom_frame):
+                raise Malformed(f'goal_pose is in frame {frame!r}; allowed: {self._odom_frame!r}, '
+                                'odom_frame, or none')
+        return action.goal(request, control)
+
+    def _execute(self, action: Action) -> Callable[[ServerGoalHandle], Any]:
+        """Return the coroutine that pursues a goal of an action."""
+        async def execute(handle: ServerGoalHandle) -> Any:
+            with self._session.request() as (driver, now):
+                running = driver.goals.start(
+                    self._goal(action, handle.request, driver.goals), now)
+                self._pursued = Pursued(action, handle, running, action.type.Feedback())
+                if handle.is_cancel_requested:
+                    driver.goals.cancel(running, now)
+                ended = self._ended(running)
+            return self._result(action, handle, await ended)
+        return execute
+
+    def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
+        pursued = self._pursued
+        if pursued is not None and pursued.handle is handle:
+            with self._session.request() as (driver, now):
+                driver.goals.cancel(pursued.running, now)
+        return CancelResponse.ACCEPT
+
+    def _ended(self, running: Running) -> Future:
+        """Return a future of the ending; the thread that ends the goal wakes the node."""
+        ended = Future()
+
+        def end(ending: Ending) -> None:
+            ended.set_result(ending)
+            if self._node.executor is not None:
+                self._node.executor.wake()
+        running.then(end)
+        return ended
+
+    def _result(self, action: Action, handle: ServerGoalHandle, ending: Ending) -> Any:
+        if self._pursued is not None and self._pursued.handle is handle:
+            self._pursued = None
+        self._node.get_logger().info(f'{action.name} ended, {ending.code.name}: {ending.text}')
+        if ending.code is Code.NONE:
+            handle.succeed()
+        elif handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        result = action.type.Result()
+        stamp = self._node.get_clock().now().to_msg()
+        result.pose = PoseStamped(header=messages.header(self._odom_frame, stamp))
+        goal_messages.fill_result(result, ending)
+        return result
+
+    def check_client(self) -> None:
+        """End the goal whose client has gone; called once a second."""
+        pursued = self._pursued
+        if pursued is None:
+            return
+        service = f'{self._node.resolve_service_name(pursued.action.name)}/_action/send_goal'
+        pursued.unseen = 0 if self._node.count_clients(service) else pursued.unseen + 1
+        if pursued.unseen >= GONE:
+            with self._session.request() as (driver, now):
+                driver.goals.abandon(pursued.running, now)
+
+    # On the session's thread.
+
+    def report(self) -> None:
+        """Publish feedback of the goal that runs; called in every frame."""
+        pursued = self._pursued
+        if pursued is None or pursued.running.ending is not None:
+            return
+        pursued.frames += 1
+        if pursued.frames % FEEDBACK_EVERY == 0:
+            pursued.action.feedback(pursued.feedback, pursued.running.progress)
+            pursued.handle.publish_feedback(pursued.feedback)

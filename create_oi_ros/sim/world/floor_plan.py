@@ -1,0 +1,200 @@
+"""
+A world for other programs: a map for Nav2, walls for Gazebo. Pure: text and bytes.
+
+Beams have no place in either: virtual walls and the signals of Home Bases are left out. A cliff is
+occupied in the map, since no robot may go there, and missing in Gazebo, whose floor has no holes.
+"""
+
+from collections import deque
+from collections.abc import Iterator
+from math import atan2, ceil, floor, hypot
+from typing import NamedTuple
+from xml.sax.saxutils import quoteattr
+
+from .geometry import Disc, LineSegment, Obstacle, Point
+from .world import World
+
+RESOLUTION = 0.02
+"""Metres of a cell."""
+MARGIN = 0.5
+"""Metres around everything; a world with nothing in it is EMPTY metres wide either way."""
+EMPTY = 3.0
+OCCUPIED, UNKNOWN, FREE = 0, 205, 254
+"""Grey values, as Nav2 reads them with the thresholds below."""
+THICKNESS, HEIGHT = 0.02, 0.3
+"""Metres of a wall in Gazebo."""
+
+
+class Map(NamedTuple):
+    """A map of cells; the first row is the one with the highest y, as in an image."""
+
+    width: int
+    height: int
+    x: float
+    """Of the lower left corner, m."""
+    y: float
+    cells: bytes
+
+    def at(self, x: float, y: float) -> int:
+        """Return the grey value of a place."""
+        column = floor((x - self.x) / RESOLUTION)
+        row = self.height - 1 - floor((y - self.y) / RESOLUTION)
+        if not (0 <= column < self.width and 0 <= row < self.height):
+            return UNKNOWN
+        return self.cells[row * self.width + column]
+
+    def pgm(self) -> bytes:
+        """Return the image."""
+        return f'P5\n{self.width} {self.height}\n255\n'.encode() + self.cells
+
+    def yaml(self, image: str, name: str) -> str:
+        """Return the description that goes with the image."""
+        return (f'# World {name}; free is what can be reached from the start.\n'
+                f'image: {image}\nmode: trinary\nresolution: {RESOLUTION}\n'
+                f'origin: [{self.x:.3f}, {self.y:.3f}, 0.0]\nnegate: 0\n'
+                'occupied_thresh: 0.65\nfree_thresh: 0.196\n')
+
+
+def map_of(world: World) -> Map:
+    """Draw the map of a world."""
+    low_x, low_y, high_x, high_y = _bounds(world)
+    x, y = floor(low_x / RESOLUTION) * RESOLUTION, floor(low_y / RESOLUTION) * RESOLUTION
+    drawing = _Drawing(ceil((high_x - x) / RESOLUTION), ceil((high_y - y) / RESOLUTION), x, y)
+    for obstacle in world.obstacles:
+        drawing.add(obstacle)
+    if world.ground or world.cliffs:
+        drawing.add_cliffs(world)
+    drawing.fill((world.start.x, world.start.y))
+    return drawing.finished()
+
+
+def _bounds(world: World) -> tuple[float, float, float, float]:
+    """Return the lowest and the highest x and y that the map shows."""
+    points = [point for each in world.borders for point in each.points]
+    for obstacle in world.obstacles:
+        points += _corners(obstacle)
+    if not points:
+        start = world.start
+        points = [(start.x - EMPTY, start.y - EMPTY), (start.x + EMPTY, start.y + EMPTY)]
+    points.append((world.start.x, world.start.y))
+    xs, ys = zip(*points)
+    return min(xs) - MARGIN, min(ys) - MARGIN, max(xs) + MARGIN, max(ys) + MARGIN
+
+
+def _corners(obstacle: Obstacle) -> list[Point]:
+    if isinstance(obstacle, LineSegment):
+        return list(obstacle.ends)
+    return [(obstacle.x - obstacle.radius, obstacle.y - obstacle.radius),
+            (obstacle.x + obstacle.radius, obstacle.y + obstacle.radius)]
+
+
+class _Drawing:
+    """Cells while they are drawn; rows from the lowest y up."""
+
+    def __init__(self, width: int, height: int, x: float, y: float) -> None:
+        self._width, self._height, self._x, self._y = width, height, x, y
+        self._cells = bytearray([UNKNOWN]) * (width * height)
+
+    def add(self, obstacle: Obstacle) -> None:
+        """Draw an obstacle: every cell that it touches."""
+        reach = hypot(RESOLUTION, RESOLUTION) / 2
+        for place, x, y in self._near(_corners(obstacle)):
+            if obstacle.gap(x, y) <= reach:
+                self._cells[place] = OCCUPIED
+
+    def add_cliffs(self, world: World) -> None:
+        """Draw where there is no floor."""
+        for place, x, y in self._near([(self._x, self._y), self._middle(
+                self._width - 1, self._height - 1)]):
+            if world.floor(x, y) is None:
+                self._cells[place] = OCCUPIED
+
+    def fill(self, start: Point) -> None:
+        """Mark as free what can be reached from a place."""
+        column = floor((start[0] - self._x) / RESOLUTION)
+        row = floor((start[1] - self._y) / RESOLUTION)
+        waiting = deque([row * self._width + column])
+        while waiting:
+            place = waiting.pop()
+            if self._cells[place] != UNKNOWN:
+                continue
+            self._cells[place] = FREE
+            row, column = divmod(place, self._width)
+            if column > 0:
+                waiting.append(place - 1)
+            if column < self._width - 1:
+                waiting.append(place + 1)
+            if row > 0:
+                waiting.append(place - self._width)
+            if row < self._height - 1:
+                waiting.append(place + self._width)
+
+    def finished(self) -> Map:
+        """Return the map."""
+        width = self._width
+        rows = [bytes(self._cells[row * width:(row + 1) * width])
+                for row in reversed(range(self._height))]
+        return Map(width, self._height, self._x, self._y, b''.join(rows))
+
+    def _middle(self, column: int, row: int) -> Point:
+        return (self._x + (column + 0.5) * RESOLUTION, self._y + (row + 0.5) * RESOLUTION)
+
+    def _near(self, points: list[Point]) -> Iterator[tuple[int, float, float]]:
+        """Yield the cells of the box around points, with their middles."""
+        xs, ys = zip(*points)
+        columns = range(max(0, floor((min(xs) - self._x) / RESOLUTION) - 1),
+                        min(self._width, floor((max(xs) - self._x) / RESOLUTION) + 2))
+        for row in range(max(0, floor((min(ys) - self._y) / RESOLUTION) - 1),
+                         min(self._height, floor((max(ys) - self._y) / RESOLUTION) + 2)):
+            for column in columns:
+                yield row * self._width + column, *self._middle(column, row)
+
+
+def sdf_of(world: World) -> str:
+    """Return a world for Gazebo: a floor, and a box or a cylinder for each obstacle."""
+    links = '\n'.join(_link(number, obstacle) for number, obstacle in enumerate(world.obstacles))
+    return f"""<?xml version="1.0"?>
+<sdf version="1.8">
+  <world name={quoteattr(world.name)}>
+    <light type="directional" name="sun">
+      <pose>0 0 10 0 0 0</pose>
+      <direction>-0.5 0.1 -0.9</direction>
+    </light>
+    <model name="floor">
+      <static>true</static>
+      <link name="link">
+        <collision name="collision">
+          <geometry><plane><normal>0 0 1</normal></plane></geometry>
+        </collision>
+        <visual name="visual">
+          <geometry><plane><normal>0 0 1</normal><size>30 30</size></plane></geometry>
+        </visual>
+      </link>
+    </model>
+    <model name="obstacles">
+      <static>true</static>
+{links or '      <link name="nothing"/>'}
+    </model>
+  </world>
+</sdf>
+"""
+
+
+def _link(number: int, obstacle: Obstacle) -> str:
+    if isinstance(obstacle, Disc):
+        x, y, yaw = obstacle.x, obstacle.y, '0'
+        shape = (f'<cylinder><radius>{obstacle.radius:g}</radius><length>{HEIGHT}</length>'
+                 '</cylinder>')
+    else:
+        (ax, ay), (bx, by) = obstacle.ends
+        x, y, yaw = (ax + bx) / 2, (ay + by) / 2, _heading(obstacle)
+        shape = f'<box><size>{obstacle.length:g} {THICKNESS} {HEIGHT}</size></box>'
+    return (f'      <link name="obstacle_{number}">\n'
+            f'        <pose>{x:g} {y:g} {HEIGHT / 2} 0 0 {yaw}</pose>\n'
+            f'        <collision name="collision"><geometry>{shape}</geometry></collision>\n'
+            f'        <visual name="visual"><geometry>{shape}</geometry></visual>\n'
+            '      </link>')
+
+
+def _heading(line: LineSegment) -> str:
+    return f'{atan2(line.uy, line.ux):.6f}'

@@ -1,0 +1,9 @@
+"""Drive a square: each goal ends when the robot is there, or the program with the reason."""
+from math import pi
+
+from create_oi_ros.ros.goal_client import GoalClient
+
+with GoalClient() as robot:
+    for _ in range(4):
+        print(robot.do('drive_distance', distance=0.3).message, flush=True)
+        print(robot.do('rotate_angle', angle=pi / 2).message, flush=True)

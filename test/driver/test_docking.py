@@ -1,0 +1,279 @@
+"""The Home Base: found, felt, left; robots that Safe holds there, or that do not charge."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver.charge_watch import WAIT
+from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
+from create_oi_ros.driver.goals.approach import Learned
+from create_oi_ros.driver.state import Activity
+from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.firmware.guesses import Guesses
+from create_oi_ros.sim.world import parse, Pose, shipped
+from support.goals import distance, pursue, start, until_ended
+from support.loop import Loop
+
+BASE = parse('start 0.8 0 180\nhome_base 0 0 0', 'base')
+ON_BASE = Pose(0.1655, 0.0, 3.14159265)
+
+
+def met(guesses: Guesses | None = None, **settings) -> Loop:
+    """Return a robot in front of a Home Base and its driver."""
+    loop = Loop(Settings(**settings), config=CENTRE, world=BASE)
+    loop.robot.guesses = guesses or Guesses()
+    loop.run(1.0)
+    return loop
+
+
+def docked(guesses: Guesses | None = None, mode: oi.Mode = oi.Mode.PASSIVE, **settings) -> Loop:
+    """Return a robot on a Home Base and its driver."""
+    loop = met(guesses, **settings)
+    loop.body.place(ON_BASE)
+    loop.run(0.1)
+    assert loop.driver.set_mode(mode, loop.now) and loop.body.sense().home_base
+    loop.run(0.3)
+    return loop
+
+
+def undock() -> Undock:
+    """Return the goal."""
+    return Undock(0.0, Learned())
+
+
+def said(loop: Loop) -> str:
+    """Return all notices."""
+    return '\n'.join(notice.text for notice in loop.notices)
+
+
+def test_the_dock_is_found_and_the_battery_charges():
+    loop = met()
+    running, phases, beams = start(loop, Dock(0.0)), [], set()
+    while running.ending is None:
+        loop.turn()
+        beams.add(running.progress.infrared)
+        if running.progress.phase not in phases[-1:]:
+            phases.append(running.progress.phase)
+    assert running.ending.code is Code.NONE
+    assert running.ending.docked
+    assert 'the battery charges' in running.ending.text
+    assert {Phase.SEES_DOCK, Phase.CHARGING} <= set(phases)
+    assert any(beam > 240 for beam in beams)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.driver.state.activity is Activity.IDLE
+
+
+def test_a_robot_that_is_docked_is_docked_at_once_even_if_it_is_full():
+    loop = docked(mode=oi.Mode.FULL)
+    loop.body.set_battery(charge=1.0)
+    ending = pursue(loop, Dock(0.0))
+    assert (ending.code, ending.docked) == (Code.NONE, True)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    loop.run(2.0)
+    again = pursue(loop, Dock(0.0))
+    assert again.docked and 'is full' in again.text
+
+
+def test_without_a_dock_the_search_ends_with_that_reason_and_the_mode_before():
+    loop = Loop(config=CENTRE, world=shipped('table'))
+    loop.run(1.0)
+    ending = pursue(loop, Dock(6.0))
+    assert ending.code is Code.NO_DOCK
+    assert 'no beam of a Home Base was seen in 6 s' in ending.text
+    loop.run(0.3)
+    assert loop.robot.demo is None
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+def test_a_dock_that_is_seen_but_not_reached_is_a_timeout():
+    loop = met()
+    loop.body.force(home_base=0)
+    ending = pursue(loop, Dock(5.0))
+    assert ending.code is Code.TIMEOUT
+
+
+def test_a_search_is_canceled_and_the_robot_obeys_again():
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(3.0)
+    assert loop.driver.state.activity is Activity.DOCKING
+    loop.driver.goals.cancel(running, loop.now)
+    loop.run(0.3)
+    assert running.ending.code is Code.CANCELED
+    assert (loop.robot.demo, loop.robot.mode) == (None, oi.Mode.SAFE)
+    assert pursue(loop, distance(-0.1)).code is Code.NONE
+
+
+def test_a_stop_ends_a_search():
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(3.0)
+    loop.driver.stop(loop.now)
+    loop.run(0.1)
+    assert running.ending.code is Code.STOPPED
+    assert loop.robot.demo is None
+
+
+def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(3.0)
+    loop.drive(-0.1, 0.0, 1.0)
+    assert running.ending.code is Code.SUPERSEDED
+    assert loop.body.truth().speed == pytest.approx(-0.1, abs=0.01)
+    assert 'not driving' not in said(loop)
+
+
+def test_a_goal_ends_a_search_and_is_pursued():
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(3.0)
+    assert pursue(loop, distance(-0.1)).code is Code.NONE
+    assert running.ending.code is Code.SUPERSEDED
+
+
+def test_set_mode_and_a_demo_take_over_from_a_search():
+    for take_over in (lambda loop: loop.driver.set_mode(oi.Mode.FULL, loop.now),
+                      lambda loop: loop.driver.demos.start(oi.DemoNumber.TAG),
+                      lambda loop: loop.driver.demos.stop()):
+        loop = met()
+        running = start(loop, Dock(0.0))
+        loop.run(3.0)
+        take_over(loop)
+        loop.run(0.1)
+        assert running.ending.code is Code.SUPERSEDED
+
+
+def test_a_lifted_robot_searches_for_nothing():
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(3.0)
+    loop.body.lift(True)
+    loop.run(0.1)
+    assert running.ending.code is Code.WHEEL_DROP
+    assert pursue(loop, Dock(0.0)).code is Code.WHEEL_DROP
+
+
+def test_a_robot_that_safe_lets_go_leaves_in_safe():
+    loop = docked(Guesses(dock_holds_safe=False))
+    ending = pursue(loop, undock())
+    assert (ending.code, ending.docked) == (Code.NONE, False)
+    assert loop.body.truth().pose.x == pytest.approx(0.4655, abs=0.01)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert 'FULL' not in ending.text + said(loop)
+
+
+@pytest.mark.parametrize('guesses', [Guesses(dock_holds_safe=True), Guesses(dock_ends_safe=True)])
+@pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE])
+def test_a_robot_that_safe_holds_leaves_by_full_says_so_and_returns_to_safe(guesses, mode):
+    loop = docked(guesses, mode)
+    running, in_full_off_dock = start(loop, undock()), 0.0
+    while running.ending is None:
+        loop.turn()
+        if loop.robot.mode is oi.Mode.FULL and not loop.body.sense().home_base:
+            in_full_off_dock += 0.005
+    assert running.ending.code is Code.NONE
+    assert 'by FULL, now in SAFE again' in running.ending.text
+    assert 'leaves the dock in FULL, then returns to SAFE' in said(loop)
+    assert in_full_off_dock < 0.1
+    assert 0.44 < loop.body.truth().pose.x < 0.6, 'it was held while it believed to leave'
+    loop.run(0.1)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert pursue(loop, distance(-0.1)).code is Code.NONE
+
+
+def test_a_robot_in_full_stays_in_full():
+    loop = docked(mode=oi.Mode.FULL)
+    assert pursue(loop, undock()).code is Code.NONE
+    assert loop.robot.mode is oi.Mode.FULL
+
+
+def test_off_the_dock_there_is_nothing_to_leave():
+    loop = met()
+    ending = pursue(loop, undock())
+    assert ending.code is Code.NO_DOCK
+    assert loop.body.truth().travelled == 0
+
+
+def test_a_robot_that_is_held_on_its_dock_stalls():
+    loop = docked()
+    loop.body.hold(right=True, left=True)
+    ending = pursue(loop, undock())
+    assert ending.code is Code.STALL
+    assert ending.docked
+
+
+def test_a_bump_ends_the_way_from_the_dock():
+    loop = docked(Guesses(dock_holds_safe=False))
+    running = start(loop, undock())
+    loop.run(1.0)
+    loop.body.force(bump_left=1)
+    loop.run(0.1)
+    assert running.ending.code is Code.BUMP
+
+
+def test_contacts_that_are_felt_for_ever_are_said():
+    loop = docked(mode=oi.Mode.FULL)
+    loop.body.force(home_base=1)
+    ending = pursue(loop, undock())
+    assert ending.code is Code.STALL
+    assert 'still feels the contacts' in ending.text
+
+
+def test_a_robot_that_may_not_turn_its_wheels_stays_on_its_dock():
+    loop = docked(limits=MotionLimits(max_wheel_speed=0.0))
+    ending = pursue(loop, undock())
+    assert ending.code is Code.STALL
+    assert 'max_wheel_speed is 0' in ending.text
+
+
+def test_a_command_to_a_docked_robot_is_answered_with_undock():
+    for mode, guesses in ((oi.Mode.PASSIVE, Guesses()), (oi.Mode.SAFE, Guesses(
+            dock_ends_safe=True))):
+        loop = docked(guesses, mode)
+        ending = pursue(loop, distance(0.1))
+        assert ending.code is Code.MODE
+        assert 'on its dock: send the goal undock' in ending.text
+        loop.drive(0.1, 0.0, 0.3)
+        assert 'on its dock: send the goal undock' in said(loop)
+    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    loop.run(1.0)
+    assert 'send the goal undock' in pending.outcome.text
+
+
+def test_a_robot_that_does_not_charge_is_reported_once():
+    loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE)
+    ending = pursue(loop, Dock(0.0))
+    assert ending.code is Code.NONE
+    assert 'docked, but the battery does not charge' in ending.text
+    loop.run(3 * WAIT)
+    assert said(loop).count('does not charge (state NOT_CHARGING)') == 1
+    assert 'set reset_when_not_charging' in said(loop)
+    assert loop.body.sense().current < 0
+
+
+def test_a_robot_that_does_not_charge_is_restarted_if_it_may_be():
+    loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE, reset_when_not_charging=True)
+    pursue(loop, Dock(0.0))
+    loop.run(WAIT + 15)
+    assert 'restarting it (opcode 7)' in said(loop)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert 'even after a restart' in said(loop)
+
+
+def test_a_restart_that_helps_is_the_last_word():
+    loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE, reset_when_not_charging=True)
+    pursue(loop, Dock(0.0))
+    loop.robot.guesses = Guesses()
+    loop.run(WAIT + 15)
+    assert 'restarting it (opcode 7)' in said(loop)
+    assert 'even after a restart' not in said(loop)
+    assert loop.body.sense().current > 0
+
+
+def test_a_search_outlasts_what_makes_no_difference_to_it():
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(1.5)
+    loop.drive(0.0, 0.0, 0.3)
+    assert until_ended(loop, running).code is Code.NONE

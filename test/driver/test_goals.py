@@ -1,0 +1,204 @@
+"""Goals: where the robot is when they end, and how it gets there."""
+
+from dataclasses import replace
+from math import degrees, hypot, inf, nan, pi
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver.goals import Code, Malformed, Phase, WallFollow
+from create_oi_ros.sim.body import Rounding
+from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.world import parse, shipped
+from support.goals import angle, arc, distance, place, pursue, reach, start, until_ended
+from support.loop import Loop, turn_difference
+
+
+def met(**options) -> Loop:
+    """Return the likeliest robot and a driver that have met."""
+    loop = Loop(config=CENTRE, delay=0.005, **options)
+    loop.run(1.0)
+    return loop
+
+
+@pytest.mark.parametrize('rounding', Rounding)
+@pytest.mark.parametrize('metres', [1.0, 0.3, 0.02, -0.5])
+def test_a_distance_is_driven(rounding, metres):
+    went, turned = reach(met(rounding=rounding), distance(metres))
+    assert went == pytest.approx(metres, abs=0.005 + 0.005 * abs(metres))
+    assert abs(turned) < 2
+
+
+@pytest.mark.parametrize('rounding', Rounding)
+@pytest.mark.parametrize('turn', [90, -180, 10, 720])
+def test_an_angle_is_turned(rounding, turn):
+    went, turned = reach(met(rounding=rounding), angle(turn))
+    assert turned == pytest.approx(turn, abs=1 + 0.003 * abs(turn) + 0.5)
+    assert abs(went) < 0.005
+
+
+@pytest.mark.parametrize('direction', [1, -1])
+@pytest.mark.parametrize('turn', [90, -90, 400])
+def test_an_arc_is_driven_on_its_circle(turn, direction):
+    loop = met()
+    went, turned = reach(loop, arc(turn, 0.4, direction))
+    assert turned == pytest.approx(turn, abs=2 + 0.005 * abs(turn))
+    assert went == pytest.approx(direction * 0.4 * abs(turn) * pi / 180, rel=0.03)
+    pose, side = loop.body.truth().pose, direction * (1 if turn > 0 else -1)
+    assert hypot(pose.x, pose.y - side * 0.4) == pytest.approx(0.4, abs=0.03)
+
+
+@pytest.mark.parametrize(('x', 'y', 'heading'), [
+    (0.5, 0.3, 90), (-0.4, 0.0, None), (0.0, -0.6, -170), (0.0, 0.0, 45)])
+def test_a_place_is_reached_with_its_heading(x, y, heading):
+    loop = met()
+    reach(loop, place(x, y, heading))
+    pose = loop.body.truth().pose
+    assert hypot(pose.x - x, pose.y - y) < 0.02
+    if heading is not None:
+        assert degrees(turn_difference(pose.yaw, heading * pi / 180)) < 2
+
+
+def test_a_place_is_reached_in_phases():
+    loop = met()
+    running, phases = start(loop, place(0.4, 0.4, 0)), []
+    while running.ending is None:
+        loop.turn()
+        if running.progress.phase not in phases[-1:]:
+            phases.append(running.progress.phase)
+    assert phases[-3:] == [Phase.TURNING_TO_PLACE, Phase.DRIVING, Phase.TURNING_TO_HEADING]
+
+
+def test_a_robot_that_knows_its_coast_does_not_overshoot():
+    loop = met()
+    for _ in range(3):
+        reach(loop, distance(0.4))
+    begun, furthest = loop.body.truth().travelled, 0.0
+    running = start(loop, distance(0.4))
+    while running.ending is None:
+        loop.turn()
+        furthest = max(furthest, loop.body.truth().travelled - begun)
+    assert furthest < 0.4 + 0.005
+
+
+def test_what_is_left_falls_to_nothing():
+    loop = met()
+    running, left = start(loop, distance(0.5)), []
+    while running.ending is None:
+        loop.turn()
+        left.append(running.progress.distance)
+    assert max(left) == pytest.approx(0.5, abs=0.01)
+    assert left[-1] < 0.01
+
+
+def test_unequal_wheels_still_drive_straight():
+    loop = Loop(config=replace(CENTRE, right_speed_gain=1.03, left_speed_gain=0.97))
+    loop.run(1.0)
+    reach(loop, distance(1.0))
+    assert abs(loop.body.truth().pose.y) < 0.05
+
+
+def test_wheels_that_do_not_move_when_they_creep_are_told_to_creep_faster():
+    loop = Loop(config=replace(CENTRE, dead_band=0.045))
+    loop.run(1.0)
+    went, _ = reach(loop, distance(0.03))
+    assert went == pytest.approx(0.03, abs=0.01)
+
+
+def test_speeds_and_accelerations_stay_within_the_limits():
+    limits = MotionLimits(max_wheel_speed=0.2, linear_acceleration=0.2)
+    loop = met(settings=Settings(limits=limits))
+    loop.commands()
+    ending = pursue(loop, distance(0.5, speed=0.4))
+    assert ending.code is Code.NONE
+    assert 'slowed to 0.20 m/s: max_translation_speed = 0.4 is beyond max_wheel_speed' in (
+        ending.text)
+    told = [each.right for each in loop.commands() if isinstance(each, oi.DriveDirect)]
+    assert 190 < max(told) <= 200
+    rises = [after - before for before, after in zip(told, told[1:]) if before >= 40]
+    assert max(rises) <= 0.2 * 1000 * 0.03 + 1
+
+
+@pytest.mark.parametrize(('goal', 'name'), [
+    (angle(90, speed=9.0), 'max_rotation_speed'), (arc(90, 0.3, speed=0.5), 'max_translation')])
+def test_a_turning_speed_beyond_the_limits_is_slowed_and_said(goal, name):
+    ending = pursue(met(), goal)
+    assert ending.code is Code.NONE
+    assert 'slowed to ' in ending.text and name in ending.text
+
+
+def test_a_goal_that_is_reached_already_ends_at_once():
+    loop = met()
+    assert pursue(loop, distance(0.0)).code is Code.NONE
+    assert pursue(loop, angle(0.0)).code is Code.NONE
+    assert pursue(loop, place(0.0, 0.0)).code is Code.NONE
+    assert loop.body.truth().travelled == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(('make', 'says'), [
+    (lambda: distance(nan), 'distance = nan m is not finite'),
+    (lambda: distance(inf), 'distance = inf m is not finite'),
+    (lambda: distance(5000.0), 'distance = 5000 m; allowed: -1000 to 1000'),
+    (lambda: distance(1.0, speed=0.0), 'max_translation_speed = 0 m/s; allowed: above 0'),
+    (lambda: distance(1.0, speed=-0.1), 'max_translation_speed = -0.1 m/s; allowed: above 0'),
+    (lambda: distance(1.0, speed=nan), 'max_translation_speed = nan m/s is not finite'),
+    (lambda: distance(1.0, allowance=-1.0), 'time_allowance = -1 s; allowed: 0 or more'),
+    (lambda: angle(nan), 'angle = nan rad is not finite'),
+    (lambda: angle(90, speed=0.0), 'max_rotation_speed = 0 rad/s; allowed: above 0'),
+    (lambda: angle(1e6), 'angle = 17453.3 rad; allowed: -6283.19 to 6283.19'),
+    (lambda: arc(90, 0.0), 'radius = 0 m; allowed: above 0'),
+    (lambda: arc(90, -1.0), 'radius = -1 m; allowed: above 0'),
+    (lambda: arc(90, 1.0, direction=0), 'translate_direction = 0; allowed: 1 forward'),
+    (lambda: arc(90, 1e6), 'length of the arc = 1.5708e+06 m; allowed: -1000 to 1000'),
+    (lambda: place(nan, 0), 'goal_pose.position.x = nan m is not finite'),
+    (lambda: place(0, 1e7), 'goal_pose.position.y = 1e+07 m; allowed'),
+    (lambda: place(0, 0, nan), 'heading of goal_pose = nan rad is not finite'),
+    (lambda: WallFollow(1, 10.0, 0.0), 'follow_side = 1; allowed: -1, the right'),
+    (lambda: WallFollow(-1, -1.0, 0.0), 'max_runtime = -1 s; allowed: 0 or more'),
+])
+def test_a_malformed_goal_is_refused_in_words(make, says):
+    with pytest.raises(Malformed) as refused:
+        make()
+    assert says in str(refused.value)
+
+
+# Following a wall.
+
+
+def test_a_wall_on_the_right_is_followed():
+    world = parse('start 0 -0.31 0\nwall -1 -0.5 6 -0.5', 'test')
+    loop = met(world=world)
+    running, engaged = start(loop, WallFollow(-1, 12.0, 0.0)), []
+    while running.ending is None:
+        loop.turn()
+        engaged.append(running.progress.phase is Phase.ENGAGED)
+    assert running.ending.code is Code.NONE
+    assert running.ending.seconds == pytest.approx(12.0, abs=0.1)
+    truth = loop.body.truth()
+    assert truth.pose.x > 1.0
+    assert truth.pose.y == pytest.approx(-0.5 + 0.165 + 0.06, abs=0.06)
+    assert sum(engaged) > 0.8 * len(engaged)
+
+
+def test_a_wall_ahead_is_found_by_touching_it_and_followed_round_the_room():
+    loop = met(world=shipped('room'))
+    running = start(loop, WallFollow(-1, 60.0, 0.0))
+    ending = until_ended(loop, running)
+    assert ending.code is Code.NONE
+    assert loop.body.truth().travelled > 4.0
+
+
+def test_without_a_wall_the_follower_says_that_it_searches():
+    loop = met()
+    running = start(loop, WallFollow(-1, 3.0, 0.0))
+    loop.run(2.0)
+    assert running.progress.phase is Phase.SEARCHING
+    assert until_ended(loop, running).code is Code.NONE
+
+
+def test_a_wall_that_is_followed_for_too_long_is_left():
+    loop = met()
+    ending = pursue(loop, WallFollow(-1, 30.0, 2.0))
+    assert ending.code is Code.TIMEOUT
+    assert '2.0 s' in ending.text

@@ -1,0 +1,336 @@
+"""Every action as a user sees it: through ROS, with the node as a process."""
+
+from math import inf, nan, pi
+import re
+import signal
+
+from action_msgs.msg import GoalStatus
+from builtin_interfaces.msg import Duration
+from create_oi_msgs.action import (
+    Dock,
+    DriveArc,
+    DriveDistance,
+    NavigateToPosition,
+    RotateAngle,
+    Undock,
+    WallFollow,
+)
+from create_oi_msgs.msg import Mode
+from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
+import pytest
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger
+import yaml
+
+from create_oi_ros.driver.goals import Code
+from create_oi_ros.ros.actions import ACTIONS
+from create_oi_ros.ros.topics import LATCHED
+from create_oi_ros.sim.world import parse, World
+from support.actions import Client
+from support.ros import Scene, scene
+from support.source import ROOT
+
+FILES = sorted((ROOT / 'msg_defs' / 'action').glob('*.action'))
+BASE = parse('start 0.8 0 180\nhome_base 0 0 0', 'base')
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+class Ready:
+    """A robot and its node, in Safe mode, and a client."""
+
+    def __init__(self, stage: Scene, world: World | None = None, **parameters: object) -> None:
+        self.ros = stage.ros
+        self.robot = stage.robot(world=world)
+        self.node = stage.node(self.robot.link, **parameters)
+        self.modes = self.ros.listen(Mode, 'mode', LATCHED)
+        self.until_mode(Mode.SAFE)
+        self.client = Client(self.ros)
+        self.send, self.result = self.client.send, self.client.result
+
+    def until_mode(self, mode: int) -> None:
+        """Wait until the newest `mode` message has this mode."""
+        self.ros.until(lambda: self.modes and self.modes[-1].mode == mode, f'mode {mode}')
+
+    def moving(self, **fields):
+        """Start a long drive, and wait until the robot moves."""
+        sent = self.send(DriveDistance, 'drive_distance', distance=3.0, **fields)
+        self.ros.until(lambda: self.robot.body.truth().speed > 0.05, 'the robot moves')
+        return sent
+
+    @property
+    def asked_to_stand(self) -> bool:
+        """Whether zero is requested of the wheels."""
+        return self.robot.create.actuators.wheels == (0, 0)
+
+
+@pytest.fixture
+def ready(stage):
+    """Return a robot and its node, in Safe mode."""
+    made = Ready(stage)
+    yield made
+    made.client.close()
+
+
+def test_motions_are_done_with_feedback_and_a_pose(ready):
+    sent = ready.send(DriveDistance, 'drive_distance', distance=0.3)
+    result = sent.result()
+    assert (sent.status, result.success, result.error_code) == (
+        GoalStatus.STATUS_SUCCEEDED, True, DriveDistance.Result.NONE)
+    assert result.message.startswith('drove 0.')
+    assert result.pose.header.frame_id == 'odom'
+    assert result.pose.header.stamp.sec > 0
+    assert result.pose.pose.position.x == pytest.approx(0.3, abs=0.01)
+    assert ready.robot.body.truth().pose.x == pytest.approx(0.3, abs=0.01)
+    left = [each.remaining_travel_distance for each in sent.feedback]
+    assert len(left) > 5 and left[0] > 0.2 > left[-1] >= 0
+    sent = ready.send(RotateAngle, 'rotate_angle', angle=pi / 2)
+    assert sent.result().success
+    assert ready.robot.body.truth().pose.yaw == pytest.approx(pi / 2, abs=0.03)
+    assert sent.feedback[0].remaining_angle_travel > 1
+    sent = ready.send(DriveArc, 'drive_arc', angle=-pi / 2, radius=0.2,
+                      translate_direction=DriveArc.Goal.TRANSLATE_FORWARD)
+    assert sent.result().success
+    pose = ready.robot.body.truth().pose
+    assert (pose.x, pose.y) == pytest.approx((0.5, 0.2), abs=0.03)
+    assert sent.feedback[0].remaining_angle_travel > 1
+
+
+def test_a_place_in_the_odometry_frame_is_reached(ready):
+    goal = PoseStamped(header=Header(frame_id='odom'),
+                       pose=Pose(position=Point(x=0.3, y=0.3)))
+    sent = ready.send(NavigateToPosition, 'navigate_to_position', goal_pose=goal,
+                      achieve_goal_heading=True)
+    assert sent.result().success
+    pose = ready.robot.body.truth().pose
+    assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.3, 0.3, 0.0), abs=0.04)
+    feedback = NavigateToPosition.Feedback
+    assert {each.navigate_state for each in sent.feedback} >= {
+        feedback.ROTATING_TO_GOAL_POSITION, feedback.DRIVING_TO_GOAL_POSITION,
+        feedback.ROTATING_TO_GOAL_ORIENTATION}
+
+
+@pytest.mark.parametrize(('type_', 'name', 'fields', 'says'), [
+    (DriveDistance, 'drive_distance', {'distance': nan}, 'distance = nan m is not finite'),
+    (DriveDistance, 'drive_distance', {'distance': 1e6}, 'allowed: -1000 to 1000'),
+    (DriveDistance, 'drive_distance', {'distance': 1.0, 'max_translation_speed': 0.0},
+     'max_translation_speed = 0 m/s; allowed: above 0'),
+    (DriveDistance, 'drive_distance', {'distance': 1.0, 'time_allowance': Duration(sec=-1)},
+     'time_allowance = -1 s'),
+    (RotateAngle, 'rotate_angle', {'angle': inf}, 'angle = inf rad is not finite'),
+    (DriveArc, 'drive_arc', {'angle': 1.0, 'radius': 0.0, 'translate_direction': 1},
+     'radius = 0 m; allowed: above 0'),
+    (DriveArc, 'drive_arc', {'angle': 1.0, 'radius': 1.0}, 'translate_direction = 0; allowed'),
+    (NavigateToPosition, 'navigate_to_position',
+     {'goal_pose': PoseStamped(header=Header(frame_id='map'))},
+     "goal_pose is in frame 'map'; allowed: 'odom'"),
+    (WallFollow, 'wall_follow', {'follow_side': WallFollow.Goal.FOLLOW_LEFT},
+     'follow_side = 1; allowed: -1'),
+], ids=lambda value: value if isinstance(value, str) else '')
+def test_a_malformed_goal_is_rejected_and_the_log_says_why(shared, type_, name, fields, says):
+    assert shared.send(type_, name, **fields) is None
+    shared.ros.until(lambda: f'{name} rejected: ' in shared.node.output
+                     and says in shared.node.output, says)
+    assert shared.robot.body.truth().travelled == 0
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory):
+    """Return a robot and its node that many tests share: nothing moves it."""
+    with scene(tmp_path_factory.mktemp('shared')) as made:
+        ready = Ready(made)
+        yield ready
+        ready.client.close()
+
+
+def test_speeds_beyond_the_limits_are_slowed_and_the_result_says_so(stage):
+    ready = Ready(stage, max_wheel_speed=0.2)
+    result = ready.result(
+        DriveDistance, 'drive_distance', distance=0.1, max_translation_speed=0.4)
+    assert result.success
+    assert 'slowed to 0.20 m/s: max_translation_speed = 0.4 is beyond' in result.message
+    ready.client.close()
+
+
+def test_a_cancel_stops_the_wheels(ready):
+    sent = ready.moving()
+    assert sent.cancel()
+    result = sent.result()
+    assert (sent.status, result.error_code) == (
+        GoalStatus.STATUS_CANCELED, DriveDistance.Result.CANCELED)
+    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels are told to stand')
+
+
+def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(ready):
+    first = ready.moving()
+    second = ready.send(RotateAngle, 'rotate_angle', angle=30.0)
+    result = first.result()
+    assert (first.status, result.error_code) == (
+        GoalStatus.STATUS_ABORTED, DriveDistance.Result.SUPERSEDED)
+    assert 'another goal' in result.message
+    ready.ros.call(Trigger, 'stop')
+    assert second.result().error_code == RotateAngle.Result.STOPPED
+    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels are told to stand')
+    third = ready.moving()
+    velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    ready.ros.until(velocity.get_subscription_count, 'cmd_vel')
+    velocity.publish(Twist(linear=Vector3(x=-0.1)))
+    result = third.result()
+    assert result.error_code == DriveDistance.Result.SUPERSEDED
+    assert 'velocity command' in result.message
+
+
+def test_commands_are_ignored_while_a_goal_runs_if_they_may_not_interrupt(stage):
+    ready = Ready(stage, cmd_vel_interrupts=False)
+    velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    ready.ros.until(velocity.get_subscription_count, 'cmd_vel')
+    timer = ready.ros.node.create_timer(
+        0.1, lambda: velocity.publish(Twist(linear=Vector3(x=-0.3))))
+    assert ready.result(DriveDistance, 'drive_distance', distance=0.2).success
+    ready.ros.node.destroy_timer(timer)
+    ready.client.close()
+
+
+def test_ten_goals_at_once_leave_one(ready):
+    sent = [ready.send(DriveDistance, 'drive_distance', distance=0.1) for _ in range(10)]
+    codes = [each.result().error_code for each in sent]
+    assert codes == [DriveDistance.Result.SUPERSEDED] * 9 + [DriveDistance.Result.NONE]
+
+
+@pytest.mark.parametrize(('happens', 'code'), [
+    (lambda ready: ready.robot.body.force(bump_right=1), Code.BUMP),
+    (lambda ready: ready.robot.body.force(cliff_left=1), Code.CLIFF),
+    (lambda ready: ready.robot.soon(lambda: ready.robot.body.lift(True)), Code.WHEEL_DROP),
+    (lambda ready: ready.robot.body.hold(right=True, left=True), Code.STALL),
+    (lambda ready: ready.robot.body.plug_charger(True), Code.MODE),
+    (lambda ready: ready.robot.close(), Code.LINK),
+], ids=['BUMP', 'CLIFF', 'WHEEL_DROP', 'STALL', 'MODE', 'LINK'])
+def test_what_happens_to_the_robot_is_the_reason(stage, happens, code):
+    ready = Ready(stage)
+    sent = ready.moving()
+    happens(ready)
+    result = sent.result()
+    assert (sent.status, result.error_code) == (GoalStatus.STATUS_ABORTED, code)
+    assert result.message
+    assert not result.success
+    ready.client.close()
+
+
+def test_time_that_is_over_is_the_reason(ready):
+    sent = ready.moving(time_allowance=Duration(sec=1))
+    result = sent.result()
+    assert result.error_code == DriveDistance.Result.TIMEOUT
+    assert 'time_allowance of 1.0 s is over' in result.message
+
+
+def test_without_a_robot_every_goal_says_so(stage):
+    stage.node(stage.folder / 'nothing')
+    client = Client(stage.ros)
+    right = {'translate_direction': 1, 'radius': 1.0, 'follow_side': -1}
+    for action in ACTIONS:
+        known = action.type.Goal.get_fields_and_field_types()
+        fields = {name: value for name, value in right.items() if name in known}
+        result = client.result(action.type, action.name, **fields)
+        assert result.error_code == Code.NO_ROBOT, action.name
+        assert 'check cable and power' in result.message
+    client.close()
+
+
+def test_a_robot_docks_and_leaves_its_dock(stage):
+    ready = Ready(stage, world=BASE)
+    sent = ready.send(Dock, 'dock')
+    result = sent.result()
+    assert result.success and result.is_docked, result.message
+    seen = [each for each in sent.feedback if each.sees_dock]
+    assert any(each.red_buoy or each.green_buoy for each in seen)
+    assert {each.state for each in sent.feedback} >= {Dock.Feedback.SEES_DOCK}
+    result = ready.result(Undock, 'undock')
+    assert result.success and not result.is_docked, result.message
+    assert 'by FULL' in result.message
+    ready.until_mode(Mode.SAFE)
+    assert ready.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
+    ready.client.close()
+
+
+def test_a_wall_is_followed_for_a_while(ready):
+    sent = ready.send(WallFollow, 'wall_follow', follow_side=WallFollow.Goal.FOLLOW_RIGHT,
+                      max_runtime=Duration(sec=2))
+    result = sent.result()
+    assert result.success
+    assert result.runtime.sec in (1, 2)
+    assert not any(each.engaged for each in sent.feedback)
+
+
+CLIENT = """
+from create_oi_msgs.action import DriveDistance
+import rclpy
+from rclpy.action import ActionClient
+
+rclpy.init()
+node = rclpy.create_node('brief')
+client = ActionClient(node, DriveDistance, 'drive_distance')
+client.wait_for_server()
+sent = client.send_goal_async(DriveDistance.Goal(distance=5.0))
+rclpy.spin_until_future_complete(node, sent)
+print('accepted', sent.result().accepted, flush=True)
+rclpy.spin(node)
+"""
+
+
+def test_a_goal_ends_when_its_client_has_gone(stage):
+    ready = Ready(stage)
+    script = stage.folder / 'brief.py'
+    script.write_text(CLIENT)
+    client = stage.script(script)
+    ready.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
+    ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1, 'the robot moves')
+    client.send(signal.SIGINT)
+    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels stand')
+    assert ready.robot.body.truth().travelled < 4.0
+
+
+# The interfaces, and the documents that name them.
+
+
+@pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
+def test_every_code_is_declared_with_a_comment(path):
+    declared = dict(re.findall(r'^uint8 ([A-Z_]+)=(\d+) +# \S', path.read_text(), re.M))
+    codes = {code.name: str(code.value) for code in Code}
+    assert codes.items() <= declared.items()
+
+
+def test_every_action_has_a_file_and_a_server():
+    assert {path.stem for path in FILES} == {action.type.__name__ for action in ACTIONS}
+    for action in ACTIONS:
+        assert re.sub('([A-Z])', r'_\1', action.type.__name__).lower() == f'_{action.name}'
+        assert 'time_allowance' in action.type.Goal.get_fields_and_field_types()
+        assert {'success', 'error_code', 'message', 'pose'} <= (
+            action.type.Result.get_fields_and_field_types().keys())
+
+
+PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').rglob('*.md'))]
+LINE = re.compile(
+    r"ros2 action send_goal(?: --feedback)? /(\w+) create_oi_msgs/action/(\w+) '(.*)'")
+
+
+def test_goals_typed_in_the_documents_are_goals():
+    typed = [match for page in PAGES for match in LINE.findall(page.read_text('utf-8'))]
+    assert typed
+    types = {action.name: action.type for action in ACTIONS}
+    for name, type_, text in typed:
+        assert types[name].__name__ == type_
+        fill(types[name].Goal(), yaml.safe_load(text))
+
+
+def fill(message, fields) -> None:
+    """Set the fields of a message as `ros2` does from YAML."""
+    for name, value in fields.items():
+        if isinstance(value, dict):
+            fill(getattr(message, name), value)
+        else:
+            setattr(message, name, type(getattr(message, name))(value))

@@ -1,0 +1,82 @@
+"""Goals for programs of a few lines, and the example that drives a square by them."""
+
+from functools import partial
+
+import pytest
+
+from create_oi_ros.sim.world import parse, World
+from support.ros import Program, Robot, Scene, scene
+
+FAILS = """
+from create_oi_ros.ros.goal_client import GoalClient, GoalFailed
+
+with GoalClient() as robot:
+    for name, goal in (('fly', {}), ('drive_distance', {'distance': 5000.0}),
+                       ('undock', {})):
+        try:
+            robot.do(name, **goal)
+        except GoalFailed as why:
+            print(why, flush=True)
+    print(robot.do('drive_distance', distance=0.05).success, flush=True)
+"""
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+def ready(stage: Scene, world: World | None = None) -> Robot:
+    """Start a robot and its node; return the robot once it answers."""
+    robot = stage.robot(world=world)
+    node = stage.node(robot.link)
+    stage.ros.until(lambda: 'robot answers' in node.output, 'the robot answers')
+    return robot
+
+
+def has_printed(program: Program, count: int) -> bool:
+    """Return whether a program has printed so many lines."""
+    return len(program.printed) >= count
+
+
+def test_the_example_drives_a_square(stage):
+    robot = ready(stage)
+    example = stage.example('square.py')
+    for count in range(1, 9):
+        stage.ros.until(partial(has_printed, example, count), f'goal {count}')
+    assert example.ended() == 0
+    assert [line.split()[0] for line in example.printed] == ['drove', 'turned'] * 4
+    pose = robot.body.truth().pose
+    assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.0, 0.0, 0.0), abs=0.04)
+
+
+def test_the_example_ends_with_the_reason_where_something_is_in_the_way(stage):
+    ready(stage, parse('start 0 0 0\nwall 0.3 -1 0.3 1', 'wall'))
+    example = stage.example('square.py')
+    assert example.ended() == 1
+    assert example.output == (
+        'drive_distance: the bumper is pressed in front: drive backwards or turn away\n')
+
+
+def test_a_goal_that_fails_says_why_and_the_next_one_is_done(stage):
+    ready(stage)
+    script = stage.folder / 'fails.py'
+    script.write_text(FAILS)
+    program = stage.script(script)
+    assert program.ended() == 0
+    unknown, malformed, undocked, done = program.printed
+    assert unknown.startswith("no action 'fly'; there are drive_distance, ")
+    assert malformed == (
+        'drive_distance: malformed and rejected, the log of the driver says why\n')
+    assert undocked == 'undock: the robot is on no dock: there is nothing to leave\n'
+    assert done == 'True\n'
+
+
+def test_without_a_driver_the_program_ends_with_a_sentence(stage):
+    example = stage.example('square.py')
+    assert example.ended() == 1
+    assert example.output == (
+        f'drive_distance: no driver in ROS domain {stage.domain}; is ROS_DOMAIN_ID that of the '
+        'driver?\n')

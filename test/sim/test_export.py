@@ -1,0 +1,140 @@
+"""Worlds as maps for Nav2 and as walls for Gazebo, against the worlds' own geometry."""
+
+from math import atan2, hypot, inf, remainder, tau
+from pathlib import Path
+from random import Random
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World
+from create_oi_ros.sim.world.floor_plan import (
+    FREE,
+    map_of,
+    OCCUPIED,
+    RESOLUTION,
+    sdf_of,
+    UNKNOWN,
+)
+from create_oi_ros.sim.world.geometry import Disc
+from support.simulator import simulator
+
+REACH = hypot(RESOLUTION, RESOLUTION)
+"""Metres by which a cell may differ from what is exactly there."""
+
+
+def gap(world: World, x: float, y: float) -> float:
+    """Return the distance to the nearest obstacle."""
+    return min((each.gap(x, y) for each in world.obstacles), default=inf)
+
+
+@pytest.mark.parametrize('name', shipped_names())
+def test_a_map_is_occupied_where_the_world_has_obstacles_and_no_floor(name):
+    world, drawn, random = shipped(name), map_of(shipped(name)), Random(1)
+    for _ in range(3000):
+        x = drawn.x + random.random() * drawn.width * RESOLUTION
+        y = drawn.y + random.random() * drawn.height * RESOLUTION
+        near, grey = gap(world, x, y), drawn.at(x, y)
+        edges = min((each.edge_gap(x, y) for each in (*world.ground, *world.cliffs)), default=inf)
+        if edges < REACH:
+            continue
+        if near <= 0 or world.floor(x, y) is None:
+            assert grey == OCCUPIED, (x, y)
+        elif near > REACH:
+            assert grey in (FREE, UNKNOWN), (x, y)
+
+
+@pytest.mark.parametrize('name', ['apartment', 'room', 'table'])
+def test_free_is_where_a_robot_could_be_and_unknown_what_lies_outside(name):
+    world, drawn = shipped(name), map_of(shipped(name))
+    start = world.start
+    assert drawn.at(start.x, start.y) == FREE
+    assert drawn.at(drawn.x + RESOLUTION / 2, drawn.y + RESOLUTION / 2) != FREE
+    assert drawn.at(drawn.x - 5, drawn.y) == UNKNOWN
+
+
+def test_walls_stand_where_a_robot_touches_them():
+    world = shipped('room')
+    drawn, body = map_of(world), Body(world)
+    body.place(Pose(1.99 - 0.165, 0.0, 0.0))
+    pose = body.truth().pose
+    assert any(drawn.at(pose.x + 0.165 + far / 100, pose.y) == OCCUPIED for far in range(4))
+    assert drawn.at(pose.x + 0.1, pose.y) == FREE
+
+
+def test_every_obstacle_is_a_link_in_gazebo():
+    world = shipped('apartment')
+    links = ElementTree.fromstring(sdf_of(world)).findall("./world/model[@name='obstacles']/link")
+    assert len(links) == len(world.obstacles)
+    for link, obstacle in zip(links, world.obstacles):
+        x, y, z, _, _, yaw = map(float, link.findtext('pose').split())
+        shape = link.find('collision/geometry')
+        if isinstance(obstacle, Disc):
+            assert (x, y) == pytest.approx((obstacle.x, obstacle.y), abs=1e-4)
+            assert float(shape.findtext('cylinder/radius')) == obstacle.radius
+        else:
+            (ax, ay), (bx, by) = obstacle.ends
+            assert (x, y) == pytest.approx(((ax + bx) / 2, (ay + by) / 2), abs=1e-4)
+            assert abs(remainder(yaw - atan2(by - ay, bx - ax), tau)) < 1e-5
+            size = [float(number) for number in shape.findtext('box/size').split()]
+            assert size[0] == pytest.approx(obstacle.length, abs=1e-4)
+        assert z > 0
+
+
+def test_a_world_of_nothing_is_free_floor():
+    drawn = map_of(World())
+    assert set(drawn.cells) == {FREE}
+    assert ElementTree.fromstring(sdf_of(World())).find('world') is not None
+
+
+def test_a_start_on_a_wall_leaves_nothing_free():
+    assert FREE not in map_of(parse('start 0 0 0\nwall -1 0 1 0', 'wall')).cells
+
+
+def test_the_program_writes_a_map_that_nav2_can_load(tmp_path: Path):
+    path = tmp_path / 'apartment.yaml'
+    with simulator('--world', 'apartment', '--export', path) as sim:
+        assert sim.ended() == (0, '', '')
+    assert sim.said.startswith(f'{path} and {tmp_path / "apartment.pgm"}: a map for Nav2, ')
+    described = yaml.safe_load(path.read_text())
+    assert described['resolution'] == 0.02
+    assert described['image'] == 'apartment.pgm'
+    assert described['mode'] == 'trinary' and described['negate'] == 0
+    assert 1 - UNKNOWN / 255 > described['free_thresh'] > 1 - FREE / 255
+    assert 1 - OCCUPIED / 255 > described['occupied_thresh'] > 1 - UNKNOWN / 255
+    drawn = map_of(shipped('apartment'))
+    assert described['origin'] == pytest.approx([drawn.x, drawn.y, 0.0], abs=1e-3)
+    head, size, depth, cells = (tmp_path / 'apartment.pgm').read_bytes().split(b'\n', 3)
+    assert (head, size, depth) == (b'P5', f'{drawn.width} {drawn.height}'.encode(), b'255')
+    assert cells == drawn.cells
+
+
+def test_the_program_writes_walls_for_gazebo(tmp_path: Path):
+    path = tmp_path / 'room.sdf'
+    with simulator('--world', 'room', '--export', path) as sim:
+        assert sim.ended() == (0, '', '')
+    assert sim.said == f'{path}: walls for Gazebo\n'
+    assert path.read_text() == sdf_of(shipped('room'))
+
+
+@pytest.mark.parametrize(('name', 'says'), [
+    ('map.png', 'allowed: a file that ends with .yaml'), ('none/map.yaml', 'No such file')])
+def test_a_file_that_cannot_be_written_is_named(tmp_path: Path, name: str, says: str):
+    with simulator('--export', tmp_path / name) as sim:
+        code, _, errors = sim.ended()
+    assert code == 2
+    assert says in errors and name in errors
+    assert 'Traceback' not in errors
+
+
+@pytest.mark.parametrize('name', ['map.yaml', 'map.pgm', 'map.sdf'])
+def test_nothing_is_overwritten(tmp_path: Path, name: str):
+    (tmp_path / name).write_text('precious')
+    wanted = 'map.sdf' if name.endswith('sdf') else 'map.yaml'
+    with simulator('--export', tmp_path / wanted) as sim:
+        code, _, errors = sim.ended()
+    assert code == 2
+    assert f'{name}: exists already' in errors
+    assert [path.read_text() for path in tmp_path.iterdir()] == ['precious']

@@ -1,0 +1,72 @@
+"""Goals given to a driver that plays against the simulated robot in memory."""
+
+from math import degrees, radians
+
+from create_oi_ros.driver.goals import (
+    Code,
+    DriveArc,
+    DriveDistance,
+    Ending,
+    Goal,
+    NavigateToPosition,
+    RotateAngle,
+    Running,
+)
+from create_oi_ros.driver.goals.approach import Learned
+from create_oi_ros.driver.goals.motions import Circle, Place
+from support.loop import Loop
+
+SPEED, TURNING = 0.3, 1.9
+PATIENCE = 200.0
+"""Seconds in which every goal of a test ends."""
+
+
+def distance(metres: float, speed: float = SPEED, allowance: float = 0.0) -> DriveDistance:
+    """Return a goal that drives straight."""
+    return DriveDistance(metres, speed, allowance, Learned())
+
+
+def angle(turn: float, speed: float = TURNING, allowance: float = 0.0) -> RotateAngle:
+    """Return a goal that turns, by degrees."""
+    return RotateAngle(radians(turn), speed, allowance, Learned())
+
+
+def arc(turn: float, radius: float, direction: int = 1, speed: float = SPEED) -> DriveArc:
+    """Return a goal that drives on a circle, by degrees."""
+    return DriveArc(Circle(radians(turn), radius, direction), speed, 0.0, Learned())
+
+
+def place(x: float, y: float, heading: float | None = None) -> NavigateToPosition:
+    """Return a goal that drives to a place, with a heading in degrees."""
+    return NavigateToPosition(
+        Place(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0, Learned(),
+        Learned())
+
+
+def start(loop: Loop, goal: Goal) -> Running:
+    """Give the driver a goal."""
+    return loop.driver.goals.start(goal, loop.now)
+
+
+def until_ended(loop: Loop, running: Running) -> Ending:
+    """Let time pass until the goal has ended."""
+    deadline = loop.now + PATIENCE
+    while running.ending is None:
+        assert loop.now < deadline, 'the goal has not ended'
+        loop.turn()
+    return running.ending
+
+
+def pursue(loop: Loop, goal: Goal) -> Ending:
+    """Give the driver a goal, and let time pass until it has ended."""
+    return until_ended(loop, start(loop, goal))
+
+
+def reach(loop: Loop, goal: Goal) -> tuple[float, float]:
+    """Pursue a goal that succeeds; return the true way, m, and turn, degrees."""
+    before = loop.body.truth()
+    ending = pursue(loop, goal)
+    assert ending.code is Code.NONE, ending
+    loop.run(1.0)
+    after = loop.body.truth()
+    return after.travelled - before.travelled, degrees(after.turned - before.turned)
