@@ -18,12 +18,9 @@ class MotionLimits:
     """m/s for either wheel."""
     timeout: float = 0.5
     """Seconds that a command holds."""
-    linear_acceleration: float = 2.5
-    """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it.
-
-    Wheels that can follow what they are asked need less guessing: docs/odometry.md has the trade.
-    """
-    angular_acceleration: float = 10.0
+    linear_acceleration: float = 0.0
+    """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it."""
+    angular_acceleration: float = 0.0
     """rad/s², likewise."""
     bump_stop: bool = False
     """Whether a pressed bumper lets no command drive forward."""

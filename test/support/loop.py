@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import pi
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, MotionLimits, Moved, Notice, Settings
+from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.odometry import Estimate, Odometry
 from create_oi_ros.robot import WHEEL_SEPARATION
 from create_oi_ros.sim.body import Body, Rounding
@@ -31,7 +31,7 @@ class Loop:
             world or shipped('empty'), rounding=rounding,
             config=config or replace(IDEAL, wheel_separation=wheel_separation))
         self.robot = Create(self.body, checksum=checksum)
-        self.driver = Driver(at_once(settings or Settings()), odometry)
+        self.driver = Driver(settings or Settings(), odometry)
         self.now = 100.0
         self.delay = delay
         self.cut = False
@@ -104,14 +104,6 @@ class Loop:
         if line and line[0][0] <= self.now:
             return line.popleft()[1]
         return None
-
-
-def at_once(settings: Settings) -> Settings:
-    """Take away the default limits of acceleration: each command is what the wheels are sent."""
-    if settings.limits != MotionLimits():
-        return settings
-    return replace(settings, limits=replace(
-        settings.limits, linear_acceleration=0.0, angular_acceleration=0.0))
 
 
 def turn_difference(one: float, other: float) -> float:
