@@ -22,6 +22,7 @@ from create_oi_ros.apps.check.runner import Runner
 from create_oi_ros.apps.check.trial_wheels import Family, Kind
 from create_oi_ros.driver import Driver
 from create_oi_ros.odometry import SignSource
+from create_oi_ros.oi.tools import markdown
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import EncoderSign
 from create_oi_ros.sim.body.wheels import REFERENCE_SPEED, Response
@@ -29,6 +30,7 @@ from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import World
 from odometry_loop import Line, TURNS
+from results import Figure, keep, machine, rows
 from robots import CLASSES, Robot
 
 SIGNS = {EncoderSign.DRIVE: SignSource.DRIVE, EncoderSign.UNTIL_REST: SignSource.LAST_REQUEST,
@@ -162,24 +164,31 @@ def trials(count: int, first: int) -> Iterator[Score]:
         yield result
 
 
-def main() -> None:
-    """Print the table."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
-    results = list(trials(count, int(sys.argv[2]) if len(sys.argv) > 2 else 1000))
-    print(f'\n{count} robots, {LATENCY * 1000:.0f} ms of delay each way at most\n')
-    print('| discrete guess | right |\n| --- | --- |')
+def figures(results: list[Score]) -> list[Figure]:
+    """Return how often each guess was right, and how far numbers were off."""
+    count, made = len(results), []
     for name in ('rounding', 'sign', 'response', 'dead_band'):
-        print(f'| {name.replace("_", " ")} | '
-              f'{sum(getattr(each, name) for each in results) / count:.0%} |')
-    print('\n| number | error: mean | 95th | worst |\n| --- | --- | --- | --- |')
-    for name, unit, form in (
-            ('tau', 100, '{:.1f} %'), ('quick_tau', 1000, '{:.1f} ms'),
-            ('gain', 100, '{:.2f} %'),
-            ('dead_time', 1000, '{:.1f} ms'),
-            ('separation', 100, '{:.2f} %'), ('period', 1e6, '{:.0f} ppm')):
-        errors = sorted(getattr(each, name) * unit for each in results)
-        row = sum(errors) / count, errors[min(count - 1, int(0.95 * count))], errors[-1]
-        print(f'| {name.replace("_", " ")} | {" | ".join(map(form.format, row))} |')
+        right = 100 * sum(getattr(each, name) for each in results) / count
+        made.append(Figure(f'{name.replace("_", " ")} right, of {count} robots', right, '%', 95.0,
+                           at_least=True))
+    for name, unit, factor, most in (
+            ('tau', '%', 100, 15.0), ('gain', '%', 100, 1.0), ('dead_time', 'ms', 1000, None),
+            ('separation', '%', 100, None), ('period', 'ppm', 1e6, None)):
+        errors = [factor * getattr(each, name) for each in results]
+        label = {'tau': 'time constant'}.get(name, name.replace('_', ' '))
+        made.append(Figure(f'{label}: error', sum(errors) / count, unit, most,
+                           worst=max(errors)))
+    return made
+
+
+def main() -> None:
+    """Print the table, and save it."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
+    where = machine()
+    found = figures(list(trials(count, int(sys.argv[2]) if len(sys.argv) > 2 else 1000)))
+    heading, *body = rows(found)
+    print(markdown.table(heading, body))
+    keep('bench_check', found, where)
 
 
 if __name__ == '__main__':

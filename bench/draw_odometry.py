@@ -1,46 +1,71 @@
 """Draw docs/odometry.png: `python bench/draw_odometry.py [PATH]`, two minutes of mixed driving."""
 
+from dataclasses import replace
 from pathlib import Path
+from random import Random
 import sys
 
 import matplotlib
 
-from create_oi_ros.odometry import Estimate
+from create_oi_ros.sim.body.config import CENTRE, EncoderSign
 from create_oi_ros.sim.body.encoders import Rounding
-from odometry_rig import Condition, follow, simulate
+from create_oi_ros.sim.body.wheels import Response, TimeConstant
+from drives import mixed
+from odometry_loop import Journey
+from rivals import Rival
+from robots import Robot
 
 matplotlib.use('Agg')
 
 from matplotlib import pyplot
 
-DRIVE = Condition('picture', latency=0.03, seconds=120.0)
-SEED = 8
-INK = {'naive': '#d1495b', 'ours': '#00798c'}
+SECONDS, SEED, LATENCY = 120.0, 8, 0.005
+ROBOTS = {
+    'the centre of what was measured': Robot('picture', CENTRE, Rounding.TRUNCATE, 0.015),
+    'as a Create 2, rounds': Robot('picture', replace(
+        CENTRE, response=Response.SECOND_ORDER, overshoot=0.2, time_constant=TimeConstant(0.05),
+        right_speed_gain=1.04, left_speed_gain=0.99), Rounding.ROUND, 0.015625),
+    'constant acceleration, true signs, carries': Robot('picture', replace(
+        CENTRE, response=Response.RAMP, encoder_sign=EncoderSign.TRUE, wheel_acceleration=0.8,
+        dead_time=0.1), Rounding.CARRY, 0.015),
+}
+"""Three simulated robots, by name; frames come every so many seconds."""
+INK = {'each frame read': '#d1495b', 'a reading a second': '#e09f3e', 'this odometry': '#00798c'}
+Track = list[tuple[float, float]]
+
+
+def tracks(robot: Robot) -> tuple[Track, dict[str, Track]]:
+    """Drive a robot; return its true track, and what each odometry makes of it."""
+    journey = Journey(robot, SEED, latency=LATENCY)
+    journey.drive(list(mixed(Random(SEED), SECONDS)), SECONDS)
+    found: dict[str, Track] = {}
+    for name, interval in (('each frame read', 0.0), ('a reading a second', 1.0)):
+        rival, found[name] = Rival(robot.geometry, robot.rounding, interval), []
+        for counts in journey.counts:
+            rival.frame(counts, robot.period)
+            found[name].append((rival.x, rival.y))
+    found['this odometry'] = [(e.x, e.y) for _, e, _ in journey.moves]
+    return [(truth.pose.x, truth.pose.y) for _, _, truth in journey.moves], found
 
 
 def main() -> None:
-    """Draw the true track, the naive one and ours, for each rounding."""
-    instants = simulate(SEED, DRIVE)
+    """Draw the true track of each robot and the estimated ones."""
     figure, every = pyplot.subplots(1, 3, figsize=(12, 4.6), layout='constrained')
-    for axes, rounding in zip(every, Rounding):
-        for name, window in (('naive', 0.0), ('ours', 1.0)):
-            track: list[Estimate] = []
-            score = follow(instants, rounding, window, DRIVE, track.append)
-            axes.plot([e.x for e in track], [e.y for e in track], color=INK[name], linewidth=1.6,
-                      label=f'{name}: {score.turn:.2f}° a turn, {score.distance:.1f} %')
-        axes.plot([i.x for i in instants], [i.y for i in instants], color='black',
-                  linewidth=0.9, linestyle=(0, (4, 3)), label='truth')
-        axes.set_title(f'a robot that {WORDS[rounding]}', fontsize=11)
+    for axes, (name, robot) in zip(every, ROBOTS.items()):
+        truth, found = tracks(robot)
+        for estimator, track in found.items():
+            axes.plot(*zip(*track), color=INK[estimator], linewidth=1.6, label=estimator)
+        axes.plot(*zip(*truth), color='black', linewidth=0.9, linestyle=(0, (4, 3)),
+                  label='truth')
+        axes.set_title(name, fontsize=11)
         axes.set_aspect('equal', adjustable='datalim')
         axes.grid(alpha=0.25)
         axes.set_xlabel('x, m')
-        axes.legend(fontsize=8, loc='best')
     every[0].set_ylabel('y, m')
+    every[0].legend(fontsize=8, loc='best')
     path = Path(sys.argv[1] if len(sys.argv) > 1 else 'docs/odometry.png')
     figure.savefig(path, dpi=110, metadata={'Software': None})
 
-
-WORDS = {Rounding.TRUNCATE: 'truncates', Rounding.ROUND: 'rounds', Rounding.CARRY: 'carries'}
 
 if __name__ == '__main__':
     main()

@@ -12,7 +12,7 @@ import subprocess
 import sys
 from time import monotonic
 
-APART = ('bench_odometry', 'bench_goals')
+APART = ('bench_odometry', 'bench_goals', 'bench_check')
 
 
 def programs() -> list[Path]:

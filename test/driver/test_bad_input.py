@@ -23,6 +23,7 @@ from rclpy.task import Future
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings
 from create_oi_ros.driver.stopping import WAKE_UP
+from create_oi_ros.ros.model_keeper import ModelKeeper
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.parameter_checks import declare
 from create_oi_ros.ros.parameters import Parameters
@@ -54,8 +55,9 @@ class Desk:
             self.loop.run(1.0)
         assert (self.loop.driver.state.answered) == (state != 'away')
         self.loop.heard.clear()
-        self._services = Services(
-            SimpleNamespace(create_service=lambda *_, **__: None, executor=None), self)
+        node = SimpleNamespace(
+            create_service=lambda *_, **__: None, get_logger=lambda: None, executor=None)
+        self._services = Services(node, self, ModelKeeper(node, ''))
 
     @contextmanager
     def request(self):

