@@ -191,8 +191,8 @@ class PacketList:
         """Say why values cannot be encoded."""
         if len(values) != len(self.packets):
             return f'{len(values)} values for packets {self.ids}; expected {len(self.packets)}'
-        for name, packet, value in zip(self.names, self.packets, values):
-            low, high = packet.wire.limits
-            if not isinstance(value, int) or not low <= value <= high:
-                return f'{name} (packet {packet.id}) = {value!r}; allowed: {low} to {high}'
-        raise AssertionError(f'{values} can be encoded')
+        place = next(index for index, (packet, value) in enumerate(zip(self.packets, values))
+                     if not packet.wire.fits(value))
+        packet, (low, high) = self.packets[place], self.packets[place].wire.limits
+        return (f'{self.names[place]} (packet {packet.id}) = {values[place]!r}; '
+                f'allowed: {low} to {high}')

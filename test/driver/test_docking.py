@@ -182,6 +182,21 @@ def test_a_robot_that_safe_holds_leaves_by_full_says_so_and_returns_to_safe(gues
     assert pursue(loop, distance(-0.1)).code is Code.NONE
 
 
+def test_a_robot_that_hears_nothing_is_not_undocked():
+    loop = docked()
+    loop.robot.receive = lambda *_: None
+    ending = pursue(loop, undock())
+    assert (ending.code, ending.docked) == (Code.MODE, True)
+    assert 'does not enter FULL' in ending.text
+
+
+def test_a_robot_in_passive_looks_for_its_dock_at_once():
+    loop = met(mode_on_start=oi.Mode.PASSIVE)
+    start(loop, Dock(0.0))
+    loop.run(0.1)
+    assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
+
+
 def test_a_robot_in_full_stays_in_full():
     loop = docked(mode=oi.Mode.FULL)
     assert pursue(loop, undock()).code is Code.NONE

@@ -333,6 +333,25 @@ def test_a_goal_whose_client_has_gone_is_stopped():
     assert 'client has gone' in ending.text
 
 
+def test_a_client_that_goes_after_the_end_changes_nothing():
+    loop = met()
+    running = moving(loop)
+    loop.driver.goals.cancel(running, loop.now)
+    before = running.ending
+    loop.driver.goals.abandon(running, loop.now)
+    assert running.ending is before
+
+
+def test_a_robot_that_does_not_enter_its_mode_again_ends_a_goal():
+    loop = met()
+    loop.robot.receive(oi.Start().encode(), loop.now)
+    loop.run(2 * FRAME)
+    loop.robot.receive = lambda *_: None
+    running = start(loop, distance(0.3))
+    loop.run(1.2)
+    assert running.ending.code is Code.MODE
+
+
 def test_a_stop_always_wins():
     for interrupt in (True, False):
         loop = met(MotionLimits(commands_interrupt=interrupt))

@@ -132,6 +132,8 @@ def test_straight_may_be_written_as_the_manual_does() -> None:
      'Drive: velocity = 501; allowed: -500 to 500 mm/s'),
     (oi.Drive(velocity=0, radius=2001),
      'Drive: radius = 2001; allowed: -2000 to 2000 mm, -32768 STRAIGHT, 32767 STRAIGHT_7FFF'),
+    (oi.Drive(velocity=0, radius='left'),  # type: ignore[arg-type]
+     "Drive: radius = 'left'; allowed: -2000 to 2000 mm, -32768 STRAIGHT, 32767 STRAIGHT_7FFF"),
     (oi.Leds(bits=1, color=0, intensity=0),
      'LEDs: bits = 1; allowed: a sum of 2 PLAY, 8 ADVANCE'),
     (oi.WaitEvent(event=0),
