@@ -333,12 +333,13 @@ def test_a_goal_whose_client_has_gone_is_stopped():
     assert 'client has gone' in ending.text
 
 
-def test_a_client_that_goes_after_the_end_changes_nothing():
+def test_what_comes_after_the_end_changes_nothing():
     loop = met()
     running = moving(loop)
     loop.driver.goals.cancel(running, loop.now)
     before = running.ending
     loop.driver.goals.abandon(running, loop.now)
+    loop.driver.goals.interrupt(loop.now)
     assert running.ending is before
 
 
