@@ -177,7 +177,7 @@ def test_a_demo_that_another_node_drives_ends_and_names_it(tmp_path):
         made.ros.until(ended)
         printed, _ = shown.communicate()
     assert shown.returncode == 1, printed
-    assert 'is also /listener, which drives' in printed
+    assert 'is also /listener, which drives' in printed, printed
 
 
 def test_a_demo_takes_its_own_domain(tmp_path):
