@@ -18,7 +18,9 @@ WINDOW = 64
 RECENT = 16
 """Frames in a row that must all be late, or early, before slots are counted anew."""
 SILENT = 3.5 * oi.SLOT
-"""Seconds without a frame after which some may have been lost unseen; no delay is that long."""
+"""Seconds without a frame after which some are missing: lost, or late."""
+TOGETHER = 0.5
+"""Part of a slot within which late frames follow each other, and frames in time never do."""
 LEAST_STEP = 1e-4
 """Seconds by which stamps rise at least."""
 SHORTEST, LONGEST = 0.0147, 0.0160
@@ -54,6 +56,10 @@ class FrameClock:
         self._suspicious = 0
         self._missing = 0.0
         """Frames that garbage stands for."""
+        self._absent = 0
+        """Frames that did not come before the last one: the next one tells what became of them."""
+        self.found_lost = 0.0
+        """Seconds of frames that are known now to have been lost before the last one."""
         self._owed = 0.0
         """Seconds of counted slots that no frame has been given yet; negative: given too early."""
 
@@ -69,8 +75,8 @@ class FrameClock:
         self._sent.clear()
         self._earliest.clear()
         self._arrival = None
-        self._suspicious = self._frames = 0
-        self._missing = self._owed = 0.0
+        self._suspicious = self._frames = self._absent = 0
+        self._missing = self._owed = self.found_lost = 0.0
 
     def suspect(self, frames: float = 0.0) -> None:
         """Note that bytes came which may have been so many frames."""
@@ -82,12 +88,23 @@ class FrameClock:
         """Whether a frame may have been lost just before the newest one."""
         return self._suspicious == WINDOW - 1
 
+    @property
+    def undecided(self) -> bool:
+        """Whether frames are missing before the newest one that may only be late."""
+        return self.gap and self._absent > 0
+
+    @property
+    def absent(self) -> float:
+        """Seconds of frames that are late or lost."""
+        return self._absent * self.period
+
     def stamp(self, arrival: float, wire_time: float) -> tuple[float, float]:
         """
         Return when a frame left, and the robot's seconds since the one before.
 
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
+        self.found_lost = self._decide(arrival, arrival - wire_time)
         passed = 1 + self._frames_missing(arrival)
         self._arrival = arrival
         self._slot += passed
@@ -109,8 +126,25 @@ class FrameClock:
         self._owed -= duration
         return duration
 
+    def _decide(self, arrival: float, sent: float) -> float:
+        """
+        Tell by the next frame what became of absent ones; return the seconds of lost ones.
+
+        Late frames come together. After lost ones frames come in time.
+        """
+        if not self._absent or self._arrival is None:
+            return 0.0
+        if arrival - self._arrival < TOGETHER * self.period:
+            self._absent -= 1
+            return 0.0
+        late = sent - (self._slot + 1) * self.period - min(self._lateness(0, len(self._sent)))
+        lost = max(0, min(self._absent, round(late / self.period)))
+        self._absent = 0
+        self._slot += lost
+        return lost * self.period
+
     def _frames_missing(self, arrival: float) -> int:
-        """Return how many frames seem to be lost before this one: garbage came, or nothing did."""
+        """Return how many frames garbage before this one stands for."""
         missing, self._missing = round(self._missing), 0.0
         if self._arrival is None:
             return 0
@@ -118,7 +152,8 @@ class FrameClock:
         if arrival - self._arrival > SILENT:
             self.suspect()
             self._missing = 0.0
-            return round(slots) - 1
+            self._absent = round(slots) - 1
+            return 0
         return min(missing, int(slots) + 1)
 
     def _slots_early(self, sent: float) -> int:
@@ -141,7 +176,7 @@ class FrameClock:
         """
         self._suspicious -= 1
         older = len(self._sent) - RECENT
-        if older < RECENT or self._suspicious < 0:
+        if older < RECENT or self._suspicious < 0 or self._absent:
             return 0  # the earliest of a few frames may be a late one
         recent = min(self._lateness(older, len(self._sent)))
         return round((recent - min(self._lateness(0, older))) / self.period)

@@ -146,7 +146,7 @@ class Driver:
         self._velocity.poll(now)
         if self.state.takes_commands:
             stream = self._connection.plan.next_stream(
-                now, motion_due=self._tracking.odometry.reading_due)
+                now, motion_due=self._tracking.reading_due)
             if stream is not None:
                 self._connection.ask(stream, now)
         self._outbox.release(now)

@@ -27,9 +27,9 @@ class JumpCheck:
         """Forget when the last reading was: the next spans an unknown time."""
         self._since = None
 
-    def possible(self, readings: oi.Readings, stamp: float) -> bool:
-        """Tell whether a reading of distance and angle can be true."""
-        elapsed = inf if self._since is None else stamp - self._since
+    def possible(self, readings: oi.Readings, stamp: float, gap: float = 0.0) -> bool:
+        """Tell whether a reading can be true that left at `stamp`, or so many seconds later."""
+        elapsed = inf if self._since is None else stamp + gap - self._since
         self._since = stamp
         return (abs(readings.distance) <= FASTEST * elapsed * MM_PER_M + SLACK
                 and abs(readings.angle) <= FASTEST_TURN * elapsed + TURN_SLACK)

@@ -45,7 +45,16 @@ class Tracking:
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._counts = counts
         self._jumps = JumpCheck()
-        self._unseen = 0.0
+        self._unseen = self._found_lost = 0.0
+        self._held: Increment | None = None
+        """A frame after a gap: the next one tells how long the gap was."""
+        self._due = False
+        """Whether the odometry asked for a reading after the held frame."""
+
+    @property
+    def reading_due(self) -> bool:
+        """Whether the robot should be asked for distance and angle in its next frame."""
+        return self._due or self.odometry.reading_due
 
     @property
     def robot(self) -> Knowledge | None:
@@ -57,6 +66,7 @@ class Tracking:
         """Continue after frames were missed."""
         self.clock.restart()
         self._jumps.restart()
+        self._held, self._found_lost = None, 0.0
         self.odometry.interrupted()
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
@@ -64,6 +74,7 @@ class Tracking:
         readings = frame.readings
         stamp, dt = self.clock.stamp(now, frame.packets.wire_time(baud))
         self._unseen += dt
+        self._found_lost += self.clock.found_lost
         if readings.implausible():
             self._counts.implausible_frames += 1
             return None
@@ -76,7 +87,7 @@ class Tracking:
         """Report how the robot moved; `speeds` are the requested ones, None where not known."""
         readings = taken.readings
         asked = readings.has('distance', 'angle')
-        if asked and not self._jumps.possible(readings, taken.stamp):
+        if asked and not self._jumps.possible(readings, taken.stamp, self.clock.absent):
             self._counts.impossible_jumps += 1
             asked = False
         estimate = self._estimate(taken, speeds, asked=asked)
@@ -85,10 +96,20 @@ class Tracking:
     def _estimate(self, taken: Taken, speeds: Speeds | None, *, asked: bool) -> Estimate:
         readings = taken.readings
         right, left = speeds or STANDING
-        return self.odometry.update(Increment(
+        increment = Increment(
             dt=taken.dt, right=right, left=left,
             driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
             lifted=bool(int(readings.bumps_and_wheel_drops) & LIFTED),
             lost=self.clock.gap or readings.has('distance') and not asked,
             distance=readings.distance if asked else None,
-            angle=readings.angle if asked else None))
+            angle=readings.angle if asked else None)
+        lost, self._found_lost, self._due = self._found_lost, 0.0, False
+        if self._held is not None:
+            self.odometry.update(self._held._replace(dt=self._held.dt + lost, lost=lost > 0))
+            self._due = self.odometry.reading_due
+            self._held, lost = None, 0.0
+        if self.clock.undecided:
+            self._held = increment
+            return self.odometry.estimate.coasted(increment.dt)
+        return self.odometry.update(
+            increment._replace(dt=increment.dt + lost) if lost else increment)

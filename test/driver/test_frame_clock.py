@@ -33,9 +33,9 @@ def test_random_delays_are_taken_out():
 def test_lost_frames_are_noticed_and_their_time_is_not_lost():
     clock = FrameClock()
     slots = [slot for slot in range(1, 400) if slot not in (200, 201, 202)]
-    taken = [clock.stamp(slot * SLOT, 0.0) for slot in slots]
+    taken = [(*clock.stamp(slot * SLOT, 0.0), clock.found_lost) for slot in slots]
     assert taken[-1][0] == pytest.approx(slots[-1] * SLOT)
-    assert sum(dt for _, dt in taken) == pytest.approx(slots[-1] * SLOT)
+    assert sum(dt + lost for _, dt, lost in taken) == pytest.approx(slots[-1] * SLOT)
 
 
 def test_a_line_that_becomes_slower_loses_nothing():
@@ -106,6 +106,19 @@ def test_a_computer_that_pauses_now_and_then_does_not_stop_the_clock(longest):
         sent = slot * SLOT
         if sent > paused_until and random.random() < 0.02:
             paused_until = sent + random.uniform(0.05, longest)
-        total += clock.stamp(max(sent, paused_until), 0.0)[1]
-        # A frame that comes late is taken for one after lost ones, until the late ones follow.
-        assert -5 * SLOT < total - sent < longest + 5 * SLOT
+        total += clock.stamp(max(sent, paused_until), 0.0)[1] + clock.found_lost
+        assert total == pytest.approx(sent, abs=2.5 * SLOT)
+
+
+def test_late_frames_are_told_from_lost_ones_by_the_next_frame():
+    late, lost = FrameClock(), FrameClock()
+    for slot in range(1, 100):
+        late.stamp(slot * SLOT, 0.0)
+        lost.stamp(slot * SLOT, 0.0)
+    for clock in (late, lost):
+        _, dt = clock.stamp(105 * SLOT, 0.0)
+        assert dt == pytest.approx(SLOT) and clock.undecided
+    late.stamp(105 * SLOT, 0.0)
+    lost.stamp(106 * SLOT, 0.0)
+    assert late.found_lost == 0.0 and lost.found_lost == pytest.approx(5 * SLOT)
+    assert not late.undecided and not lost.undecided
