@@ -2,6 +2,7 @@
 
 import csv
 import fcntl
+from itertools import pairwise
 import os
 from pathlib import Path
 import signal
@@ -11,11 +12,17 @@ import sys
 import termios
 import threading
 import time
+from typing import Any
 
 import pytest
 import serial
 
 from create_oi_ros import oi
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.server import Server
+from create_oi_ros.sim.server.lines import PtyLine
+from create_oi_ros.sim.world import shipped
 from support.simulator import ControlClient, opened, receive, silent, simulator, taught
 
 START, SAFE, FULL = bytes([128]), bytes([131]), bytes([132])
@@ -260,12 +267,13 @@ def test_a_client_that_streams_single_ids_and_checks_the_sum_with_the_header(
 
 
 def test_a_client_that_polls_group_6_and_single_packets_and_asks_for_group_100(
-        port: Path) -> None:
-    with simulator('--link', port), serial.Serial(str(port), 57600, timeout=5) as client:
+        tmp_path: Path) -> None:
+    with taught(tmp_path) as (port, teacher), \
+            serial.Serial(str(port), 57600, timeout=5) as client:
         client.write(bytes([128, 131, 137, 0, 100, 128, 0]))
         travelled = 0
         for _ in range(100):
-            time.sleep(0.015)
+            teacher.tell('after 0.015')
             client.write(bytes([142, 6]))
             packet = client.read(52)
             assert len(packet) == 52
@@ -302,19 +310,25 @@ def test_speed_makes_its_time_run_faster(tmp_path: Path) -> None:
         assert time.monotonic() - begin < 5
 
 
-def test_a_long_stall_leaves_the_robot_where_it_was(tmp_path: Path) -> None:
-    port, control = tmp_path / 'create', tmp_path / 'control'
-    with simulator('--link', port, '--control', control) as sim, opened(port) as client:
-        teacher = ControlClient(control)
-        os.write(client, START + SAFE + bytes([145, 0, 100, 0, 100]))
-        before = teacher.truth('wait speed>0.09')
-        sim.process.send_signal(signal.SIGSTOP)
-        time.sleep(1.0)
-        sim.process.send_signal(signal.SIGCONT)
-        after = teacher.truth()
+def test_a_long_stall_leaves_the_robot_where_it_was() -> None:
+    """A process that stands still, or a laptop that sleeps, is a jump of the clock."""
+    jumps: list[dict[str, Any]] = []
+    create, line = Create(Body(shipped('empty'))), PtyLine()
+    server = Server(create, line, clock=lambda: time.monotonic() + len(jumps))
+
+    def jump() -> None:
+        facts = server.control.facts()
+        if facts['speed'] > 0.09:
+            jumps.append(facts)
+        if len(jumps) == 3:
+            server.stop()
+    create.receive(START + SAFE + bytes([145, 0, 100, 0, 100]), 0.0)
+    server.watchers.append(jump)
+    server.serve()
+    line.close()
+    for before, after in pairwise(jumps):
         assert after['time'] - before['time'] < 0.6
         assert after['x'] - before['x'] < 0.06
-        teacher.close()
 
 
 # The control socket.
