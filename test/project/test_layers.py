@@ -42,7 +42,7 @@ RULES = {
     'odometry': Rule(ours=('robot',), others='numpy'),
     'driver': Rule(ours=('odometry', 'oi', 'oi.tools', 'robot')),
     'sim': Rule(),
-    'sim.world': Rule(ours=('robot',)),
+    'sim.world': Rule(ours=('sim', 'robot')),
     'sim.body': Rule(ours=('sim', 'sim.world', 'oi', 'robot')),
     'sim.firmware': Rule(ours=('sim', 'sim.body', 'sim.world', 'oi', 'robot')),
     'sim.server': Rule(ours=('sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi', 'oi.tools',
