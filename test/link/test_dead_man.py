@@ -1,6 +1,7 @@
 """The process that stops the robot when the driver has died."""
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 import os
 import pty
 import signal
@@ -60,79 +61,77 @@ sys.stdin.read()
 """
 
 
-@pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT])
-def test_when_its_parent_dies_it_says_the_last_words_and_ends(number):
+@contextmanager
+def guarded_parent() -> Iterator[tuple[subprocess.Popen[bytes], int]]:
+    """Yield a process with a dead-man, and the other end of its line."""
     reading, writing = os.pipe()
     parent = subprocess.Popen(
         [sys.executable, '-c', PARENT, str(writing), WORDS.decode()], pass_fds=(writing,),
         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     os.close(writing)
-    assert parent.stdout is not None
-    assert parent.stdout.readline()
-    parent.send_signal(number)
+    try:
+        assert parent.stdout is not None
+        assert parent.stdout.readline()
+        yield parent, reading
+    finally:
+        parent.kill()
+        parent.communicate()
+        os.close(reading)
+
+
+def read_all(reading: int) -> bytes:
+    """Read until everybody has closed the other end."""
     heard = b''
     while more := os.read(reading, 100):
         heard += more
-    assert heard == WORDS
-    os.close(reading)
-    parent.communicate()
+    return heard
+
+
+@pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT])
+def test_when_its_parent_dies_it_says_the_last_words_and_ends(number):
+    with guarded_parent() as (parent, reading):
+        parent.send_signal(number)
+        assert read_all(reading) == WORDS
 
 
 def test_while_its_parent_is_suspended_it_says_the_last_words_and_watches_on():
+    with guarded_parent() as (parent, reading):
+        parent.send_signal(signal.SIGSTOP)
+        assert read_words(reading) == WORDS
+        parent.kill()
+        assert read_all(reading) == WORDS
+
+
+def heard_after(monkeypatch, seen: list[bool]) -> bytes:
+    """Return what a dead-man writes that sees these, one a look, and then hears the goodbye."""
+    pipe, speaking = os.pipe()
     reading, writing = os.pipe()
-    parent = subprocess.Popen(
-        [sys.executable, '-c', PARENT, str(writing), WORDS.decode()], pass_fds=(writing,),
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    looks = iter(seen)
+
+    def look(_: int) -> bool:
+        found = next(looks, None)
+        if found is None:
+            os.write(speaking, GOODBYE)
+        return bool(found)
+    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
+    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
+    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
+    watch(pipe, writing, WORDS, os.getpid())
     os.close(writing)
-    assert parent.stdout is not None
-    assert parent.stdout.readline()
-    parent.send_signal(signal.SIGSTOP)
-    assert read_words(reading) == WORDS
-    parent.kill()
-    heard = b''
-    while more := os.read(reading, 100):
-        heard += more
-    assert heard == WORDS
-    os.close(reading)
-    parent.communicate()
+    heard = read_all(reading)
+    for end in (pipe, speaking, reading):
+        os.close(end)
+    return heard
 
 
 def test_each_time_that_it_is_suspended_for_two_looks_is_one_for_last_words(monkeypatch):
-    pipe, speaking = os.pipe()
-    reading, writing = os.pipe()
-    looks = iter([False, True, False, True, True, True, False, True, True])
-
-    def look(_: int) -> bool:
-        seen = next(looks, None)
-        if seen is None:
-            os.write(speaking, GOODBYE)
-        return bool(seen)
-    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
-    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
-    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
-    watch(pipe, writing, WORDS, os.getpid())
-    assert os.read(reading, 100) == WORDS * 2
-    for end in (pipe, speaking, reading, writing):
-        os.close(end)
+    seen = [False, True, False, True, True, True, False, True, True]
+    assert heard_after(monkeypatch, seen) == WORDS * 2
 
 
 def test_while_it_stays_suspended_the_last_words_are_repeated(monkeypatch):
-    pipe, speaking = os.pipe()
-    reading, writing = os.pipe()
-    looks = iter([True] * (2 * dead_man_process.LOOKS_TO_REPEAT + 2))
-
-    def look(_: int) -> bool:
-        seen = next(looks, None)
-        if seen is None:
-            os.write(speaking, GOODBYE)
-        return bool(seen)
-    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
-    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
-    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
-    watch(pipe, writing, WORDS, os.getpid())
-    assert os.read(reading, 100) == WORDS * 3
-    for end in (pipe, speaking, reading, writing):
-        os.close(end)
+    seen = [True] * (2 * dead_man_process.LOOKS_TO_REPEAT + 2)
+    assert heard_after(monkeypatch, seen) == WORDS * 3
 
 
 def test_only_a_stopped_process_is_seen_as_stopped():
