@@ -21,7 +21,7 @@ from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, JumpCheck, 
 from create_oi_ros.driver.stopping import LAST_WORDS
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
-from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.firmware.actuators import DARK, Lights
 from support.loop import Loop
 

@@ -12,7 +12,7 @@ import time
 
 import pytest
 
-from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.world import shipped
 from support.end_model import explore, Found, Rules, State, steps
 from support.ros import Robot, TIMEOUT

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body as AnyBody
 from create_oi_ros.sim.body.config import BodyConfig, Contact, EncoderSign, IDEAL
-from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.body.sensed import checked, RANGES, Sensed
 from create_oi_ros.sim.world import parse, Pose, shipped, World
 

@@ -7,8 +7,8 @@ from math import pi
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.odometry import Estimate, Odometry
-from create_oi_ros.robot import WHEEL_SEPARATION
-from create_oi_ros.sim.body import Body, Rounding
+from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
+from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, IDEAL
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import shipped, World
