@@ -13,7 +13,7 @@ from create_oi_ros.driver.goals import (
     Running,
 )
 from create_oi_ros.driver.goals.approach import Learned
-from create_oi_ros.driver.goals.motions import Circle, Place
+from create_oi_ros.driver.goals.motions import Circle, TargetPose
 from support.loop import Loop
 
 SPEED, TURNING = 0.3, 1.9
@@ -39,8 +39,8 @@ def arc(turn: float, radius: float, direction: int = 1, speed: float = SPEED) ->
 def place(x: float, y: float, heading: float | None = None) -> NavigateToPosition:
     """Return a goal that drives to a place, with a heading in degrees."""
     return NavigateToPosition(
-        Place(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0, Learned(),
-        Learned())
+        TargetPose(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0,
+        Learned(), Learned())
 
 
 def start(loop: Loop, goal: Goal) -> Running:

@@ -28,7 +28,7 @@ class Reads(Enum):
     """In every frame: to see what becomes of fractions."""
 
 
-class Phase(NamedTuple):
+class Segment(NamedTuple):
     """Requested speeds for a while."""
 
     seconds: float
@@ -37,15 +37,15 @@ class Phase(NamedTuple):
 
 
 class Move(NamedTuple):
-    """Phases, one after the other, and a rest."""
+    """Segments, one after the other, and a rest."""
 
-    phases: tuple[Phase, ...]
+    segments: tuple[Segment, ...]
     reads: Reads
 
     @property
     def seconds(self) -> float:
         """How long it takes, rest included."""
-        return sum(phase.seconds for phase in self.phases) + REST
+        return sum(segment.seconds for segment in self.segments) + REST
 
     @property
     def intervals(self) -> tuple[int, ...]:
@@ -56,7 +56,7 @@ class Move(NamedTuple):
         """
         if self.reads is not Reads.OFTEN:
             return (1,) if self.reads is Reads.EVERY else ()
-        fastest = max(max(abs(phase.right), abs(phase.left)) for phase in self.phases)
+        fastest = max(max(abs(segment.right), abs(segment.left)) for segment in self.segments)
         frames = TELLING_WAY / (fastest * SLOT)
         return tuple(max(3, round(part * frames)) for part in (1.0, 0.7, 1.3, 0.85, 1.15))
 
@@ -71,14 +71,14 @@ class Step(NamedTuple):
 
 def _both(seconds: float, right: int, left: int, reads: Reads, times: int = 1) -> list[Move]:
     """Return a move and its opposite, so many times."""
-    return [Move((Phase(seconds, sign * right, sign * left),), reads)
+    return [Move((Segment(seconds, sign * right, sign * left),), reads)
             for _ in range(times) for sign in (1, -1)]
 
 
 def _turned_back(seconds: float, right: int, left: int, times: int) -> list[Move]:
     """Return moves that reverse at full speed."""
-    return [Move((Phase(seconds, sign * right, sign * left),
-                  Phase(seconds, -sign * right, -sign * left)), Reads.OFTEN)
+    return [Move((Segment(seconds, sign * right, sign * left),
+                  Segment(seconds, -sign * right, -sign * left)), Reads.OFTEN)
             for _ in range(times) for sign in (1, -1)]
 
 
@@ -111,7 +111,7 @@ CREEPING = 'very slowly, to find the slowest speed that moves it: 0.1 m ahead'
 def creep(speed: int, *, back: bool) -> Move:
     """Return a slow move."""
     speed = -speed if back else speed
-    return Move((Phase(CREEP, speed, speed),), Reads.END)
+    return Move((Segment(CREEP, speed, speed),), Reads.END)
 
 
 def duration(moves: Sequence[Move]) -> float:

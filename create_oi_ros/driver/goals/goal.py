@@ -56,7 +56,7 @@ class Enter(NamedTuple):
     """What to tell the user; empty: nothing."""
 
 
-class Demo(Enum):
+class DockDemo(Enum):
     """An order about the demo that finds the Home Base."""
 
     PLAY = auto()
@@ -70,7 +70,7 @@ class Over(NamedTuple):
     text: str
 
 
-Order = Velocity | Enter | Demo | Over
+Order = Velocity | Enter | DockDemo | Over
 
 
 class Goal(ABC):

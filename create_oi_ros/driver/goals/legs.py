@@ -10,7 +10,7 @@ from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, 
 
 from ...odometry import Estimate
 from ..motion import MotionLimits
-from .approach import Approach, Learned, Step
+from .approach import Approach, Learned, Remaining
 from .goal import Velocity, View
 
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
@@ -42,7 +42,7 @@ class Leg(ABC):
         self._last = view.estimate
         variance = self._variance(view.estimate)
         self._least = min(self._least, variance)
-        speed = self._approach.step(Step(
+        speed = self._approach.step(Remaining(
             self._left, self._pace(view.estimate), sqrt(max(0.0, variance - self._least)),
             view.dt, view.measured))
         if speed is None:
