@@ -13,9 +13,9 @@ from .demos import Demos
 from .events import EventQueue, Moved, Severity
 from .goals import Code, Ending, Goal, Running
 from .goals.approach import Learned
-from .goals.goal import DockDemo, docked, Enter, Order, Over, Velocity, View
+from .goals.goal import DockDemo, docked, Enter, Order, Over, View
 from .modes import Modes
-from .motion import WheelCommands
+from .motion import Velocity, WheelCommands
 from .outbox import Outbox
 from .state import Activity, Owner, REFUSALS, State, StateEvent
 from .stopping import END_DEMO, HALT

@@ -20,7 +20,7 @@ from ...ros.parameters import BAUDS, Parameters
 from ...ros.user_errors import UserError
 from .conclusion import conclude
 from .dead_band_search import DeadBandSearch
-from .moves import CREEPING, duration, Move, Reads, Segment, Step, STEPS
+from .moves import CheckStep, CREEPING, duration, Move, Reads, Segment, STEPS
 from .notebook import Page
 from .questions import about_banner, about_dock, about_leds, Person, progress, tell
 from .robot_line import RobotLine
@@ -102,9 +102,9 @@ class GuidedCheck:
             person.confirm(f'{outcome.text}. Mend this')
             outcome = line.enter(oi.Mode.SAFE)
 
-    def _take(self, step: Step, number: str) -> list[Page]:
+    def _take(self, step: CheckStep, number: str) -> list[Page]:
         self._person.confirm(
-            f'Step {number} ({duration(step.moves):.0f} s): {step.about}')
+            f'CheckStep {number} ({duration(step.moves):.0f} s): {step.about}')
         pages = []
         for done, move in enumerate(step.moves, 1):
             pages.append(self._made(move))
@@ -113,7 +113,7 @@ class GuidedCheck:
 
     def _creep(self) -> DeadBandSearch:
         search = DeadBandSearch()
-        self._person.confirm(f'Step {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
+        self._person.confirm(f'CheckStep {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
         while (move := search.next_move()) is not None:
             search.learn(self._made(move))
         return search

@@ -7,9 +7,9 @@ begin to charge.
 """
 
 from ... import oi
-from ..motion import MotionLimits
+from ..motion import MotionLimits, Velocity
 from .approach import Learned
-from .goal import DockDemo, docked, Enter, Goal, Order, Over, Velocity, View
+from .goal import DockDemo, docked, Enter, Goal, Order, Over, View
 from .hazards import dropped, Hazards, LIFTED, Stall
 from .legs import Straight
 from .outcome import Code, Phase, Progress

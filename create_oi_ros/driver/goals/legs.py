@@ -9,9 +9,9 @@ from abc import ABC, abstractmethod
 from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 
 from ...odometry import Estimate
-from ..motion import MotionLimits
+from ..motion import MotionLimits, Velocity
 from .approach import Approach, Learned, Remaining
-from .goal import Velocity, View
+from .goal import View
 
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""

@@ -6,7 +6,7 @@ from math import atan2, degrees, hypot, remainder, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
-from ..motion import MotionLimits
+from ..motion import MotionLimits, Velocity
 from .approach import Learned
 from .goal import (
     check_amount,
@@ -18,7 +18,6 @@ from .goal import (
     MOST_TURN,
     Order,
     Over,
-    Velocity,
     View,
 )
 from .hazards import Hazards, Stall

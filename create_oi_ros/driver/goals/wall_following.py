@@ -8,7 +8,8 @@ off a little and turns left.
 
 from typing import NamedTuple
 
-from .goal import Goal, Malformed, Order, Over, Velocity, View
+from ..motion import Velocity
+from .goal import Goal, Malformed, Order, Over, View
 from .hazards import bumps, Hazards, Stall
 from .outcome import Code, Phase, Progress
 
