@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import tty
+from types import SimpleNamespace
 
 import pytest
 
@@ -46,7 +47,10 @@ def test_released_it_writes_nothing_and_ends():
 def test_releasing_one_that_was_killed_is_allowed():
     reading, writing = os.pipe()
     guard = DeadMan(writing, WORDS)
+    assert guard.ended is False
     os.kill(guard.pid, signal.SIGKILL)
+    guard._process.wait()
+    assert guard.ended is True
     guard.release()
     os.close(reading)
     os.close(writing)
@@ -129,9 +133,37 @@ def test_each_time_that_it_is_suspended_for_two_looks_is_one_for_last_words(monk
     assert heard_after(monkeypatch, seen) == WORDS * 2
 
 
+def test_one_look_is_not_enough_for_last_words(monkeypatch):
+    assert heard_after(monkeypatch, [True, False, True]) == b''
+
+
 def test_while_it_stays_suspended_the_last_words_are_repeated(monkeypatch):
     seen = [True] * (2 * dead_man_process.LOOKS_TO_REPEAT + 2)
     assert heard_after(monkeypatch, seen) == WORDS * 3
+
+
+def test_a_suspended_parent_is_noticed_within_its_time_and_the_words_repeated_each_second(
+        monkeypatch):
+    now, suspended_at, spoken_at, looks = 0.0, 1.0, [], []
+
+    def wait(reading, writing, failing, timeout):
+        nonlocal now
+        now += timeout
+        looks.append(now)
+        return (reading if now > 4.5 else [], writing, failing)
+    pipe, speaking = os.pipe()
+    os.write(speaking, GOODBYE)
+    monkeypatch.setattr(dead_man_process, 'select', SimpleNamespace(select=wait))
+    monkeypatch.setattr(dead_man_process, 'is_suspended', lambda _: now >= suspended_at)
+    monkeypatch.setattr(
+        dead_man_process, 'write_all', lambda line, words: spoken_at.append(now))
+    watch(pipe, -1, WORDS, os.getpid())
+    assert sum(look < suspended_at for look in looks) <= 10, 'looks cost time on the processor'
+    first, *later = spoken_at
+    assert first - suspended_at <= 0.2, 'promised: docs/reliability.md'
+    assert later == pytest.approx([first + 1, first + 2, first + 3])
+    os.close(pipe)
+    os.close(speaking)
 
 
 def test_only_a_stopped_process_is_seen_as_stopped():
@@ -166,8 +198,9 @@ def test_a_line_that_takes_no_bytes_ends_the_process(monkeypatch, blocking):
         while os.write(writing, bytes(4096)):
             pass
     os.set_blocking(writing, blocking)
-    with pytest.raises(SystemExit):
+    with pytest.raises(SystemExit) as ended:
         dead_man_process.write_all(writing, WORDS)
+    assert ended.value.code == 1
     os.close(reading)
     os.close(writing)
 
@@ -196,6 +229,7 @@ def test_what_ends_its_parent_politely_does_not_reach_it():
     reading, writing = os.pipe()
     guard = DeadMan(writing, WORDS)
     os.close(writing)
+    assert os.getsid(guard.pid) == guard.pid, 'the keys of a terminal do not reach it'
     for number in END_SIGNALS:
         os.kill(guard.pid, number)
     os.close(guard._pipe)
@@ -204,7 +238,7 @@ def test_what_ends_its_parent_politely_does_not_reach_it():
     assert guard._process.wait() == 0
 
 
-@pytest.mark.parametrize(('word', 'heard'), [(GOODBYE, b''), (b'', WORDS)])
+@pytest.mark.parametrize(('word', 'heard'), [(GOODBYE, b''), (b'', WORDS), (b'x', WORDS)])
 def test_watching_ends_with_a_goodbye_or_with_last_words(word, heard):
     pipe, speaking = os.pipe()
     reading, writing = os.pipe()
@@ -215,3 +249,20 @@ def test_watching_ends_with_a_goodbye_or_with_last_words(word, heard):
     assert os.read(reading, 100) == heard
     os.close(reading)
     os.close(pipe)
+
+
+def test_each_byte_waits_for_a_line_that_is_ready_and_is_tried_again_if_it_was_not(monkeypatch):
+    reading, writing = os.pipe()
+    write, tried = os.write, []
+
+    def full_at_first(line, data):
+        tried.append(data)
+        if len(tried) == 1:
+            raise BlockingIOError
+        return write(line, data)
+    monkeypatch.setattr(os, 'write', full_at_first)
+    dead_man_process.write_all(writing, WORDS)
+    assert tried == [WORDS[:1], *(bytes([each]) for each in WORDS)]
+    assert read_words(reading) == WORDS
+    os.close(reading)
+    os.close(writing)
