@@ -7,7 +7,7 @@ from random import Random
 from typing import NamedTuple
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, LAST_WORDS, Moved, Pending, Settings
+from create_oi_ros.driver import Activity, LAST_WORDS, MotionLimits, Moved, Pending, Settings
 from create_oi_ros.driver.goal_control import MODE_WAIT
 from create_oi_ros.driver.goals import Ending, Goal, Running
 from create_oi_ros.odometry import Estimate
@@ -50,8 +50,8 @@ class WatchedLoop(Loop):
         self.began = self.now
         self.damage_up = self.damage_down = 0.0
         """Share of the pieces of bytes to the robot, and from it, that are damaged."""
-        self.asked_at = -inf
-        """When a velocity was commanded last that was not zero."""
+        self.asked_at = self.commanded_at = -inf
+        """When a velocity was commanded last that was not zero, and when any was."""
         self.excused_until = -inf
         """Until when the robot may do what nobody commands: it could not be reached."""
         self.replies: list[list[object]] = []
@@ -80,8 +80,10 @@ class WatchedLoop(Loop):
 
     def command(self, linear: float, angular: float) -> None:
         """Command a velocity."""
-        if (linear or angular) and isfinite(linear + angular):
-            self.asked_at = self.now
+        if isfinite(linear + angular):
+            self.commanded_at = self.now
+            if linear or angular:
+                self.asked_at = self.now
         self.driver.drive(linear, angular, self.now)
 
     def excuse(self, seconds: float) -> None:
@@ -117,8 +119,12 @@ class WatchedLoop(Loop):
         if self.robot.demo is not None or self.robot.waiting or self.driver.scripts.playing:
             self.excuse(RECOVERY)  # asked for, or started by damage: until it has been stopped
             return
+        limits = self.driver.settings.limits
         age, goal_age = self.now - self.asked_at, self.now - self.pursued_at
-        assert age <= self.driver.settings.limits.timeout + REACTION or goal_age <= REACTION, (
+        within = limits.timeout + REACTION
+        if self.now - self.commanded_at <= within:
+            within += braking(limits)  # zeros are commanded, and slow it down
+        assert age <= within or goal_age <= REACTION, (
             f'wheels turn {age:.3f} s after the last command, {goal_age:.3f} s after a goal')
 
     def _check_frames(self) -> None:
@@ -173,6 +179,13 @@ class WatchedLoop(Loop):
                         self.sent[name].add(value)
             return data
         self.robot.data_to_send: Callable[[], bytes] = spied
+
+
+def braking(limits: MotionLimits) -> float:
+    """Return the most seconds in which a commanded zero is reached."""
+    most = ((TOP_SPEED, limits.linear_acceleration),
+            (2 * TOP_SPEED / WHEEL_SEPARATION, limits.angular_acceleration))
+    return max(speed / acceleration if acceleration else 0.0 for speed, acceleration in most)
 
 
 def assert_small_step(before: Moved, after: Moved) -> None:
