@@ -14,17 +14,20 @@
 #   make faults          make each fault ten times: an hour
 #   make soak            30 minutes under load with faults; ARGS=5: five minutes
 #   make sequences       draw sequences of all that can happen for 10 minutes; ARGS=1: for one
+#   make campaign        all long tests, for some hours, and one table; ARGS=--short: ten minutes
+#   make mutants         try small mistakes in the code; ARGS=dead_man: only in these files
 #   make fuzz            read a million damaged frames; ARGS='20000 7': so many, with a seed
 #   make clean           remove all that was installed, built and measured
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences docs lint clean
+.PHONY: help run demo test build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences campaign mutants docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
 READY := .venv/ready
 BUILT := install/built
+MUTANTS := build/mutants/ready
 EVERY_TEST := python -m pytest --cov --cov-report= -n 2 --dist loadfile --max-worker-restart 0 && python tools/coverage_floors.py
 ENTER := source ./env.sh &&
 
@@ -41,6 +44,8 @@ faults: build ; @$(ENTER) python test faults $(ARGS)
 soak: build ; @$(ENTER) python test soak $(ARGS)
 fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
 sequences: build ; @$(ENTER) python test sequences $(ARGS)
+campaign: build $(MUTANTS) ; @$(ENTER) python test campaign $(ARGS)
+mutants: build $(MUTANTS) ; @$(ENTER) python test mutants $(ARGS)
 docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference README.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/goals.md docs/robot_check.md && python bench/draw_odometry.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
@@ -58,6 +63,11 @@ endif
 $(READY): tools/pins.txt tools/make_venv.py tools/folders.py tools/patch_cmake.py
 	@rm -f $@ && python=$$(tools/find_python.sh $(KIND)) && $$python tools/make_venv.py $(KIND)
 	@echo '$(KIND) $(CURDIR)' > $@
+
+# cosmic-ray is beside .venv, since only mutants need it.
+$(MUTANTS): tools/mutants.txt $(READY)
+	@rm -rf $(@D) && .venv/bin/python -m venv $(@D) && $(@D)/bin/pip install -q --no-deps -r $<
+	@touch $@
 
 # Folders are inputs, too: their time changes when a file is added or removed.
 INPUTS := $(shell find msg_defs tools/tf2_msgs resource launch config urdf rviz 2>/dev/null)

@@ -4,7 +4,8 @@ from math import cos, radians, sin
 from typing import NamedTuple
 
 from create_oi_ros.odometry import Geometry
-from create_oi_ros.sim.body.encoders import Accumulator, Rounding
+from create_oi_ros.robot import Rounding
+from create_oi_ros.sim.body.encoders import Accumulator
 
 
 class Counts(NamedTuple):

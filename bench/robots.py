@@ -5,8 +5,8 @@ from math import exp, log
 from random import Random
 
 from create_oi_ros.odometry import Geometry
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
-from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 
 ROUNDINGS = tuple(Rounding)

@@ -4,6 +4,7 @@ The Create's own numbers, each once. SI units unless a name says otherwise.
 What the Open Interface puts on the wire (opcodes, packets, ranges of fields) is declared in `oi`.
 """
 
+from enum import Enum
 from typing import Final
 
 MILLI: Final = 1e-3
@@ -29,3 +30,14 @@ CLIFF_BEARINGS: Final = (60, 15, -15, -60)
 left, front right, right."""
 BUMPER_BEARING: Final = 45
 """Degrees to the left of the middle of the bumper's left half; the right half mirrors it."""
+
+
+class Rounding(Enum):
+    """What the robot does, when it is read, with the part of a sum that is no whole unit."""
+
+    TRUNCATE = 'truncate'
+    """Towards zero; the rest is lost (reported of real robots)."""
+    ROUND = 'round'
+    """To the nearest, halves away from zero; the rest, of either sign, is lost."""
+    CARRY = 'carry'
+    """Towards zero; the rest stays for the next reading."""

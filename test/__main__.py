@@ -7,7 +7,7 @@ Python puts this folder on its path, so `campaign` and `support` are found from 
 from importlib import import_module
 import sys
 
-NAMES = ('faults', 'soak', 'fuzz', 'sequences', 'end')
+NAMES = ('faults', 'soak', 'fuzz', 'sequences', 'end', 'mutants', 'campaign')
 
 
 def main() -> int:

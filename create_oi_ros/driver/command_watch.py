@@ -18,7 +18,7 @@ IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told
            'lift it, switch it off and on')
 
 
-class Obedience(Enum):
+class CommandNews(Enum):
     """News about whether the robot takes commands."""
 
     SUSPECT = auto()
@@ -34,12 +34,12 @@ class CommandWatch:
         self._list: tuple[int, ...] | None = None
         """The packets of the newest frame."""
         self._unseen_since: float | None = None
-        self._last: Obedience | None = None
+        self._last: CommandNews | None = None
 
     @property
     def ignores(self) -> bool:
         """Whether the robot ignores commands, and the user was told."""
-        return self._last is Obedience.IGNORES
+        return self._last is CommandNews.IGNORES
 
     def restart(self) -> None:
         """Start again: the robot was away, or cannot take commands now."""
@@ -55,17 +55,17 @@ class CommandWatch:
         if packets != self._list:
             self._list, self._unseen_since = packets, None
 
-    def check(self, missed: int, now: float) -> Obedience | None:
+    def check(self, missed: int, now: float) -> CommandNews | None:
         """Return what is new; `missed` is how many speeds in a row the robot did not take."""
         unseen = 0.0 if self._unseen_since is None else now - self._unseen_since
         before = self._last
         if missed >= MISSES_REPORTED or unseen > UNSEEN_REPORTED:
-            self._last = Obedience.IGNORES
-        elif before is not Obedience.IGNORES and (
+            self._last = CommandNews.IGNORES
+        elif before is not CommandNews.IGNORES and (
                 missed >= MISSES_SUSPECTED or unseen > UNSEEN_SUSPECTED):
-            self._last = Obedience.SUSPECT
+            self._last = CommandNews.SUSPECT
         elif not missed and unseen <= 2 * SLOT:
             self._last = None
         if self._last is before:
             return None
-        return self._last or Obedience.OBEYS_AGAIN
+        return self._last or CommandNews.OBEYS_AGAIN

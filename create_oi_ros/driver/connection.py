@@ -10,7 +10,7 @@ from math import inf
 
 from .. import oi
 from .baud_search import BaudSearch, CALL_INTERVAL
-from .command_watch import CommandWatch, IGNORES, Obedience
+from .command_watch import CommandNews, CommandWatch, IGNORES
 from .events import EventQueue, LinkCounts, Severity
 from .frame_budget import FrameBudget, too_slow
 from .outbox import Outbox
@@ -148,15 +148,15 @@ class Connection:
             self.frame_budget.restart()
             return False
         news = self._watch.check(missed_speeds, now)
-        if news is Obedience.SUSPECT:
+        if news is CommandNews.SUSPECT:
             self._outbox.send_raw(WAKE_UP)
-        elif news is Obedience.IGNORES:
+        elif news is CommandNews.IGNORES:
             self._events.notice(Severity.ERROR, IGNORES)
         if self.frame_budget.check(self.baud, now, fits=self.plan.budget.fits):
             problem = self.frame_budget.problem
             self._events.notice(Severity.WARNING if problem else Severity.INFO,
                                 problem or 'frames arrive in time again')
-        return news is Obedience.OBEYS_AGAIN
+        return news is CommandNews.OBEYS_AGAIN
 
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""

@@ -13,9 +13,9 @@ from .demos import Demos
 from .events import EventQueue, Moved, Severity
 from .goals import Code, Ending, Goal, Running
 from .goals.approach import Learned
-from .goals.goal import Demo, docked, Enter, Order, Over, Velocity, View
+from .goals.goal import DockDemo, docked, Enter, Order, Over, View
 from .modes import Modes
-from .motion import WheelCommands
+from .motion import Velocity, WheelCommands
 from .outbox import Outbox
 from .state import Activity, Owner, REFUSALS, State, StateEvent
 from .stopping import END_DEMO, HALT
@@ -179,7 +179,7 @@ class GoalControl:
                 self._finish(order, now)
             case Enter(mode, why):
                 self._enter(mode, why, now)
-            case Demo.PLAY:
+            case DockDemo.PLAY:
                 self._demos.seek_dock()
 
     def _enter(self, mode: oi.Mode, why: str, now: float) -> None:

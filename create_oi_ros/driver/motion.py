@@ -2,10 +2,20 @@
 
 from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 
 from .. import oi
 from ..oi.steering import WheelSpeeds
 from ..robot import MM_PER_M, SLOT, TOP_SPEED, WHEEL_SEPARATION
+
+
+class Velocity(NamedTuple):
+    """How fast the robot is to drive and turn."""
+
+    linear: float = 0.0
+    """m/s, forward."""
+    angular: float = 0.0
+    """rad/s, counter-clockwise."""
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Distance and angle in; pose, twist and covariance out. Pure: no clock, no I/O, SI units."""
 
+from ..robot import Rounding
 from .estimate import Estimate, Geometry, Increment
 from .knowledge import Knowledge, Known, SignSource
 from .odometry import Odometry
-from .rounding import Rounding
 
 __all__ = ['Estimate', 'Geometry', 'Increment', 'Knowledge', 'Known', 'Odometry', 'Rounding',
            'SignSource']

@@ -9,10 +9,11 @@ from math import log
 
 import numpy as np
 
+from ..robot import Rounding
 from . import states as s
 from .assumptions import Assumptions
 from .request_history import Array
-from .rounding import cut_normal, interval, Rounding
+from .rounding import cut_normal, interval
 from .states import DEGREE, MM
 
 UNITS = ((s.DISTANCE, MM), (s.ANGLE, DEGREE))

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..robot import Rounding
 from . import states as s
 from .request_history import Array
-from .rounding import Rounding
 from .wheel_model import LAST, NONE, Signs, UPWARD
 
 SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, True))

@@ -15,12 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..robot import SLOT
+from ..robot import Rounding, SLOT
 from . import states as s
 from .assumptions import Assumptions, SIGNS
 from .dead_band import DeadBand
 from .request_history import Array
-from .rounding import Rounding
 from .wheel_model import lag_parts, LAST, NONE, Signs, UPWARD
 
 

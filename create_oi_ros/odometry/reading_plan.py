@@ -7,7 +7,7 @@ often while nothing changes. As long as its rounding is unknown, it is also aske
 a row at moments at which the roundings would answer differently.
 """
 
-from .rounding import Rounding
+from ..robot import Rounding
 from .states import DEGREE, MM
 from .tracks import Tracks
 

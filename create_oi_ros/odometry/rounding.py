@@ -6,24 +6,14 @@ on the rounding; a normal distribution that meets an interval leaves its cut par
 by mass, mean and variance (docs/odometry.md, "An integer is an interval").
 """
 
-from enum import Enum
 from math import erf, erfc, exp, sqrt, tau
+
+from ..robot import Rounding
 
 _ROOT_HALF = sqrt(0.5)
 _ROOT_TAU = sqrt(tau)
 _FAR = 6.0
 """Standard deviations from which the tail is treated as an exponential."""
-
-
-class Rounding(Enum):
-    """What the robot does with the part of its accumulator that is no whole unit."""
-
-    TRUNCATE = 'truncate'
-    """Towards zero; the rest is lost."""
-    ROUND = 'round'
-    """To the nearest; the rest is lost."""
-    CARRY = 'carry'
-    """Towards zero; the rest stays for the next reading."""
 
 
 def interval(rounding: Rounding, whole: int) -> tuple[float, float]:

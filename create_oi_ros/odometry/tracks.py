@@ -10,7 +10,7 @@ from math import cos, sin
 
 import numpy as np
 
-from ..robot import SLOT
+from ..robot import Rounding, SLOT
 from . import accumulators, noise
 from . import states as s
 from .accumulators import UNITS
@@ -19,7 +19,6 @@ from .dead_band import DeadBand, FASTEST
 from .estimate import Geometry
 from .knowledge import Knowledge, known
 from .request_history import Array
-from .rounding import Rounding
 from .states import DEGREE, MM
 from .wheel_model import Wheels
 

@@ -33,7 +33,7 @@ from rclpy.task import Future
 from ..driver import goals
 from ..driver.goal_control import GoalControl
 from ..driver.goals import Code, Ending, Goal, Malformed, Progress, Running
-from ..driver.goals.motions import Circle, Place
+from ..driver.goals.motions import Circle, TargetPose
 from ..link.session import Session
 from . import goal_messages, messages
 from .parameters import Parameters
@@ -107,11 +107,11 @@ def allowance(goal: Any) -> float:
     return goal_messages.seconds(goal.time_allowance)
 
 
-def place(goal: Any) -> Place:
+def place(goal: Any) -> TargetPose:
     """Return where a goal leads to."""
     pose = goal.goal_pose.pose
     heading = yaw_of(pose.orientation) if goal.achieve_goal_heading else None
-    return Place(pose.position.x, pose.position.y, heading)
+    return TargetPose(pose.position.x, pose.position.y, heading)
 
 
 @dataclass

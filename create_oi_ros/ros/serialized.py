@@ -45,7 +45,7 @@ class Slot(NamedTuple):
             setattr(self.parent, self.key, value)
 
 
-class Place(NamedTuple):
+class FieldPlace(NamedTuple):
     """Where a field is in a serialized message."""
 
     offset: int
@@ -117,10 +117,10 @@ class Packing:
         return self._pack(*self._in_order(values + self._constants))
 
 
-def _pieces(template: bytes, places: list[Place]) -> Iterator[tuple[bytes, Place]]:
+def _pieces(template: bytes, places: list[FieldPlace]) -> Iterator[tuple[bytes, FieldPlace]]:
     """Yield each place with the bytes before it; the last one, of no field, is the end."""
     begin = 0
-    for place in (*places, Place(len(template), 0, '', len(places))):
+    for place in (*places, FieldPlace(len(template), 0, '', len(places))):
         if place.offset < begin:
             raise ValueError('two fields have the same place')
         yield template[begin:place.offset], place
@@ -128,7 +128,7 @@ def _pieces(template: bytes, places: list[Place]) -> Iterator[tuple[bytes, Place
 
 
 def _place(message: Any, path: str, rank: int, order: str,
-           serialize: Callable[[Any], bytes]) -> Place:
+           serialize: Callable[[Any], bytes]) -> FieldPlace:
     """Find a field: give it two marks in turn, and see where each comes up."""
     field = slot(message, path)
     layout = struct.Struct(order + FORMATS[field.type])
@@ -139,7 +139,7 @@ def _place(message: Any, path: str, rank: int, order: str,
         found = there if found is None else found & there
     if found is None or len(found) != 1:
         raise ValueError(f'the place of {path} is not certain')
-    return Place(found.pop(), layout.size, FORMATS[field.type], rank)
+    return FieldPlace(found.pop(), layout.size, FORMATS[field.type], rank)
 
 
 def _marks(type_: str, layout: struct.Struct) -> list[bytes]:

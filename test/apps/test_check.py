@@ -11,7 +11,7 @@ import pytest
 from create_oi_ros.apps.check.conclusion import conclude, Conclusion, time_constant
 from create_oi_ros.apps.check.dead_band_search import DeadBandSearch
 from create_oi_ros.apps.check.fractions import roundings
-from create_oi_ros.apps.check.moves import creep, duration, Move, Phase, Reads, STEPS
+from create_oi_ros.apps.check.moves import creep, duration, Move, Reads, Segment, STEPS
 from create_oi_ros.apps.check.notebook import Notebook, Page
 from create_oi_ros.apps.check.runner import Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_wheels
@@ -19,7 +19,6 @@ from create_oi_ros.odometry import Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE
-from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
 from support.loop import Loop
 from support.simulator import taught
 
@@ -30,7 +29,7 @@ TURNS = 4000
 class Floor:
     """A robot in memory that makes the moves of a check."""
 
-    def __init__(self, rounding: RobotRounding = RobotRounding.TRUNCATE,
+    def __init__(self, rounding: Rounding = Rounding.TRUNCATE,
                  config: BodyConfig = CENTRE) -> None:
         notebook = Notebook()
         self.loop = Loop(rounding=rounding, config=config, odometry=notebook)
@@ -60,7 +59,7 @@ class Floor:
 
 def ahead(speed: int, seconds: float, reads: Reads = Reads.END) -> Move:
     """Return a straight move."""
-    return Move((Phase(seconds, speed, speed),), reads)
+    return Move((Segment(seconds, speed, speed),), reads)
 
 
 @pytest.fixture(scope='module')
@@ -109,15 +108,15 @@ def test_the_verdict_is_words_and_a_model(found):
     assert again.right_gain.value == pytest.approx(conclusion.knowledge.right_gain.value)
 
 
-@pytest.mark.parametrize('rounding', RobotRounding)
+@pytest.mark.parametrize('rounding', Rounding)
 def test_what_becomes_of_fractions_is_seen(rounding):
     floor = Floor(rounding)
     pages = [floor.made(move) for move in (
         ahead(300, 1.5), ahead(-300, 0.9), ahead(48, 2.5, Reads.EVERY),
-        Move((Phase(2.0, 200, -200),), Reads.END), Move((Phase(1.0, -200, 200),), Reads.END),
-        Move((Phase(2.5, 110, -110),), Reads.EVERY))]
+        Move((Segment(2.0, 200, -200),), Reads.END), Move((Segment(1.0, -200, 200),), Reads.END),
+        Move((Segment(2.5, 110, -110),), Reads.EVERY))]
     believed = roundings(pages, 0.015)
-    assert believed[Rounding(rounding.value)] > 0.99
+    assert believed[rounding] > 0.99
 
 
 @pytest.mark.parametrize('band', [0.0, 0.0045, 0.0195])
@@ -131,7 +130,7 @@ def test_the_slowest_speed_that_moves_it_is_found(band):
 
 
 def test_all_readings_of_a_move_add_up_to_its_way():
-    floor = Floor(RobotRounding.CARRY)
+    floor = Floor(Rounding.CARRY)
     before = floor.loop.body.distance_total
     page = floor.made(ahead(150, 1.5, Reads.OFTEN))
     assert page.counted[0] == pytest.approx(floor.loop.body.distance_total - before, abs=1)
@@ -166,7 +165,7 @@ def test_a_banner_is_told_from_frames():
 
 
 def test_a_creep_is_answered_by_its_opposite():
-    assert creep(9, back=True).phases[0].right == -9
+    assert creep(9, back=True).segments[0].right == -9
 
 
 def test_an_unknown_checksum_is_not_claimed(found):

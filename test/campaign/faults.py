@@ -83,4 +83,6 @@ def main() -> int:
         options.json.write_text(json.dumps(as_json(rows), indent=1), encoding='utf-8')
     if options.markdown:
         options.markdown.write_text(table, encoding='utf-8')
+    tries = sum(len(row.results) for row in rows)
+    print(f'{len(rows)} faults, {tries} tries, {sum(len(row.failures) for row in rows)} failed')
     return int(any(row.failures for row in rows))

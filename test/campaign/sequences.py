@@ -1,5 +1,5 @@
 """
-Sequences of all that can happen to a driver: commands, requests, faults, hands on the robot.
+Sequences of all that can happen to a driver: commands, goals, requests, faults, people.
 
 `test/driver/test_sequences.py` draws a few of them; `python test sequences` draws more, for some
 minutes, and prints a sequence that fails as a short program.
@@ -16,14 +16,28 @@ from hypothesis.stateful import initialize, rule, RuleBasedStateMachine, run_sta
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver.goals import Dock, Undock, WallFollow
+from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.sim.body.config import CENTRE, IDEAL
+from create_oi_ros.sim.world import parse, World
+from support.goals import angle, arc, distance, place
 from support.watched_loop import WatchedLoop
 
 MODES = (oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL)
 SPEEDS = st.sampled_from((0.0, 0.05, 0.2, -0.3, 0.5, 9.0, nan, inf))
 TURNS = st.sampled_from((0.0, 0.1, -1.0, 3.0, -20.0))
 BODIES = {'ideal': IDEAL, 'centre': CENTRE}
+WORLDS = {
+    'empty': World(),
+    'dock': parse('home_base 0.5 0 180\nbox -1 -1 1 1\ncliff 0.5 0.5 0.9 0.5 0.9 0.9', 'dock')}
+GOALS = {
+    'short way': lambda: distance(0.2), 'way back': lambda: distance(-0.3, 0.1),
+    'long way': lambda: distance(9.0, 0.5), 'no way': lambda: distance(0.0),
+    'little time': lambda: distance(1.0, allowance=0.5), 'turn': lambda: angle(90),
+    'arc': lambda: arc(120, 0.3), 'place': lambda: place(-0.3, 0.2, 90),
+    'wall': lambda: WallFollow(-1, 2.0, 0.0), 'dock': lambda: Dock(20.0),
+    'undock': lambda: Undock(0.0, Learned())}
 TIMES = st.sampled_from((0.005, 0.02, 0.1, 0.3, 0.7, 1.5))
 SHARES = st.sampled_from((0.05, 0.3, 1.0))
 SCRIPT = build_script([
@@ -35,15 +49,21 @@ class Sequences(RuleBasedStateMachine):
 
     totals: Counter[str] = Counter()
     """What all sequences did together."""
+    endings: Counter[str] = Counter()
+    """How their goals ended."""
 
-    @initialize(body=st.sampled_from(sorted(BODIES)), acceleration=st.sampled_from((0.0, 0.5)))
-    def begin(self, body, acceleration):
+    @initialize(body=st.sampled_from(sorted(BODIES)), acceleration=st.sampled_from((0.0, 0.5)),
+                world=st.sampled_from(sorted(WORLDS)), goal=st.sampled_from(['', *sorted(GOALS)]))
+    def begin(self, body, acceleration, world, goal):
+        """Let driver and robot meet; begin with a goal, for what comes next to interrupt."""
         self.totals['sequences'] += 1
         self.loop = WatchedLoop(BODIES[body], Settings(
             odometry_window=1.0,
             limits=MotionLimits(linear_acceleration=acceleration,
-                                angular_acceleration=4 * acceleration)))
+                                angular_acceleration=4 * acceleration)), WORLDS[world])
         self.loop.run(0.3)
+        if goal:
+            self.loop.pursue(GOALS[goal]())
 
     @property
     def driver(self):
@@ -65,6 +85,45 @@ class Sequences(RuleBasedStateMachine):
         for _ in range(times):
             self.loop.command(linear, angular)
             self.loop.run(0.1)
+
+    # Goals.
+
+    @rule(goal=st.sampled_from(sorted(GOALS)), seconds=TIMES, ready=st.booleans())
+    def pursue(self, goal, seconds, ready):
+        if ready:
+            self.make_ready()
+        self.loop.pursue(GOALS[goal]())
+        self.loop.run(seconds)
+
+    @rule()
+    def make_ready(self):
+        """Let go of the robot, switch it on, and have it in Safe."""
+        loop = self.loop
+        loop.body.lift(False)
+        loop.body.hold(right=False, left=False)
+        loop.body.plug_charger(False)
+        loop.body.unforce()
+        loop.robot.power(True, loop.now)
+        until = loop.now + 1.0
+        while not self.driver.state.answered and loop.now < until:
+            loop.turn()
+        self.stop()
+        self.set_mode(oi.Mode.SAFE)
+        loop.run(0.1)
+
+    @rule(number=st.sampled_from((-1, -1, -2)), gone=st.booleans())
+    def end_goal(self, number, gone):
+        """Cancel a goal, or let its client go; it may have ended, or another may run."""
+        goals = self.driver.goals
+        for each in self.loop.pursuits[number:][:1]:
+            (goals.abandon if gone else goals.cancel)(each.running, self.loop.now)
+
+    @rule()
+    def until_goal_ends(self):
+        """Let a goal run, and let time pass."""
+        until = self.loop.now + 3.0
+        while self.driver.goals.active and self.loop.now < until:
+            self.loop.turn()
 
     # Requests.
 
@@ -183,6 +242,9 @@ class Sequences(RuleBasedStateMachine):
         self.totals['simulated seconds'] += round(loop.now - loop.began)
         self.totals['requests'] += len(loop.replies)
         loop.driver.disconnected('closed')
+        self.totals['goals'] += len(loop.pursuits)
+        assert all(len(each.endings) == 1 for each in loop.pursuits), 'a goal ended not just once'
+        self.endings.update(each.endings[0].code.name for each in loop.pursuits)
         assert all(len(got) == 1 for got in loop.replies), 'a reply was lost or given twice'
 
 

@@ -256,4 +256,5 @@ def main() -> int:
         print(f'{name}: {value}')
     if options.json:
         options.json.write_text(json.dumps(results, indent=1), encoding='utf-8')
+    print(f'{options.minutes:g} min: ' + ('; '.join(soak.troubles) or 'no trouble'))
     return int(bool(soak.troubles))

@@ -1,5 +1,6 @@
 """The results of all tries, as a table and as JSON."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
@@ -47,8 +48,13 @@ def _times(values: list[float | None]) -> tuple[str, str]:
 
 
 def markdown(rows: list[Row]) -> str:
-    """Return the table in Markdown."""
-    lines = [HEAD, ('---',) * len(HEAD), *(row.cells() for row in rows)]
+    """Return the table of all faults."""
+    return markdown_table(HEAD, [row.cells() for row in rows])
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [head, ('---',) * len(head), *rows]
     return ''.join(f'| {" | ".join(line)} |\n' for line in lines)
 
 

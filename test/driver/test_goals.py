@@ -8,7 +8,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.goals import Code, Malformed, Phase, WallFollow
-from create_oi_ros.sim.body import Rounding
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import CENTRE
 from create_oi_ros.sim.world import parse, shipped
 from support.goals import angle, arc, distance, place, pursue, reach, start, until_ended

@@ -11,7 +11,6 @@ from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import Knowledge, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
-from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
 from support.loop import Loop
 
 Wish = tuple[float, float, float]
@@ -19,7 +18,7 @@ Wish = tuple[float, float, float]
 TWO_MINUTES = 120.0
 
 
-def robot(rounding: RobotRounding = RobotRounding.TRUNCATE, config: BodyConfig = CENTRE,
+def robot(rounding: Rounding = Rounding.TRUNCATE, config: BodyConfig = CENTRE,
           known: Knowledge | None = None) -> Loop:
     """Return a robot that a driver has found, and may know."""
     loop = Loop(Settings(robot=known), rounding=rounding, config=config)
@@ -98,12 +97,12 @@ def test_the_first_12_seconds_with_a_known_robot_are_right(centre, wishes):
 def test_knowledge_makes_the_start_of_an_unusual_robot_right():
     unusual = replace(CENTRE, right_speed_gain=1.05, left_speed_gain=0.95,
                       encoder_sign=EncoderSign.TRUE)
-    known = taught(robot(RobotRounding.CARRY, unusual))
+    known = taught(robot(Rounding.CARRY, unusual))
     wishes = [(0.3, 0.0, 1.0), (-0.3, 0.0, 1.0), (0.1, 1.5, 2.0), (0.0, 0.0, 1.0)]
-    yaw, place = errors(robot(RobotRounding.CARRY, unusual, known), wishes)
+    yaw, place = errors(robot(Rounding.CARRY, unusual, known), wishes)
     assert yaw < 0.5
     assert place < 0.003
-    assert yaw < errors(robot(RobotRounding.CARRY, unusual), wishes)[0] / 2
+    assert yaw < errors(robot(Rounding.CARRY, unusual), wishes)[0] / 2
 
 
 def test_a_known_robot_is_not_announced_again(centre):
@@ -113,8 +112,8 @@ def test_a_known_robot_is_not_announced_again(centre):
 
 
 @pytest.mark.parametrize(('rounding', 'sign', 'is_learned'), [
-    (RobotRounding.CARRY, EncoderSign.DRIVE, (Rounding.CARRY, SignSource.DRIVE)),
-    (RobotRounding.TRUNCATE, EncoderSign.TRUE, (Rounding.TRUNCATE, SignSource.MOTION))])
+    (Rounding.CARRY, EncoderSign.DRIVE, (Rounding.CARRY, SignSource.DRIVE)),
+    (Rounding.TRUNCATE, EncoderSign.TRUE, (Rounding.TRUNCATE, SignSource.MOTION))])
 def test_knowledge_of_another_robot_is_unlearned(centre, rounding, sign, is_learned):
     other = replace(CENTRE, encoder_sign=sign, right_speed_gain=1.04)
     loop = robot(rounding, other, known=centre)

@@ -8,7 +8,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings
 from create_oi_ros.driver.stream_plan import StreamPlan
 from create_oi_ros.oi.tools.text import parse_script
-from create_oi_ros.sim.body import Rounding
+from create_oi_ros.robot import Rounding
 from support.loop import Loop
 
 LINE = 'Drive velocity=200 radius=straight; Wait Time time=20'

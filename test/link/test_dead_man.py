@@ -1,6 +1,7 @@
 """The process that stops the robot when the driver has died."""
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 import os
 import pty
 import signal
@@ -8,6 +9,7 @@ import subprocess
 import sys
 import threading
 import tty
+from types import SimpleNamespace
 
 import pytest
 
@@ -45,7 +47,10 @@ def test_released_it_writes_nothing_and_ends():
 def test_releasing_one_that_was_killed_is_allowed():
     reading, writing = os.pipe()
     guard = DeadMan(writing, WORDS)
+    assert guard.ended is False
     os.kill(guard.pid, signal.SIGKILL)
+    guard._process.wait()
+    assert guard.ended is True
     guard.release()
     os.close(reading)
     os.close(writing)
@@ -60,79 +65,105 @@ sys.stdin.read()
 """
 
 
-@pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT])
-def test_when_its_parent_dies_it_says_the_last_words_and_ends(number):
+@contextmanager
+def guarded_parent() -> Iterator[tuple[subprocess.Popen[bytes], int]]:
+    """Yield a process with a dead-man, and the other end of its line."""
     reading, writing = os.pipe()
     parent = subprocess.Popen(
         [sys.executable, '-c', PARENT, str(writing), WORDS.decode()], pass_fds=(writing,),
         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     os.close(writing)
-    assert parent.stdout is not None
-    assert parent.stdout.readline()
-    parent.send_signal(number)
+    try:
+        assert parent.stdout is not None
+        assert parent.stdout.readline()
+        yield parent, reading
+    finally:
+        parent.kill()
+        parent.communicate()
+        os.close(reading)
+
+
+def read_all(reading: int) -> bytes:
+    """Read until everybody has closed the other end."""
     heard = b''
     while more := os.read(reading, 100):
         heard += more
-    assert heard == WORDS
-    os.close(reading)
-    parent.communicate()
+    return heard
+
+
+@pytest.mark.parametrize('number', [signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT])
+def test_when_its_parent_dies_it_says_the_last_words_and_ends(number):
+    with guarded_parent() as (parent, reading):
+        parent.send_signal(number)
+        assert read_all(reading) == WORDS
 
 
 def test_while_its_parent_is_suspended_it_says_the_last_words_and_watches_on():
+    with guarded_parent() as (parent, reading):
+        parent.send_signal(signal.SIGSTOP)
+        assert read_words(reading) == WORDS
+        parent.kill()
+        assert read_all(reading) == WORDS
+
+
+def heard_after(monkeypatch, seen: list[bool]) -> bytes:
+    """Return what a dead-man writes that sees these, one a look, and then hears the goodbye."""
+    pipe, speaking = os.pipe()
     reading, writing = os.pipe()
-    parent = subprocess.Popen(
-        [sys.executable, '-c', PARENT, str(writing), WORDS.decode()], pass_fds=(writing,),
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    looks = iter(seen)
+
+    def look(_: int) -> bool:
+        found = next(looks, None)
+        if found is None:
+            os.write(speaking, GOODBYE)
+        return bool(found)
+    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
+    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
+    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
+    watch(pipe, writing, WORDS, os.getpid())
     os.close(writing)
-    assert parent.stdout is not None
-    assert parent.stdout.readline()
-    parent.send_signal(signal.SIGSTOP)
-    assert read_words(reading) == WORDS
-    parent.kill()
-    heard = b''
-    while more := os.read(reading, 100):
-        heard += more
-    assert heard == WORDS
-    os.close(reading)
-    parent.communicate()
+    heard = read_all(reading)
+    for end in (pipe, speaking, reading):
+        os.close(end)
+    return heard
 
 
 def test_each_time_that_it_is_suspended_for_two_looks_is_one_for_last_words(monkeypatch):
-    pipe, speaking = os.pipe()
-    reading, writing = os.pipe()
-    looks = iter([False, True, False, True, True, True, False, True, True])
+    seen = [False, True, False, True, True, True, False, True, True]
+    assert heard_after(monkeypatch, seen) == WORDS * 2
 
-    def look(_: int) -> bool:
-        seen = next(looks, None)
-        if seen is None:
-            os.write(speaking, GOODBYE)
-        return bool(seen)
-    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
-    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
-    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
-    watch(pipe, writing, WORDS, os.getpid())
-    assert os.read(reading, 100) == WORDS * 2
-    for end in (pipe, speaking, reading, writing):
-        os.close(end)
+
+def test_one_look_is_not_enough_for_last_words(monkeypatch):
+    assert heard_after(monkeypatch, [True, False, True]) == b''
 
 
 def test_while_it_stays_suspended_the_last_words_are_repeated(monkeypatch):
-    pipe, speaking = os.pipe()
-    reading, writing = os.pipe()
-    looks = iter([True] * (2 * dead_man_process.LOOKS_TO_REPEAT + 2))
+    seen = [True] * (2 * dead_man_process.LOOKS_TO_REPEAT + 2)
+    assert heard_after(monkeypatch, seen) == WORDS * 3
 
-    def look(_: int) -> bool:
-        seen = next(looks, None)
-        if seen is None:
-            os.write(speaking, GOODBYE)
-        return bool(seen)
-    monkeypatch.setattr(dead_man_process, 'is_suspended', look)
-    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
-    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
-    watch(pipe, writing, WORDS, os.getpid())
-    assert os.read(reading, 100) == WORDS * 3
-    for end in (pipe, speaking, reading, writing):
-        os.close(end)
+
+def test_a_suspended_parent_is_noticed_within_its_time_and_the_words_repeated_each_second(
+        monkeypatch):
+    now, suspended_at, spoken_at, looks = 0.0, 1.0, [], []
+
+    def wait(reading, writing, failing, timeout):
+        nonlocal now
+        now += timeout
+        looks.append(now)
+        return (reading if now > 4.5 else [], writing, failing)
+    pipe, speaking = os.pipe()
+    os.write(speaking, GOODBYE)
+    monkeypatch.setattr(dead_man_process, 'select', SimpleNamespace(select=wait))
+    monkeypatch.setattr(dead_man_process, 'is_suspended', lambda _: now >= suspended_at)
+    monkeypatch.setattr(
+        dead_man_process, 'write_all', lambda line, words: spoken_at.append(now))
+    watch(pipe, -1, WORDS, os.getpid())
+    assert sum(look < suspended_at for look in looks) <= 10, 'looks cost time on the processor'
+    first, *later = spoken_at
+    assert first - suspended_at <= 0.2, 'promised: docs/reliability.md'
+    assert later == pytest.approx([first + 1, first + 2, first + 3])
+    os.close(pipe)
+    os.close(speaking)
 
 
 def test_only_a_stopped_process_is_seen_as_stopped():
@@ -167,8 +198,9 @@ def test_a_line_that_takes_no_bytes_ends_the_process(monkeypatch, blocking):
         while os.write(writing, bytes(4096)):
             pass
     os.set_blocking(writing, blocking)
-    with pytest.raises(SystemExit):
+    with pytest.raises(SystemExit) as ended:
         dead_man_process.write_all(writing, WORDS)
+    assert ended.value.code == 1
     os.close(reading)
     os.close(writing)
 
@@ -197,6 +229,7 @@ def test_what_ends_its_parent_politely_does_not_reach_it():
     reading, writing = os.pipe()
     guard = DeadMan(writing, WORDS)
     os.close(writing)
+    assert os.getsid(guard.pid) == guard.pid, 'the keys of a terminal do not reach it'
     for number in END_SIGNALS:
         os.kill(guard.pid, number)
     os.close(guard._pipe)
@@ -205,7 +238,7 @@ def test_what_ends_its_parent_politely_does_not_reach_it():
     assert guard._process.wait() == 0
 
 
-@pytest.mark.parametrize(('word', 'heard'), [(GOODBYE, b''), (b'', WORDS)])
+@pytest.mark.parametrize(('word', 'heard'), [(GOODBYE, b''), (b'', WORDS), (b'x', WORDS)])
 def test_watching_ends_with_a_goodbye_or_with_last_words(word, heard):
     pipe, speaking = os.pipe()
     reading, writing = os.pipe()
@@ -216,3 +249,20 @@ def test_watching_ends_with_a_goodbye_or_with_last_words(word, heard):
     assert os.read(reading, 100) == heard
     os.close(reading)
     os.close(pipe)
+
+
+def test_each_byte_waits_for_a_line_that_is_ready_and_is_tried_again_if_it_was_not(monkeypatch):
+    reading, writing = os.pipe()
+    write, tried = os.write, []
+
+    def full_at_first(line, data):
+        tried.append(data)
+        if len(tried) == 1:
+            raise BlockingIOError
+        return write(line, data)
+    monkeypatch.setattr(os, 'write', full_at_first)
+    dead_man_process.write_all(writing, WORDS)
+    assert tried == [WORDS[:1], *(bytes([each]) for each in WORDS)]
+    assert read_words(reading) == WORDS
+    os.close(reading)
+    os.close(writing)

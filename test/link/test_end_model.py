@@ -7,11 +7,12 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
 
-from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.world import shipped
 from support.end_model import explore, Found, Rules, State, steps
 from support.ros import Robot, TIMEOUT
@@ -41,20 +42,21 @@ def test_the_model_finds_each_line_that_is_taken_away(rule):
 
 DRIVER = """
 import sys
-import time
+import threading
 from create_oi_ros.driver import Driver, MotionLimits, Settings
+from create_oi_ros.link import session as module
 from create_oi_ros.link.port import Port, PortError
-from create_oi_ros.link.session import Session
-failing = []
+module.LEAST_LIFE = 0.0  # a dead-man is replaced however soon it ended
+failing, news = [], threading.Event()
 class AnyPort(Port):
     def write(self, encoded):
         if failing:
             failing.clear()
             raise PortError('a write that fails once')
         super().write(encoded)
-session = Session(
-    Driver(Settings(limits=MotionLimits(timeout=1000.0))), sys.argv[1], on_event=lambda _: None,
-    on_failure=lambda: None, dead_man=True, open_port=AnyPort)
+session = module.Session(
+    Driver(Settings(limits=MotionLimits(timeout=1000.0))), sys.argv[1],
+    on_event=lambda _: news.set(), on_failure=lambda: None, dead_man=True, open_port=AnyPort)
 session.start()
 for line in sys.stdin:
     word = line.strip()
@@ -64,11 +66,12 @@ for line in sys.stdin:
         session.close()
         break
     while word in ('drive', 'stop'):
+        news.clear()
         with session.request() as (driver, now):
             driver.drive(0.3 if word == 'drive' else 0.0, 0.0, now)
             if driver.state.moving == (word == 'drive'):
                 break
-        time.sleep(0.01)
+        news.wait(30)
 """
 
 
@@ -89,11 +92,12 @@ class Real:
         self._process.stdin.flush()
 
     def until(self, happened: Callable[[], object]) -> None:
-        """Wait for an event."""
+        """Wait until something has happened; look after each of the robot's slots."""
         deadline = time.monotonic() + TIMEOUT
         while not happened():
-            assert time.monotonic() < deadline
-            time.sleep(0.002)
+            slot = threading.Event()
+            self.robot.soon(slot.set)
+            assert slot.wait(max(0.0, deadline - time.monotonic()))
 
     @property
     def drives(self) -> bool:
@@ -202,7 +206,6 @@ def pulled(it: Real) -> None:
 
 def unguarded(it: Real) -> None:
     """Kill the dead-man, and the node when it has started another."""
-    time.sleep(1.1)  # a dead-man that ended at once is not replaced (`LEAST_LIFE`)
     dead_man = it.dead_man()
     os.kill(dead_man, signal.SIGKILL)
     it.until(lambda: it.dead_man() != dead_man)

@@ -14,7 +14,7 @@ from create_oi_ros.driver import Driver, Notice
 from create_oi_ros.link import port, session
 from create_oi_ros.link.port import holder, lasting_name, Port, PortError
 from create_oi_ros.link.session import Session
-from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.world import shipped
 from support.ros import Robot, TIMEOUT
 

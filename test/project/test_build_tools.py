@@ -11,11 +11,23 @@ import pytest
 from support.source import ROOT
 
 TOOLS = ROOT / 'tools'
-WAITING = 'import pathlib, time\nprint("done", flush=True)\n' \
-    'while not pathlib.Path("go").exists(): time.sleep(0.01)\n'
-STEP = ('import sys; sys.path.insert(0, {tools!r}); from step import interruptible, step\n'
-        'with interruptible(): step([sys.executable, "-c", {program!r}], "a.log", "it failed", '
-        'progress=lambda log: str(log.count("done")) + " of 2 done")')
+WAITING = 'print("done", flush=True)\nopen("go").read()\n'
+"""A program that waits until the test writes to the pipe `go`."""
+STEP = """
+import sys
+sys.path.insert(0, {tools!r})
+import step
+shows, looks = step.moves_in_place, []
+def look():
+    looks.append(True)
+    if {release!r} and len(looks) == 1:
+        open('go', 'w').close()
+    return shows()
+step.moves_in_place = look
+with step.interruptible():
+    step.step([sys.executable, '-c', {program!r}], 'a.log', 'it failed',
+              progress=lambda log: str(log.count('done')) + ' of 2 done')
+"""
 
 
 @pytest.fixture
@@ -31,11 +43,13 @@ def tool(monkeypatch):
     return load
 
 
-def run_step(folder, program, stdout, term='xterm'):
-    """Start a step in a folder."""
+def run_step(folder, program, stdout, term='xterm', release=False):
+    """Start a step in a folder; `release` ends the WAITING program after the first look at it."""
+    os.mkfifo(folder / 'go')
+    code = STEP.format(tools=str(TOOLS), program=program, release=release)
     return subprocess.Popen(
-        [sys.executable, '-c', STEP.format(tools=str(TOOLS), program=program)], cwd=folder,
-        stdout=stdout, stderr=subprocess.PIPE, text=True, env={**os.environ, 'TERM': term})
+        [sys.executable, '-c', code], cwd=folder, stdout=stdout, stderr=subprocess.PIPE,
+        text=True, env={**os.environ, 'TERM': term})
 
 
 def test_a_terminal_shows_how_far_a_step_is_and_for_how_long(tmp_path):
@@ -45,7 +59,7 @@ def test_a_terminal_shows_how_far_a_step_is_and_for_how_long(tmp_path):
         shown = b''
         while b'\r  1 of 2 done, 0:0' not in shown:
             shown += os.read(master, 100)
-        (tmp_path / 'go').touch()
+        (tmp_path / 'go').write_text('')
         assert process.wait(20) == 0
     os.set_blocking(master, False)
     shown += os.read(master, 10000)
@@ -56,9 +70,7 @@ def test_a_terminal_shows_how_far_a_step_is_and_for_how_long(tmp_path):
 
 @pytest.mark.parametrize('term', ['xterm', 'dumb'])
 def test_without_a_terminal_a_step_prints_nothing(tmp_path, term):
-    (tmp_path / 'go').touch()
-    with run_step(tmp_path, f'import time; time.sleep(0.7)\n{WAITING}', subprocess.PIPE,
-                  term) as process:
+    with run_step(tmp_path, WAITING, subprocess.PIPE, term, release=True) as process:
         assert process.communicate(timeout=20) == ('', '')
     assert process.returncode == 0
 
@@ -76,7 +88,7 @@ def test_ctrl_c_of_a_step_is_one_sentence(tmp_path):
         while not log.exists() or not log.read_text():
             assert process.poll() is None
         process.send_signal(signal.SIGINT)
-        (tmp_path / 'go').touch()
+        (tmp_path / 'go').write_text('')
         _, errors = process.communicate(timeout=20)
     assert errors == '\nmake: interrupted; make again begins with what is not complete\n'
 

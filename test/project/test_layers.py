@@ -12,7 +12,7 @@ import sys
 
 import pytest
 
-from support.source import imported, modules, PACKAGE, plain_calls
+from support.source import classes, imported, modules, PACKAGE, plain_calls
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ RULES = {
     'odometry': Rule(ours=('robot',), others='numpy'),
     'driver': Rule(ours=('odometry', 'oi', 'oi.tools', 'robot')),
     'sim': Rule(),
-    'sim.world': Rule(ours=('robot',)),
+    'sim.world': Rule(ours=('sim', 'robot')),
     'sim.body': Rule(ours=('sim', 'sim.world', 'oi', 'robot')),
     'sim.firmware': Rule(ours=('sim', 'sim.body', 'sim.world', 'oi', 'robot')),
     'sim.server': Rule(ours=('sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi', 'oi.tools',
@@ -192,6 +192,15 @@ def test_no_rule_admits_every_package() -> None:
 def test_no_two_files_have_one_name() -> None:
     names = [path.stem for path in MODULES.values() if not path.stem.startswith('__')]
     assert not {name for name in names if names.count(name) > 1}
+
+
+def test_no_two_classes_have_one_name() -> None:
+    places: dict[str, list[str]] = {}
+    for module, path in MODULES.items():
+        for name in classes(path):
+            places.setdefault(name, []).append(module)
+    doubled = {name: found for name, found in places.items() if len(found) > 1}
+    assert not doubled, f'choose another name for all but one: {doubled}'
 
 
 @pytest.mark.parametrize(('module', 'name'), [

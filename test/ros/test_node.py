@@ -134,27 +134,28 @@ def test_wheels_turn_in_joint_states_and_tf_follows(stage):
     assert moved.transform.translation.x > 0.1
 
 
-def test_the_watchdog_stops_the_wheels(stage):
-    robot = stage.robot()
-    stage.node(robot.link)
+def commanded_once(stage, robot):
+    """Publish one velocity, wait until the robot drives, and return the publisher."""
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     stage.ros.until(lambda: in_mode(modes, Mode.SAFE))
     velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     stage.ros.until(velocity.get_subscription_count)
     velocity.publish(Twist(linear=Vector3(x=0.2)))
     stage.ros.until(lambda: robot.body.truth().speed > 0.1)
+    return velocity
+
+
+def test_the_watchdog_stops_the_wheels(stage):
+    robot = stage.robot()
+    stage.node(robot.link)
+    commanded_once(stage, robot)
     stage.ros.until(lambda: robot.body.truth().speed == 0)
 
 
 def test_a_velocity_that_is_not_a_number_is_refused_and_stops(stage):
     robot = stage.robot()
     node = stage.node(robot.link, cmd_vel_timeout=10.0)
-    modes = stage.ros.listen(Mode, 'mode', LATCHED)
-    stage.ros.until(lambda: in_mode(modes, Mode.SAFE))
-    velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-    stage.ros.until(velocity.get_subscription_count)
-    velocity.publish(Twist(linear=Vector3(x=0.2)))
-    stage.ros.until(lambda: robot.body.truth().speed > 0.1)
+    velocity = commanded_once(stage, robot)
     velocity.publish(Twist(angular=Vector3(z=nan)))
     stage.ros.until(lambda: robot.body.truth().speed == 0)
     stage.ros.until(lambda: 'not finite' in node.output)

@@ -114,7 +114,7 @@ def told(recording: Recording) -> dict[str, object]:
         words[each.kind].append(SECONDS.sub('#', each.text))
     # Milliseconds decide the order of two kinds of entry, and whether a pause counts as a gap.
     words.pop('gap', None)
-    dated, *sentences = (SECONDS.sub('#', line) for line in summary(recording))
+    _, *sentences = (SECONDS.sub('#', line) for line in summary(recording))
     return {
         'name': recording.name, 'robot': recording.robot, 'storage': recording.storage,
         'messages': recording.messages, 'settings': recording.settings,

@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import CENTRE, EncoderSign
 from create_oi_ros.sim.body.drivetrain import Drivetrain
-from create_oi_ros.sim.body.encoders import Accumulator, Rounding
+from create_oi_ros.sim.body.encoders import Accumulator
 
 AMOUNTS = st.lists(st.floats(-300, 300), max_size=60)
 

@@ -10,7 +10,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Checksum, Mode
-from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.robot import Rounding
 from support.robot import GENTLE, Robot
 
 SIZES = {0: 26, 1: 10, 2: 6, 3: 10, 4: 14, 5: 12, 6: 52, 7: 1, 8: 1, 9: 1, 10: 1, 11: 1, 12: 1,

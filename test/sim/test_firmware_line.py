@@ -34,6 +34,14 @@ def booted(robot: Robot) -> Robot:
     return robot
 
 
+def without_power(robot: Robot, which: str) -> None:
+    """Let a robot be without power for a moment: by its button, or without its battery."""
+    if which == 'power':
+        booted(robot)
+    else:
+        robot.create.lose_battery(robot.now)
+
+
 # Serial Port Settings.
 
 def test_by_default_create_communicates_at_57600_baud() -> None:
@@ -67,10 +75,7 @@ def test_method_1_lasts_until_the_power_is_turned_off_or_the_battery_removed(end
     robot.create.power(True, robot.now)
     robot.run(6)
     assert robot.create.baud == 19200
-    if ends == 'power':
-        booted(robot)
-    else:
-        robot.create.lose_battery(robot.now)
+    without_power(robot, ends)
     assert robot.create.baud == 57600
 
 
@@ -163,10 +168,7 @@ def test_the_rate_persists_until_create_is_power_cycled(cycle: str) -> None:
     robot.say(bytes([129, 5]), oi.Safe(), oi.Start())
     robot.run(60)
     assert robot.create.baud == 9600
-    if cycle == 'power':
-        booted(robot)
-    else:
-        robot.create.lose_battery(robot.now)
+    without_power(robot, cycle)
     assert robot.create.baud == 57600
 
 

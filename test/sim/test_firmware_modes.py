@@ -11,11 +11,10 @@ from create_oi_ros import oi
 from create_oi_ros.oi import Mode
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.sim.firmware.guesses import Guesses
-from create_oi_ros.sim.world import parse, Pose, shipped
+from create_oi_ros.sim.world import parse, shipped
 from support.robot import GENTLE, Robot
 
 STARTED = (Mode.PASSIVE, Mode.SAFE, Mode.FULL)
-FAR_FROM_EDGE, AT_EDGE = Pose(0, 0, 0), Pose(0.7, 0, 0)
 """Places on the shipped table, which ends at x = 1."""
 
 

@@ -2,6 +2,8 @@
 
 from math import degrees, radians
 
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.goals import (
     Code,
     DriveArc,
@@ -13,9 +15,12 @@ from create_oi_ros.driver.goals import (
     Running,
 )
 from create_oi_ros.driver.goals.approach import Learned
-from create_oi_ros.driver.goals.motions import Circle, Place
-from support.loop import Loop
+from create_oi_ros.driver.goals.motions import Circle, TargetPose
+from create_oi_ros.driver.state import Activity
+from create_oi_ros.sim.body.config import CENTRE
+from support.loop import Loop, STEP
 
+FRAME = oi.SLOT
 SPEED, TURNING = 0.3, 1.9
 PATIENCE = 200.0
 """Seconds in which every goal of a test ends."""
@@ -39,8 +44,8 @@ def arc(turn: float, radius: float, direction: int = 1, speed: float = SPEED) ->
 def place(x: float, y: float, heading: float | None = None) -> NavigateToPosition:
     """Return a goal that drives to a place, with a heading in degrees."""
     return NavigateToPosition(
-        Place(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0, Learned(),
-        Learned())
+        TargetPose(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0,
+        Learned(), Learned())
 
 
 def start(loop: Loop, goal: Goal) -> Running:
@@ -70,3 +75,32 @@ def reach(loop: Loop, goal: Goal) -> tuple[float, float]:
     loop.run(1.0)
     after = loop.body.truth()
     return after.travelled - before.travelled, degrees(after.turned - before.turned)
+
+
+def met(limits: MotionLimits | None = None, **options) -> Loop:
+    """Return a robot and a driver that have met, in Safe mode."""
+    settings = Settings(limits=limits or MotionLimits())
+    loop = Loop(settings, config=CENTRE, **options)
+    loop.run(1.0)
+    return loop
+
+
+def moving(loop: Loop, goal=None):
+    """Start a goal and wait until the robot moves."""
+    running = start(loop, goal or distance(1.0))
+    loop.run(1.0)
+    assert running.ending is None
+    assert any(loop.robot.actuators.wheels)
+    return running
+
+
+def ended(loop: Loop, running, within: float = 2 * FRAME) -> Ending:
+    """Return how a goal ended, which must be very soon; the wheels are told to stand then."""
+    deadline = loop.now + within
+    while running.ending is None:
+        assert loop.now <= deadline, 'the goal still runs'
+        loop.turn()
+    loop.run(2 * STEP)
+    assert loop.robot.actuators.wheels == (0, 0)
+    assert loop.driver.state.activity is not Activity.GOAL
+    return running.ending

@@ -5,10 +5,10 @@ from dataclasses import replace
 from math import pi
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Moved, Notice, Settings
+from create_oi_ros.driver import Driver, Moved, Notice, Settings, Severity
 from create_oi_ros.odometry import Estimate, Odometry
-from create_oi_ros.robot import WHEEL_SEPARATION
-from create_oi_ros.sim.body import Body, Rounding
+from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
+from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, IDEAL
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import shipped, World
@@ -110,3 +110,12 @@ def turn_difference(one: float, other: float) -> float:
     """Return the angle between two headings, rad."""
     return abs((one - other + pi) % (2 * pi) - pi)
 
+
+def texts(notices: list[Notice], severity: Severity) -> list[str]:
+    """Return what was said at a severity."""
+    return [notice.text for notice in notices if notice.severity is severity]
+
+
+def said(loop: Loop, severity: Severity, words: str) -> int:
+    """Count the notices of a severity that hold some words."""
+    return sum(words in notice.text for notice in loop.notices if notice.severity is severity)

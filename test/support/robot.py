@@ -3,9 +3,9 @@
 from typing import Any
 
 from create_oi_ros import oi
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import IDEAL
-from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses, LIKELY
 from create_oi_ros.sim.world import World

@@ -1,7 +1,7 @@
 """Node processes, robots on simulated serial ports, and a ROS node in the test's own process."""
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, closing, contextmanager, suppress
+from contextlib import AbstractContextManager, closing, contextmanager
 from itertools import count, cycle
 import os
 from pathlib import Path
@@ -26,11 +26,10 @@ from create_oi_ros.sim.server import Server
 from create_oi_ros.sim.server.faults import Faults
 from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped, World
+from support.processes import kill_marked, MARK
 
 TIMEOUT = 30.0
 """Seconds to wait for an event before a test fails."""
-MARK = 'CREATE_OI_TEST_PROGRAM'
-"""Environment variable by which the processes of a test's program are found."""
 _numbers = count()
 
 
@@ -131,17 +130,6 @@ class Program:
             left = kill_marked(self._mark)
             self._reader.join(TIMEOUT)
             raise AssertionError(f'these outlived the program that started them: {left}')
-
-
-def kill_marked(mark: str) -> list[str]:
-    """Kill all processes that have inherited a variable NAME=VALUE; return their commands."""
-    killed = []
-    for process in Path('/proc').glob('[0-9]*'):
-        with suppress(OSError):  # it has ended, or belongs to somebody else
-            if f'{mark}\0' in (process / 'environ').read_text(errors='replace'):
-                killed.append((process / 'cmdline').read_text().replace('\0', ' '))
-                os.kill(int(process.name), signal.SIGKILL)
-    return killed
 
 
 def children_of(pid: int) -> list[int]:

@@ -15,6 +15,10 @@ from typing import Any
 
 from create_oi_ros.ros.programs import PROGRAMS
 
+START, SAFE, FULL = bytes([128]), bytes([131]), bytes([132])
+STREAM = bytes([148, 3, 35, 41, 42])
+FRAME = 3 + 2 + 3 + 3
+"""Bytes of commands, and of a frame of that stream."""
 PATIENCE = 20.0
 """Timeout of everything that a test waits for, seconds."""
 

@@ -1,4 +1,4 @@
-"""Imports and calls of the repository's Python files, found without running them."""
+"""Imports, calls and classes of the repository's Python files, found without running them."""
 
 import ast
 from collections.abc import Iterator
@@ -38,3 +38,10 @@ def plain_calls(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             yield f'{node.func.id}(...)' if node.args or node.keywords else f'{node.func.id}()'
+
+
+def classes(path: Path) -> Iterator[str]:
+    """Yield the name of each class that a file defines."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ClassDef):
+            yield node.name

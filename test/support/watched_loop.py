@@ -4,12 +4,16 @@ from collections import defaultdict
 from collections.abc import Callable
 from math import hypot, inf, isfinite
 from random import Random
+from typing import NamedTuple
 
 from create_oi_ros import oi
-from create_oi_ros.driver import LAST_WORDS, Moved, Pending, Settings
+from create_oi_ros.driver import Activity, LAST_WORDS, MotionLimits, Moved, Pending, Settings
+from create_oi_ros.driver.goal_control import MODE_WAIT
+from create_oi_ros.driver.goals import Ending, Goal, Running
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import SLOT, TOP_SPEED, WHEEL_SEPARATION
 from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.world import World
 from support.loop import Loop, STEP
 
 REACTION = SLOT + 3 * STEP
@@ -23,21 +27,39 @@ QUEUE = 300
 """Bytes of commands and events that may wait at most, in pieces."""
 
 
+class Pursuit(NamedTuple):
+    """A goal that was given to the driver."""
+
+    goal: Goal
+    running: Running
+    began: float
+    endings: list[Ending]
+    """What was told of its end."""
+
+    def deadline(self) -> float:
+        """Return when it must have ended; what the goal leaves open is known once it begins."""
+        return self.began + MODE_WAIT + (self.goal.allowance or inf) + REACTION
+
+
 class WatchedLoop(Loop):
     """Checks after each turn what no sequence of events may break."""
 
-    def __init__(self, config: BodyConfig, settings: Settings) -> None:
-        super().__init__(settings, config=config)
+    def __init__(self, config: BodyConfig, settings: Settings, world: World | None = None) -> None:
+        super().__init__(settings, config=config, world=world)
         self.random = Random(1)
         self.began = self.now
         self.damage_up = self.damage_down = 0.0
         """Share of the pieces of bytes to the robot, and from it, that are damaged."""
-        self.asked_at = -inf
-        """When a velocity was commanded last that was not zero."""
+        self.asked_at = self.commanded_at = -inf
+        """When a velocity was commanded last that was not zero, and when any was."""
         self.excused_until = -inf
         """Until when the robot may do what nobody commands: it could not be reached."""
         self.replies: list[list[object]] = []
         """What came back for each request."""
+        self.pursuits: list[Pursuit] = []
+        """All goals."""
+        self.pursued_at = -inf
+        """When a goal drove the robot last."""
         self.sent: dict[str, set[object]] = defaultdict(set)
         """All values that the robot ever sent."""
         self._spy_on_frames()
@@ -49,10 +71,19 @@ class WatchedLoop(Loop):
         self.replies.append(got)
         pending.then(got.append)
 
+    def pursue(self, goal: Goal) -> None:
+        """Give the driver a goal, and watch it."""
+        pursuit = Pursuit(goal, self.driver.goals.start(goal, self.now), self.now, [])
+        self.pursuits.append(pursuit)
+        pursuit.running.then(pursuit.endings.append)
+        self._check_goals()
+
     def command(self, linear: float, angular: float) -> None:
         """Command a velocity."""
-        if (linear or angular) and isfinite(linear + angular):
-            self.asked_at = self.now
+        if isfinite(linear + angular):
+            self.commanded_at = self.now
+            if linear or angular:
+                self.asked_at = self.now
         self.driver.drive(linear, angular, self.now)
 
     def excuse(self, seconds: float) -> None:
@@ -64,20 +95,37 @@ class WatchedLoop(Loop):
         if self.cut or self.damage_up or not self.driver.state.answered:
             self.excuse(RECOVERY)
         super().turn()
+        self._check_goals()
         self._check_wheels()
         self._check_frames()
         assert len(self.driver._outbox._queue) < QUEUE
 
+    def _check_goals(self) -> None:
+        """One goal runs at most, within its time; the activity says so; each ends once."""
+        running = [each for each in self.pursuits[-2:] if each.running.ending is None]
+        assert len(running) == self.driver.goals.active == self.driver.state.pursues
+        assert all(self.now <= each.deadline() for each in running), 'a goal runs on'
+        if self.driver.state.activity is Activity.GOAL:
+            self.pursued_at = self.now
+
     def _check_wheels(self) -> None:
-        """Wheels turn only while somebody fresh is in command, or the robot has its own will."""
+        """
+        Wheels turn only while somebody fresh is in command, or a goal is pursued.
+
+        The robot may have a will of its own, too.
+        """
         if not any(self.robot.actuators.wheels) or self.now < self.excused_until:
             return
         if self.robot.demo is not None or self.robot.waiting or self.driver.scripts.playing:
             self.excuse(RECOVERY)  # asked for, or started by damage: until it has been stopped
             return
-        age = self.now - self.asked_at
-        assert age <= self.driver.settings.limits.timeout + REACTION, (
-            f'wheels turn {age:.3f} s after the last command')
+        limits = self.driver.settings.limits
+        age, goal_age = self.now - self.asked_at, self.now - self.pursued_at
+        within = limits.timeout + REACTION
+        if self.now - self.commanded_at <= within:
+            within += braking(limits)  # zeros are commanded, and slow it down
+        assert age <= within or goal_age <= REACTION, (
+            f'wheels turn {age:.3f} s after the last command, {goal_age:.3f} s after a goal')
 
     def _check_frames(self) -> None:
         """Nothing is published that the robot did not send; the estimate never steps."""
@@ -131,6 +179,13 @@ class WatchedLoop(Loop):
                         self.sent[name].add(value)
             return data
         self.robot.data_to_send: Callable[[], bytes] = spied
+
+
+def braking(limits: MotionLimits) -> float:
+    """Return the most seconds in which a commanded zero is reached."""
+    most = ((TOP_SPEED, limits.linear_acceleration),
+            (2 * TOP_SPEED / WHEEL_SEPARATION, limits.angular_acceleration))
+    return max(speed / acceleration if acceleration else 0.0 for speed, acceleration in most)
 
 
 def assert_small_step(before: Moved, after: Moved) -> None:

@@ -20,7 +20,7 @@ from ...ros.parameters import BAUDS, Parameters
 from ...ros.user_errors import UserError
 from .conclusion import conclude
 from .dead_band_search import DeadBandSearch
-from .moves import CREEPING, duration, Move, Phase, Reads, Step, STEPS
+from .moves import CheckStep, CREEPING, duration, Move, Reads, Segment, STEPS
 from .notebook import Page
 from .questions import about_banner, about_dock, about_leds, Person, progress, tell
 from .robot_line import RobotLine
@@ -32,7 +32,7 @@ a hard, level floor with 1.2 m free ahead of it, 0.6 m behind it and 0.5 m to ea
 stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops the wheels."""
 ATTEMPTS = 3
 """How often a disturbed move is tried where nobody is there to ask."""
-OFF_THE_DOCK = Move((Phase(2.5, -150, -150),), Reads.END)
+OFF_THE_DOCK = Move((Segment(2.5, -150, -150),), Reads.END)
 INTERRUPTED = 128 + signal.SIGINT
 
 
@@ -67,7 +67,7 @@ class Written(NamedTuple):
     """At the end."""
 
 
-class Check:
+class GuidedCheck:
     """One check, from the first question to the verdict."""
 
     def __init__(self, line: RobotLine, person: Person) -> None:
@@ -102,9 +102,9 @@ class Check:
             person.confirm(f'{outcome.text}. Mend this')
             outcome = line.enter(oi.Mode.SAFE)
 
-    def _take(self, step: Step, number: str) -> list[Page]:
+    def _take(self, step: CheckStep, number: str) -> list[Page]:
         self._person.confirm(
-            f'Step {number} ({duration(step.moves):.0f} s): {step.about}')
+            f'CheckStep {number} ({duration(step.moves):.0f} s): {step.about}')
         pages = []
         for done, move in enumerate(step.moves, 1):
             pages.append(self._made(move))
@@ -113,7 +113,7 @@ class Check:
 
     def _creep(self) -> DeadBandSearch:
         search = DeadBandSearch()
-        self._person.confirm(f'Step {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
+        self._person.confirm(f'CheckStep {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
         while (move := search.next_move()) is not None:
             search.learn(self._made(move))
         return search
@@ -157,7 +157,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         person.confirm(INTRODUCTION)
         line = RobotLine(options.port, options.baud, options.capture)
         with line.open():
-            written = Check(line, person).run()
+            written = GuidedCheck(line, person).run()
         _conclude(written, options.output)
         tell(f'{line.path}: all bytes of the check; send both files if something looks wrong')
     except KeyboardInterrupt:

@@ -47,7 +47,7 @@ ALIKE = 0.7
 """How far logarithms of time constants at neighbouring speeds are apart: standard deviation."""
 
 
-class Start(NamedTuple):
+class InitialGuess(NamedTuple):
     """A kind of response that a fit begins with."""
 
     family: Family
@@ -56,10 +56,10 @@ class Start(NamedTuple):
     """Seconds."""
 
 
-STARTS = (
-    Start(Family.LAG, Belief(0.0, 1.0, 0.0, 4.0, 1e-2), 0.15),
-    Start(Family.LAG, Belief(1.0, 1.0, 0.0, 4.0, 1e-2), 0.01),
-    Start(Family.SPRING, Belief(np.log(0.15), 1.0, np.log(0.005), np.log(0.6), 1e-2), 0.06),
+INITIAL_GUESSES = (
+    InitialGuess(Family.LAG, Belief(0.0, 1.0, 0.0, 4.0, 1e-2), 0.15),
+    InitialGuess(Family.LAG, Belief(1.0, 1.0, 0.0, 4.0, 1e-2), 0.01),
+    InitialGuess(Family.SPRING, Belief(np.log(0.15), 1.0, np.log(0.005), np.log(0.6), 1e-2), 0.06),
 )
 ROUNDS, FEW, ENOUGH = 25, 4, 0.5
 """Rounds of a fit at most, of one that is to show how much worse it is, and the gain of a round
@@ -81,7 +81,7 @@ LENGTHS = np.array([3.0, 1.5, 1.0, 0.5, 0.2, 0.05, 0.0])
 class Fit:
     """Wheels that explain the readings."""
 
-    start: Start
+    start: InitialGuess
     sign: Sign
     kind: Array
     cost: float
@@ -100,9 +100,9 @@ def fit(pages: Sequence[Page], rounding: Rounding, period: float) -> list[Fit]:
     seen = windows(pages, rounding, period)
     certain = seen.only([
         number for number, page in enumerate(pages)
-        if all(min(phase.right, phase.left) >= 0 for phase in page.move.phases)])
+        if all(min(segment.right, segment.left) >= 0 for segment in page.move.segments)])
     tried = []
-    for start in STARTS:
+    for start in INITIAL_GUESSES:
         kind = _first(start)
         kind = _finished(certain, start, Sign.MOTION, kind).kind
         tried += [(float(_costs(seen, start, sign, kind[None])[0]), start, sign, kind)
@@ -121,7 +121,7 @@ def fit(pages: Sequence[Page], rounding: Rounding, period: float) -> list[Fit]:
     return sorted([*fits, *others], key=lambda each: each.cost)
 
 
-def _first(start: Start) -> Array:
+def _first(start: InitialGuess) -> Array:
     kind = np.zeros(len(Kind))
     for each, belief in COMMON.items():
         kind[each] = belief.mean
@@ -132,13 +132,14 @@ def _first(start: Start) -> Array:
 
 def _as_spring(seen: Windows, found: Fit) -> Fit:
     """Return the best spring near wheels that were found."""
-    start, kind = STARTS[-1], found.kind.copy()
+    start, kind = INITIAL_GUESSES[-1], found.kind.copy()
     kind[Kind.BOUND] = start.bound.mean
     kind[list(TAUS)] += np.log(SPRINGY)
     return _finished(seen, start, found.sign, kind)
 
 
-def _finished(seen: Windows, start: Start, sign: Sign, kind: Array, rounds: int = ROUNDS) -> Fit:
+def _finished(seen: Windows, start: InitialGuess, sign: Sign, kind: Array,
+              rounds: int = ROUNDS) -> Fit:
     """Return the best fit near a kind, in so many rounds at most."""
     before = np.inf
     for _ in range(rounds):
@@ -149,17 +150,17 @@ def _finished(seen: Windows, start: Start, sign: Sign, kind: Array, rounds: int 
     return Fit(start, sign, kind, cost, inverse, len(seen.move))
 
 
-def _beliefs(start: Start) -> list[Belief]:
+def _beliefs(start: InitialGuess) -> list[Belief]:
     return [start.bound if each is Kind.BOUND else COMMON[each] for each in Kind]
 
 
-def _predicted(seen: Windows, start: Start, sign: Sign, kinds: Array) -> Array:
+def _predicted(seen: Windows, start: InitialGuess, sign: Sign, kinds: Array) -> Array:
     """Return what readings should be; axes (kind, reading, unit)."""
     counts = simulate(start.family, kinds, (sign,), seen.asked, seen.period)[0]
     return seen.predicted(counts, kinds[:, Kind.SEPARATION])
 
 
-def _prior(start: Start, kind: Array) -> tuple[Array, Array]:
+def _prior(start: InitialGuess, kind: Array) -> tuple[Array, Array]:
     """Return gradient and curvature of what is believed before; of half the squares."""
     beliefs = _beliefs(start)
     weights = np.diag([each.spread ** -2 for each in beliefs])
@@ -172,7 +173,7 @@ def _prior(start: Start, kind: Array) -> tuple[Array, Array]:
     return gradient, weights
 
 
-def _penalty(start: Start, kind: Array) -> float:
+def _penalty(start: InitialGuess, kind: Array) -> float:
     beliefs = _beliefs(start)
     off = (kind - np.array([each.mean for each in beliefs])) / [each.spread for each in beliefs]
     steps = np.diff(kind[list(TAUS)]) / ALIKE
@@ -184,7 +185,7 @@ def _beyond(seen: Windows, predicted: Array) -> tuple[Array, Array]:
     return (seen.low - predicted) / SOFT, (predicted - seen.high) / SOFT
 
 
-def _costs(seen: Windows, start: Start, sign: Sign, kinds: Array) -> Array:
+def _costs(seen: Windows, start: InitialGuess, sign: Sign, kinds: Array) -> Array:
     """Return how badly each kind explains the readings: nothing within its interval."""
     below, above = _beyond(seen, _predicted(seen, start, sign, kinds))
     readings = (np.logaddexp(0, below) + np.logaddexp(0, above)).sum(axis=(1, 2))
@@ -192,7 +193,7 @@ def _costs(seen: Windows, start: Start, sign: Sign, kinds: Array) -> Array:
     return costs
 
 
-def _improved(seen: Windows, start: Start, sign: Sign, kind: Array,
+def _improved(seen: Windows, start: InitialGuess, sign: Sign, kind: Array,
               ) -> tuple[Array, float, Array]:
     """Return a better kind, its cost, and the inverse of the curvature (Gauss-Newton)."""
     beliefs = _beliefs(start)

@@ -56,9 +56,9 @@ def _gain(pages: Sequence[Page], side: int) -> float:
     """
     counted: dict[tuple[int, float], list[int]] = {}
     for page in pages:
-        phase = page.move.phases[0]
-        if page.move.reads is Reads.END and phase.left == side * phase.right:
-            key = abs(phase.right), phase.seconds
+        segment = page.move.segments[0]
+        if page.move.reads is Reads.END and segment.left == side * segment.right:
+            key = abs(segment.right), segment.seconds
             counted.setdefault(key, []).append(abs(page.counted[0 if side == 1 else 1]))
     fastest = max(speed for speed, _ in counted)
     means = {seconds: sum(each) / len(each) for (speed, seconds), each in counted.items()
@@ -71,15 +71,15 @@ def _gain(pages: Sequence[Page], side: int) -> float:
 
 
 def _steady(page: Page, period: float) -> Steady:
-    phase = page.move.phases[0]
+    segment = page.move.segments[0]
     seconds, frames = 0.0, []
     for frame in page.frames[1:]:
         seconds += frame.dt
-        if STEADY < seconds < phase.seconds:
+        if STEADY < seconds < segment.seconds:
             frames.append(frame)
     return Steady(
-        round(sum(frame.dt for frame in frames) / period), phase.right * period,
-        phase.left * period, _sum(frames, 'distance'), _sum(frames, 'angle'))
+        round(sum(frame.dt for frame in frames) / period), segment.right * period,
+        segment.left * period, _sum(frames, 'distance'), _sum(frames, 'angle'))
 
 
 def _sum(frames: Sequence[Increment], name: str) -> int:

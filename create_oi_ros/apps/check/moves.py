@@ -28,7 +28,7 @@ class Reads(Enum):
     """In every frame: to see what becomes of fractions."""
 
 
-class Phase(NamedTuple):
+class Segment(NamedTuple):
     """Requested speeds for a while."""
 
     seconds: float
@@ -37,15 +37,15 @@ class Phase(NamedTuple):
 
 
 class Move(NamedTuple):
-    """Phases, one after the other, and a rest."""
+    """Segments, one after the other, and a rest."""
 
-    phases: tuple[Phase, ...]
+    segments: tuple[Segment, ...]
     reads: Reads
 
     @property
     def seconds(self) -> float:
         """How long it takes, rest included."""
-        return sum(phase.seconds for phase in self.phases) + REST
+        return sum(segment.seconds for segment in self.segments) + REST
 
     @property
     def intervals(self) -> tuple[int, ...]:
@@ -56,12 +56,12 @@ class Move(NamedTuple):
         """
         if self.reads is not Reads.OFTEN:
             return (1,) if self.reads is Reads.EVERY else ()
-        fastest = max(max(abs(phase.right), abs(phase.left)) for phase in self.phases)
+        fastest = max(max(abs(segment.right), abs(segment.left)) for segment in self.segments)
         frames = TELLING_WAY / (fastest * SLOT)
         return tuple(max(3, round(part * frames)) for part in (1.0, 0.7, 1.3, 0.85, 1.15))
 
 
-class Step(NamedTuple):
+class CheckStep(NamedTuple):
     """Moves that a person confirms together."""
 
     about: str
@@ -71,33 +71,33 @@ class Step(NamedTuple):
 
 def _both(seconds: float, right: int, left: int, reads: Reads, times: int = 1) -> list[Move]:
     """Return a move and its opposite, so many times."""
-    return [Move((Phase(seconds, sign * right, sign * left),), reads)
+    return [Move((Segment(seconds, sign * right, sign * left),), reads)
             for _ in range(times) for sign in (1, -1)]
 
 
 def _turned_back(seconds: float, right: int, left: int, times: int) -> list[Move]:
     """Return moves that reverse at full speed."""
-    return [Move((Phase(seconds, sign * right, sign * left),
-                  Phase(seconds, -sign * right, -sign * left)), Reads.OFTEN)
+    return [Move((Segment(seconds, sign * right, sign * left),
+                  Segment(seconds, -sign * right, -sign * left)), Reads.OFTEN)
             for _ in range(times) for sign in (1, -1)]
 
 
 STEPS = (
-    Step('straight ahead and back, quickly: 0.9 m of free floor ahead', (
+    CheckStep('straight ahead and back, quickly: 0.9 m of free floor ahead', (
         *_both(2.5, 300, 300, Reads.END), *_both(1.5, 300, 300, Reads.END),
         *_both(1.3, 300, 300, Reads.OFTEN, 3))),
-    Step('straight ahead and back, more and more slowly: 0.5 m ahead', (
+    CheckStep('straight ahead and back, more and more slowly: 0.5 m ahead', (
         *_both(1.8, 150, 150, Reads.OFTEN, 2), *_both(2.2, 76, 76, Reads.OFTEN, 3),
         *_both(2.6, 50, 50, Reads.OFTEN, 4), *_both(2.6, 35, 35, Reads.END))),
-    Step('ahead, and back without a pause: 0.5 m ahead and behind', (
+    CheckStep('ahead, and back without a pause: 0.5 m ahead and behind', (
         *_turned_back(0.9, 250, 250, 3), *_turned_back(0.8, 120, 120, 2))),
-    Step('turns in place, both ways: no space but its own', (
+    CheckStep('turns in place, both ways: no space but its own', (
         *_both(3.0, 220, -220, Reads.END), *_both(1.5, 220, -220, Reads.END),
         *_both(1.5, 150, -150, Reads.OFTEN, 2),
         *_turned_back(0.9, 250, -250, 2))),
-    Step('one wheel at a time: half a metre around', (
+    CheckStep('one wheel at a time: half a metre around', (
         *_both(2.0, 180, 0, Reads.OFTEN), *_both(2.0, 0, 180, Reads.OFTEN))),
-    Step('slowly, while it is asked how far it came in every frame: 0.2 m ahead', (
+    CheckStep('slowly, while it is asked how far it came in every frame: 0.2 m ahead', (
         *_both(3.0, 48, 48, Reads.EVERY), *_both(2.5, 44, 44, Reads.EVERY),
         *_both(2.5, 110, -110, Reads.EVERY))),
 )
@@ -111,7 +111,7 @@ CREEPING = 'very slowly, to find the slowest speed that moves it: 0.1 m ahead'
 def creep(speed: int, *, back: bool) -> Move:
     """Return a slow move."""
     speed = -speed if back else speed
-    return Move((Phase(CREEP, speed, speed),), Reads.END)
+    return Move((Segment(CREEP, speed, speed),), Reads.END)
 
 
 def duration(moves: Sequence[Move]) -> float:

@@ -42,7 +42,7 @@ class Runner:
         """Why the last move ended early; None where it did not."""
         self._move = Move((), Reads.END)
         self._first = self._looked = 0
-        self._phase = self._looks = 0
+        self._segment = self._looks = 0
         self._began = self._asked_at = self._changed_at = 0.0
         self._told = (-1.0, 0, 0)
         self._polled_frames, self._polled_at = 0, 0.0
@@ -96,23 +96,23 @@ class Runner:
         self.stage = Stage.IDLE
 
     def _follow(self, seconds: float, now: float) -> None:
-        """Drive as the phase says that it is time for."""
-        for number, phase in enumerate(self._move.phases):
-            if seconds < phase.seconds:
-                if number != self._phase:
+        """Drive as the segment says that it is time for."""
+        for number, segment in enumerate(self._move.segments):
+            if seconds < segment.seconds:
+                if number != self._segment:
                     self._turn_page(number)
                 elif self._settled:
                     self._notebook.ask_no_more()
-                self._drive(phase.right, phase.left, now)
+                self._drive(segment.right, segment.left, now)
                 return
-            seconds -= phase.seconds
-        self._turn_page(len(self._move.phases))
+            seconds -= segment.seconds
+        self._turn_page(len(self._move.segments))
         self._drive(0, 0, now)
         self.stage = Stage.RESTING
 
-    def _turn_page(self, phase: int) -> None:
-        """Begin a phase: its first moments tell most."""
-        self._phase = phase
+    def _turn_page(self, segment: int) -> None:
+        """Begin a segment: its first moments tell most."""
+        self._segment = segment
         self._changed_at = self._notebook.seconds - self._began
         if self._move.intervals:
             self._notebook.ask(self._move.intervals)

@@ -16,13 +16,13 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
+from ...driver.motion import Velocity
 from ...ros import topics
 from ...ros.actions import ACTIONS
 from ...ros.services import SERVICES
 from ...ros.velocity_output import CMD_VEL, NEWEST, VelocityOutput
 from .keys import BINDINGS, GoalCall, ServiceCall, STOP
 from .robot_state import CallStatus, RobotState
-from .teleop import Velocity
 
 HEARD = tuple(topic for topic in topics.PUBLISHED if topic not in (topics.TF, topics.CONTACTS))
 """Topics to subscribe to; /tf repeats `odom`, and `contacts` the sensors."""

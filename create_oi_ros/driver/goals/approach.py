@@ -59,7 +59,7 @@ class Learned:
         self._variance *= 1 - gain
 
 
-class Step(NamedTuple):
+class Remaining(NamedTuple):
     """What one frame says about the way; metres of a wheel, signed: behind is negative."""
 
     left: float
@@ -113,7 +113,7 @@ class Approach:
         settling = (1 + CORRECTIONS) * (LATEST + NUDGE / self._creep)
         return abs(way) / self._top + ramps + settling
 
-    def step(self, at: Step) -> float | None:
+    def step(self, at: Remaining) -> float | None:
         """Return the speed for what is left of the way; None: the robot has arrived."""
         if not self._sign:
             if abs(at.left) <= self._tolerance:
@@ -130,7 +130,7 @@ class Approach:
             return self._stand()
         return self._sign * self._run(ahead - coast, pace, at)
 
-    def _run(self, ahead: float, pace: float, at: Step) -> float:
+    def _run(self, ahead: float, pace: float, at: Remaining) -> float:
         doubt = min(DOUBT * at.doubt, MOST_DOUBT)
         room = max(ahead - CREEP_DISTANCE - doubt, 0.0)
         wanted = min(self._top, sqrt(self._creep ** 2 + 2 * self._down * room),
@@ -153,7 +153,7 @@ class Approach:
         self._nudge -= dt
         return self._sign * self._creep if self._nudge > -dt / 2 else self._stand()
 
-    def _settle(self, at: Step) -> float | None:
+    def _settle(self, at: Remaining) -> float | None:
         """Wait until the robot stands and its place is known; then arrive, or go on."""
         self._stood = self._stood + at.dt if abs(at.speed) < STANDING else 0.0
         if at.measured and self._stood > SETTLE:

@@ -7,9 +7,9 @@ begin to charge.
 """
 
 from ... import oi
-from ..motion import MotionLimits
+from ..motion import MotionLimits, Velocity
 from .approach import Learned
-from .goal import Demo, docked, Enter, Goal, Order, Over, Velocity, View
+from .goal import DockDemo, docked, Enter, Goal, Order, Over, View
 from .hazards import dropped, Hazards, LIFTED, Stall
 from .legs import Straight
 from .outcome import Code, Phase, Progress
@@ -56,7 +56,7 @@ class Dock(Goal):
         if docked(readings):
             return self._on_contacts(view)
         self._contact = 0.0
-        order = Demo.GO_ON if self._begun else Demo.PLAY
+        order = DockDemo.GO_ON if self._begun else DockDemo.PLAY
         self._begun = True
         return order
 
@@ -70,7 +70,7 @@ class Dock(Goal):
             return Over(Code.NONE, f'docked; the battery {"is full" if full else "charges"}')
         if self._contact > CHARGE_WAIT:
             return Over(Code.NONE, 'docked, but the battery does not charge: see the log')
-        return Demo.GO_ON
+        return DockDemo.GO_ON
 
     def _look(self, readings: oi.Readings) -> None:
         seen = readings.infrared if readings.has('infrared') else 0

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from ... import oi
 from ...odometry import Estimate
-from ..motion import MotionLimits
+from ..motion import MotionLimits, Velocity
 from .outcome import Code, Progress
 
 LONGEST, MOST_TURN = 1000.0, 1000 * tau
@@ -39,15 +39,6 @@ class View(NamedTuple):
     limits: MotionLimits
 
 
-class Velocity(NamedTuple):
-    """An order: drive at this velocity."""
-
-    linear: float = 0.0
-    """m/s, forward."""
-    angular: float = 0.0
-    """rad/s, counter-clockwise."""
-
-
 class Enter(NamedTuple):
     """An order: stand still and enter a mode."""
 
@@ -56,7 +47,7 @@ class Enter(NamedTuple):
     """What to tell the user; empty: nothing."""
 
 
-class Demo(Enum):
+class DockDemo(Enum):
     """An order about the demo that finds the Home Base."""
 
     PLAY = auto()
@@ -70,7 +61,8 @@ class Over(NamedTuple):
     text: str
 
 
-Order = Velocity | Enter | Demo | Over
+Order = Velocity | Enter | DockDemo | Over
+"""A velocity to drive at, or one of the orders above."""
 
 
 class Goal(ABC):

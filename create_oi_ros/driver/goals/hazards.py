@@ -1,7 +1,8 @@
 """What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow."""
 
 from ... import oi
-from .goal import Over, Velocity, View
+from ..motion import Velocity
+from .goal import Over, View
 from .outcome import Code
 
 BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)

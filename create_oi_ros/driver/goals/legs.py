@@ -9,9 +9,9 @@ from abc import ABC, abstractmethod
 from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 
 from ...odometry import Estimate
-from ..motion import MotionLimits
-from .approach import Approach, Learned, Step
-from .goal import Velocity, View
+from ..motion import MotionLimits, Velocity
+from .approach import Approach, Learned, Remaining
+from .goal import View
 
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
@@ -42,7 +42,7 @@ class Leg(ABC):
         self._last = view.estimate
         variance = self._variance(view.estimate)
         self._least = min(self._least, variance)
-        speed = self._approach.step(Step(
+        speed = self._approach.step(Remaining(
             self._left, self._pace(view.estimate), sqrt(max(0.0, variance - self._least)),
             view.dt, view.measured))
         if speed is None:

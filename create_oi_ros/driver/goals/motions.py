@@ -6,7 +6,7 @@ from math import atan2, degrees, hypot, remainder, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
-from ..motion import MotionLimits
+from ..motion import MotionLimits, Velocity
 from .approach import Learned
 from .goal import (
     check_amount,
@@ -18,7 +18,6 @@ from .goal import (
     MOST_TURN,
     Order,
     Over,
-    Velocity,
     View,
 )
 from .hazards import Hazards, Stall
@@ -28,7 +27,7 @@ from .outcome import Code, Phase, Progress
 Legs = Iterator[tuple[Phase | None, Leg]]
 
 
-class Motion(Goal):
+class MotionGoal(Goal):
     """A motion of one or more legs; each is made when the one before has ended."""
 
     def __init__(self, allowance: float, learned: Learned, *, ahead: bool = False,
@@ -96,7 +95,7 @@ class Motion(Goal):
         return [leg for _, leg in self._plan(limits)]
 
 
-class DriveDistance(Motion):
+class DriveDistance(MotionGoal):
     """Drive straight; a negative distance is backwards."""
 
     def __init__(self, distance: float, speed: float, allowance: float,
@@ -118,7 +117,7 @@ class DriveDistance(Motion):
         return slower('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
 
 
-class RotateAngle(Motion):
+class RotateAngle(MotionGoal):
     """Turn in place, counter-clockwise; any number of turns."""
 
     def __init__(self, angle: float, speed: float, allowance: float, learned: Learned) -> None:
@@ -149,7 +148,7 @@ class Circle(NamedTuple):
     """1 for forwards, -1 for backwards."""
 
 
-class DriveArc(Motion):
+class DriveArc(MotionGoal):
     """Drive on a circle."""
 
     def __init__(self, circle: Circle, speed: float, allowance: float, learned: Learned) -> None:
@@ -178,7 +177,7 @@ class DriveArc(Motion):
         return slower('max_translation_speed', self._speed, most, 'm/s')
 
 
-class Place(NamedTuple):
+class TargetPose(NamedTuple):
     """Where to go, in the frame of the odometry."""
 
     x: float
@@ -187,10 +186,10 @@ class Place(NamedTuple):
     """Radians; None: any."""
 
 
-class NavigateToPosition(Motion):
+class NavigateToPosition(MotionGoal):
     """Turn to a place, drive there straight, and turn to a heading."""
 
-    def __init__(self, place: Place, speed: float, turning: float, allowance: float,
+    def __init__(self, place: TargetPose, speed: float, turning: float, allowance: float,
                  learned: Learned, learned_turning: Learned) -> None:
         """Take a place, m/s, rad/s and seconds; Malformed says what no robot could follow."""
         check_amount('goal_pose.position.x', place.x, LONGEST, 'm')

@@ -8,7 +8,8 @@ off a little and turns left.
 
 from typing import NamedTuple
 
-from .goal import Goal, Malformed, Order, Over, Velocity, View
+from ..motion import Velocity
+from .goal import Goal, Malformed, Order, Over, View
 from .hazards import bumps, Hazards, Stall
 from .outcome import Code, Phase, Progress
 
@@ -23,14 +24,14 @@ ENDED, ENGAGED = 0.5, 2.0
 MINUTE = 60.0
 
 
-class Move(NamedTuple):
+class TimedVelocity(NamedTuple):
     """A part of backing off."""
 
     velocity: Velocity
     seconds: float
 
 
-BACK_OFF = (Move(Velocity(-0.1, 0.0), 0.4), Move(Velocity(0.0, 1.2), 0.5))
+BACK_OFF = (TimedVelocity(Velocity(-0.1, 0.0), 0.4), TimedVelocity(Velocity(0.0, 1.2), 0.5))
 """After a touch: back a little, then turn left."""
 
 
@@ -51,7 +52,7 @@ class WallFollow(Goal):
         self._told = Velocity()
         self._begun_at = 0.0
         self._seen_at: float | None = None
-        self._away: list[Move] = []
+        self._away: list[TimedVelocity] = []
         self._away_since = 0.0
         self._engaged = False
 

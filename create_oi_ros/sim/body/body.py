@@ -26,11 +26,10 @@ counter-clockwise; only `Sensed` has the manual's units.
 import math
 from random import Random
 
-from ...robot import MILLI
+from ...robot import MILLI, Rounding
 from ..world import Pose, World
 from .config import BodyConfig, CENTRE
 from .electrics import Electrics
-from .encoders import Rounding
 from .mechanics import Mechanics, Truth
 from .overlay import Overlay
 from .sensed import clamped, Sensed

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from enum import Enum
-import math
 from typing import Any
 
+from ..number_text import number
 from .config import BodyConfig, CENTRE
 from .wheel_log import WheelLog
 
@@ -63,12 +63,9 @@ def _value(name: str, text: str) -> float | Enum:
 
 def _number(name: str, text: str) -> float:
     try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ValueError(f'{name}={text}: a number is wanted')
-    return value
+        return number(text)
+    except ValueError as error:
+        raise ValueError(f'{name}: {error}') from None
 
 
 def _recording(text: str, read: Callable[[str], str]) -> WheelLog:

@@ -1,29 +1,19 @@
 """
 What the Create says about its own travel: the two accumulators behind packets 19 and 20.
 
-All requests share them; reading one sets it to zero.  What becomes of the fraction below a whole
-millimetre or degree at that moment is not documented: see `Rounding`.
+All requests share them; reading one sets it to zero. What becomes of the fraction below a whole
+millimetre or degree at that moment is not documented: see `robot.Rounding`.
 """
 
 from __future__ import annotations
 
-from enum import Enum
 import math
+
+from ...robot import Rounding
 
 _MIN, _MAX = -32768, 32767
 _GRAIN = 1e-6
 """Units by which a sum of floats may miss a whole number that it means to be."""
-
-
-class Rounding(Enum):
-    """What a reading does with the part of an accumulator that is no whole unit."""
-
-    TRUNCATE = 'truncate'
-    """Towards zero; the rest is lost (reported of real robots, and the default)."""
-    ROUND = 'round'
-    """To the nearest, halves away from zero; the rest, of either sign, is lost."""
-    CARRY = 'carry'
-    """Towards zero; the rest stays for the next reading."""
 
 
 class Accumulator:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ...robot import SLOT
+from ...robot import Rounding, SLOT
 from ..world import Pose, World
 from .config import BodyConfig, Contact
 from .drivetrain import Drivetrain, Motion
-from .encoders import Accumulator, Rounding
+from .encoders import Accumulator
 from .surroundings import docked, Surroundings
 from .wheel import Wheel
 

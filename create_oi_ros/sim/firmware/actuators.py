@@ -22,7 +22,7 @@ class Lights(NamedTuple):
 DARK = Lights()
 
 
-class Wheels(NamedTuple):
+class CommandedWheels(NamedTuple):
     """Commanded wheel speeds, mm/s."""
 
     right: float = 0.0
@@ -57,7 +57,7 @@ class ActuatorState:
         self.velocity = self.radius = self.right = self.left = 0
         self.outputs = OutputBits(0)
         self.lights = DARK
-        self.turn_wheels(Wheels())
+        self.turn_wheels(CommandedWheels())
         self.switch_drivers(0, 0, 0)
 
     def obey(self, command: oi.Command) -> None:
@@ -81,14 +81,14 @@ class ActuatorState:
     def drive(self, velocity: int, radius: int) -> None:
         """Carry out Drive: packets 39 and 40 change, 41 and 42 stay."""
         self.velocity, self.radius = velocity, radius
-        self.turn_wheels(Wheels(*wheel_speeds(velocity, radius, self._separation)))
+        self.turn_wheels(CommandedWheels(*wheel_speeds(velocity, radius, self._separation)))
 
     def drive_direct(self, right: int, left: int) -> None:
         """Carry out Drive Direct: packets 41 and 42 change, 39 and 40 stay."""
         self.right, self.left = right, left
-        self.turn_wheels(Wheels(right, left))
+        self.turn_wheels(CommandedWheels(right, left))
 
-    def turn_wheels(self, wheels: Wheels) -> None:
+    def turn_wheels(self, wheels: CommandedWheels) -> None:
         """Set the wheel speeds; packets 39 to 42 stay."""
         self.wheels = wheels
         self._body.drive(right=wheels.right / MM_PER_M, left=wheels.left / MM_PER_M)
@@ -106,7 +106,7 @@ class ActuatorState:
         if wheels.forward > 0:
             return True
         body_radius = self._body.config.body_radius * MM_PER_M
-        return wheels != Wheels() and wheels.radius(self._separation) < body_radius
+        return wheels != CommandedWheels() and wheels.radius(self._separation) < body_radius
 
     @property
     def requested(self) -> dict[str, int]:

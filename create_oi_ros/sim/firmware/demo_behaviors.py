@@ -14,7 +14,7 @@ from ...oi import DemoNumber, Infrared, Note
 from ...robot import MM_PER_M, SLOT
 from ..body import Body
 from ..body.sensed import BEAMS, GREEN_BUOY, RED_BUOY, Sensed
-from .actuators import ActuatorState, Wheels
+from .actuators import ActuatorState, CommandedWheels
 from .script_waits import cliff
 
 Demo = Iterator[None]
@@ -74,7 +74,7 @@ class Controls:
 
     def drive(self, right: float, left: float) -> None:
         """Set the wheel speeds."""
-        self._actuators.turn_wheels(Wheels(right, left))
+        self._actuators.turn_wheels(CommandedWheels(right, left))
 
     def curve(self, speed: float, radius: float) -> None:
         """Drive on a circle; a positive radius turns left."""

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from ..body.sensed import RANGES
 from ..firmware import Create
+from ..number_text import number
 from ..timing import TOLERANCE
 from ..world import Pose
 from ..world.outlines import outlines
@@ -119,7 +120,7 @@ class Interpreter:
             if match is None:
                 raise ValueError(f'{word!r} is no condition; allowed: such as mode=SAFE or x>0.5')
             if match[1] == 'timeout':
-                timeout = _number(match[3])
+                timeout = number(match[3])
             else:
                 conditions.append((match[1], COMPARE[match[2]], _value(match[3])))
         return self._waiting(conditions, timeout, ' '.join(words))
@@ -242,24 +243,14 @@ class Interpreter:
         self._stop()
 
 
-def _number(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise ValueError(f'{text!r} is no number')
-    return number
-
-
 def _numbers(words: list[str], count: int) -> list[float]:
     if len(words) != count:
         raise ValueError(f'{len(words)} numbers; allowed: {count}')
-    return [_number(word) for word in words]
+    return [number(word) for word in words]
 
 
 def _seconds(words: list[str], otherwise: float) -> float:
-    return _number(words[1]) if len(words) > 1 else otherwise
+    return number(words[1]) if len(words) > 1 else otherwise
 
 
 def _choice(words: list[str], *allowed: str) -> str:
@@ -279,7 +270,7 @@ def _assignments(words: list[str], allowed: tuple[str, ...]) -> dict[str, float]
     for word in words:
         name, _, value = word.partition('=')
         _choice([name], *allowed)
-        values[name] = _number(value)
+        values[name] = number(value)
     return values
 
 

@@ -12,9 +12,9 @@ import sys
 
 from ...oi import Checksum
 from ...oi.tools.capture_format import CaptureError
+from ...robot import Rounding
 from ..body import Body, body_guesses
 from ..body.config import BodyConfig
-from ..body.encoders import Rounding
 from ..firmware import Create
 from ..firmware.guesses import Guesses
 from ..world import parse, shipped, shipped_names, World

@@ -27,8 +27,10 @@ class Server:
     """One robot on one line, in real time or `speed` times as fast."""
 
     def __init__(self, create: Create, line: Line, faults: Faults | None = None, *,
-                 speed: float = 1.0, wire_time: bool = False, linger: float = 0.0) -> None:
-        self._create, self._line, self._speed = create, line, speed
+                 speed: float = 1.0, wire_time: bool = False, linger: float = 0.0,
+                 clock: Callable[[], float] = time.monotonic) -> None:
+        """Prepare to serve; `clock` is the computer's, in seconds."""
+        self._create, self._line, self._speed, self._clock = create, line, speed, clock
         self._faults = faults or Faults([])
         self._to_host = Pacer() if wire_time else None
         self._to_robot = Pacer() if wire_time else None
@@ -48,15 +50,15 @@ class Server:
 
         The first call gives the host `linger` seconds to close the port, the second none.
         """
-        self._end = time.monotonic() + (self._linger if self._end is None else 0.0)
+        self._end = self._clock() + (self._linger if self._end is None else 0.0)
 
     def _ended(self) -> bool:
         return self._end is not None and (
-            not self._line.connected() or time.monotonic() >= self._end)
+            not self._line.connected() or self._clock() >= self._end)
 
     def serve(self) -> None:
         """Serve until `stop`; the robot's clock starts now."""
-        self._origin = time.monotonic()
+        self._origin = self._clock()
         # Start the robot's slots together with ours.
         self._create.poll(0.0)
         while not self._ended():
@@ -73,7 +75,7 @@ class Server:
 
     def _now(self) -> float:
         """Return seconds on the robot's clock, without long stalls."""
-        now = (time.monotonic() - self._origin) * self._speed
+        now = (self._clock() - self._origin) * self._speed
         late = now - (self._slots + 1) * self._create.period
         if late > LONGEST_STALL * self._speed:
             self._origin += late / self._speed

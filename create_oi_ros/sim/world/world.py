@@ -24,6 +24,7 @@ from importlib import resources
 import math
 from typing import NamedTuple
 
+from ..number_text import LONGEST, number
 from .geometry import chain, Disc, LineSegment, Obstacle, Point, Polygon
 
 PLATE = 0.1
@@ -40,8 +41,6 @@ HALO = 0.3
 """Distance within which a Virtual Wall is seen from all sides, metres (guess)."""
 VIRTUAL_WALL_SPREAD = math.radians(8)
 """Half the opening of a Virtual Wall's beam (guess)."""
-LONGEST = 40
-"""Characters of a wrong word that an error repeats: a file may be no world at all."""
 
 
 class WorldError(ValueError):
@@ -227,13 +226,13 @@ KEYWORDS = {
 def parse(text: str, name: str) -> World:
     """Read a room; messages of WorldError begin with its name."""
     draft = _Draft()
-    for number, line in enumerate(text.splitlines(), 1):
+    for line_number, line in enumerate(text.splitlines(), 1):
         words = line.partition('#')[0].split()
         if words:
             try:
                 _read(draft, words)
             except ValueError as error:
-                raise WorldError(f'{name}, line {number}: {error}') from None
+                raise WorldError(f'{name}, line {line_number}: {error}') from None
     return draft.world(name)
 
 
@@ -241,21 +240,11 @@ def _read(draft: _Draft, words: Sequence[str]) -> None:
     keyword = KEYWORDS.get(words[0])
     if keyword is None:
         raise ValueError(f'unknown {words[0][:LONGEST]!r}; allowed: {", ".join(KEYWORDS)}')
-    numbers = [_number(each) for each in words[1:]]
+    numbers = [number(each) for each in words[1:]]
     if not keyword.fits(len(numbers)):
         raise ValueError(f'{len(numbers)} numbers after {words[0]!r}; '
                          f'allowed: "{words[0]} {keyword.form}"')
     keyword.read(draft, numbers)
-
-
-def _number(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise ValueError(f'{text[:LONGEST]!r} is not a number')
-    return number
 
 
 def _fraction(number: float) -> float:

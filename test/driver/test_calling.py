@@ -1,0 +1,132 @@
+"""How the driver finds its robot, and what it says of a line that is not well."""
+
+from collections.abc import Callable
+from itertools import cycle
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Activity, Settings, Severity
+from create_oi_ros.driver.baud_search import BaudSearch, USUAL_BAUDS
+from support.loop import Loop, said
+
+
+@pytest.mark.parametrize('baud', [code.rate for code in oi.BaudCode if code.rate >= 19200])
+def test_the_robot_is_found_at_its_rate(baud):
+    loop = Loop(Settings(baud=0), robot_baud=baud)
+    loop.run(10)
+    assert loop.driver.state.answered
+    # Bytes at a wrong rate are garbage, and may happen to be a Baud.
+    assert loop.driver.baud == loop.robot.baud
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+@pytest.mark.parametrize('baud', USUAL_BAUDS)
+def test_the_usual_rates_are_found_within_a_second(baud):
+    loop = Loop(Settings(baud=0), robot_baud=baud)
+    loop.run(1.0)
+    assert loop.driver.state.answered
+
+
+def test_every_rate_is_tried():
+    search = BaudSearch(0)
+    tried = {search.next_baud() for _ in range(100)}
+    assert tried == {code.rate for code in oi.BaudCode}
+
+
+def test_a_fixed_rate_stays():
+    search = BaudSearch(19200)
+    assert {search.next_baud() for _ in range(100)} == {19200}
+
+
+def test_a_silent_robot_is_told_of_once_with_what_to_look_at():
+    loop = Loop(Settings(baud=0))
+    loop.cut = True
+    loop.run(20)
+    assert said(loop, Severity.ERROR, 'no answer at 57600 and 19200 baud') == 1
+
+
+def test_something_else_that_speaks_is_told_of():
+    loop = Loop()
+    loop.cut = True
+    for _ in range(20):
+        loop.run(0.1)
+        loop.driver.receive(b'$GPGGA,123519,4807' * 2, loop.now)
+    assert said(loop, Severity.ERROR, 'not like a Create') == 1
+    assert loop.driver.state.activity is Activity.CALLING
+
+
+def test_a_rate_that_is_too_slow_is_told_of():
+    loop = Loop(Settings(baud=9600), robot_baud=9600)
+    loop.run(1)
+    assert said(loop, Severity.ERROR, '9600 baud is too slow') == 1
+
+
+@pytest.mark.parametrize('baud', [9600, 14400])
+def test_frames_that_are_cut_for_lack_of_room_are_told_of_in_words(baud):
+    loop = Loop(Settings(baud=baud), robot_baud=baud)
+    loop.run(10)
+    assert said(loop, Severity.ERROR, f'{baud} baud is too slow') == 1
+    assert 1 <= said(loop, Severity.ERROR, 'frame budget exceeded') <= 2
+
+
+def every_second_frame(loop: Loop, becomes: Callable[[bytes], bytes]) -> None:
+    """Let something become of every second frame."""
+    take, second = loop.robot.data_to_send, cycle((False, True))
+
+    def changed() -> bytes:
+        frame = take()
+        return becomes(frame) if frame and next(second) else frame
+    loop.robot.data_to_send = changed
+
+
+def test_a_line_that_carries_less_than_its_rate_is_told_of_once_and_when_it_is_well_again():
+    loop = Loop()
+    loop.run(5)
+    whole = loop.robot.data_to_send
+    every_second_frame(loop, lambda frame: b'')
+    loop.run(20)
+    assert said(loop, Severity.WARNING, 'frame budget exceeded: only 33 of 67 frames') == 1
+    assert loop.driver.health(loop.now).line_problem
+    loop.robot.data_to_send = whole
+    loop.run(10)
+    assert said(loop, Severity.INFO, 'frames arrive in time again') == 1
+    assert said(loop, Severity.WARNING, 'frame budget exceeded') == 1
+    assert not loop.driver.health(loop.now).line_problem
+
+
+def test_frames_that_are_damaged_are_not_taken_for_a_slow_line():
+    loop = Loop()
+    loop.run(5)
+    every_second_frame(loop, lambda frame: frame[:-1] + bytes([frame[-1] ^ 1]))
+    loop.run(10)
+    assert said(loop, Severity.WARNING, 'the others are damaged') == 1
+    assert not said(loop, Severity.WARNING, 'frame budget')
+
+
+@pytest.mark.parametrize('baud', [19200, 57600])
+def test_of_a_line_that_is_well_nothing_is_said(baud):
+    loop = Loop(Settings(baud=baud), robot_baud=baud, delay=0.05)
+    loop.run(1)
+    loop.drive(0.2, 0.3, 30)
+    assert [notice.text for notice in loop.notices] == ['robot answers; entering SAFE']
+
+
+def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off():
+    loop = Loop()
+    loop.run(1)
+    loop.robot.data_to_send = lambda: bytes(60)
+    loop.run(1)
+    assert said(loop, Severity.ERROR, 'but no frame among them') == 1
+
+
+def test_a_robot_that_boots_is_met_when_it_is_done():
+    loop = Loop()
+    loop.run(1)
+    loop.robot.power(False, loop.now)
+    loop.run(2)
+    assert loop.driver.state.activity is Activity.CALLING
+    loop.robot.power(True, loop.now)
+    loop.run(4.0)
+    assert loop.driver.state.answered
+    assert loop.robot.mode is oi.Mode.SAFE

@@ -1,0 +1,131 @@
+"""Goals that a bumper, a cliff, a wheel that drops or a stall ends."""
+
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits
+from create_oi_ros.driver.goals import Code, WallFollow
+from create_oi_ros.sim.world import shipped
+from support.goals import angle, arc, distance, ended, met, moving, place, pursue, until_ended
+
+
+@pytest.mark.parametrize(('side', 'where'), [
+    ({'bump_left': 1}, 'on the left'), ({'bump_right': 1}, 'on the right'),
+    ({'bump_left': 1, 'bump_right': 1}, 'in front')])
+@pytest.mark.parametrize('make', [
+    lambda: distance(1.0), lambda: angle(300), lambda: arc(90, 0.5), lambda: place(1.0, 0.0)])
+def test_a_bump_ends_every_motion(make, side, where):
+    loop = met()
+    running = moving(loop, make())
+    loop.body.force(**side)
+    ending = ended(loop, running)
+    assert ending.code is Code.BUMP
+    assert where in ending.text and 'drive backwards' in ending.text
+
+
+def test_a_wall_ends_a_distance_where_the_robot_touches_it():
+    loop = met(world=shipped('room'))
+    ending = pursue(loop, distance(5.0))
+    assert ending.code is Code.BUMP
+    assert 1.5 < ending.estimate.x < 1.9
+
+
+def test_a_pressed_bumper_lets_no_distance_begin_but_backwards_and_turns():
+    loop = met()
+    loop.body.force(bump_left=1)
+    loop.run(0.1)
+    assert pursue(loop, distance(0.2)).code is Code.BUMP
+    assert loop.body.truth().travelled == 0
+    assert pursue(loop, place(-0.3, 0.0)).code is Code.BUMP  # it turns, then drives ahead
+    assert pursue(loop, angle(20)).code is Code.NONE
+    assert pursue(loop, distance(-0.2)).code is Code.NONE
+
+
+def test_a_bumper_that_is_pressed_again_while_the_robot_backs_off_ends_that():
+    loop = met()
+    loop.body.force(bump_left=1)
+    loop.run(0.1)
+    running = moving(loop, distance(-1.0))
+    loop.body.unforce()
+    loop.run(0.1)
+    loop.body.force(bump_right=1)
+    assert ended(loop, running).code is Code.BUMP
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
+def test_a_cliff_ends_a_motion_and_says_where(mode):
+    loop = met()
+    loop.driver.set_mode(mode, loop.now)
+    loop.run(0.2)
+    running = moving(loop)
+    loop.body.force(cliff_front_left=1)
+    ending = ended(loop, running)
+    assert ending.code is Code.CLIFF
+    assert 'front left' in ending.text
+
+
+def test_at_a_cliff_in_full_mode_only_the_way_back_is_open():
+    loop = met()
+    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.run(0.2)
+    loop.body.force(cliff_right=1)
+    loop.run(0.1)
+    assert pursue(loop, distance(0.1)).code is Code.CLIFF
+    assert pursue(loop, angle(30)).code is Code.CLIFF
+    assert pursue(loop, distance(-0.1)).code is Code.NONE
+
+
+def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
+    loop = met()
+    loop.body.force(cliff_left=1)
+    loop.run(0.1)
+    ending = pursue(loop, arc(90, 0.1, direction=-1))
+    assert ending.code is Code.CLIFF
+    assert 'the robot left SAFE: cliff left' in ending.text
+
+
+@pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: WallFollow(-1, 60.0, 0.0)])
+def test_a_wheel_that_drops_ends_a_motion(make):
+    loop = met()
+    running = moving(loop, make())
+    loop.body.lift(True)
+    ending = ended(loop, running)
+    assert ending.code is Code.WHEEL_DROP
+    assert 'put the robot on the floor' in ending.text
+
+
+def test_a_robot_in_the_air_begins_nothing():
+    loop = met()
+    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.run(0.2)
+    loop.body.lift(True)
+    loop.run(0.1)
+    assert pursue(loop, distance(0.1)).code is Code.WHEEL_DROP
+
+
+def test_held_wheels_stall_by_their_current():
+    loop = met()
+    running = moving(loop)
+    loop.body.hold(right=True, left=True)
+    ending = ended(loop, running, within=2.0)
+    assert ending.code is Code.STALL
+    assert 'current' in ending.text
+
+
+def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it():
+    loop = met()
+    running = moving(loop, distance(5.0))
+    loop.body.hold(right=True, left=True)
+    loop.body.force(overcurrent_right_wheel=0, overcurrent_left_wheel=0)
+    ending = until_ended(loop, running)
+    assert ending.code is Code.STALL
+    assert 'do not follow' in ending.text
+    assert loop.robot.actuators.wheels == (0, 0)
+
+
+def test_a_robot_that_may_not_turn_its_wheels_says_so():
+    for goal in (distance(0.1), angle(10), WallFollow(-1, 5.0, 0.0)):
+        ending = pursue(met(MotionLimits(max_wheel_speed=0.0)), goal)
+        assert ending.code is Code.STALL
+        assert 'max_wheel_speed is 0' in ending.text

@@ -1,0 +1,133 @@
+"""How the driver enters modes, and how it comes back to one that the robot left."""
+
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Driver, MotionLimits, Settings, Severity
+from create_oi_ros.driver.supervision import CLEAR_FOR
+from create_oi_ros.sim.world import shipped
+from support.loop import Loop, texts
+
+TIMEOUT = MotionLimits.timeout
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
+def test_set_mode_answers_when_the_robot_reports_the_mode(loop, mode):
+    pending = loop.driver.set_mode(mode, loop.now)
+    loop.run(0.2)
+    assert pending.outcome.ok
+    assert loop.robot.mode is mode
+
+
+def test_off_cannot_be_set(loop):
+    outcome = loop.driver.set_mode(oi.Mode.OFF, loop.now).outcome
+    assert outcome.ok is False
+    assert 'allowed' in outcome.text
+
+
+def test_set_mode_says_why_the_robot_did_not_follow(loop):
+    loop.body.plug_charger(True)
+    loop.run(0.1)
+    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    loop.run(1.0)
+    assert pending.outcome.ok is False
+    assert 'charger' in pending.outcome.text
+
+
+def test_set_mode_without_a_robot_answers_at_once():
+    assert Driver().set_mode(oi.Mode.SAFE, 0.0).outcome.ok is False
+
+
+@pytest.mark.parametrize(('lift', 'cause'), [
+    (lambda body: body.drop(left=True), 'left wheel dropped'),
+    (lambda body: body.drop(right=True), 'right wheel dropped'),
+    (lambda body: body.drop(caster=True), 'caster dropped'),
+    (lambda body: body.plug_charger(True), 'charger powered'),
+])
+def test_why_the_mode_dropped_is_said_once(loop, lift, cause):
+    lift(loop.body)
+    loop.run(1.0)
+    assert loop.driver.status.actual is oi.Mode.PASSIVE
+    assert loop.driver.status.reason == cause
+    said = [text for text in texts(loop.notices, Severity.WARNING) if cause in text]
+    assert len(said) == 1
+
+
+def test_a_cliff_is_named():
+    loop = Loop(world=shipped('table'))
+    loop.run(0.3)
+    loop.drive(0.3, 0.0, 8.0)
+    assert 'cliff' in loop.driver.status.reason
+    assert loop.driver.status.actual is oi.Mode.PASSIVE
+
+
+def test_a_fresh_command_brings_the_mode_back_when_the_cause_has_been_gone_for_a_second(loop):
+    loop.body.drop(left=True)
+    loop.run(0.2)
+    loop.body.drop()
+    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.body.truth().speed > 0.1
+
+
+def test_a_fresh_command_does_nothing_while_the_cause_is_recent(loop):
+    loop.body.drop(left=True)
+    loop.run(TIMEOUT + 0.2)
+    loop.body.drop()
+    loop.drive(0.2, 0.0, CLEAR_FOR - 0.2)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.body.truth().speed == 0
+
+
+def test_the_mode_command_is_sent_once_however_often_the_robot_is_told_to_drive(loop):
+    loop.body.drop(left=True)
+    loop.run(0.2)
+    loop.body.drop()
+    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.commands()
+    for _ in range(3):
+        loop.driver.drive(0.2, 0.0, loop.now)
+    loop.run(0.1)
+    assert [type(command) for command in loop.commands()].count(oi.Safe) == 1
+
+
+def test_a_robot_put_down_under_a_stream_of_commands_does_not_leap(loop):
+    loop.drive(0.2, 0.0, 0.5)
+    loop.body.drop(left=True, right=True, caster=True)
+    loop.drive(0.2, 0.0, 1.0)
+    loop.body.drop()
+    loop.drive(0.2, 0.0, 5.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.body.truth().speed == 0
+    said = texts(loop.notices, Severity.WARNING)
+    assert len([text for text in said if text.startswith('not driving')]) == 1
+
+
+def test_commands_that_were_zero_count_as_a_pause(loop):
+    loop.body.drop(left=True)
+    loop.drive(0.2, 0.0, 0.3)
+    loop.body.drop()
+    loop.drive(0.2, 0.0, CLEAR_FOR + 0.2)
+    loop.drive(0.0, 0.0, 0.1)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+def test_the_mode_never_comes_back_while_a_charger_is_powered(loop):
+    loop.body.plug_charger(True)
+    loop.run(CLEAR_FOR + TIMEOUT + 1)
+    loop.drive(0.2, 0.0, 3.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+
+
+def test_without_recover_mode_the_mode_stays():
+    loop = Loop(Settings(recover_mode=False))
+    loop.run(0.3)
+    loop.body.drop(left=True)
+    loop.run(0.2)
+    loop.body.drop()
+    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE

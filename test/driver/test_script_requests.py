@@ -1,0 +1,200 @@
+"""Scripts that services define, play and show, against the simulated robot."""
+
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Activity, Pending, Severity
+from create_oi_ros.oi.script import build_script
+from create_oi_ros.oi.tools.text import parse_script
+from create_oi_ros.sim.firmware.guesses import Guesses
+from support.asking import ask, power_cycle
+from support.loop import Loop
+
+BLUE = oi.LedBits.PLAY | oi.LedBits.ADVANCE
+WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
+ENDLESS = parse_script('Wait Time time=1; Play Script')
+
+
+def test_while_the_robot_drives_no_script_is_played_or_shown(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    loop.driver.drive(0.2, 0.0, loop.now)
+    played = loop.driver.scripts.play(loop.now, force=True)
+    shown = loop.driver.scripts.show(loop.now)
+    for answer in (played.outcome, shown.outcome):
+        assert answer.ok is False
+        assert 'stop it first' in answer.text
+
+
+def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
+    defined = ask(loop, loop.driver.scripts.define, WAITING)
+    assert defined.ok
+    assert '7 of 100 bytes' in defined.text
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
+    loop.run(1.0)
+    assert loop.driver.scripts.playing
+    assert loop.body.truth().speed > 0.1
+    loop.run(2.0)
+    assert not loop.driver.scripts.playing
+    assert loop.body.truth().speed == 0
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.body.truth().speed > 0.1
+    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.003)
+
+
+def test_while_a_script_plays_nothing_is_promised(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    for answer in (ask(loop, loop.driver.outputs.set_leds, BLUE, 0, 0),
+                   ask(loop, loop.driver.set_mode, oi.Mode.PASSIVE, loop.now)):
+        assert answer.ok is False
+        assert 'script' in answer.text
+    stopped = loop.driver.stop(loop.now).outcome
+    assert not stopped.ok
+    assert 'script' in stopped.text
+    loop.drive(0.2, 0.0, 0.5)
+    assert 'script' in [notice.text for notice in loop.notices][-1]
+
+
+def test_leds_are_restored_after_a_script_that_enters_safe(loop):
+    ask(loop, loop.driver.outputs.set_leds, BLUE, 10, 200)
+    ask(loop, loop.driver.scripts.define, parse_script('Safe; Wait Time time=2'))
+    ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
+    assert loop.robot.lights == (BLUE, 10, 200)
+
+
+def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
+    assert 'cannot end' in ask(loop, loop.driver.scripts.define, ENDLESS).text
+    refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    assert not refused.ok
+    assert 'force' in refused.text
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
+    loop.run(5.0)
+    assert loop.driver.scripts.playing
+    power_cycle(loop)
+    assert not loop.driver.scripts.playing
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+AWAY_FROM_ITS_GOAL = parse_script(
+    'Drive velocity=200 radius=straight; Wait Distance distance=-1000')
+
+
+def test_a_script_whose_own_motion_leads_away_from_what_it_waits_for_needs_force(loop):
+    ask(loop, loop.driver.scripts.define, AWAY_FROM_ITS_GOAL)
+    refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    assert not refused.ok
+    assert 'command 2 of the stored script, Wait Distance distance=-1000, waits' in refused.text
+    assert 'the robot drives forwards' in refused.text
+    loop.run(1.0)
+    assert loop.body.truth().speed == 0
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
+
+
+def test_while_a_script_plays_it_is_said_for_how_long_and_what_stops_it(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
+    stopped = loop.driver.stop(loop.now).outcome
+    assert 'for about 1 s more' in stopped.text
+    assert 'Power button' in stopped.text
+    assert loop.driver.health(loop.now).busy == stopped.text
+
+
+def test_ending_the_driver_while_a_script_holds_the_robot_is_an_error(loop):
+    ask(loop, loop.driver.scripts.define, AWAY_FROM_ITS_GOAL)
+    ask(loop, loop.driver.scripts.play, loop.now, force=True)
+    loop.driver.shut_down(loop.now)
+    loop.turn()
+    assert loop.notices[-1].severity is Severity.ERROR
+    assert 'the driver ends, but a script plays' in loop.notices[-1].text
+    assert 'for an unknown time' in loop.notices[-1].text
+
+
+def test_a_script_whose_end_is_open_says_so(loop):
+    script = parse_script('Wait Event event=bump; Wait Distance distance=100')
+    message = ask(loop, loop.driver.scripts.define, script).text
+    assert 'Wait Event event=bump, Wait Distance distance=100' in message
+
+
+def test_a_script_that_is_not_known_is_refused_until_it_is_shown(loop):
+    loop.robot.script = WAITING.script
+    assert not ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
+    assert ask(loop, loop.driver.scripts.show, loop.now, seconds=0.5).payload == WAITING.script
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=False).ok
+
+
+def test_an_empty_script_is_refused(loop):
+    ask(loop, loop.driver.scripts.define, oi.Script(script=b''))
+    assert 'no script' in ask(loop, loop.driver.scripts.play, loop.now, force=True).text
+
+
+def test_bytes_that_are_no_whole_commands_are_no_script(loop):
+    for code in (b'\x91\x00', b'\x05'):
+        assert not ask(loop, loop.driver.scripts.define, oi.Script(script=code)).ok
+    assert loop.robot.script == b''
+
+
+@pytest.mark.parametrize('length', [0, 1, 50, 100])
+@pytest.mark.parametrize('delay', [0.0, 0.03])
+def test_the_stored_script_is_read_back_and_the_stream_goes_on(length, delay):
+    loop = Loop(delay=delay)
+    loop.run(0.5)
+    script = build_script([oi.Safe()] * length)
+    ask(loop, loop.driver.scripts.define, script)
+    shown = ask(loop, loop.driver.scripts.show, loop.now, seconds=0.6)
+    assert (shown.ok, shown.payload) == (True, script.script)
+    frames = loop.driver.counts.frames
+    loop.run(1.0)
+    assert loop.driver.counts.frames - frames > 60
+    assert loop.driver.counts.silences == 0
+
+
+def until_the_script_is_read(loop: Loop) -> Pending:
+    """Ask for the script, and cut the line when all that arrives next is its bytes."""
+    pending = loop.driver.scripts.show(loop.now)
+    while loop.driver.state.activity is not Activity.READING:
+        loop.turn()
+    loop.cut = True
+    return pending
+
+
+def test_a_script_may_come_in_pieces(loop):
+    pending = until_the_script_is_read(loop)
+    for byte in bytes((1, *oi.Safe().encode())):
+        assert pending.outcome is None
+        loop.driver.receive(bytes((byte,)), loop.now)
+    assert pending.outcome.payload == oi.Safe().encode()
+
+
+@pytest.mark.parametrize('reply', [bytes((0, 131)), bytes((101, *bytes(101)))])
+def test_a_script_that_comes_damaged_is_given_up(loop, reply):
+    pending = until_the_script_is_read(loop)
+    loop.driver.receive(reply, loop.now)
+    assert pending.outcome.ok is False
+    assert 'damaged' in pending.outcome.text
+    loop.cut = False
+    loop.run(2.0)
+    assert loop.driver.state.answered
+
+
+def test_a_script_that_does_not_come_is_given_up(loop):
+    pending = loop.driver.scripts.show(loop.now)
+    loop.run(0.05)
+    loop.cut = True
+    loop.run(1.0)
+    assert pending.outcome.ok is False
+    loop.cut = False
+    loop.run(2.0)
+    assert loop.driver.state.answered
+
+
+def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
+    loop = Loop()
+    loop.robot.guesses = Guesses(stream_while_waiting=False)
+    loop.run(0.3)
+    ask(loop, loop.driver.scripts.define, WAITING)
+    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    loop.run(4.0)
+    assert loop.driver.state.answered
+    assert not loop.driver.scripts.playing
+    assert loop.body.truth().speed == 0

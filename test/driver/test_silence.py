@@ -1,0 +1,103 @@
+"""A line that falls silent, loses frames, ends or is slow."""
+
+from itertools import pairwise
+from math import hypot
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Activity, Severity
+from create_oi_ros.driver.connection import SILENCE
+from support.loop import Loop, texts
+
+
+def test_silence_is_said_once_and_the_robot_is_called_until_it_answers(loop):
+    loop.drive(0.2, 0.0, 0.3)
+    loop.cut = True
+    loop.run(5 * SILENCE)
+    assert loop.driver.state.activity is Activity.CALLING
+    assert loop.driver.status.actual is None
+    said = [text.partition(':')[0] for text in texts(loop.notices, Severity.ERROR)]
+    assert said == [f'no frame for {SILENCE} s', 'no answer at 57600 baud']
+    assert loop.body.truth().speed > 0, 'the last Drive holds for ever'
+    loop.cut = False
+    loop.run(1.0)
+    assert loop.driver.state.answered
+    assert loop.robot.mode is oi.Mode.SAFE
+    loop.run(0.5)
+    assert loop.body.truth().speed == 0
+
+
+def test_odometry_goes_on_after_silence_without_a_jump(loop):
+    loop.drive(0.2, 0.0, 1.0)
+    loop.run(0.5)
+    seen = len(loop.moved)
+    loop.cut = True
+    loop.run(2.0)
+    loop.cut = False
+    loop.run(1.0)
+    went = [moved.estimate.x for moved in loop.moved[seen - 1:]]
+    assert all(abs(b - a) < 0.002 for a, b in pairwise(went))
+    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.005)
+
+
+@pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.4, 0.45])
+def test_odometry_says_what_was_driven_while_frames_were_lost(loop, gap):
+    loop.drive(0.2, 0.0, 3.0)
+    off = loop.estimate.x - loop.body.truth().pose.x
+    seen = len(loop.moved)
+    loop.cut = True
+    loop.drive(0.2, 0.0, gap)
+    loop.cut = False
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.estimate.x - loop.body.truth().pose.x == pytest.approx(off, abs=0.002)
+    for before, after in pairwise(loop.moved[seen - 1:]):
+        seconds = after.stamp - before.stamp
+        assert after.estimate.x - before.estimate.x == pytest.approx(0.2 * seconds, abs=0.003)
+
+
+@pytest.mark.parametrize('gap', [0.1, 0.2, 0.3, 0.45])
+@pytest.mark.parametrize('still', [0.0, 0.05, 0.2])
+@pytest.mark.parametrize('speeds', [(0.3, 0.0), (0.0, 2.0), (0.2, 1.0)])
+def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
+        loop, gap, speeds, still):
+    def miss():
+        estimate, truth = loop.estimate, loop.body.truth()
+        return estimate.x - truth.pose.x, estimate.y - truth.pose.y, estimate.yaw - truth.turned
+
+    def off():
+        now = miss()
+        return hypot(now[0] - before[0], now[1] - before[1]), abs(now[2] - before[2])
+    # The first seconds with an unknown robot have errors of their own: it learns them before.
+    for lesson in ((0.3, 0.0), (-0.2, 0.0), (0.0, 1.5), (0.0, -1.0), (0.2, 0.5), (0.0, 0.0)) * 3:
+        loop.drive(*lesson, 2.0)
+    loop.drive(*speeds, 3.0)
+    before = miss()
+    loop.cut = True
+    loop.drive(*speeds, gap)
+    loop.cut = False
+    loop.drive(*speeds, still)
+    most = [each + 0.05 for each in off()]
+    for _ in range(6):
+        loop.drive(-speeds[0], -speeds[1], 0.1)
+        assert all(now < limit for now, limit in zip(off(), most, strict=True))
+    loop.drive(0.0, 0.0, 1.0)
+    assert off() == pytest.approx((0.0, 0.0), abs=0.05)
+
+
+def test_shutting_down_stops_the_wheels_and_leaves_passive(loop):
+    loop.drive(0.2, 0.0, 0.5)
+    loop.commands()
+    loop.driver.shut_down(loop.now)
+    loop.robot.receive(loop.driver.data_to_send(), loop.now)
+    loop.run(1.0)
+    assert loop.robot.mode is oi.Mode.PASSIVE
+    assert loop.body.truth().speed == 0
+
+
+def test_the_delay_of_the_line_does_not_matter():
+    loop = Loop(delay=0.03)
+    loop.run(0.5)
+    loop.drive(0.2, 0.5, 3.0)
+    loop.run(1.0)
+    assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.01)

@@ -1,0 +1,117 @@
+"""The simulated robot's encoders, as distance and angle report them."""
+
+import math
+
+import pytest
+
+from create_oi_ros.robot import Rounding
+from create_oi_ros.sim.body.config import EncoderSign
+from create_oi_ros.sim.world import World
+from support.bodies import Body, body_at_speed, FRAME, ideal
+
+
+def test_distance_is_the_mean_of_both_wheels_in_millimetres():
+    body = body_at_speed(0.3, 0.1)
+    body.step(1)
+    assert body.take_distance() == 200
+
+
+def test_angle_is_in_whole_degrees():
+    body = body_at_speed(0.129, -0.129)
+    body.step(math.pi / 2)
+    assert body.take_angle() == 90
+    assert body.take_distance() == 0
+
+
+def test_reading_in_every_frame_a_slow_drive_never_shows_under_truncation():
+    body = body_at_speed(0.06, 0.06)
+    assert sum((body.step(FRAME), body.take_distance())[1] for _ in range(200)) == 0
+
+
+@pytest.mark.parametrize(('rounding', 'total'), [
+    (Rounding.TRUNCATE, 200), (Rounding.ROUND, 400), (Rounding.CARRY, 300)])
+def test_reading_in_every_frame_adds_up_by_the_rounding(rounding, total):
+    # Slightly more than 1.5 mm a frame, so that halves are rounded up.
+    body = body_at_speed(0.1001, 0.1001, rounding=rounding)
+    read = sum((body.step(FRAME), body.take_distance())[1] for _ in range(200))
+    assert read == pytest.approx(total, abs=1)
+
+
+def test_all_requests_share_the_accumulator():
+    body = body_at_speed(0.2, 0.2)
+    body.step(1)
+    assert body.take_distance() == 200
+    assert body.take_distance() == 0
+
+
+def test_totals_are_not_reset_by_reading():
+    body = body_at_speed(0.2, 0.2)
+    before = body.distance_total
+    body.step(1)
+    body.take_distance()
+    assert body.distance_total - before == pytest.approx(200)
+    body.drive(right=0.129, left=-0.129)
+    body.step(2)
+    assert body.angle_total == pytest.approx(math.degrees(body.truth().measured_turned))
+
+
+def test_distance_not_read_is_capped():
+    body = body_at_speed(0.5, 0.5)
+    body.step(90)
+    assert body.take_distance() == 32767
+
+
+def test_driving_backwards_counts_down():
+    body = body_at_speed(-0.2, -0.2)
+    body.step(1)
+    assert body.take_distance() == -200
+
+
+def test_pushed_by_hand_either_way_the_distance_counts_up():
+    for speed in (0.2, -0.2):
+        body = Body(World())
+        body.push(speed=speed, rate=0, seconds=1)
+        body.step(2)
+        assert body.take_distance() == 200
+        assert body.truth().pose.x == pytest.approx(speed)
+
+
+def test_rolling_on_forwards_after_a_reverse_command_counts_as_reverse():
+    body = body_at_speed(0.3, 0.3)
+    body.drive(right=-0.3, left=-0.3)
+    body.step(0.3)
+    assert body.truth().speed == pytest.approx(0)
+    assert body.take_distance() == -45
+    assert body.truth().pose.x > 0.3
+
+
+def rolled_out_after_reverse(sign):
+    body = body_at_speed(-0.3, -0.3, config=ideal(encoder_sign=sign))
+    body.drive(right=0, left=0)
+    body.step(1)
+    return body
+
+
+def test_rolling_out_of_reverse_keeps_the_sign_until_the_wheels_rest():
+    body = rolled_out_after_reverse(EncoderSign.UNTIL_REST)
+    assert body.take_distance() == -45
+    body.push(speed=-0.1, rate=0, seconds=1)
+    body.step(1)
+    assert body.take_distance() == 100
+
+
+def test_rolling_out_of_reverse_counts_up_where_zero_means_forwards():
+    assert rolled_out_after_reverse(EncoderSign.COMMAND).take_distance() == 45
+
+
+def test_true_encoders_know_the_direction():
+    body = body_at_speed(0.3, 0.3, config=ideal(encoder_sign=EncoderSign.TRUE))
+    body.drive(right=-0.3, left=-0.3)
+    body.step(0.3)
+    assert body.take_distance() == 45
+
+
+def test_the_firmwares_own_wheel_separation_scales_its_angle():
+    body = body_at_speed(0.129, -0.129, config=ideal(encoder_separation=0.516))
+    body.step(math.pi / 2)
+    assert body.take_angle() == 45

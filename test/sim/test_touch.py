@@ -1,0 +1,191 @@
+"""The simulated robot against obstacles, and in the hands of somebody."""
+
+import math
+from random import Random
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros.sim.body.config import Contact
+from create_oi_ros.sim.world import parse, Pose, shipped, World
+from support.bodies import Body, body_at_speed, FRAME, ideal, run, WALL_AHEAD
+
+# Obstacles.
+
+def test_a_wall_stops_the_robot_and_the_wheels_slip():
+    body = Body(WALL_AHEAD)
+    body.drive(right=0.4, left=0.4)
+    body.step(4)
+    truth = body.truth()
+    assert truth.pose.x == pytest.approx(1 - 0.165, abs=1e-6)
+    assert truth.measured_travelled == pytest.approx(0.4 * 4 - 0.08)
+    assert truth.speed == pytest.approx(0, abs=1e-6)
+    assert body.sense().bump_left and body.sense().bump_right
+    assert not body.sense().overcurrent_left_wheel
+
+
+def test_a_wall_stalls_the_wheels_where_the_floor_grips():
+    body = Body(WALL_AHEAD, config=ideal(contact=Contact.STALL))
+    body.drive(right=0.4, left=0.4)
+    run(body, 4)
+    truth = body.truth()
+    assert truth.measured_travelled == pytest.approx(truth.travelled, abs=1e-3)
+    assert body.sense().overcurrent_left_wheel and body.sense().overcurrent_right_wheel
+    body.drive(right=-0.2, left=-0.2)
+    run(body, 1)
+    assert not body.sense().overcurrent_left_wheel
+    assert body.truth().pose.x < 1 - 0.165
+
+
+def test_at_a_slant_the_robot_slides_along_the_wall():
+    body = Body(WALL_AHEAD)
+    body.place(Pose(0.5, 0, math.radians(60)))
+    body.drive(right=0.2, left=0.2)
+    run(body, 10)
+    assert body.truth().pose.x == pytest.approx(1 - 0.165, abs=1e-6)
+    assert body.truth().pose.y > 0.5
+
+
+@pytest.mark.parametrize(('degrees', 'left', 'right'), [
+    (0, True, True), (14, True, True), (-14, True, True), (16, True, False), (-16, False, True),
+    (80, True, False), (-80, False, True), (100, False, False), (180, False, False)])
+def test_the_bumper_tells_the_side_by_where_it_touched(degrees, left, right):
+    body = Body(World())
+    bearing = math.radians(degrees)
+    far = 0.165 + 0.05
+    world = parse(f'post {far * math.cos(bearing)} {far * math.sin(bearing)} 0.05', 'post')
+    sense = Body(world).sense()
+    assert (sense.bump_left, sense.bump_right) == (left, right)
+    assert not body.sense().bump_left
+
+
+def test_turning_in_place_against_a_wall_is_free():
+    body = Body(WALL_AHEAD)
+    body.place(Pose(1 - 0.165, 0, 0))
+    body.drive(right=0.1, left=-0.1)
+    run(body, 2)
+    assert body.truth().turned == pytest.approx(body.truth().measured_turned)
+
+
+def test_backing_off_releases_the_bumper():
+    body = Body(WALL_AHEAD)
+    body.place(Pose(1 - 0.165, 0, 0))
+    assert body.sense().bump_left
+    body.drive(right=-0.1, left=-0.1)
+    run(body, 0.3)
+    assert not body.sense().bump_left
+
+
+def test_in_a_wedge_the_robot_stays_where_it_is():
+    body = Body(parse('wall 0 -1 2 0.05 \n wall 0 1 2 -0.05', 'wedge'))
+    body.drive(right=0.5, left=0.5)
+    run(body, 20)
+    assert 0.5 < body.truth().pose.x < 1.8
+
+
+@given(st.integers(0, 2 ** 32), st.sampled_from(['room', 'apartment']))
+@settings(max_examples=15, deadline=None)
+def test_no_drive_leaves_the_walls(seed, name):
+    dice, world = Random(seed), shipped(name)
+    body = Body(world)
+    for _ in range(12):
+        body.drive(right=dice.uniform(-.5, .5), left=dice.uniform(-.5, .5))
+        run(body, 1.5)
+        x, y, _ = body.truth().pose
+        assert all(each.gap(x, y) >= 0.165 - 1e-3 for each in world.obstacles)
+
+
+def test_placed_inside_a_wall_the_robot_is_pushed_out():
+    body = Body(WALL_AHEAD)
+    body.place(Pose(0.95, 0, 0))
+    assert body.truth().pose.x == pytest.approx(1 - 0.165)
+
+
+# By hand.
+
+def test_lifted_all_wheels_drop_all_cliffs_show_and_nothing_moves():
+    body = body_at_speed(0.2, 0.2)
+    body.lift(True)
+    before = body.truth().pose
+    run(body, 1)
+    sense = body.sense()
+    assert sense.drop_left and sense.drop_right and sense.drop_caster
+    assert sense.cliff_left and sense.cliff_front_left
+    assert sense.cliff_right and sense.cliff_front_right
+    assert sense.cliff_left_signal < 16
+    assert body.truth().pose == before
+    assert body.take_distance() == pytest.approx(200, abs=1)
+    body.lift(False)
+    assert not body.sense().drop_left
+    run(body, 1)
+    assert body.truth().pose.x > before.x
+
+
+@pytest.mark.parametrize('wheel', ['right', 'left', 'caster'])
+def test_a_dropped_wheel_is_told_apart(wheel):
+    body = Body(World())
+    body.drop(**{wheel: True})
+    for each in ('right', 'left', 'caster'):
+        assert getattr(body.sense(), f'drop_{each}') is (each == wheel)
+    body.drop()
+    assert not getattr(body.sense(), f'drop_{wheel}')
+
+
+def test_a_dropped_drive_wheel_spins_without_grip():
+    body = Body(World())
+    body.drop(right=True)
+    body.drive(right=0.2, left=0.2)
+    body.step(2)
+    assert body.truth().turned < 0
+    assert body.truth().measured_turned == 0
+
+
+def test_a_held_wheel_draws_too_much_only_when_told_to_turn():
+    body = Body(World())
+    body.hold(left=True)
+    body.step(FRAME)
+    assert not body.sense().overcurrent_left_wheel
+    body.drive(right=0.1, left=0.1)
+    run(body, 1)
+    assert body.sense().overcurrent_left_wheel
+    assert not body.sense().overcurrent_right_wheel
+    assert body.truth().turned > 0
+    assert body.truth().measured_turned == pytest.approx(body.truth().turned)
+    body.hold()
+    assert not body.sense().overcurrent_left_wheel
+
+
+def test_a_push_turns_the_robot_and_the_wheels():
+    body = Body(World())
+    body.push(speed=0, rate=1, seconds=1)
+    body.step(3)
+    assert body.truth().turned == pytest.approx(1)
+    assert body.truth().rate == 0
+
+
+def test_while_it_is_pushed_the_truth_has_the_pushs_velocity():
+    body = Body(World())
+    body.push(speed=-0.2, rate=0.5, seconds=1)
+    body.step(0.5)
+    assert (body.truth().speed, body.truth().rate) == (-0.2, 0.5)
+
+
+def test_placing_does_not_turn_the_wheels():
+    body = Body(World())
+    body.place(Pose(3, 4, 7))
+    assert body.truth().pose == pytest.approx((3, 4, 7 - math.tau))
+    assert body.take_distance() == 0
+
+
+@pytest.mark.parametrize('act', [
+    lambda body: body.place(Pose(math.nan, 0, 0)),
+    lambda body: body.push(speed=math.inf, rate=0, seconds=1),
+    lambda body: body.push(speed=0, rate=0, seconds=-1),
+    lambda body: body.slip(right=0, left=0, seconds=math.inf),
+    lambda body: body.load(ld0=math.nan),
+    lambda body: body.set_battery(temperature=math.inf),
+    lambda body: body.force(seconds=-1, play=True)])
+def test_the_outside_cannot_break_the_physics(act):
+    with pytest.raises(ValueError, match='allowed'):
+        act(Body(World()))
