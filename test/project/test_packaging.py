@@ -2,7 +2,9 @@
 
 from functools import cache
 import importlib.util
+from pathlib import Path
 import re
+import shutil
 import subprocess
 import sys
 from xml.etree import ElementTree
@@ -18,11 +20,17 @@ FOLDERS = ('launch', 'test', 'bench', 'examples')
 OURS = {PACKAGE, *FOLDERS,
         *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
-    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pexpect', 'psutil', 'pytest', 'serial',
-    'yaml')}
+    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'segno', 'serial', 'yaml')}
 """Modules whose rosdep key has another name."""
-NO_KEY = {'mcap', 'playwright', 'rosbags', 'segno'}
-"""Optional modules without a rosdep key; the programs say how to install them."""
+NO_KEY = {'mcap': 'docs/recording.md', 'rosbags': 'docs/recording.md',
+          'playwright': 'CONTRIBUTING.md'}
+"""Optional modules that no Debian package has, and the page that says how to install them."""
+NOT_IMPORTED = {
+    'launch': 'launch files; our folder has that name', 'ros2launch': '`ros2 launch`',
+    'robot_state_publisher': 'started by a launch file',
+    **dict.fromkeys(('python3-pytest-cov', 'python3-pytest-timeout', 'python3-pytest-xdist'),
+                    'plugins of pytest')}
+"""Dependencies that no file imports, and what they are for."""
 BARE = 'oi', 'sim'  # the odometry, and so the driver, computes with numpy
 
 
@@ -40,7 +48,7 @@ def named(*tags: str) -> set[str]:
 def foreign(folder: str) -> set[str]:
     """Return the rosdep keys of other people's packages that a folder imports."""
     tops = {name.split('.')[0] for path in modules(folder).values() for name in imported(path)}
-    return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - NO_KEY - sys.stdlib_module_names}
+    return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - {*NO_KEY} - sys.stdlib_module_names}
 
 
 def run_python(*arguments: str) -> None:
@@ -61,6 +69,22 @@ def test_manifest_names_all_that_the_package_imports() -> None:
 
 def test_manifest_names_all_that_the_tests_import() -> None:
     assert foreign('test') <= named('depend', 'exec_depend', 'test_depend')
+
+
+@pytest.mark.parametrize('folder', ['examples', 'bench'])
+def test_manifest_names_all_that_examples_and_benches_import(folder: str) -> None:
+    assert foreign(folder) <= named('depend', 'exec_depend', 'test_depend')
+
+
+def test_manifest_names_nothing_that_is_not_needed() -> None:
+    imported_keys = set().union(*map(foreign, (PACKAGE, *FOLDERS)))
+    assert named('depend', 'exec_depend', 'test_depend') - imported_keys <= {*NOT_IMPORTED}
+
+
+@pytest.mark.parametrize('module', NO_KEY)
+def test_a_page_says_how_to_install_what_has_no_key(module: str) -> None:
+    page = (ROOT / NO_KEY[module]).read_text('utf-8')
+    assert re.search(rf'pip install .*\b{module}\b', page)
 
 
 def test_one_version() -> None:
@@ -93,3 +117,25 @@ def test_core_imports_in_a_bare_python(part: str) -> None:
     """With the standard library, but without installed packages."""
     run_python('-ISc', f'import sys; sys.path.insert(0, {str(ROOT)!r}); '
                        f'from {PACKAGE} import {part}')
+
+
+def test_the_core_is_installed_without_ros(tmp_path: Path) -> None:
+    """`pip install` of the repository works where no ROS is, and brings the protocol."""
+    clone = tmp_path / 'clone'
+    made = shutil.ignore_patterns('__pycache__')
+    shutil.copytree(ROOT / PACKAGE, clone / PACKAGE, ignore=made)
+    for name in ('resource', 'launch', 'config', 'urdf', 'rviz'):
+        shutil.copytree(ROOT / name, clone / name, ignore=made)
+    for name in ('setup.py', 'setup.cfg', 'pyproject.toml', 'package.xml', 'README.md', 'LICENSE'):
+        shutil.copy(ROOT / name, clone)
+    built = subprocess.run(
+        [sys.executable, '-m', 'pip', 'wheel', '--quiet', '--no-deps', '--no-index',
+         '--no-build-isolation', '--disable-pip-version-check', '--wheel-dir', tmp_path, clone],
+        text=True, capture_output=True, timeout=120)
+    assert built.returncode == 0, built.stderr
+    wheel, = tmp_path.glob(f'{PACKAGE}-{create_oi_ros.__version__}-*.whl')
+    run_python('-ISc', (
+        f'import sys; sys.path.insert(0, {str(wheel)!r}); from create_oi_ros import oi, sim; '
+        f'assert oi.__file__.startswith({str(wheel)!r}); '
+        'assert bytes(oi.Start()) == b"\\x80"; import create_oi_ros.oi.tools.text; '
+        'from create_oi_ros.sim.world import shipped; shipped("room")'))
