@@ -1,5 +1,6 @@
 """The workflow for GitHub runs the commands of the README and of the Makefile, and no others."""
 
+import json
 from pathlib import Path
 import re
 import shlex
@@ -74,6 +75,16 @@ def test_the_versions_of_python_are_those_that_are_supported() -> None:
     assert JOBS['wheels']['strategy']['matrix']['python'] == supported
     ruff = tomllib.loads((ROOT / 'pyproject.toml').read_text('utf-8'))['tool']['ruff']
     assert ruff['target-version'] == f'py3{oldest}'
+
+
+def test_the_commands_of_the_container_are_those_of_the_pages() -> None:
+    file = (ROOT / 'Dockerfile').read_text('utf-8').replace('\\\n', ' ')
+    devcontainer = json.loads((ROOT / '.devcontainer' / 'devcontainer.json').read_text('utf-8'))
+    whole = re.findall('^RUN (.*)', file, re.M) + [devcontainer['postCreateCommand'][-1]]
+    each = [command.strip() for run in whole for command in run.split(' && ')]
+    assert len(each) == 9
+    assert [command for command in each if not said(command)] == [
+        'rm -rf /var/lib/apt/lists/*', 'cd /ws']
 
 
 def test_colcon_knows_how_to_run_the_tests() -> None:

@@ -20,7 +20,8 @@ FOLDERS = ('launch', 'test', 'bench', 'examples')
 OURS = {PACKAGE, *FOLDERS,
         *(name.split('.')[-1] for folder in FOLDERS for name in modules(folder))}
 ROSDEP_KEYS = {name: f'python3-{name}' for name in (
-    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'segno', 'serial', 'yaml')}
+    'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'segno', 'serial', 'yaml')} | {
+        'PIL': 'python3-pil'}
 """Modules whose rosdep key has another name."""
 NO_KEY = {'mcap': 'docs/recording.md', 'rosbags': 'docs/recording.md',
           'playwright': 'CONTRIBUTING.md'}
@@ -93,14 +94,37 @@ def test_one_version() -> None:
     assert {*setup, *manifests, create_oi_ros.__version__} == {setup[0]}
 
 
-def test_changelog_begins_with_this_version_or_the_next() -> None:
+@pytest.mark.parametrize('folder', ['.', 'msg_defs'])
+def test_changelog_begins_with_this_version_or_the_next(folder: str) -> None:
     """The form is that of REP 132, which ROS's release tools read."""
-    text = (ROOT / 'CHANGELOG.rst').read_text()
+    text = (ROOT / folder / 'CHANGELOG.rst').read_text()
     sections = re.findall(r'^(\S.*)\n-+$', text, re.M)
     released = re.compile(r'(\d+\.\d+\.\d+) \(\d{4}-\d\d-\d\d\)')
     assert all(map(released.fullmatch, sections[1:]))
     newest = released.fullmatch(sections[0])
     assert newest[1] == create_oi_ros.__version__ if newest else sections[0] == 'Forthcoming'
+
+
+@pytest.mark.filterwarnings('ignore::DeprecationWarning:catkin_pkg')
+@pytest.mark.parametrize('folder', ['.', 'msg_defs'])
+def test_the_tools_of_ros_read_the_changelog(folder: str) -> None:
+    changelog = pytest.importorskip('catkin_pkg.changelog', reason='no catkin_pkg here')
+    pytest.importorskip('docutils', reason='no docutils here')
+    read = changelog.get_changelog_from_path(ROOT / folder)
+    version, _, changes = next(iter(read.foreach_version()))
+    assert version in ('Forthcoming', create_oi_ros.__version__) and changes
+
+
+def test_the_quality_declaration_gives_a_reason_for_each_dependency() -> None:
+    page = (ROOT / 'QUALITY_DECLARATION.md').read_text('utf-8')
+    reasons = dict(re.findall(r'^\| ([\w, ]+) \| (.+) \|$', page, re.M))
+    given = {name.lower() for names in reasons for name in names.split(', ')}
+    called = {'serial': 'pyserial', 'yaml': 'pyyaml'}
+    needed = {key.removeprefix('python3-') for key in named('depend', 'exec_depend')
+              if key.startswith('python3-')}
+    assert {called.get(name, name) for name in needed} <= given
+    assert all(name in page for name in named('depend', 'exec_depend')
+               if 'launch' in name or name in ('rclpy', 'robot_state_publisher'))
 
 
 @pytest.mark.parametrize('module', [  # a __main__ is run, not imported
