@@ -65,7 +65,7 @@ def drive(world, seconds: float) -> Iterator[Moment]:
             yield Moment(
                 body.truth().pose, Pose(x, y, start.yaw + estimate.yaw),
                 (bool(seen.bump_left), bool(seen.bump_right)),
-                f'SAFE    x {estimate.x:+z.2f}  y {estimate.y:+z.2f} m   '
+                f'{robot.mode.name}    x {estimate.x:+z.2f}  y {estimate.y:+z.2f} m   '
                 f'{degrees(estimate.yaw):+z.0f} deg   {body.truth().speed:+z.2f} m/s')
 
 
