@@ -33,6 +33,29 @@ NOT_IMPORTED = {
     **dict.fromkeys(('python3-pytest-cov', 'python3-pytest-timeout', 'python3-pytest-xdist'),
                     'plugins of pytest')}
 """Dependencies that no file imports, and what they are for."""
+IMPORT_EACH = """
+import importlib, os, sys, traceback
+os.environ['OPENBLAS_NUM_THREADS'] = '1'  # numpy's threads would not be in a fork
+for name in sys.argv[1].split():
+    try:  # a name in a module is no module
+        importlib.import_module(name)
+    except ImportError:
+        pass
+failed = 0
+for module in sys.argv[2].split():
+    child = os.fork()
+    if not child:
+        try:
+            importlib.import_module(module)
+            sys.stdout.flush()
+            os._exit(0)
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+    failed |= os.waitpid(child, 0)[1]
+sys.exit(failed != 0)
+"""
+"""Imports the modules of its first argument, then each of its second in a fork of its own."""
 MAKES_WHEELS = 71
 """The first major version of setuptools that needs no other package for that."""
 BARE = 'oi', 'sim'  # the odometry, and so the driver, computes with numpy
@@ -55,10 +78,10 @@ def foreign(folder: str) -> set[str]:
     return {ROSDEP_KEYS.get(top, top) for top in tops - OURS - {*NO_KEY} - sys.stdlib_module_names}
 
 
-def run_python(*arguments: str) -> None:
+def run_python(*arguments: str, timeout: float = 60) -> None:
     """Run Python; it must succeed and print nothing."""
     done = subprocess.run([sys.executable, *arguments], cwd=ROOT, text=True,
-                          capture_output=True, timeout=60)
+                          capture_output=True, timeout=timeout)
     assert (done.returncode, done.stdout, done.stderr) == (0, '', '')
 
 
@@ -130,13 +153,22 @@ def test_the_quality_declaration_gives_a_reason_for_each_dependency() -> None:
                if 'launch' in name or name in ('rclpy', 'robot_state_publisher'))
 
 
-@pytest.mark.parametrize('module', [  # a __main__ is run, not imported
-    module for module in MODULES if not module.endswith('.__main__')])
-def test_module_imports_by_itself(module: str) -> None:
-    needs_ros = any('rclpy' in name or '_msgs' in name for name in imported(MODULES[module]))
-    if needs_ros and not importlib.util.find_spec('rclpy'):
-        pytest.skip(f'{module} imports ROS, and there is none here')
-    run_python('-c', f'import {module}')
+def test_each_module_imports_by_itself() -> None:
+    """In a process that has imported others' packages only: a process each takes minutes."""
+    ros = importlib.util.find_spec('rclpy') is not None
+    ours = [module for module, path in MODULES.items() if not module.endswith('.__main__') and (
+        ros or not any('rclpy' in name or '_msgs' in name for name in imported(path)))]
+    others = {name for path in MODULES.values() for name in imported(path)
+              if not name.startswith(PACKAGE)}
+    run_python('-W', 'ignore:This process:DeprecationWarning', '-c', IMPORT_EACH,
+               ' '.join(sorted(others)), ' '.join(ours), timeout=220)
+    assert len(ours) > 200 or not ros
+
+
+def test_a_module_that_does_not_import_by_itself_is_named() -> None:
+    done = subprocess.run([sys.executable, '-c', IMPORT_EACH, 'os', 'json json.none'], text=True,
+                          capture_output=True, timeout=60)
+    assert done.returncode == 1 and "No module named 'json.none'" in done.stderr
 
 
 @pytest.mark.parametrize('part', [part for part in BARE if f'{PACKAGE}.{part}' in MODULES])
