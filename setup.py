@@ -9,7 +9,7 @@ SHARE = f'share/{NAME}'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='1.0.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={NAME: ['py.typed', 'sim/world/shipped/*.world', 'apps/web/page/*.*']},
     data_files=[
@@ -20,6 +20,8 @@ setup(
           if glob(f'{folder}/*.*')),
     ],
     install_requires=['setuptools'],
+    python_requires='>=3.11',
+    extras_require={'test': ['pytest']},  # by which `colcon test` knows how to run the tests
     zip_safe=True,
     author='create_oi_ros contributors',
     maintainer='create_oi_ros contributors',

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 import sys
 import time
-import venv
 
 import folders
 from step import clock, interruptible, step
@@ -31,13 +30,20 @@ def python() -> Path:
     return VENV.resolve() / 'bin/python'
 
 
+def make_empty(kind: str) -> None:
+    """Make .venv with nothing but pip; with an installed ROS it sees the system's packages."""
+    seen = ['--system-site-packages'] if kind == 'jazzy' else []
+    step([sys.executable, '-m', 'venv', '--symlinks', *seen, VENV.resolve()], 'setup.log',
+         'Python could not make .venv', progress=lambda log: 'an environment for Python')
+
+
 def install(kind: str, pins: list[str]) -> None:
     """Install one small package without retries, then all: so a missing registry fails fast."""
     # With an installed ROS, .venv gets its own tools even if the system has them, too.
     own = ['--ignore-installed'] if kind == 'jazzy' else []
     step([python(), *PIP, *own, '--retries', '0', '--timeout', '10', pins[0]], 'setup.log',
          'cannot fetch from the Python package registry: check the network, the proxy '
-         "and pip's index-url", show=False)
+         "and pip's index-url", show=False, progress=lambda log: 'asking the package registry')
     step([python(), *PIP, *own, *pins], 'setup.log', 'pip failed', progress=counting(len(pins)))
 
 
@@ -57,7 +63,8 @@ def counting(total: int) -> Callable[[str], str]:
 def name_this_python() -> None:
     """Make the wheels' CMake files name this Python, not that of their build machine."""
     step([python(), Path(__file__).with_name('patch_cmake.py'), VENV / 'share'],
-         'setup.log', 'the CMake files of the wheels could not be adapted')
+         'setup.log', 'the CMake files of the wheels could not be adapted',
+         progress=lambda log: 'adapting the CMake files of the wheels')
 
 
 def main(kind: str) -> None:
@@ -70,8 +77,7 @@ def main(kind: str) -> None:
     if VENV.is_symlink():
         print(f'  .venv, build and install are links into {VENV.resolve().parent}: the path of '
               'this clone has characters that ROS cannot build with', flush=True)
-    venv.create(VENV.resolve(), with_pip=True, symlinks=True,
-                system_site_packages=kind == 'jazzy')
+    make_empty(kind)
     install(kind, pins)
     if kind == 'wheels':
         name_this_python()

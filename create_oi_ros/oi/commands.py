@@ -6,6 +6,7 @@ that it enters. The fields state format, range and unit, in the order of the wir
 says what the command does (manual: Open Interface Command Reference).
 """
 
+from collections.abc import Iterable
 from typing import Annotated, NamedTuple
 
 from .codes import (
@@ -21,7 +22,7 @@ from .codes import (
 )
 from .declaration import Command
 from .packets import PACKET_ID, PACKET_IDS
-from .readings import SPEED
+from .readings import number_of, numbers_of, SPEED
 from .wire import bits, choice, Counted, signed_choice, Wire
 
 STARTED = frozenset({Mode.PASSIVE, Mode.SAFE, Mode.FULL})
@@ -158,6 +159,9 @@ class Sensors(Command, title='Sensors', opcode=142, section=INPUTS, modes=STARTE
 
     packet: Annotated[int, PACKET_ID]
 
+    def __init__(self, *, packet: int | str) -> None:
+        object.__setattr__(self, 'packet', number_of(packet))
+
 
 class CoverAndDock(
     Command, title='Cover and Dock', opcode=143, section=DEMOS, modes=STARTED,
@@ -196,11 +200,17 @@ class Stream(Command, title='Stream', opcode=148, section=INPUTS, modes=STARTED)
 
     packets: Annotated[tuple[int, ...], Counted(0, len(PACKET_IDS), (PACKET_ID,), 'packets')]
 
+    def __init__(self, *, packets: Iterable[int | str]) -> None:
+        object.__setattr__(self, 'packets', numbers_of(packets))
+
 
 class QueryList(Command, title='Query List', opcode=149, section=INPUTS, modes=STARTED):
     """Request a list of packets, once; the reply has no ids and no checksum."""
 
     packets: Annotated[tuple[int, ...], Counted(0, 255, (PACKET_ID,), 'packets')]
+
+    def __init__(self, *, packets: Iterable[int | str]) -> None:
+        object.__setattr__(self, 'packets', numbers_of(packets))
 
 
 class PauseResumeStream(

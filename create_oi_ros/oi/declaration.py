@@ -7,6 +7,7 @@ annotated fields. No number of the manual stands here: they are all in `commands
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from inspect import Signature, signature
 import struct
 from typing import Any, ClassVar, dataclass_transform, get_args, get_origin, NamedTuple, Self
 
@@ -51,6 +52,16 @@ class Command:
     by_opcode: ClassVar[dict[int, type['Command']]] = {}
     _head: ClassVar[struct.Struct]
     """Opcode, fields and, if there is a tail, its count."""
+    __signature__: ClassVar[Signature]
+    """What `help` shows: the fields."""
+
+    def __new__(cls, *positional: object, **fields: object) -> Self:
+        """Refuse values without a name: their order is easy to confuse."""
+        if positional:
+            example = ', '.join(f'{name}=...' for name in cls.__signature__.parameters)
+            raise TypeError(f'{cls.__name__} takes its fields by name: '
+                            f'{cls.__name__}({example}), not {positional!r}')
+        return super().__new__(cls)
 
     def __init_subclass__(
         cls, *, opcode: int, title: str, section: str,
@@ -64,6 +75,9 @@ class Command:
         cls.opcode, cls.title, cls.section = opcode, title, section
         cls.modes, cls.enters = modes, enters
         cls.fields, cls.tail = _declared(cls)
+        # Else `inspect.signature` would show __new__, which takes anything.
+        _, *parameters = signature(cls.__init__).parameters.values()
+        cls.__signature__ = Signature(parameters)
         count = 'B' if cls.tail else ''
         formats = ''.join(field.wire.format for field in cls.fields)
         cls._head = struct.Struct(f'{BIG_ENDIAN}B{formats}{count}')
@@ -82,6 +96,10 @@ class Command:
         items = self._encode_tail(self.tail)
         count = len(items) // self.tail.counted.item_size
         return self._head.pack(self.opcode, *values, count) + items
+
+    def __bytes__(self) -> bytes:
+        """Return the bytes to send, as `encode` does."""
+        return self.encode()
 
     def _encode_tail(self, tail: Tail) -> bytes:
         items = getattr(self, tail.name)

@@ -11,7 +11,7 @@ import struct
 from typing import NamedTuple
 
 from ..robot import SLOT
-from .readings import NAMES, NUMBERS, PACKETS, Readings
+from .readings import NAMES, number_of, numbers_of, PACKETS, Readings
 from .wire import BIG_ENDIAN, Wire
 
 GROUPS: dict[int, range] = {
@@ -30,14 +30,19 @@ BITS_PER_BYTE = 10
 """Start bit, eight data bits, stop bit (manual: Stream; Serial Port Settings)."""
 
 
-def size_of(packet: int) -> int:
-    """Return the size in bytes of a packet or group; KeyError if there is no such packet."""
+def size_of(packet: int | str) -> int:
+    """
+    Return the size in bytes of a packet or group.
+
+    KeyError for a number, ValueError for a name that no packet has.
+    """
     return struct.calcsize(BIG_ENDIAN + ''.join(PACKETS[n].wire.format for n in singles(packet)))
 
 
-def singles(packet: int) -> Sequence[int]:
-    """Return the single packets of a packet or group; KeyError if there is no such packet."""
-    return GROUPS[packet] if packet in GROUPS else (PACKETS[packet].id,)
+def singles(packet: int | str) -> Sequence[int]:
+    """Return the single packets of a packet or group; errors are those of `size_of`."""
+    number = number_of(packet)
+    return GROUPS[number] if number in GROUPS else (PACKETS[number].id,)
 
 
 def frame_capacity(baud: int) -> int:
@@ -69,9 +74,9 @@ class Budget(NamedTuple):
 class PacketList:
     """A list of packets as requested with Stream or Query List, and the layout of the reply."""
 
-    def __init__(self, ids: Iterable[int]) -> None:
-        """Take the numbers of packets and groups; ValueError names one that does not exist."""
-        self.ids = tuple(ids)
+    def __init__(self, ids: Iterable[int | str]) -> None:
+        """Take packets by number or name, and groups; ValueError names one that is unknown."""
+        self.ids = numbers_of(ids)
         for number in self.ids:
             if number not in PACKET_IDS:
                 raise ValueError(f'packet {number!r}; allowed: {PACKET_ID.describe()}')
@@ -93,10 +98,7 @@ class PacketList:
     @classmethod
     def named(cls, *names: str) -> 'PacketList':
         """Make a list from field names of `Readings`; ValueError names one that is unknown."""
-        unknown = [name for name in names if name not in NUMBERS]
-        if unknown:
-            raise ValueError(f'no packet is named {unknown[0]!r}; allowed: {", ".join(NUMBERS)}')
-        return cls(NUMBERS[name] for name in names)
+        return cls(names)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, PacketList) and self.ids == other.ids

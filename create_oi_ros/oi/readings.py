@@ -5,7 +5,7 @@ A packet is a field of `Readings`: the annotation carries its number, the manual
 range and unit (manual: Sensor Packets).
 """
 
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from functools import cache
 from operator import itemgetter
 from typing import Annotated, Any, get_args, NamedTuple
@@ -27,6 +27,8 @@ FLAG = Wire('B', 0, 1, boolean=True)
 SIGNAL = Wire('H', 0, 4095)
 SPEED = Wire('h', -TOP_SPEED_MM, TOP_SPEED_MM, 'mm/s')
 UNSIGNED_MAX = 65535
+VOLTS_PER_STEP = 5 / 1023
+"""Resolution of the analog input (manual: Cargo Bay Analog Signal)."""
 
 
 class Packet(NamedTuple):
@@ -119,6 +121,11 @@ class Readings:
     def __hash__(self) -> int:
         return hash(frozenset(self._numbers.items()))
 
+    @property
+    def analog_volts(self) -> float:
+        """Voltage at the analog input, V (packet 33); AttributeError if it has not arrived."""
+        return self.analog_signal * VOLTS_PER_STEP
+
     def items(self) -> Iterator[tuple[str, Any]]:
         """Yield field names and values."""
         return ((name, getattr(self, name)) for name in self._numbers)
@@ -170,3 +177,23 @@ for _name, _annotation in Readings.__annotations__.items():
     PACKETS[_packet.id], NAMES[_packet.id], NUMBERS[_name] = _packet, _name, _packet.id
     ALLOWED[_name] = _packet.wire.allowed
     setattr(Readings, _name, _field(_name, _packet.wire))
+
+
+def number_of(packet: int | str) -> int:
+    """Return the number of a packet that is given by number or by its field's name."""
+    if not isinstance(packet, str):
+        return packet
+    if packet not in NUMBERS:
+        raise ValueError(f'no packet is named {packet!r}; allowed: {", ".join(NUMBERS)}')
+    return NUMBERS[packet]
+
+
+def numbers_of(packets: Iterable[int | str]) -> tuple[int, ...]:
+    """
+    Return the numbers of packets; ValueError for a single name instead of a list.
+
+    What cannot be a list is returned unchanged: a command refuses it when it is encoded.
+    """
+    if isinstance(packets, str):
+        raise ValueError(f'packets = {packets!r}; allowed: a list, such as [{packets!r}]')
+    return tuple(map(number_of, packets)) if isinstance(packets, Iterable) else packets

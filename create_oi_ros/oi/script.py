@@ -37,7 +37,7 @@ def commands_of(script: Script) -> list[Command]:
     reader = CommandReader()
     reader.feed(script.script)
     commands: list[Command] = []
-    while (found := reader.next_event()) is not None:
+    for found in reader:
         if isinstance(found, UnknownOpcode):
             raise ValueError(f'Script: {found.data[0]} is not an opcode')
         commands.append(found)
@@ -82,6 +82,6 @@ def open_waits(script: Script) -> list[Command]:
 def _read(script: Script) -> Iterator[Command]:
     reader = CommandReader()
     reader.feed(script.script)
-    while (found := reader.next_event()) is not None:
+    for found in reader:
         if isinstance(found, Command):
             yield found

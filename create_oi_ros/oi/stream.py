@@ -2,8 +2,9 @@
 Finds frames in the bytes from the robot, and commands in the bytes to it.
 
 Both readers have the same interface: `feed` appends bytes; `next_event` returns one event, or
-None when it needs more bytes. The events do not depend on how the bytes are split. The bytes of
-all events, in order, are the bytes that were fed. No bytes raise an exception.
+None when it needs more bytes; `for event in reader` takes all that are ready. The events do not
+depend on how the bytes are split. The bytes of all events, in order, are the bytes that were fed.
+No bytes raise an exception.
 
 A header byte alone does not mark a frame: 19 is also a packet number, and values are not
 escaped. Nor can the next byte be trusted as a length. But the host has requested the packets, so
@@ -12,7 +13,7 @@ packet numbers and a correct checksum. If one of these is wrong, it searches on 
 after the false header.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from enum import Enum
 import re
 from typing import NamedTuple
@@ -112,8 +113,12 @@ class StreamReader:
         Bytes that were found to be garbage stay garbage. Empty lists, and lists that are too
         long for a frame, are ignored.
         """
+        if isinstance(lists, PacketList):
+            raise TypeError(f'expected a list of lists, not one list: write [{lists!r}]')
         self._by_head.clear()
         for packets in lists:
+            if not isinstance(packets, PacketList):
+                raise TypeError(f'expected lists of the class PacketList, not {packets!r}')
             if packets.ids and packets.frame_size <= FRAME_LIMIT:
                 self._by_head.setdefault(bytes((HEADER, packets.length)), []).append(packets)
 
@@ -148,6 +153,10 @@ class StreamReader:
             next_header = buffer.find(HEADER, start + 1)
             self._start = len(buffer) if next_header < 0 else next_header
         return self._take_garbage(self._begin + GARBAGE_AT_ONCE)
+
+    def __iter__(self) -> Iterator[Frame | Garbage]:
+        """Yield the events that are ready."""
+        return iter(self.next_event, None)
 
     def _nothing(self) -> Frame | Garbage | None:
         """Return no event, and drop the bytes that were returned before."""
@@ -231,6 +240,10 @@ class CommandReader:
         data = bytes(buffer[:size])
         del buffer[:size]
         return UnknownOpcode(data) if kind is None else kind.decode(data)
+
+    def __iter__(self) -> Iterator[Command | UnknownOpcode]:
+        """Yield the events that are ready."""
+        return iter(self.next_event, None)
 
     @property
     def pending(self) -> bytes:

@@ -40,8 +40,6 @@ from ..oi.tools.text import format_commands, parse_script
 from ..robot import MILLI
 from .rotation import of_yaw
 
-VOLTS_PER_STEP = 5 / 1023
-"""Resolution of the analog input (manual: Cargo Bay Analog Signal)."""
 NANOSECONDS = 1_000_000_000
 NOT_MEASURED = 1e6
 """Variance of axes that are not measured: height, roll, pitch, and speeds along them."""
@@ -285,7 +283,7 @@ def song(readings: Readings) -> tuple[int, bool]:
 @content('input_0', 'input_1', 'input_2', 'input_3', 'baud_rate_pin', 'analog')
 def cargo_bay(readings: Readings) -> tuple[float, ...]:
     """Return the inputs of the cargo bay connector (packets 32 and 33)."""
-    return *inputs(int(readings.digital_inputs)), readings.analog_signal * VOLTS_PER_STEP
+    return *inputs(int(readings.digital_inputs)), readings.analog_volts
 
 
 def age(stamp: Time, nanoseconds: int) -> float:

@@ -9,6 +9,7 @@ started by then, so the system's default handler for SIGINT replaces Python's.
 from importlib import import_module
 from io import TextIOWrapper
 import os
+import re
 import signal
 import sys
 from types import ModuleType
@@ -35,12 +36,18 @@ PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run()
 """Python code that runs a program, for `python -c`; the package need not be installed."""
 NEEDED = {
     'create_oi_msgs': (
-        'the messages of its package msg_defs, which are not built: '
-        '`colcon build --base-paths src/create_oi_ros src/create_oi_ros/msg_defs`, then '
-        '`source install/setup.bash`'),
-    'aiohttp': 'aiohttp for its web page: `sudo apt-get install python3-aiohttp`',
+        'it is the package msg_defs of this repository: `colcon build --base-paths '
+        'src/create_oi_ros src/create_oi_ros/msg_defs`, then `source install/setup.bash`'),
+    'aiohttp': 'sudo apt-get install python3-aiohttp',
+    'numpy': 'sudo apt-get install python3-numpy',
+    'serial': 'sudo apt-get install python3-serial',
+    'yaml': 'sudo apt-get install python3-yaml',
+    'ROS 2 Jazzy': (
+        '`source /opt/ros/jazzy/setup.bash`, or run `make` in a clone and `source env.sh` there'),
 }
-"""Modules that may be missing, and what to do then."""
+"""What may be missing, and what to do then."""
+ROS = re.compile(r'rclpy|\w+_msgs|std_srvs|rcl_interfaces|ament_index_python|builtin_interfaces')
+"""Modules that are missing where ROS is."""
 WRONG = 2
 """Exit code when something is wrong that the user can mend."""
 NO_READER = 128 + signal.SIGPIPE
@@ -77,9 +84,11 @@ def _imported(program: str) -> ModuleType:
         return import_module(f'{PACKAGE}.{MODULES[program]}')
     except ModuleNotFoundError as error:
         needed = (error.name or '').partition('.')[0]
+        if needed not in NEEDED and ROS.fullmatch(needed):
+            needed = 'ROS 2 Jazzy'
         if needed not in NEEDED:
             raise
-        raise SystemExit(f'create_oi_ros needs {NEEDED[needed]}') from None
+        raise UserError(f'{needed} is missing: {NEEDED[needed]}') from None
 
 
 def create_calibrate() -> int:

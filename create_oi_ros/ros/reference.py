@@ -3,7 +3,7 @@ Writes what follows from the declarations of topics, services, actions and param
 
 `python -m create_oi_ros.ros.reference FILE ...` writes a .yaml file as a whole: the parameters
 with their defaults. In any other file it replaces the blocks between their markers: the tables of
-README.md, and the names in config/sros2_policy.xml.
+docs/interface.md, and the names in config/sros2_policy.xml.
 """
 
 from collections.abc import Iterable, Mapping

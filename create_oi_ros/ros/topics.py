@@ -1,8 +1,9 @@
 """
 The topics, each declared once: name, type, quality of service, when and how it is published.
 
-The publishers, the tables of the README and the decision when a topic is due come from here. A new
-sensor topic takes three files: its .msg file in msg_defs, its row here, its function in messages.
+The publishers, the tables of docs/interface.md and the decision when a topic is due come from
+here. A new sensor topic takes three files: its .msg file in msg_defs, its row here, its function
+in messages.
 """
 
 from dataclasses import dataclass, field, replace

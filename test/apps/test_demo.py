@@ -24,8 +24,11 @@ from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.recorder import bag_qos
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
-from create_oi_ros.sim.world import shipped
+from create_oi_ros.sim.world import Pose, shipped
 from support.ros import children_of, Listener, scene
+
+STAIRS_AHEAD = Pose(4.25, 4.85, pi / 2)
+"""In the demo's world, ten centimetres before the robot sees the stairs."""
 
 
 @pytest.fixture(scope='module')
@@ -67,6 +70,14 @@ def test_a_spiral_ends_after_its_turns(pilot):
     before = pilot.turned
     pilot.spiral(0.5, 0.05, 0.1)
     assert before - pilot.turned == pytest.approx(pi, abs=0.2)
+
+
+def test_the_robot_comes_back_from_the_stairs(pilot, stage):
+    robot = stage.hero
+    robot.soon(lambda: robot.body.place(STAIRS_AHEAD))
+    tour.cliff(pilot)
+    assert pilot.mode.mode == Mode.SAFE
+    assert not robot.body.sense().drop_caster and not robot.body.sense().cliff_front_left
 
 
 def test_a_timeout_names_the_event_and_stops_the_robot(pilot, stage):

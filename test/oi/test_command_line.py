@@ -86,6 +86,18 @@ def test_frames_are_explained() -> None:
         '# garbage: 19'], '')
 
 
+def test_frames_are_explained_without_their_list() -> None:
+    frame = '19 5 29 2 25 13 0 182'
+    lines = [
+        '# checksums leave the header out, as the manual says', '# frames of packets 29,13',
+        'Cliff Front Left Signal = 537, Virtual Wall = 0']
+    assert ran('decode', '--stream', 'any', frame) == (0, lines, '')
+    other = ' '.join(map(str, oi.PacketList([33]).pack_frame([512], header_in_sum=False)))
+    assert ran('decode', '--stream', 'any', stdin=f'1 2\n{frame}\n{other}\n{frame}\n19 5') == (1, [
+        '# garbage: 1 2', *lines, '# frames of packets 33',
+        'Cargo Bay Analog Signal = 512 (2.50 V)', lines[-1], '# garbage: 19 5'], '')
+
+
 def test_values_are_shown_with_names_and_units() -> None:
     packets = oi.PacketList([19, 34, 35, 37])
     frame = ' '.join(map(str, packets.pack_frame([-200, 0, 2, 1])))

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from inspect import signature
 import struct
-from typing import Annotated
+from typing import Annotated, Any
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -258,3 +258,44 @@ def test_a_command_is_a_value_that_cannot_be_changed() -> None:
     assert hash(command) == hash(oi.DriveDirect(left=2, right=1))
     assert command != oi.DriveDirect(right=2, left=1)
     assert repr(command) == 'DriveDirect(right=1, left=2)'
+
+
+@given(commands())
+def test_bytes_of_a_command_are_what_is_sent(command: oi.Command) -> None:
+    assert bytes(command) == command.encode()
+
+
+def test_the_signature_names_the_fields() -> None:
+    for kind in oi.COMMANDS:
+        declared = [field.name for field in kind.fields]
+        assert list(signature(kind).parameters) == declared + (
+            [kind.tail.name] if kind.tail else [])
+
+
+@pytest.mark.parametrize('kind, arguments, message', [
+    (oi.DriveDirect, (200, 100),
+     'DriveDirect takes its fields by name: DriveDirect(right=..., left=...), not (200, 100)'),
+    (oi.Stream, ([7],), 'Stream takes its fields by name: Stream(packets=...), not ([7],)'),
+    (oi.Safe, (1,), 'Safe takes its fields by name: Safe(), not (1,)')])
+def test_values_without_a_name_are_refused(
+        kind: type[oi.Command], arguments: tuple[Any, ...], message: str) -> None:
+    with pytest.raises(TypeError) as refused:
+        kind(*arguments)
+    assert str(refused.value) == message
+
+
+def test_packets_may_be_given_by_name() -> None:
+    assert oi.Sensors(packet='angle') == oi.Sensors(packet=20)
+    assert oi.Stream(packets=['angle', 7]) == oi.Stream(packets=(20, 7))
+    assert oi.QueryList(packets=['angle']).encode() == bytes([149, 1, 20])
+    assert oi.size_of('voltage') == oi.size_of(22)
+    assert oi.singles('voltage') == oi.singles(22)
+
+
+def test_a_name_that_no_packet_has_is_refused() -> None:
+    for make in (lambda: oi.Sensors(packet='bump'), lambda: oi.Stream(packets=('bump',)),
+                 lambda: oi.PacketList(['bump']), lambda: oi.size_of('bump')):
+        with pytest.raises(ValueError, match="no packet is named 'bump'; allowed: bumps_and"):
+            make()
+    with pytest.raises(ValueError, match=r"packets = 'wall'; allowed: a list, such as \['wall'\]"):
+        oi.QueryList(packets='wall')

@@ -1,6 +1,7 @@
 """Finding frames and commands: however the bytes are split, the same events; no byte is lost."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from typing import Any
 
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -9,6 +10,7 @@ import pytest
 from campaign.fuzz import fuzz
 from create_oi_ros import oi
 from create_oi_ros.oi.stream import GARBAGE_AT_ONCE, readable, SWITCH_AFTER
+from create_oi_ros.oi.tools.list_finder import ListFinder, lists_in
 from support.oi_strategies import commands, frames, packet_lists
 import vectors
 
@@ -21,11 +23,6 @@ BANNER = (
 Event = oi.Frame | oi.Garbage
 
 
-def available(reader: oi.StreamReader) -> Iterator[Event]:
-    while (event := reader.next_event()) is not None:
-        yield event
-
-
 def events(
         chunks: Iterable[bytes], *lists: oi.PacketList, reader: oi.StreamReader | None = None,
 ) -> list[Event]:
@@ -34,7 +31,7 @@ def events(
     found: list[Event] = []
     for chunk in chunks:
         reader.feed(chunk)
-        found.extend(available(reader))
+        found.extend(reader)
     return found + reader.finish()
 
 
@@ -102,7 +99,7 @@ def test_a_frame_after_a_false_header_is_found() -> None:
 def test_a_false_length_does_not_make_it_wait(length: int) -> None:
     reader = oi.StreamReader([CLIFF])
     reader.feed(bytes([19, length, 29]) + GOOD)
-    assert kinds(available(reader)) == 'gF'
+    assert kinds(list(reader)) == 'gF'
 
 
 def test_a_header_in_the_values_is_a_value() -> None:
@@ -123,13 +120,13 @@ def test_the_list_may_change_in_flight() -> None:
     late = longer.pack_frame([1, 2, 0])
     reader = oi.StreamReader([CLIFF])
     reader.feed(GOOD + GOOD[:3])
-    assert kinds(available(reader)) == 'F'
+    assert kinds(list(reader)) == 'F'
     reader.expect([CLIFF, longer])
     reader.feed(GOOD[3:] + late + late[:5])
-    assert [e.packets for e in available(reader) if isinstance(e, oi.Frame)] == [CLIFF, longer]
+    assert [e.packets for e in list(reader) if isinstance(e, oi.Frame)] == [CLIFF, longer]
     reader.expect([longer])
     reader.feed(late[5:] + GOOD)
-    assert [e.packets for e in available(reader) if isinstance(e, oi.Frame)] == [longer]
+    assert [e.packets for e in list(reader) if isinstance(e, oi.Frame)] == [longer]
 
 
 def test_lists_of_one_length_are_told_apart() -> None:
@@ -218,7 +215,7 @@ def test_memory_is_bounded() -> None:
     for noise in (b'\0', b'\x13', b'\x13\xd4', b'\x13\xd4\x06'):
         for _ in range(300):
             reader.feed(noise * 10)
-            assert all(len(event.data) <= GARBAGE_AT_ONCE for event in available(reader))
+            assert all(len(event.data) <= GARBAGE_AT_ONCE for event in list(reader))
             assert len(reader._buffer) < GARBAGE_AT_ONCE + 258
     assert reader.flush() is not None and reader.flush() is None
 
@@ -342,3 +339,48 @@ def test_a_counted_command_waits_for_its_count_and_its_items() -> None:
         assert reader.next_event() is None
     reader.feed(bytes([16]))
     assert reader.next_event() == oi.Song(number=3, notes=(oi.Note(60, 32), oi.Note(62, 16)))
+
+
+@pytest.mark.parametrize('lists, message', [
+    (CLIFF, r'expected a list of lists, not one list: write \[PacketList\(\(29, 13\)\)\]'),
+    ([(29, 13)], r'expected lists of the class PacketList, not \(29, 13\)'),
+    ((29, 13), 'expected lists of the class PacketList, not 29')])
+def test_a_reader_refuses_what_is_no_list_of_packet_lists(lists: Any, message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        oi.StreamReader(lists)
+    reader = oi.StreamReader([CLIFF])
+    with pytest.raises(TypeError, match=message):
+        reader.expect(lists)
+
+
+def test_a_reader_yields_what_is_ready_and_goes_on_later() -> None:
+    robot = oi.CommandReader()
+    robot.feed(bytes([128, 131, 137, 0]))
+    assert list(robot) == [oi.Start(), oi.Safe()]
+    robot.feed(bytes([0, 0, 0]))
+    assert list(robot) == [oi.Drive(velocity=0, radius=0)]
+    assert list(robot) == []
+
+
+@given(packet_lists().flatmap(lambda packets: st.tuples(
+    st.just(packets), st.lists(frames(packets), min_size=1, max_size=3))))
+def test_a_list_is_found_in_its_frames(drawn: tuple[oi.PacketList, list[bytes]]) -> None:
+    packets, data = drawn
+    assert lists_in(b''.join(data)) == [packets]
+
+
+def test_lists_are_found_behind_noise_and_however_the_bytes_are_split() -> None:
+    other = oi.PacketList(['distance', 1])
+    data = b'\x13\xff\x13\0' + GOOD + b'\x13\5\x1d' + other.pack_frame([19] * 11) + b'\x13\5\x1d'
+    assert lists_in(data) == [CLIFF, other]
+    finder = ListFinder()
+    ready = b''.join(map(finder.feed, bytewise(data)))
+    assert ready + finder.finish() == data
+    assert list(finder.lists) == [CLIFF, other]
+
+
+@pytest.mark.parametrize('data', [
+    b'', b'\x13', b'\x13\5\xff', GOOD[:-1], GOOD[:-1] + b'\0',
+    b'\x13\2\7\0\7\0', b'\x13\1\7\0', b'\x13\0\xed'])
+def test_no_list_is_found_where_no_frame_is(data: bytes) -> None:
+    assert lists_in(data) == []

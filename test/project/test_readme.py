@@ -1,21 +1,84 @@
-"""The README agrees with the code."""
+"""README and interface page agree with the code; the README stays short."""
 
+import ast
+import re
+
+from PIL import Image
 import pytest
 
 from create_oi_ros.ros.reference import POLICY, rewritten, TABLES
-from support.source import ROOT
+from support.pages import blocks, check_ros2, commands
+from support.source import modules, PACKAGE, ROOT
 
-README = (ROOT / 'README.md').read_text()
+README = (ROOT / 'README.md').read_text('utf-8')
+INTERFACE = (ROOT / 'docs' / 'interface.md').read_text('utf-8')
+THREE_SCREENS = 200
+"""Lines."""
+SMALL = 600_000
+"""Bytes of a picture in the repository."""
+LOG_LINE = re.compile(r'`([^`]*\.\.\.[^`]*)`')
 
 
 @pytest.mark.parametrize(('name', 'labels'), [
-    ('README.md', TABLES), ('config/sros2_policy.xml', POLICY)])
+    ('docs/interface.md', TABLES), ('config/sros2_policy.xml', POLICY)])
 def test_generated_blocks_are_made_from_the_code(name, labels):
     text = (ROOT / name).read_text('utf-8')
     assert all(f'<!-- {label} -->' in text for label in labels)
     assert rewritten(text) == text, 'run `make docs`'
 
 
-def test_the_script_in_the_readme_is_the_example():
+def test_the_scripts_in_the_page_are_the_examples():
     for name in ('drive.py', 'square.py'):
-        assert f'```python\n{(ROOT / "examples" / name).read_text()}```' in README
+        text = (ROOT / 'examples' / name).read_text()
+        program = re.sub(r'\A(#.*\n)+\n*', '', text)  # without copyright and licence
+        assert f'```python\n{program}```' in INTERFACE
+
+
+def test_the_readme_fits_on_three_screens():
+    assert len(README.splitlines()) <= THREE_SCREENS
+
+
+def test_the_picture_of_the_readme_moves_and_is_small():
+    path, = (ROOT / path for path in re.findall(r'!\[.*\]\((.*)\)', README))
+    assert path.stat().st_size < SMALL
+    with Image.open(path) as picture:
+        assert picture.n_frames > 50 and picture.info['loop'] == 0
+
+
+@pytest.mark.parametrize('name', [
+    'README.md', 'docs/interface.md', 'docs/raspberry_pi.md', 'docs/container.md'])
+def test_names_in_ros2_commands_exist(name):
+    found = [words for block in blocks(ROOT / name) if not block.language
+             for words in commands(block.text) if words[0] == 'ros2']
+    for words in found:
+        check_ros2(words)
+    assert found or name == 'docs/container.md'
+
+
+def texts() -> str:
+    """Return the texts in the package's code; what varies in them is a line end."""
+    found = []
+    for path in modules(PACKAGE).values():
+        for node in ast.walk(ast.parse(path.read_text('utf-8'))):
+            match node:
+                case ast.JoinedStr(values=parts):
+                    found.append('\n'.join(str(part.value) for part in parts
+                                           if isinstance(part, ast.Constant)))
+                case ast.Constant(value=str(text)):
+                    found.append(text)
+    return '\n'.join(found)
+
+
+def quoted() -> list[str]:
+    """Return the log lines in the table of faults."""
+    table = README[README.index('| symptom |'):].partition('\n\n')[0]
+    return [line for row in table.splitlines()[2:]
+            for line in LOG_LINE.findall(row.split(' | ')[1])]
+
+
+def test_the_log_lines_of_the_faults_are_those_of_the_code():
+    said = texts()
+    assert len(quoted()) >= 18
+    for line in quoted():
+        for clause in re.split(r'\.\.\.|[:;,] ', line):
+            assert clause.strip() in said, line

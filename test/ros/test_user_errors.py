@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from create_oi_ros import __version__
-from create_oi_ros.ros import user_errors
+from create_oi_ros.ros import programs, user_errors
 from create_oi_ros.ros.programs import MODULES, PROGRAMS
 from create_oi_ros.ros.user_errors import check_environment, explained, UserError
 
@@ -170,3 +170,28 @@ def test_output_may_be_closed(tmp_path):
         ['bash', '-c', '"$@" >&-', 'bash', sys.executable, '-c', PROGRAMS['create_calibrate'],
          'line', '1:1'], capture_output=True, text=True, timeout=60, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, '')
+
+
+@pytest.mark.parametrize('module, sentence', [
+    ('rclpy', 'ROS 2 Jazzy is missing: `source /opt/ros/jazzy/setup.bash`, or '),
+    ('geometry_msgs.msg', 'ROS 2 Jazzy is missing: '),
+    ('create_oi_msgs.msg', 'create_oi_msgs is missing: it is the package msg_defs'),
+    ('serial', 'serial is missing: sudo apt-get install python3-serial\n')])
+def test_a_missing_part_is_one_sentence(module, sentence, monkeypatch, capsys):
+    def fail(name):
+        raise ModuleNotFoundError(name=module)
+    monkeypatch.setattr(programs, 'import_module', fail)
+    monkeypatch.setattr(sys, 'argv', ['create_node'])
+    monkeypatch.setattr(signal, 'signal', lambda number, handler: None)
+    assert programs.create_node() == 2
+    assert capsys.readouterr().err.startswith(f'create_node: {sentence}')
+
+
+def test_a_missing_part_that_we_should_have_keeps_its_traceback(monkeypatch):
+    def fail(name):
+        raise ModuleNotFoundError(name='create_oi_ros.other')
+    monkeypatch.setattr(programs, 'import_module', fail)
+    monkeypatch.setattr(sys, 'argv', ['create_node'])
+    monkeypatch.setattr(signal, 'signal', lambda number, handler: None)
+    with pytest.raises(ModuleNotFoundError):
+        programs.create_node()

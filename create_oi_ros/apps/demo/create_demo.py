@@ -25,6 +25,8 @@ from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, Step, TOUR, WORLD
 
 BAG = 'create_demo'
+SIGN_INTERVAL = 8.0
+"""Seconds after which a line says where the robot is: a step takes up to half a minute."""
 STOPPED = 130
 """Exit code of a program that Ctrl-C has ended."""
 
@@ -57,9 +59,16 @@ def strangers(node: Node, *, driven: bool) -> str | None:
 @contextmanager
 def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[Pilot]:
     """Record everything to a bag and yield the pilot; at the end, stop the children first."""
+    shown = time.monotonic()
+
     def check() -> None:
+        nonlocal shown
         if stop.is_set():
             raise Stopped
+        if time.monotonic() - shown >= SIGN_INTERVAL:
+            shown = time.monotonic()
+            x, y = pilot.place
+            say(f'         the robot is at x {x:+z.2f} y {y:+z.2f} m')
         ended = children.ended()
         if ended is not None:
             raise TourError(f'{ended}; see above for why')

@@ -27,6 +27,8 @@ BRAKING, SLOWEST = 2.5, 0.2
 """Turning speed, rad/s, for each radian left to turn, and at least."""
 CLOSE, STRAIGHT = 0.02, 0.03
 """Metres and radians: tolerance of a drive and of a turn."""
+COAST = 0.2
+"""When told to stop, the robot turns on by its turning speed times so many seconds."""
 STANDING = 0.01
 """m/s; a slower robot stands."""
 
@@ -96,6 +98,11 @@ class Pilot:
         return yaw_of(self.odom.pose.pose.orientation)
 
     @property
+    def turning(self) -> float:
+        """Turning speed by the odometry, rad/s."""
+        return self.odom.twist.twist.angular.z if self.odom else 0.0
+
+    @property
     def standing(self) -> bool:
         """Whether the robot stands still."""
         twist = self.odom.twist.twist if self.odom else Twist()
@@ -152,7 +159,7 @@ class Pilot:
     def turn_to(self, yaw: float) -> None:
         """Turn in place to a heading, the short way."""
         def left() -> float:
-            return remainder(yaw - self.yaw, tau)
+            return remainder(yaw - self.yaw - self.turning * COAST, tau)
 
         def steer() -> None:
             self.command(0.0, copysign(min(TURN, braked(left())), left()))

@@ -92,8 +92,10 @@ def cliff(pilot: Pilot) -> None:
     pilot.until(lambda: pilot.standing, 'the robot stands at the edge')
     pilot.until(lambda: any('PASSIVE instead of SAFE' in each for each in pilot.warnings),
                 'the diagnostics warn of Passive')
-    pilot.call(SetMode, 'set_mode', mode=Mode.SAFE)
+    # The robot rolls on a little: where a wheel hangs over the edge, it refuses Safe.
+    pilot.call(SetMode, 'set_mode', mode=Mode.FULL)
     pilot.back(0.4)
+    pilot.call(SetMode, 'set_mode', mode=Mode.SAFE)
     if pilot.mode.mode != Mode.SAFE:
         raise TourError('the robot did not stay in Safe')
 
@@ -111,7 +113,7 @@ TOUR: Sequence[Step] = (
     Step('LEDs and a song', hello), Step('a square', square), Step('a spiral', spiral),
     Step('bump and turn, twice', bump_and_turn),
     Step('through two doors to the hall', to_the_hall),
-    Step('the stairs: a cliff, Passive, and back to Safe', cliff),
+    Step('the stairs: a cliff, Passive, back off in Full, Safe', cliff),
     Step('another song', goodbye))
 SHORT: Sequence[Step] = (Step('LEDs and a song', hello), Step('a turn', lambda pilot:
                          pilot.turn_to(pi / 2)), Step('another song', goodbye))

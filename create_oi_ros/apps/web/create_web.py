@@ -74,7 +74,7 @@ def show_qr_code(address: str) -> None:
     if not sys.stdout.isatty():
         return
     if find_spec('segno') is None:
-        print('create_web: for a QR code here, install segno (pip install segno)')
+        print('create_web: for a QR code here: sudo apt-get install python3-segno')
         return
     import segno
     # In `create_run` a status line may stand here.

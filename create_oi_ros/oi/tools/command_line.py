@@ -17,7 +17,14 @@ from ..commands import QueryList
 from ..packets import PacketList
 from ..readings import PACKETS
 from .capture_format import CaptureError, CaptureReader, records_of
-from .explain import decimal, explain_commands, explain_stream, octets, understood
+from .explain import (
+    decimal,
+    explain_commands,
+    explain_stream,
+    explain_unknown_stream,
+    octets,
+    understood,
+)
 from .tables import budget_lines, columns, commands_table, document, packets_table
 from .text import parse_command, parse_commands
 from .transcript import explain_capture
@@ -25,6 +32,8 @@ from .transcript import explain_capture
 NOT_UNDERSTOOD = 1
 BROKEN_PIPE = 128 + 13
 INTERRUPTED = 128 + 2
+ANY = 'any'
+"""In place of packets: those that the frames themselves name."""
 CHUNK = 4096
 """Bytes that are read at once."""
 
@@ -66,6 +75,8 @@ def _decode(options: Namespace, stdin: TextIO) -> Iterator[str]:
     if options.capture:
         return _capture(options)
     chunks = _chunks(options, stdin)
+    if options.stream == [ANY]:
+        return explain_unknown_stream(chunks)
     if options.stream:
         return explain_stream(chunks, map(_packet_list, options.stream))
     return explain_commands(chunks, at_length=options.explain)
@@ -131,7 +142,8 @@ def _add_decode(decode: ArgumentParser) -> None:
     decode.add_argument('--raw', action='store_true', help='stdin is binary, not text')
     decode.add_argument('--explain', action='store_true', help='say what each command does')
     decode.add_argument('--stream', metavar='IDS', action='append', help=(
-        'the bytes are stream frames of these packets (29,13 or names); repeat for more lists'))
+        'the bytes are stream frames of these packets (29,13 or names); repeat for more lists; '
+        'any: of those that the frames themselves name'))
     decode.add_argument('--capture', metavar='FILE', type=Path, help=(
         'explain a capture of a driver: what host (->) and robot (<-) sent, and when'))
     decode.add_argument('--all', action='store_true', help=(

@@ -11,9 +11,10 @@ from typing import Any
 
 from ..declaration import Command
 from ..packets import PacketList
-from ..readings import Packet
+from ..readings import NUMBERS, Packet, PACKETS, VOLTS_PER_STEP
 from ..stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 from .grammar import label
+from .list_finder import ListFinder
 from .text import format_command
 
 SEPARATORS = re.compile(r'[\s,;:|\[\](){}]+')
@@ -21,11 +22,15 @@ CONVENTIONS = {
     Checksum.MANUAL: '# checksums leave the header out, as the manual says',
     Checksum.HARDWARE: '# checksums include the header, as real robots do',
 }
+FOUND = '# frames of packets '
+"""Begins a line that names a list which was found in the stream itself."""
+ANALOG = PACKETS[NUMBERS['analog_signal']]
+"""This packet is shown in volts, too."""
 
 
 def understood(line: str) -> bool:
     """Tell whether a line explains bytes; False if it says that they cannot be explained."""
-    return not line.startswith('#') or line in CONVENTIONS.values()
+    return not line.startswith('#') or line in CONVENTIONS.values() or line.startswith(FOUND)
 
 
 def octets(line: str, *, hexadecimal: bool = False) -> bytes:
@@ -54,7 +59,7 @@ def explain_commands(chunks: Iterable[bytes], *, at_length: bool = False) -> Ite
     reader = CommandReader()
     for chunk in chunks:
         reader.feed(chunk)
-        while (found := reader.next_event()) is not None:
+        for found in reader:
             if isinstance(found, UnknownOpcode):
                 yield f'# {found.data[0]} is not an opcode'
             else:
@@ -80,19 +85,45 @@ def explain_command(command: Command, *, at_length: bool) -> str:
 
 def explain_stream(chunks: Iterable[bytes], lists: Iterable[PacketList]) -> Iterator[str]:
     """Explain bytes that a robot sent, one line for each frame, as they arrive."""
+    return _explained(_events(chunks, StreamReader(lists)), announced=True)
+
+
+def explain_unknown_stream(chunks: Iterable[bytes]) -> Iterator[str]:
+    """Explain such bytes by the lists that are found in them; a line names each list."""
+    finder, reader = ListFinder(), StreamReader()
+
+    def searched() -> Iterator[bytes]:
+        for chunk in chunks:
+            ready = finder.feed(chunk)
+            reader.expect(finder.lists)
+            yield ready
+        ready = finder.finish()
+        reader.expect(finder.lists)
+        yield ready
+
+    return _explained(_events(searched(), reader), announced=False)
+
+
+def _explained(events: Iterable[Frame | Garbage], *, announced: bool) -> Iterator[str]:
     convention: Checksum | None = None
-    for found in _events(chunks, StreamReader(lists)):
-        if isinstance(found, Frame) and found.checksum is not convention:
+    lists: set[PacketList] = set()
+    for found in events:
+        if isinstance(found, Garbage):
+            yield _garbage(found)
+            continue
+        if found.checksum is not convention:
             convention = found.checksum
             yield CONVENTIONS[convention]
-        yield explain_frame(found) if isinstance(found, Frame) else _garbage(found)
+        if not announced and found.packets not in lists:
+            lists.add(found.packets)
+            yield FOUND + ','.join(map(str, found.packets.ids))
+        yield explain_frame(found)
 
 
 def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | Garbage]:
     for chunk in chunks:
         reader.feed(chunk)
-        while (found := reader.next_event()) is not None:
-            yield found
+        yield from reader
     yield from reader.finish()
 
 
@@ -106,6 +137,8 @@ def explain_frame(frame: Frame) -> str:
 
 def explain_reading(packet: Packet, value: Any) -> str:
     """Explain one value of a packet."""
+    if packet is ANALOG:
+        return f'{packet.title} = {value} ({value * VOLTS_PER_STEP:.2f} V)'
     return f'{packet.title} = {_value(value)}{packet.wire.unit and f" {packet.wire.unit}"}'
 
 

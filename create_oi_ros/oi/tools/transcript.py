@@ -128,7 +128,7 @@ class Transcript:
         if silence > SILENCE:
             yield self._line(OTHER, f'silence of the robot, {silence / MICROSECONDS:.3f} s')
         self._robot.feed(record.data)
-        while (event := self._robot.next_event()) is not None:
+        for event in self._robot:
             yield from self._event(event)
 
     def _line(self, direction: str, text: str) -> str:
@@ -169,7 +169,7 @@ class Transcript:
 
     def _commands(self) -> Iterator[str]:
         unknown = bytearray()
-        while (found := self._host.next_event()) is not None:
+        for found in self._host:
             if isinstance(found, UnknownOpcode):
                 unknown += found.data
                 continue

@@ -1,0 +1,143 @@
+"""The examples without ROS, against a simulated robot in memory, and what their page says."""
+
+import csv
+from importlib import import_module
+import io
+from math import degrees, hypot, remainder, tau
+import re
+from types import ModuleType
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.firmware.guesses import Guesses
+from create_oi_ros.sim.world import shipped
+from support.memory_port import MemoryPort
+from support.source import ROOT
+
+PAGE = (ROOT / 'docs' / 'open_interface.md').read_text('utf-8')
+TURNS = PAGE.partition('<!-- quarter turns -->\n')[2].partition('<!-- end -->')[0]
+QUARTER = 90
+SLOW, FAST = 100, 200
+LONG = 20.0
+"""Seconds in which a slow turn is more than two."""
+
+
+class Bench:
+    """A simulated robot as `create_sim` has it, and its port."""
+
+    def __init__(self) -> None:
+        self.body = Body(shipped('empty'))
+        self.create = Create(self.body, guesses=Guesses(boot_seconds=0))
+        self.port = MemoryPort(self.create)
+
+    def example(self, name: str) -> ModuleType:
+        """Return an example whose time is that of the robot."""
+        module = import_module(f'examples.{name}')
+        module.time = self.port  # type: ignore[attr-defined]
+        return module
+
+    @property
+    def wheels(self) -> tuple[float, float]:
+        """The commanded speeds, mm/s."""
+        return tuple(self.create.actuators.wheels)
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+def test_the_square_ends_where_it_began(bench, capsys):
+    bench.example('oi_square').main(bench.port)
+    truth = bench.body.truth()
+    assert hypot(truth.pose.x, truth.pose.y) < 0.05
+    assert abs(truth.pose.yaw) < 0.2
+    assert truth.travelled == pytest.approx(4 * 0.5, rel=0.02)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 4
+    for line in lines:
+        distance, angle = map(int, re.findall(r'(\d+) (?:mm|degrees)', line))
+        assert distance == pytest.approx(500, abs=10) and angle == pytest.approx(QUARTER, abs=5)
+    assert (bench.create.mode, bench.wheels) == (oi.Mode.PASSIVE, (0, 0))
+
+
+def test_the_square_stops_the_robot_when_it_fails(bench):
+    example = bench.example('oi_square')
+    bench.port.read = lambda size: b''
+    with pytest.raises(ValueError, match='0 bytes for packets'):
+        example.main(bench.port)
+    bench.port.sleep(1.0)
+    assert bench.wheels == (0, 0)
+
+
+def test_the_log_has_a_row_for_each_frame(bench):
+    bench.body.force(analog=512)
+    file = io.StringIO(newline='')
+    example = bench.example('oi_log')
+    example.log(bench.port, file, 100)
+    rows = list(csv.DictReader(io.StringIO(file.getvalue())))
+    assert len(rows) == 100
+    assert rows[0].keys() == {'seconds', 'analog_volts', *example.PACKETS.names}
+    assert {row['oi_mode'] for row in rows} == {'1'}
+    assert {(row['analog_signal'], row['analog_volts']) for row in rows} == {('512', '2.502')}
+    assert float(rows[-1]['seconds']) - float(rows[0]['seconds']) == pytest.approx(99 * oi.SLOT)
+    bench.port.sleep(1.0)
+    bench.port.reset_input_buffer()
+    bench.port.sleep(1.0)
+    assert bench.port.in_waiting == 0  # the stream is paused
+
+
+def test_the_script_is_stored_and_played_to_its_end(bench, capsys):
+    example = bench.example('oi_script')
+    example.main(bench.port)
+    pose = bench.body.truth().pose
+    assert pose.x == pytest.approx(0.3, abs=0.1) and degrees(pose.yaw) == pytest.approx(90, abs=15)
+    assert capsys.readouterr().out.splitlines()[:3] == [
+        'the script can end',
+        'until this has happened, even a stop is ignored: Wait Distance distance=300',
+        'until this has happened, even a stop is ignored: Wait Angle angle=90']
+    assert (bench.create.mode, bench.wheels) == (oi.Mode.PASSIVE, (0, 0))
+
+
+def test_a_script_that_was_stored_wrongly_is_not_played(bench):
+    example = bench.example('oi_script')
+    stored = oi.Script(script=b'\x89' * len(example.SCRIPT.script))
+    bench.port.read = lambda size: bytes(stored)[1:]
+    with pytest.raises(SystemExit, match='is the line good'):
+        example.main(bench.port)
+    assert bench.wheels == (0, 0)
+
+
+def turned(bench: Bench, speed: int, pause: float, until: float = LONG) -> tuple[int, float]:
+    """Turn until the readings add up to a quarter; return their sum and the true angle."""
+    port, packets = bench.port, oi.PacketList(['angle'])
+    ask = bytes(oi.QueryList(packets=packets.ids))
+    port.write(bytes(oi.Start()) + bytes(oi.Safe()) + ask)
+    port.read(packets.reply_size)
+    port.write(bytes(oi.DriveDirect(right=speed, left=-speed)))
+    read, true, yaw = 0, 0.0, bench.body.truth().pose.yaw
+    while read < QUARTER and port.monotonic() < until:
+        port.sleep(pause)
+        port.write(ask)
+        read += packets.unpack_reply(port.read(packets.reply_size)).angle
+        before, yaw = yaw, bench.body.truth().pose.yaw
+        true += remainder(yaw - before, tau)
+    port.write(bytes(oi.DriveDirect(right=0, left=0)))
+    port.sleep(1.0)
+    return read, degrees(true + remainder(bench.body.truth().pose.yaw - yaw, tau))
+
+
+def test_what_the_page_says_of_quarter_turns_is_true(capsys):
+    read, true = turned(Bench(), SLOW, oi.SLOT)
+    assert read == 0 and true > 720
+    assert '| 100 mm/s | in every frame | without end: the sum stays 0 |' in TURNS
+    for speed, pause, when in ((FAST, oi.SLOT, 'in every frame'), (SLOW, 0.25, 'four times')):
+        _, true = turned(Bench(), speed, pause)
+        assert re.search(rf'\| {speed} mm/s \| {when}.*\| {true:.0f} degrees \|', TURNS), true
+    bench = Bench()
+    bench.example('oi_square').main(bench.port)
+    by_time, = set(re.findall(r'(\d+) degrees\n', capsys.readouterr().out))
+    assert f'(`examples/oi_square.py`) | {by_time} degrees |' in TURNS
