@@ -189,6 +189,33 @@ def test_modes_and_leds_are_set(stage, robot, shown):
     stage.ros.until(lambda: robot.create.note is not None)
 
 
+def test_a_place_is_tapped_on_the_map_and_the_robot_goes_there_until_it_is_cancelled(
+        stage, robot, shown):
+    opened = shown('telephone')
+    page = opened.page
+    page.locator('#goal-name').select_option('navigate_to_position')
+    box = page.locator('#map-canvas').bounding_box()
+    page.locator('#map-canvas').click(
+        position={'x': 0.7 * box['width'], 'y': 0.5 * box['height']})
+    assert float(page.locator('#goal-x').input_value()) > 0.5
+    page.locator('#goal-x').fill('4')
+    page.get_by_role('button', name='Go', exact=True).click()
+    stage.ros.until(lambda: robot.body.truth().travelled > 0.1)
+    opened.until('document.getElementById("goal-text").textContent.includes("m left")')
+    page.locator('#goal-cancel').click()
+    stage.ros.until(lambda: standing(robot))
+    opened.until('document.getElementById("goal-text").textContent.includes("canceled")')
+    assert page.locator('#goal-cancel').is_disabled()
+
+
+def test_a_number_that_is_none_is_not_sent(stage, robot, shown):
+    page = shown().page
+    page.locator('#goal-distance').fill('')
+    page.get_by_role('button', name='Go', exact=True).click()
+    assert page.locator('#goal-distance:invalid').count() == 1
+    assert page.locator('#goal-text').inner_text() == '' and standing(robot)
+
+
 def test_another_page_watches_until_it_takes_over(stage, robot, shown):
     first, second = shown(), shown('telephone')
     first.grab(0.0, 0.7)

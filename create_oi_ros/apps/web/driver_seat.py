@@ -9,8 +9,8 @@ fails.
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
+from ...driver.goals.goal import Velocity
 from ...robot import TOP_SPEED, WHEEL_SEPARATION
 
 HOLD = 0.15
@@ -23,13 +23,6 @@ TOP_TURN = TOP_SPEED / (WHEEL_SEPARATION / 2)
 
 class Refused(Exception):
     """A viewer may not do this now; the message says why and what to do."""
-
-
-class Velocity(NamedTuple):
-    """A velocity command: m/s and rad/s."""
-
-    linear: float = 0.0
-    angular: float = 0.0
 
 
 class DriverSeat:
