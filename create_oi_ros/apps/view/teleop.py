@@ -10,8 +10,8 @@ programs may drive; the last command is a single zero.
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
+from ...driver.goals.goal import Velocity
 from ...robot import TOP_SPEED
 from .keys import DriveKey
 
@@ -25,15 +25,6 @@ STEP = 1.25
 """Factor between two speeds."""
 LEAST = 0.02
 """m/s; the keys go no slower."""
-
-
-class Velocity(NamedTuple):
-    """A velocity command: m/s and rad/s."""
-
-    linear: float
-    angular: float
-
-
 STANDSTILL = Velocity(0.0, 0.0)
 
 
