@@ -86,22 +86,22 @@ def test_dragging_the_stick_moves_the_robot_and_letting_go_stops_it(stage, robot
     assert abs(robot.body.truth().pose.y) < 0.05
 
 
-@pytest.mark.parametrize('size', SIZES)
-def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(shown, size):
-    page = shown(size).page
-    assert page.evaluate('document.documentElement.scrollWidth <= innerWidth')
-    for place in (0, 1e6):
-        page.evaluate(f'scrollTo(0, {place})')
-        box = page.locator('#stop').bounding_box()
-        assert box['y'] >= 0 and box['y'] + box['height'] <= SIZES[size][1]
-        # Nothing lies over it.
-        assert page.evaluate("""() => {
-            const box = document.getElementById('stop').getBoundingClientRect();
-            return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2).id;
-        }""") == 'stop'
-    small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
-        .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
-    assert small == [], 'a thumb must hit every button'
+def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(shown):
+    for size, (_, height) in SIZES.items():
+        page = shown(size).page
+        assert page.evaluate('document.documentElement.scrollWidth <= innerWidth'), size
+        for place in (0, 1e6):
+            page.evaluate(f'scrollTo(0, {place})')
+            box = page.locator('#stop').bounding_box()
+            assert box['y'] >= 0 and box['y'] + box['height'] <= height, size
+            # Nothing lies over it.
+            assert page.evaluate("""() => {
+                const box = document.getElementById('stop').getBoundingClientRect();
+                return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2).id;
+            }""") == 'stop', size
+        small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
+            .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
+        assert small == [], f'{size}: a thumb must hit every button'
 
 
 @pytest.mark.parametrize('stop', ['button', 'Escape', 'space', 'keyboard'])
