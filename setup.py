@@ -11,7 +11,8 @@ setup(
     name=NAME,
     version='1.0.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed', 'sim/world/shipped/*.world', 'apps/web/page/*.*']},
+    package_data={NAME: ['py.typed', 'sim/world/shipped/*.world', 'apps/web/page/*.*',
+                         'apps/report/live/*.*', 'pages/parts/*.*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),

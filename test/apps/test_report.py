@@ -88,13 +88,21 @@ def test_a_page_stands_alone(bag, tmp_path):
     page = tmp_path / 'report.html'
     assert command.main([str(bag), '-o', str(page)]) == 0
     text = page.read_text()
-    assert 'data:image/png;base64,' in text and 'http' not in text
+    assert 'http:' not in text and 'https:' not in text
     assert 'Bump left and right' in text and '9.8.7' in text
 
 
 def test_a_picture_is_a_picture(bag, tmp_path):
     assert command.main([str(bag), '-o', str(tmp_path / 'report.png')]) == 0
     assert (tmp_path / 'report.png').read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize('width', ['359', '4001', 'wide', '-1', ''])
+def test_a_width_out_of_range_is_refused(bag, tmp_path, capsys, width):
+    with pytest.raises(SystemExit) as ended:
+        command.main([str(bag), '-o', str(tmp_path / 'report.png'), '--width', width])
+    assert ended.value.code == 2
+    assert 'allowed: 360 to 4000 pixels' in capsys.readouterr().err
 
 
 def test_the_file_of_a_bag_can_be_read_without_its_folder(bag):

@@ -10,9 +10,11 @@ pytest.importorskip('matplotlib')
 
 from matplotlib.colors import to_rgb
 from matplotlib.quiver import Quiver
-from matplotlib.text import Annotation
+from matplotlib.text import Annotation, Text
+from matplotlib.transforms import Bbox
 
 from create_oi_ros.apps.report import colors
+from create_oi_ros.apps.report.create_report import WIDE
 from create_oi_ros.apps.report.drawing import draw
 from create_oi_ros.apps.report.recording import Curve, Recording, Span, Spans
 
@@ -57,7 +59,7 @@ def numbers(label: str) -> list[int]:
 @pytest.mark.parametrize(('length', 'turn'), [
     (0.0, 0.0), (0.05, 0.0), (0.5, 0.0), (3.0, 0.0), (4.0, 2 * pi), (6.0, 12 * pi)])
 def test_numbers_of_events_never_touch(length, turn):
-    figure = draw(recorded(length, 24, turn))
+    figure = draw(recorded(length, 24, turn), WIDE)
     figure.draw_without_rendering()
     texts = [each for each in figure.axes[0].texts if isinstance(each, Annotation)]
     boxes = [each.get_window_extent() for each in texts]
@@ -66,7 +68,7 @@ def test_numbers_of_events_never_touch(length, turn):
 
 
 def test_numbers_stay_at_their_places_in_the_saved_picture():
-    figure = draw(recorded(3.0, 5))
+    figure = draw(recorded(3.0, 5), WIDE)
     texts = [each for each in figure.axes[0].texts if isinstance(each, Annotation)]
     figure.draw_without_rendering()
     for each, number in zip(texts, range(5), strict=True):
@@ -76,7 +78,7 @@ def test_numbers_stay_at_their_places_in_the_saved_picture():
 
 @pytest.mark.parametrize('length', [0.05, 0.3, 1.0, 30.0])
 def test_arrows_leave_most_of_the_track_free(length):
-    figure = draw(recorded(length, 0))
+    figure = draw(recorded(length, 0), WIDE)
     figure.draw_without_rendering()
     axes = figure.axes[0]
     arrows, = (each for each in axes.collections if isinstance(each, Quiver))
@@ -88,7 +90,7 @@ def test_arrows_leave_most_of_the_track_free(length):
 def test_no_legend_lies_over_a_curve():
     made = recorded(2.0, 8)
     made.spans['charging'] = Spans()
-    figure = draw(made)
+    figure = draw(made, WIDE)
     figure.draw_without_rendering()
     legends = [axes for axes in figure.axes if axes.get_legend()]
     assert len(legends) == 4
@@ -98,12 +100,54 @@ def test_no_legend_lies_over_a_curve():
 
 
 def test_every_curve_of_the_battery_has_axes_of_its_own():
-    axes = {each.get_ylabel(): each for each in draw(recorded(1.0, 0)).axes}
+    axes = {each.get_ylabel(): each for each in draw(recorded(1.0, 0), WIDE).axes}
     for name in ('battery, V', 'current, A', 'charge, %'):
         assert len(axes[name].lines) == 1
         beside = [each for each in axes.values()
                   if each.get_position().bounds == axes[name].get_position().bounds]
         assert beside == [axes[name]]
+
+
+def drawn_texts(figure) -> list[Text]:
+    """Return the texts of a picture, without labels of ticks outside of their axes."""
+    unseen = set()
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        low, high = sorted(axis.get_view_interval())
+        for tick in axis.get_major_ticks():
+            if not low <= tick.get_loc() <= high:
+                unseen |= {tick.label1, tick.label2}
+    return [each for each in figure.findobj(Text)
+            if each.get_text() and each.get_visible() and each not in unseen]
+
+
+@pytest.mark.parametrize('width', [360, 640, WIDE, 2400])
+def test_no_text_lies_over_the_edge_of_the_picture(width):
+    made = recorded(2.0, 60)
+    made.name = made.robot = 'a_long_name_of_a_walk_through_all_rooms_with_a_$ymbol' * 3
+    made.damage = 'the_file_ends_within_a_message' * 4 + ' and more words' * 10
+    made.spans['mode'].all.append(Span(0.0, 'Safe', 60.0, 'a reason ' * 20))
+    made.spans['charging'].all.append(Span(59.0, 'trickle charging', 60.0))
+    figure = draw(made, width)
+    figure.draw_without_rendering()
+    page = figure.bbox
+    outside = []
+    for text in drawn_texts(figure):
+        box = text.get_window_extent()
+        if text.get_clip_on() and text.axes is not None:
+            box = Bbox.intersection(box, text.axes.get_window_extent()) or page
+        if box.x0 < 0 or box.x1 > page.width or box.y0 < 0 or box.y1 > page.height:
+            outside.append((text.get_text(), box))
+    assert not outside
+
+
+@pytest.mark.parametrize(('width', 'columns'), [(360, 1), (WIDE, 2)])
+def test_a_small_page_has_one_column(width, columns):
+    figure = draw(recorded(2.0, 30), width)
+    grid = figure.axes[0].get_subplotspec().get_gridspec()
+    assert grid.ncols == columns
+    words = sorted((text.get_window_extent() for text in figure.texts), key=lambda box: box.y0)
+    charts = figure.axes[2].get_window_extent()
+    assert words[0].y0 > charts.y1, 'nothing is written over the charts'
 
 
 def seen(color: str, matrix: list[list[float]]) -> numpy.ndarray:

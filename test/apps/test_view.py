@@ -1,6 +1,7 @@
 """The picture of `create_view`: any state fits any terminal, and alarms are visible."""
 
 from math import cos, hypot, inf, nan, pi, sin
+import re
 
 from create_oi_msgs.msg import Bumper, Charging, Cliff, IrOmni, Mode, Song, Wall, WheelDrop
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -12,9 +13,8 @@ import pytest
 from sensor_msgs.msg import BatteryState, JointState
 
 from create_oi_ros.apps.view import panels
-from create_oi_ros.apps.view.canvas import Canvas
 from create_oi_ros.apps.view.keys import BINDINGS
-from create_oi_ros.apps.view.picture import KEYS, LEAST_COLUMNS, LEAST_ROWS, picture
+from create_oi_ros.apps.view.picture import KEYS, LEAST_COLUMNS, LEAST_ROWS, PANEL, picture
 from create_oi_ros.apps.view.robot_state import (
     CallStatus,
     MOST_POINTS,
@@ -22,12 +22,16 @@ from create_oi_ros.apps.view.robot_state import (
     RobotState,
     Trail,
 )
+from create_oi_ros.characters.canvas import Canvas
+from create_oi_ros.characters.ink import encoded, has_colors, Ink
 from create_oi_ros.ros import messages, topics
 from support.anything import anything
 
 OF_STATE = [topic for topic in topics.PUBLISHED
             if topic.type is not DiagnosticArray and topic not in (topics.TF, topics.CONTACTS)]
 HEARD = [topic.type for topic in OF_STATE]
+HULL = 3
+"""Cells from the robot's arrow within which dots are those of its hull."""
 SIZES = st.tuples(st.integers(LEAST_COLUMNS, 200), st.integers(LEAST_ROWS, 60))
 
 
@@ -71,7 +75,7 @@ def exact(canvas: Canvas) -> bool:
     lines = canvas.lines()
     return (len(lines) == canvas.rows and all(len(line) == canvas.columns for line in lines)
             and all(line.isprintable() for line in lines)
-            and [''.join(text for text, _ in row) for row in canvas.runs()] == lines)
+            and [''.join(text for text, *_ in row) for row in canvas.runs()] == lines)
 
 
 @settings(max_examples=150, suppress_health_check=list(HealthCheck))
@@ -141,8 +145,9 @@ def test_the_trail_is_drawn_the_right_way_up():
     row, column = next((row, line.index('→')) for row, line in enumerate(lines) if '→' in line)
     dots = [(r, c) for r, line in enumerate(lines) for c, character in enumerate(line)
             if 0x2800 < ord(character) < 0x2900]
-    assert dots
-    assert all(r >= row and c <= column for r, c in dots), 'it came from the lower left'
+    trail = [(r, c) for r, c in dots if hypot(2 * (r - row), c - column) > HULL]
+    assert len(trail) > 5
+    assert all(r >= row and c <= column for r, c in trail), 'it came from the lower left'
 
 
 def test_bumps_and_cliffs_are_marked_where_they_happened_once():
@@ -189,6 +194,49 @@ def test_a_jump_starts_a_new_trail(places):
     for (x0, y0), (x1, y1) in zip(trail.points, trail.points[1:], strict=False):
         # Between two points lie at least a second, and those that were too near to be kept.
         assert hypot(x1 - x0, y1 - y0) <= 1.3 + 0.02
+
+
+def test_the_robot_is_drawn_in_scale_around_its_arrow():
+    lines = shown(heard(odom(0.3, 0.3)), 120, 40).split('\n')
+    row, column = next((row, line.index('→')) for row, line in enumerate(lines) if '→' in line)
+    dots = [(r - row, c - column) for r, line in enumerate(lines) for c, each in enumerate(line)
+            if 0x2800 < ord(each) < 0x2900]
+    # A cell is 0.05 m wide here, and the robot 0.33 m: more than six cells, three rows.
+    assert {min(c for _, c in dots), max(c for _, c in dots)} <= {-4, -3, 3, 4}
+    assert {min(r for r, _ in dots), max(r for r, _ in dots)} <= {-2, -1, 1, 2}
+
+
+def test_colours_say_what_words_say_and_no_color_is_respected():
+    state = heard(odom(1.0), Bumper(left=True), Mode(mode=2, wanted=2))
+    rows = picture(state, 0.0, 80, 24).runs()
+    colored = ''.join(encoded(row, colors=True) for row in rows)
+    assert f'\x1b[7;{Ink.BAD.value}mLEFT' in colored and f'\x1b[{Ink.GOOD.value}mSAFE' in colored
+    plain = ''.join(encoded(row, colors=False) for row in rows)
+    assert set(re.findall(r'\x1b\[([\d;]*)m', plain)) == {'7', '0'}
+    assert has_colors({'TERM': 'xterm', 'NO_COLOR': ''})
+    assert not has_colors({'TERM': 'xterm', 'NO_COLOR': '1'})
+    assert not has_colors({'TERM': 'dumb'}) and not has_colors({})
+
+
+def test_the_bar_is_at_its_column_whatever_width_a_font_gives_the_dots():
+    state = heard()
+    for step in range(100):
+        state.update(odom(0.02 * step, 0.01 * step), 0.1 * step)
+    for row in picture(state, 10.0, 80, 24).runs()[1:-4]:
+        assert wide_column(encoded(row, colors=True), '│') == 80 - PANEL - 1
+
+
+def wide_column(written: str, character: str) -> int:
+    """Return the column of a character on a terminal whose Braille is two cells wide."""
+    column = 0
+    for sequence, shown_text in re.findall(r'\x1b\[([\d;]*[Gm])|([^\x1b])', written):
+        if sequence.endswith('G'):
+            column = int(sequence[:-1]) - 1
+        elif shown_text == character:
+            return column
+        elif shown_text:
+            column += 2 if 0x2800 <= ord(shown_text) < 0x2900 else 1
+    return -1
 
 
 def test_without_messages_it_says_so():

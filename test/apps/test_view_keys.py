@@ -21,7 +21,8 @@ from create_oi_ros.apps.view.keys import (
     STOP,
     ViewCommand,
 )
-from create_oi_ros.apps.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop, Velocity
+from create_oi_ros.apps.view.teleop import FASTEST, FASTEST_TURN, HOLD, PERIOD, Teleop
+from create_oi_ros.driver.goals.goal import Velocity
 from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.services import SERVICES
 

@@ -238,9 +238,10 @@ def test_modes_songs_leds_dock_and_reset_are_done(stage, pages):
     for mode in ('full', 'passive', 'safe'):
         done('mode', mode=mode)
         page.until(lambda mode=mode: page.known['mode']['actual'] == mode.upper())
-    done('dock')
+    page.send('dock')
     stage.ros.until(lambda: robot.create.demo is not None)
-    done('stop')
+    page.send('stop')
+    assert {page.reply()['to'] for _ in range(2)} == {'dock', 'stop'}
     stage.ros.until(lambda: robot.create.demo is None)
 
 
@@ -360,7 +361,6 @@ def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch):
         monkeypatch.delitem(sys.modules, name)
     with pytest.raises(SystemExit, match='needs aiohttp.*sudo apt-get install python3-aiohttp'):
         programs._imported('create_web')
-
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [

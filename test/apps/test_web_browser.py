@@ -86,22 +86,22 @@ def test_dragging_the_stick_moves_the_robot_and_letting_go_stops_it(stage, robot
     assert abs(robot.body.truth().pose.y) < 0.05
 
 
-@pytest.mark.parametrize('size', SIZES)
-def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(shown, size):
-    page = shown(size).page
-    assert page.evaluate('document.documentElement.scrollWidth <= innerWidth')
-    for place in (0, 1e6):
-        page.evaluate(f'scrollTo(0, {place})')
-        box = page.locator('#stop').bounding_box()
-        assert box['y'] >= 0 and box['y'] + box['height'] <= SIZES[size][1]
-        # Nothing lies over it.
-        assert page.evaluate("""() => {
-            const box = document.getElementById('stop').getBoundingClientRect();
-            return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2).id;
-        }""") == 'stop'
-    small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
-        .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
-    assert small == [], 'a thumb must hit every button'
+def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(shown):
+    for size, (_, height) in SIZES.items():
+        page = shown(size).page
+        assert page.evaluate('document.documentElement.scrollWidth <= innerWidth'), size
+        for place in (0, 1e6):
+            page.evaluate(f'scrollTo(0, {place})')
+            box = page.locator('#stop').bounding_box()
+            assert box['y'] >= 0 and box['y'] + box['height'] <= height, size
+            # Nothing lies over it.
+            assert page.evaluate("""() => {
+                const box = document.getElementById('stop').getBoundingClientRect();
+                return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2).id;
+            }""") == 'stop', size
+        small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
+            .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
+        assert small == [], f'{size}: a thumb must hit every button'
 
 
 @pytest.mark.parametrize('stop', ['button', 'Escape', 'space', 'keyboard'])
@@ -187,6 +187,33 @@ def test_modes_and_leds_are_set(stage, robot, shown):
     stage.ros.until(lambda: robot.create.lights.bits & LedBits.ADVANCE)
     page.get_by_role('button', name='Play a tune').click()
     stage.ros.until(lambda: robot.create.note is not None)
+
+
+def test_a_place_is_tapped_on_the_map_and_the_robot_goes_there_until_it_is_cancelled(
+        stage, robot, shown):
+    opened = shown('telephone')
+    page = opened.page
+    page.locator('#goal-name').select_option('navigate_to_position')
+    box = page.locator('#map-canvas').bounding_box()
+    page.locator('#map-canvas').click(
+        position={'x': 0.7 * box['width'], 'y': 0.5 * box['height']})
+    assert float(page.locator('#goal-x').input_value()) > 0.5
+    page.locator('#goal-x').fill('4')
+    page.get_by_role('button', name='Go', exact=True).click()
+    stage.ros.until(lambda: robot.body.truth().travelled > 0.1)
+    opened.until('document.getElementById("goal-text").textContent.includes("m left")')
+    page.locator('#goal-cancel').click()
+    stage.ros.until(lambda: standing(robot))
+    opened.until('document.getElementById("goal-text").textContent.includes("canceled")')
+    assert page.locator('#goal-cancel').is_disabled()
+
+
+def test_a_number_that_is_none_is_not_sent(stage, robot, shown):
+    page = shown().page
+    page.locator('#goal-distance').fill('')
+    page.get_by_role('button', name='Go', exact=True).click()
+    assert page.locator('#goal-distance:invalid').count() == 1
+    assert page.locator('#goal-text').inner_text() == '' and standing(robot)
 
 
 def test_another_page_watches_until_it_takes_over(stage, robot, shown):

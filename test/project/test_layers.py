@@ -45,8 +45,9 @@ RULES = {
     'sim.world': Rule(ours=('sim', 'robot')),
     'sim.body': Rule(ours=('sim', 'sim.world', 'oi', 'robot')),
     'sim.firmware': Rule(ours=('sim', 'sim.body', 'sim.world', 'oi', 'robot')),
-    'sim.server': Rule(ours=('sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi', 'oi.tools',
-                             'robot'), pure=False),
+    'characters': Rule(),
+    'sim.server': Rule(ours=('characters', 'sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi',
+                             'oi.tools', 'robot'), pure=False),
     'link': Rule(ours=('driver', 'oi', 'oi.tools', 'robot'), others='serial', pure=False),
     'ros': Rule(ours=('ros.messages', 'ros.rotation', 'ros.serialized', 'link', 'driver',
                       'odometry', 'oi', 'oi.tools', 'robot', ''),
@@ -55,13 +56,14 @@ RULES = {
                          others=MESSAGES),
     'ros.rotation': Rule(),
     'ros.serialized': Rule(),
-    'apps': Rule(ours=('ros', 'ros.messages', 'ros.rotation', 'link', 'driver', 'odometry', 'oi',
-                       'oi.tools', 'robot', ''),
+    'pages': Rule(pure=False),
+    'apps': Rule(ours=('ros', 'pages', 'characters', 'ros.messages', 'ros.rotation', 'link',
+                       'driver', 'odometry', 'oi', 'oi.tools', 'robot', ''),
                  others=rf'{ROS}|{BAGS}|matplotlib|numpy|yaml|aiohttp|segno', pure=False),
 }
 PURE_PARTS = tuple(f'apps.web.{name}' for name in (
-    'access', 'battery_time', 'driver_seat', 'live_robot', 'page_messages', 'past',
-    'world_frame'))
+    'access', 'battery_time', 'driver_seat', 'live_robot', 'page_checks', 'page_goals',
+    'page_messages', 'past', 'world_frame'))
 """Pure modules of a room that is not."""
 PROGRAMS = 'apps'
 """Each program in this package is a room of its own, under this rule."""

@@ -1,6 +1,6 @@
 """A real Chromium without a window, driven by Playwright."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import shutil
 import time
@@ -36,9 +36,10 @@ def browsers() -> Iterator[Any]:
 class OpenPage:
     """A page, and what its console complains about."""
 
-    def __init__(self, browser: Any, address: str, width: int, height: int) -> None:
+    def __init__(self, browser: Any, address: str, width: int, height: int, *,
+                 offline: bool = False) -> None:
         self._context = browser.new_context(
-            viewport={'width': width, 'height': height}, has_touch=width < 800)
+            viewport={'width': width, 'height': height}, has_touch=width < 800, offline=offline)
         self._context.set_default_timeout(TIMEOUT_MS)
         self.page = self._context.new_page()
         self.errors: list[str] = []
@@ -55,9 +56,13 @@ class OpenPage:
     def until(self, expression: str) -> None:
         """Wait until an expression is true in the page."""
         # Playwright's own wait needs `eval` in the page, which the page forbids.
+        self.wait(lambda: self.page.evaluate(expression), expression)
+
+    def wait(self, happened: Callable[[], Any], what: str) -> None:
+        """Wait until a condition is true."""
         deadline = time.monotonic() + TIMEOUT_MS / 1000
-        while not self.page.evaluate(expression):
-            assert time.monotonic() < deadline, f'{expression} did not happen'
+        while not happened():
+            assert time.monotonic() < deadline, f'{what} did not happen'
             self.page.wait_for_timeout(POLL_MS)
 
     def grab(self, right: float, up: float) -> None:

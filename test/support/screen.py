@@ -66,13 +66,15 @@ class Screen:
             case _, 'H':
                 row, column = map(int, (arguments or '1;1').split(';'))
                 self._row, self._column = row - 1, column - 1
-            case '', 'K':
-                self._cells[self._row][self._column:] = [' '] * (self.columns - self._column)
+            case column, 'G':
+                self._column = int(column) - 1
+            case _, 'm':
+                assert re.fullmatch(r'(\d+(;\d+)*)?', arguments)
             case '?1049', _:
                 self.alternate = command == 'h'
             case _:
                 assert (arguments, command) in {
-                    ('?25', 'l'), ('?25', 'h'), ('?7', 'l'), ('?7', 'h'), ('0', 'm'), ('7', 'm')}
+                    ('?25', 'l'), ('?25', 'h'), ('?7', 'l'), ('?7', 'h')}
 
     def _put(self, character: str) -> None:
         if not self.alternate or character in '\r\n':

@@ -22,7 +22,7 @@ from ...ros.recorder import Recorder
 from ...ros.simulated_run import run_domain, run_folder
 from ...ros.user_errors import check_environment
 from .pilot import Pilot, Stopped, TourError
-from .tour import SHORT, Step, TOUR, WORLD
+from .tour import SHORT, TOUR, TourStep, WORLD
 
 BAG = 'create_demo'
 SIGN_INTERVAL = 8.0
@@ -36,7 +36,7 @@ def say(text: str) -> None:
     print(f'create_demo: {text}', flush=True)
 
 
-def tour(steps: Sequence[Step], pilot: Pilot) -> None:
+def tour(steps: Sequence[TourStep], pilot: Pilot) -> None:
     """Do all steps, and print each one."""
     began = time.monotonic()
     for number, step in enumerate(steps, 1):
@@ -93,7 +93,7 @@ def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[
             recorder.close()
 
 
-def record(steps: Sequence[Step], bag: Path, stop: threading.Event) -> None:
+def record(steps: Sequence[TourStep], bag: Path, stop: threading.Event) -> None:
     """Start a simulated robot and its node, and record the tour; TourError, Stopped: cut short."""
     children = Children()
     with ExitStack() as stack:

@@ -26,7 +26,7 @@ EDGE_SPEED = 0.15
 """m/s towards the stairs."""
 
 
-class Step(NamedTuple):
+class TourStep(NamedTuple):
     """A step of the tour: its title and what it does."""
 
     title: str
@@ -109,11 +109,12 @@ def goodbye(pilot: Pilot) -> None:
     pilot.release()
 
 
-TOUR: Sequence[Step] = (
-    Step('LEDs and a song', hello), Step('a square', square), Step('a spiral', spiral),
-    Step('bump and turn, twice', bump_and_turn),
-    Step('through two doors to the hall', to_the_hall),
-    Step('the stairs: a cliff, Passive, back off in Full, Safe', cliff),
-    Step('another song', goodbye))
-SHORT: Sequence[Step] = (Step('LEDs and a song', hello), Step('a turn', lambda pilot:
-                         pilot.turn_to(pi / 2)), Step('another song', goodbye))
+TOUR: Sequence[TourStep] = (
+    TourStep('LEDs and a song', hello), TourStep('a square', square), TourStep('a spiral', spiral),
+    TourStep('bump and turn, twice', bump_and_turn),
+    TourStep('through two doors to the hall', to_the_hall),
+    TourStep('the stairs: a cliff, Passive, back off in Full, Safe', cliff),
+    TourStep('another song', goodbye))
+SHORT: Sequence[TourStep] = (
+    TourStep('LEDs and a song', hello),
+    TourStep('a turn', lambda pilot: pilot.turn_to(pi / 2)), TourStep('another song', goodbye))

@@ -1,7 +1,8 @@
 """
-`create_report`: shows on one page what a robot did, from a bag.
+`create_report`: shows what a robot did, from a bag: a page to replay and zoom, or a picture.
 
-`bag_reader` reads a bag into a `Recording`, with `recovery` for files that were never closed.
-`summary` describes it in words, `drawing` and `track_drawing` as a picture in `colors`, `page`
-writes both to a file.
+`bag_reader` reads a bag into a `Recording`, with `recovery` for files that were never closed,
+and `summary` describes it in words. `page` writes it: as a page of the files in `live/` and the
+data of `page_data`, thinned by `thinning`; or as a picture by `drawing`, `track_drawing` and
+`text_drawing` in `colors`.
 """

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
     from rosbags.interfaces import Connection
 
-POINTS = 20_000
-"""Points of a curve at most; a page cannot show more."""
+POINTS = 300_000
+"""Points of a curve at most: all frames of an hour."""
 GAP, SILENCE = 0.5, 2.0
 """Seconds without odometry, and without any message, that count as a gap."""
 SETTLING = 1.0

@@ -4,39 +4,77 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from math import isfinite, nan
-from textwrap import shorten, wrap
 from typing import Any, TYPE_CHECKING
 
 from .colors import COLORS, COMMANDED, FAULTS, GAP, MEASURED, MODES
 from .recording import Curve, Recording, Span, SPANS
-from .summary import clock, events, summary, TimelineEvent
+from .summary import clock, events
+from .text_drawing import cut, draw_words, LINE, MARGIN, measure, plain, rows_needed
 from .track_drawing import draw_track, LISTED, number_events
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-INCHES = (12.0, 16.0)
 DOTS = 100
 """Pixels an inch."""
-HEIGHTS = (4.8, 1.2, 1.2, 0.9, 0.9, 0.6, 2.2, 1.1)
-"""Relative heights of the rows, from the track to the serial link."""
+ONE_COLUMN = 800
+"""Pixels of width below which the words stand under the track."""
+TRACK, CHARTS = 480, (120, 120, 90, 90, 60, 220, 110)
+"""Pixels of height: the track, and the rows from the speed to the serial link."""
+SPARE, NARROW_SPARE = 330, 420
+"""Pixels between and around all these: titles, axes, legends."""
+LETTER, HANDLE = 7.0, 48.0
+"""Pixels of a letter and of a sign in a legend, at most on average."""
+TITLE_SIZE = 16
 AVERAGED = 0.5
 """Seconds over which speeds are averaged: one frame resolves only steps of 67 mm/s."""
 
 
-def draw(recording: Recording) -> Figure:
-    """Return the picture."""
+def draw(recording: Recording, width: int) -> Figure:
+    """Return the picture, so many pixels wide."""
     from matplotlib.figure import Figure
-    figure = Figure(figsize=INCHES, dpi=DOTS, layout='constrained')
-    grid = figure.add_gridspec(len(HEIGHTS), 2, height_ratios=HEIGHTS)
+    figure = Figure(figsize=(width / DOTS, 1), dpi=DOTS, layout='constrained')
     shown = events(recording)
-    track = figure.add_subplot(grid[0, 0])
+    track, words, rows = _axes(figure, recording, len(shown), width)
     draw_track(track, recording, shown[:LISTED])
-    _words(figure.add_subplot(grid[0, 1]), recording, shown)
-    first = figure.add_subplot(grid[1, :])
-    rows = [first, *(figure.add_subplot(grid[row, :], sharex=first)
-                     for row in range(2, len(HEIGHTS)))]
+    words.axis('off')
+    _charts(rows, recording, width)
+    figure.align_ylabels(rows)
+    name = f'{recording.name}, robot {recording.robot}' if recording.robot else recording.name
+    title = cut(f'What the robot did: {name}', width - MARGIN,
+                measure(figure, TITLE_SIZE, 'bold'))
+    figure.suptitle(plain(title), fontsize=TITLE_SIZE, fontweight='bold')
+    figure.draw_without_rendering()  # labels avoid each other, so all else has its place first
+    figure.set_layout_engine('none')
+    number_events(track, recording, shown[:LISTED])
+    draw_words(figure, words, recording, shown, words_width(width))
+    return figure
+
+
+def words_width(width: int) -> float:
+    """Return the pixels that words have in a picture so many pixels wide."""
+    return width - 2 * MARGIN if width < ONE_COLUMN else width / 2 - 3 * MARGIN
+
+
+def _axes(figure: Figure, recording: Recording, shown: int,
+          width: int) -> tuple[Axes, Axes, list[Axes]]:
+    """Return the axes of the track, of the words, and of the charts."""
+    one = width < ONE_COLUMN
+    words = LINE * (1 + rows_needed(figure, recording, shown, words_width(width)))
+    heights = [min(TRACK, width), words, *CHARTS] if one else [max(TRACK, words), *CHARTS]
+    spare = NARROW_SPARE if one else SPARE
+    figure.set_size_inches(width / DOTS, (sum(heights) + spare) / DOTS)
+    grid = figure.add_gridspec(len(heights), 1 if one else 2, height_ratios=heights)
+    track = figure.add_subplot(grid[0, 0])
+    beside = figure.add_subplot(grid[1, 0] if one else grid[0, 1])
+    first = len(heights) - len(CHARTS)
+    speed = figure.add_subplot(grid[first, :])
+    return track, beside, [speed, *(figure.add_subplot(grid[row, :], sharex=speed)
+                                    for row in range(first + 1, len(heights)))]
+
+
+def _charts(rows: Sequence[Axes], recording: Recording, width: int) -> None:
     _speeds(rows[0], recording, 'speed', 'forward, m/s')
     _speeds(rows[1], recording, 'turn', 'turning, rad/s')
     _battery(rows[2], recording, 'volts', 'battery, V')
@@ -44,39 +82,10 @@ def draw(recording: Recording) -> Figure:
     _battery(rows[4], recording, 'charge', 'charge, %')
     rows[4].set(ylim=(0, 105), yticks=(0, 50, 100))
     _charging(rows[2], recording)
-    _timeline(rows[5], recording)
+    _timeline(rows[5], recording, width)
     _link(rows[6], recording)
     for axes in rows:
-        _time_axis(axes, recording, labelled=axes is rows[-1])
-    figure.align_ylabels(rows)
-    name = f'{recording.name}, robot {recording.robot}' if recording.robot else recording.name
-    figure.suptitle(f'What the robot did: {name}', fontsize=16, fontweight='bold')
-    figure.draw_without_rendering()  # labels avoid each other, so all else has its place first
-    figure.set_layout_engine('none')
-    number_events(track, recording, shown[:LISTED])
-    return figure
-
-
-def _words(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> None:
-    axes.axis('off')
-    lines = [line for each in summary(recording) for line in wrap(each, 78)]
-    rows = LISTED + 14
-    for row, line in enumerate(lines[:11]):
-        axes.text(0.0, 1 - row / rows, line, fontsize=9, transform=axes.transAxes)
-    first = min(len(lines), 11) + 1
-    axes.text(0.0, 1 - first / rows, 'What happened when (minutes:seconds)', fontsize=10,
-              fontweight='bold', transform=axes.transAxes)
-    for number, each in enumerate(shown[:LISTED], 1):
-        height = 1 - (first + number) / rows
-        axes.text(0.04, height, f'{number}', ha='right', fontsize=9, fontweight='bold',
-                  color=COLORS[each.kind], transform=axes.transAxes)
-        axes.text(0.13, height, clock(each.time), ha='right', fontsize=9,
-                  transform=axes.transAxes)
-        axes.text(0.15, height, shorten(each.text, 66, placeholder=' ...'), fontsize=9,
-                  transform=axes.transAxes)
-    if len(shown) > LISTED:
-        axes.text(0.15, 0, f'and {len(shown) - LISTED} more: see the HTML page', fontsize=9,
-                  style='italic', transform=axes.transAxes)
+        _time_axis(axes, recording, width, labelled=axes is rows[-1])
 
 
 def _speeds(axes: Axes, recording: Recording, name: str, label: str) -> None:
@@ -103,8 +112,10 @@ def _widen(axes: Axes, least: float) -> None:
 
 def _legend_above(axes: Axes, more: Sequence[Any] = ()) -> None:
     """Explain the lines above the axes, where no curve is."""
-    axes.legend(handles=[*axes.lines, *more], loc='lower right', bbox_to_anchor=(1, 1), fontsize=8,
-                ncols=3, frameon=False, borderpad=0, borderaxespad=0.2)
+    handles = [*axes.lines, *more]
+    columns = legend_columns(axes, [str(each.get_label()) for each in handles])
+    axes.legend(handles=handles, loc='lower right', bbox_to_anchor=(1, 1), fontsize=8,
+                ncols=columns, frameon=False, borderpad=0, borderaxespad=0.2, columnspacing=1)
 
 
 def _battery(axes: Axes, recording: Recording, name: str, label: str) -> None:
@@ -117,27 +128,28 @@ def _battery(axes: Axes, recording: Recording, name: str, label: str) -> None:
 def _charging(axes: Axes, recording: Recording) -> None:
     for span in recording.spans['charging'].all:
         axes.axvspan(span.start, span.end, color=COLORS['charging'], alpha=0.15)
-        axes.text(span.start, 0.04, f' {span.text}', fontsize=8,
+        axes.text(span.start, 0.04, f' {plain(span.text)}', fontsize=8, clip_on=True,
                   transform=axes.get_xaxis_transform())
 
 
-def _timeline(axes: Axes, recording: Recording) -> None:
+def _timeline(axes: Axes, recording: Recording, width: int) -> None:
     rows = [*SPANS, 'gap']
     for row, kind in enumerate(rows):
         spans = recording.gaps if kind == 'gap' else recording.spans[kind].all
         for span in spans:
-            _bar(axes, row, kind, span, recording.seconds)
+            _bar(axes, row, kind, span, recording.seconds, width)
     axes.set_yticks(range(len(rows)), rows, fontsize=8)
     axes.set_ylim(len(rows) - 0.4, -0.6)
 
 
-def _bar(axes: Axes, row: int, kind: str, span: Span, seconds: float) -> None:
+def _bar(axes: Axes, row: int, kind: str, span: Span, seconds: float, pixels: int) -> None:
     # Even the shortest bar is visible.
     width = max(span.end - span.start, seconds / 400)
     color = MODES.get(span.text, '#888888') if kind == 'mode' else COLORS[kind]
     axes.barh(row, width, left=span.start, height=0.75, color=color)
-    if width > seconds * 0.011 * len(span.text):
-        axes.text(span.start + width / 2, row, span.text, ha='center', va='center', fontsize=7,
+    if width > seconds * 13 / pixels * len(span.text):
+        axes.text(span.start + width / 2, row, plain(span.text), clip_on=True,
+                  ha='center', va='center', fontsize=7,
                   bbox={'boxstyle': 'round,pad=0.1', 'fc': 'white', 'ec': 'none', 'alpha': 0.6})
 
 
@@ -155,18 +167,24 @@ def _link(axes: Axes, recording: Recording) -> None:
     _legend_above(axes, [*faults.containers, *faults.lines])
 
 
-def _time_axis(axes: Axes, recording: Recording, *, labelled: bool) -> None:
+def _time_axis(axes: Axes, recording: Recording, width: int, *, labelled: bool) -> None:
     from matplotlib.ticker import FuncFormatter, MaxNLocator
     axes.set_xlim(0, recording.seconds or 1.0)
     axes.grid(axis='x', alpha=0.3)
-    axes.xaxis.set_major_locator(MaxNLocator(12, steps=[1, 2, 3, 5, 6, 10]))
+    axes.xaxis.set_major_locator(MaxNLocator(min(12, width // 90), steps=[1, 2, 3, 5, 6, 10]))
     axes.xaxis.set_major_formatter(FuncFormatter(
         lambda seconds, _: clock(seconds).removesuffix('.0')))
     axes.tick_params(labelbottom=labelled, labelsize=8)
     for gap in recording.gaps:
         axes.axvspan(gap.start, gap.end, color=GAP, alpha=0.35, linewidth=0)
     if labelled:
-        axes.set_xlabel('minutes and seconds since the first message; grey: gaps')
+        axes.set_xlabel('minutes and seconds; grey: gaps', fontsize=8)
+
+
+def legend_columns(axes: Axes, labels: Sequence[str]) -> int:
+    """Return how many columns of a legend stay in the picture."""
+    longest = max(map(len, labels), default=0) * LETTER + HANDLE
+    return max(1, min(len(labels), int(axes.figure.bbox.width * 0.85 // longest)))
 
 
 def smooth(times: list[float], values: list[float]) -> list[float]:

@@ -4,77 +4,77 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Sequence
+from hashlib import sha256
 from html import escape
+from importlib import resources
 from io import BytesIO
 from pathlib import Path
+from string import Template
 
+from ... import pages
+from ...pages.one_file import one_script
 from ...ros.whole_file import write_whole
-from .drawing import draw, save
+from .page_data import packed
 from .recording import Recording
 from .summary import clock, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
 """Rows of a table; the rest is only counted."""
-PAGE = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width"><title>{title}</title>
-<style>
-body {{ font: 15px/1.45 sans-serif; margin: 2em auto; max-width: 75em; padding: 0 1em; }}
-img {{ width: 100%; }}
-table {{ border-collapse: collapse; }}
-td, th {{ padding: .15em .8em; text-align: left; border-bottom: 1px solid #ddd; }}
-td:first-child {{ font-variant-numeric: tabular-nums; }}
-</style></head><body>
-<h1>{title}</h1>
-<p>{summary}</p>
-<img alt="Track, speeds, battery, timeline and link of the recording"
- src="data:image/png;base64,{picture}">
-<h2>What happened</h2>
-{events}
-<h2>Warnings of the diagnostics</h2>
-{warnings}
-<h2>Driver version and parameters</h2>
-{settings}
-</body></html>
-"""
+PAGE, ENTRY = 'report.html', 'report.js'
+STYLES = ('base.css', 'report.css')
 
 
-def write(recording: Recording, target: Path) -> None:
+def write(recording: Recording, target: Path, width: int) -> None:
     """Write the report as HTML or PNG, by the suffix of the file; OSError: why it cannot be."""
+    write_whole(target, _png(recording, width) if target.suffix == '.png' else _html(recording))
+
+
+def _png(recording: Recording, width: int) -> bytes:
+    from .drawing import draw, save
     picture = BytesIO()
-    save(draw(recording), picture)
-    content = picture.getvalue()
-    write_whole(target, content if target.suffix == '.png' else _html(recording, content))
+    save(draw(recording, width), picture)
+    return picture.getvalue()
 
 
-def _html(recording: Recording, picture: bytes) -> bytes:
-    """Return the page, in UTF-8."""
-    return PAGE.format(
+def _html(recording: Recording) -> bytes:
+    """Return the page, in UTF-8. Texts of the bag go in escaped, or as JSON that is no script."""
+    folder = resources.files(__package__) / 'live'
+    files = {each.name: each.read_text('utf-8') for each in folder.iterdir()} | pages.files()
+    style = '\n'.join(files[name] for name in STYLES)
+    script = '\n' + one_script({
+        name: text for name, text in files.items() if name.endswith('.js')}, ENTRY)
+    return Template(files[PAGE]).substitute(
         title=escape(f'What the robot did: {recording.name}'),
-        summary='<br>'.join(map(escape, summary(recording))),
-        picture=b64encode(picture).decode('ascii'),
-        events=_event_table(events(recording), ''),
-        warnings=_event_table(warnings(recording), 'Nothing.'),
+        style=style, script=script, data=packed(recording),
+        policy=f'script-src {_digest(script)}; style-src {_digest(style)}',
+        summary='\n'.join(f'<p>{escape(line)}</p>' for line in summary(recording)),
+        events=_event_table(events(recording)), warnings=_event_table(warnings(recording)),
         settings=_settings(recording)).encode('utf-8', 'replace')
 
 
-def _event_table(shown: list[TimelineEvent], nothing: str) -> str:
+def _digest(text: str) -> str:
+    """Return what a content security policy calls this inline text."""
+    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
+
+
+def _event_table(shown: list[TimelineEvent]) -> str:
+    """Return a table whose rows jump to their time."""
     if not shown:
-        return f'<p>{nothing or "Nothing."}</p>'
-    rows = [(str(number), clock(each.time), each.kind, each.text)
-            for number, each in enumerate(shown[:LONGEST], 1)]
+        return '<p>Nothing.</p>'
+    rows = [f'<tr data-time="{each.time:.3f}"><td class="time"><button type="button">'
+            f'{clock(each.time)}</button></td><td class="kind">{escape(each.kind)}</td>'
+            f'<td>{escape(each.text)}</td></tr>' for each in shown[:LONGEST]]
     rest = len(shown) - LONGEST
     more = f'<p>And {rest} more.</p>' if rest > 0 else ''
-    return _table(('', 'time', 'what', ''), rows) + more
+    return '<table>' + '\n'.join(rows) + f'</table>{more}'
 
 
 def _settings(recording: Recording) -> str:
     if not recording.settings:
         return '<p>Not in the bag: record /diagnostics to have them.</p>'
-    return _table(('name', 'value'), list(recording.settings.items()))
+    return _table(list(recording.settings.items()))
 
 
-def _table(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    lines = [''.join(f'<th>{escape(head)}</th>' for head in heads)]
-    lines += [''.join(f'<td>{escape(cell)}</td>' for cell in row) for row in rows]
+def _table(rows: Sequence[tuple[str, ...]]) -> str:
+    lines = [''.join(f'<td>{escape(cell)}</td>' for cell in row) for row in rows]
     return '<table>' + '\n'.join(f'<tr>{line}</tr>' for line in lines) + '</table>'

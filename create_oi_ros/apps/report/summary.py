@@ -12,6 +12,8 @@ from .recording import Recording, Span
 CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
            'overcurrent': 'Too much current', 'buttons': 'Button'}
 
+HOUR = 3600
+
 
 @dataclass(frozen=True)
 class TimelineEvent:
@@ -24,7 +26,8 @@ class TimelineEvent:
 
 def clock(seconds: float) -> str:
     """Return seconds as text, such as 1:02:03 or 2:03.4."""
-    minutes, rest = divmod(seconds, 60)
+    # Rounded first: 59.99 s is 1:00.0.
+    minutes, rest = divmod(round(seconds, 0 if seconds >= HOUR else 1), 60)
     hours, minutes = divmod(int(minutes), 60)
     return f'{hours}:{minutes:02d}:{rest:02.0f}' if hours else f'{minutes}:{rest:04.1f}'
 

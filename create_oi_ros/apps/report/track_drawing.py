@@ -21,6 +21,8 @@ LISTED = 24
 """Events numbered on the track; a page has no room for more."""
 HEADINGS = 30
 """Arrows along the track at most."""
+DOTTED = 20_000
+"""Points of the track at most that have a colour of their time."""
 APART = 1 / 7
 """Least distance of two arrows, as part of the track's size."""
 SMALLEST = 0.5
@@ -36,8 +38,7 @@ def draw_track(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> 
     axes.set(xlabel='x, m', ylabel='y, m')
     axes.set_aspect('equal', adjustable='datalim')
     axes.grid(alpha=0.3)
-    axes.set_title('Track by odometry, from dark to light; arrows: heading;\n'
-                   'numbers: events listed on the right, side by side at one place',
+    axes.set_title('Track by odometry, from dark to light;\narrows: heading; numbers: events',
                    fontsize=9)
     odom = recording.odom
     known = [each for each in zip(odom['x'], odom['y'], odom['yaw'], strict=True)
@@ -47,7 +48,9 @@ def draw_track(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> 
         return
     xs, ys = odom.broken('x', recording.gaps)[1], odom.broken('y', recording.gaps)[1]
     axes.plot(xs, ys, color='#dddddd', linewidth=5, solid_capstyle='round', zorder=1)
-    axes.scatter(odom['x'], odom['y'], c=odom.times, cmap='viridis', s=3, linewidths=0, zorder=2)
+    every = slice(None, None, 1 + len(odom) // DOTTED)
+    axes.scatter(odom['x'][every], odom['y'][every], c=odom.times[every], cmap='viridis',
+                 s=3, linewidths=0, zorder=2)
     _headings(axes, known)
     ends = (known[0], 'o', 17, 'start'), (known[-1], 's', 11, 'end')
     for (x, y, _), mark, size, label in ends:
@@ -64,7 +67,7 @@ def _legend(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> Non
     handles += [Line2D([], [], color=COLORS[kind], marker=MARKS[kind], markersize=9,
                        markeredgecolor='white', linestyle='none', label=kind) for kind in kinds]
     axes.legend(handles=handles, loc='upper center', bbox_to_anchor=(0.5, -0.1), fontsize=8,
-                ncols=11, columnspacing=1.2, handletextpad=0.3, frameon=False)
+                ncols=4, columnspacing=1.2, handletextpad=0.3, frameon=False)
 
 
 def _headings(axes: Axes, known: list[tuple[float, float, float]]) -> None:
@@ -87,7 +90,7 @@ def _headings(axes: Axes, known: list[tuple[float, float, float]]) -> None:
 
 
 @dataclass
-class Place:
+class MarkedPlace:
     """A place on the track, in pixels, with the events that happened there."""
 
     x: float
@@ -112,9 +115,9 @@ def number_events(axes: Axes, recording: Recording, shown: list[TimelineEvent]) 
         taken.append(_number(axes, place, taken))
 
 
-def _places(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> list[Place]:
+def _places(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> list[MarkedPlace]:
     """Return the places of the events; events that are close share one."""
-    found: list[Place] = []
+    found: list[MarkedPlace] = []
     near = TOGETHER * axes.figure.dpi
     for number, each in enumerate(shown, 1):
         where = recording.place(each.time)
@@ -123,13 +126,13 @@ def _places(axes: Axes, recording: Recording, shown: list[TimelineEvent]) -> lis
         x, y = axes.transData.transform(where)
         place = next((old for old in found if hypot(old.x - x, old.y - y) < near), None)
         if place is None:
-            place = Place(x, y)
+            place = MarkedPlace(x, y)
             found.append(place)
         place.events.append((number, each.kind))
     return found
 
 
-def _mark(axes: Axes, place: Place) -> Bbox:
+def _mark(axes: Axes, place: MarkedPlace) -> Bbox:
     """Draw a mark for each kind of event, side by side; return the pixels that they cover."""
     from matplotlib.lines import Line2D
     from matplotlib.transforms import Bbox, IdentityTransform
@@ -145,7 +148,7 @@ def _mark(axes: Axes, place: Place) -> Bbox:
                              place.x + (2 * len(kinds) - 1) * half, place.y + half)
 
 
-def _number(axes: Axes, place: Place, taken: list[Bbox]) -> Bbox:
+def _number(axes: Axes, place: MarkedPlace, taken: list[Bbox]) -> Bbox:
     """Write the numbers where nothing is yet; return the pixels that they cover."""
     text = axes.annotate(
         place.label, (place.x, place.y), xycoords='figure pixels', xytext=(0, 0),

@@ -1,8 +1,8 @@
 """
-`create_view`: shows a robot in a terminal and drives it by keys, through topics and services only.
+`create_view`: shows a robot in a terminal, and drives it by keys.
 
-`robot_state` holds what was received. `picture` draws it on a `canvas`, from a `chart` (the map)
-and `panels` (the sensors). `keys` maps keys to actions, `teleop` turns drive keys into velocities.
-These are pure: no clock, no terminal, no ROS graph. `terminal` and `view_node` are the two ends,
-`create_view` joins them.
+`robot_state` holds what was received. `picture` draws it on a canvas of `characters`, from a
+`chart` (the map) and `panels` (the sensors). `keys` maps keys to actions, `teleop` turns drive
+keys into velocities. These are pure: no clock, no terminal, no ROS graph. `terminal` and
+`view_node` are the two ends, `create_view` joins them.
 """

@@ -5,20 +5,23 @@ from __future__ import annotations
 from math import ceil, floor, log10, pi
 from typing import NamedTuple
 
-from .canvas import Canvas
+from ...characters.canvas import Canvas
+from ...characters.dots import Dots
+from ...characters.ink import Ink
+from ...robot import BODY_RADIUS
 from .robot_state import OdomPose, Trail
 
 CELL_SHAPE = 2.0
 """Height of a character over its width."""
-BRAILLE = 0x2800
-DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
-"""Bits of a Braille character, by row and column."""
 ARROWS, PLAIN_ARROWS = '→↗↑↖←↙↓↘', '>/^\\</v\\'
 """Counter-clockwise from x, in eighths of a turn."""
 LEAST_WIDTH = 3.0
 """Metres across the map at least."""
 MARGIN = 2
 """Cells left free around the trail."""
+SMALLEST_HULL = 0.75
+"""Cells: radius of the smallest hull that is drawn."""
+SIGN_INKS = {'x': Ink.BAD, '!': Ink.WARN}
 STEPS = (1.0, 2.0, 5.0, 10.0)
 """Scales and the scale bar are one of these times a power of ten."""
 
@@ -56,26 +59,41 @@ class Chart:
         self._left = (middle_x - box.columns // 2) * self.cell
         self._top = (middle_y + box.rows // 2) * high
 
-    def cell_of(self, x: float, y: float, across: int = 1, down: int = 1) -> tuple[int, int]:
-        """Return row and column, in cells divided into `down` by `across` parts."""
-        return (floor((self._top - y) / (self.cell * CELL_SHAPE) * down),
-                floor((x - self._left) / self.cell * across))
+    def place_of(self, x: float, y: float) -> tuple[float, float]:
+        """Return row and column with their fractions."""
+        return (self._top - y) / (self.cell * CELL_SHAPE), (x - self._left) / self.cell
+
+    def cell_of(self, x: float, y: float) -> tuple[int, int]:
+        """Return row and column."""
+        row, column = self.place_of(x, y)
+        return floor(row), floor(column)
 
     def inside(self, row: int, column: int) -> bool:
         """Return whether a cell lies in the box."""
         return 0 <= row < self._box.rows and 0 <= column < self._box.columns
 
 
-def _dots(canvas: Canvas, box: Box, chart: Chart, trail: Trail) -> None:
-    patterns: dict[tuple[int, int], int] = {}
+def _draw_dots(canvas: Canvas, box: Box, chart: Chart, dots: Dots, ink: Ink) -> None:
+    for (row, column), character in dots.characters(plain=canvas.plain):
+        if chart.inside(row, column):
+            canvas.put(box.row + row, box.column + column, character, ink=ink)
+
+
+def _trail(canvas: Canvas, box: Box, chart: Chart, trail: Trail) -> None:
+    dots = Dots()
     for x, y in trail.points:
-        row, column = chart.cell_of(x, y, 2, 4)
-        if chart.inside(row // 4, column // 2):
-            cell = row // 4, column // 2
-            patterns[cell] = patterns.get(cell, 0) | DOTS[row % 4][column % 2]
-    for (row, column), bits in patterns.items():
-        dots = '.' if canvas.plain else chr(BRAILLE + bits)
-        canvas.put(box.row + row, box.column + column, dots)
+        dots.add(*chart.place_of(x, y))
+    _draw_dots(canvas, box, chart, dots, Ink.TRACK)
+
+
+def _hull(canvas: Canvas, box: Box, chart: Chart, here: OdomPose) -> None:
+    """Draw the robot's hull in scale, where it is larger than its arrow."""
+    width = BODY_RADIUS / chart.cell
+    if width < SMALLEST_HULL or canvas.plain:
+        return
+    dots = Dots()
+    dots.ring(*chart.place_of(here.x, here.y), width / CELL_SHAPE, width)
+    _draw_dots(canvas, box, chart, dots, Ink.ROBOT)
 
 
 def _bar(canvas: Canvas, box: Box, chart: Chart) -> None:
@@ -92,15 +110,18 @@ def draw(canvas: Canvas, box: Box, trail: Trail, pose: OdomPose | None) -> None:
     points += [(here.x, here.y)] if here else []
     chart = Chart(box, points or [(0.0, 0.0)])
 
-    def put(x: float, y: float, sign: str, *, highlighted: bool = False) -> None:
+    def put(x: float, y: float, sign: str, ink: Ink = Ink.PLAIN, *,
+            highlighted: bool = False) -> None:
         row, column = chart.cell_of(x, y)
         if chart.inside(row, column):
-            canvas.put(box.row + row, box.column + column, sign, highlighted=highlighted)
+            canvas.put(box.row + row, box.column + column, sign, highlighted=highlighted, ink=ink)
     _bar(canvas, box, chart)
-    _dots(canvas, box, chart, trail)
+    _trail(canvas, box, chart, trail)
+    if here is not None:
+        _hull(canvas, box, chart, here)
     put(0.0, 0.0, '+')
     for mark in trail.marks:
-        put(mark.x, mark.y, mark.sign)
+        put(mark.x, mark.y, mark.sign, SIGN_INKS[mark.sign])
     if here is not None:
         eighth = round(here.yaw / (pi / 4)) % 8
         put(here.x, here.y, (PLAIN_ARROWS if canvas.plain else ARROWS)[eighth], highlighted=True)

@@ -6,24 +6,13 @@ from collections.abc import Callable
 from math import degrees, inf, isfinite, isnan
 from typing import Any, NamedTuple
 
-from create_oi_msgs.msg import (
-    Bumper,
-    Buttons,
-    CargoBay,
-    Charging,
-    Cliff,
-    IrOmni,
-    Mode,
-    Overcurrent,
-    Song,
-    Wall,
-    WheelDrop,
-)
+from create_oi_msgs import msg
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 
+from ...characters.ink import Ink
 from ...ros.messages import charging_name, mode_name, WHEEL_JOINTS
 from .robot_state import RobotState
 
@@ -35,6 +24,8 @@ BAR = 14
 """Characters of the battery's bar."""
 LOW = 0.2
 """Part of the full charge below which the battery is highlighted."""
+HALF = 0.5
+"""Part of the full charge below which its colour changes."""
 SILENCE = 2.5
 """Seconds without any message after which the driver counts as gone."""
 MOST_NAMES = 4
@@ -49,6 +40,7 @@ class Piece(NamedTuple):
     column: int
     text: str
     highlighted: bool = False
+    ink: Ink = Ink.PLAIN
 
 
 Line = list[Piece]
@@ -68,7 +60,8 @@ def plain(*texts: str) -> Line:
 
 def flags(*named: tuple[str, bool], width: int = 7) -> Line:
     """Return names in columns; one that is set is highlighted and in capitals."""
-    return [Piece(index * width, name.upper() if is_set else name, is_set)
+    return [Piece(index * width, name.upper() if is_set else name, is_set,
+                  Ink.BAD if is_set else Ink.PLAIN)
             for index, (name, is_set) in enumerate(named)]
 
 
@@ -146,7 +139,8 @@ def _charge(battery: Any) -> Line:
     if isnan(part):
         return plain('charge not known')
     full = round(BAR * min(max(part, 0.0), 1.0))
-    return [Piece(0, f'[{"#" * full}{"-" * (BAR - full)}] {part:.0%}', part < LOW)]
+    ink = Ink.BAD if part < LOW else Ink.WARN if part < HALF else Ink.GOOD
+    return [Piece(0, f'[{"#" * full}{"-" * (BAR - full)}] {part:.0%}', part < LOW, ink)]
 
 
 def _volts(battery: Any) -> Line:
@@ -158,13 +152,13 @@ def _charging(charging: Any) -> Line:
     where = [name for name, here in (
         ('home base', charging.home_base), ('charger', charging.internal_charger)) if here]
     text = ', '.join([charging_name(charging.state), *where])
-    return [Piece(0, text, charging.state == Charging.FAULT)]
+    return [Piece(0, text, charging.state == msg.Charging.FAULT)]
 
 
 def _mode(mode: Any) -> Line:
     differs = mode.mode != mode.wanted
     wanted = f' ({mode_name(mode.wanted)} wanted)' if differs else ''
-    return [Piece(0, mode_name(mode.mode) + wanted, differs)]
+    return [Piece(0, mode_name(mode.mode) + wanted, differs, Ink.BAD if differs else Ink.GOOD)]
 
 
 def _buttons(buttons: Any) -> Line:
@@ -172,7 +166,7 @@ def _buttons(buttons: Any) -> Line:
 
 
 def _song(state: RobotState, _: float) -> Line:
-    song = state.get(Song)
+    song = state.get(msg.Song)
     if song is None:
         return []
     # The number arrives once a second only: while a song plays, it may be that of the last one.
@@ -184,7 +178,7 @@ def _song(state: RobotState, _: float) -> Line:
 
 def _infrared(infrared: Any) -> Line:
     name = infrared.name.removeprefix('home_base_').replace('_and_', '+').replace('_', ' ')
-    heard = infrared.character != IrOmni.NONE
+    heard = infrared.character != msg.IrOmni.NONE
     return plain(f'{infrared.character} {name}' if heard else 'none')
 
 
@@ -201,7 +195,8 @@ def _link(state: RobotState, _: float) -> Line:
     known = {value.key: value.value for value in link.values}
     highlighted = link.level != DiagnosticStatus.OK
     rate, damaged = known.get('frames per second', '-'), known.get('damaged frames', '-')
-    return [Piece(0, f'{rate} frames/s, {damaged} damaged', highlighted)]
+    return [Piece(0, f'{rate} frames/s, {damaged} damaged', highlighted,
+                  Ink.WARN if highlighted else Ink.PLAIN)]
 
 
 def of(type_: type, line: Callable[[Any], Line]) -> Callable[[RobotState, float], Line]:
@@ -212,24 +207,33 @@ def of(type_: type, line: Callable[[Any], Line]) -> Callable[[RobotState, float]
     return made
 
 
-ROWS: tuple[tuple[str, Callable[[RobotState, float], Line]], ...] = (
-    ('pose', _position), ('yaw', _heading), ('speed', of(Odometry, _speed)),
-    ('cmd_vel', _command), ('wheels', of(JointState, _wheels)),
-    ('bumper', of(Bumper, _bumper)), ('drops', of(WheelDrop, _drops)),
-    ('cliffs', of(Cliff, _cliffs)), ('', of(Cliff, _signals)), ('wall', of(Wall, _wall)),
-    ('current', of(Overcurrent, _overcurrent)),
-    ('battery', of(BatteryState, _charge)), ('', of(BatteryState, _volts)),
-    ('charger', of(Charging, _charging)), ('mode', of(Mode, _mode)),
-    ('buttons', of(Buttons, _buttons)), ('song', _song),
-    ('ir', of(IrOmni, _infrared)), ('link', _link),
-    ('cargo', of(CargoBay, _cargo)),
+Row = tuple[str, Callable[[RobotState, float], Line]]
+GROUPS: tuple[tuple[Row, ...], ...] = (
+    (('mode', of(msg.Mode, _mode)), ('battery', of(BatteryState, _charge)),
+     ('', of(BatteryState, _volts)), ('charger', of(msg.Charging, _charging)), ('link', _link)),
+    (('bumper', of(msg.Bumper, _bumper)), ('drops', of(msg.WheelDrop, _drops)),
+     ('cliffs', of(msg.Cliff, _cliffs)), ('', of(msg.Cliff, _signals)),
+     ('wall', of(msg.Wall, _wall)), ('current', of(msg.Overcurrent, _overcurrent))),
+    (('speed', of(Odometry, _speed)), ('cmd_vel', _command), ('pose', _position),
+     ('yaw', _heading), ('wheels', of(JointState, _wheels))),
+    (('buttons', of(msg.Buttons, _buttons)), ('ir', of(msg.IrOmni, _infrared)), ('song', _song),
+     ('cargo', of(msg.CargoBay, _cargo))),
 )
-"""The panel from top to bottom; a small terminal leaves out the last ones."""
+"""The panel from top to bottom, in the order people look: may it drive, what touches it, how it
+moves, all else. A small terminal leaves out the last lines."""
+ROWS: tuple[Row, ...] = tuple(row for group in GROUPS for row in group)
 
 
-def lines(state: RobotState, now: float) -> list[tuple[str, Line]]:
-    """Return the label and the content of each line."""
-    return [(about, line(state, now) or plain(NOTHING if about else '')) for about, line in ROWS]
+def lines(state: RobotState, now: float, rows: int = 0) -> list[tuple[str, Line]]:
+    """Return the label and content of each line; groups are apart if that fits in the rows."""
+    apart = len(ROWS) + len(GROUPS) - 1 <= rows
+    found: list[tuple[str, Line]] = []
+    for group in GROUPS:
+        if apart and found:
+            found.append(('', []))
+        found += [(about, line(state, now) or plain(NOTHING if about else ''))
+                  for about, line in group]
+    return found
 
 
 def silences(state: RobotState, now: float) -> list[str]:
@@ -246,8 +250,8 @@ def silences(state: RobotState, now: float) -> list[str]:
 
 def alarms(state: RobotState, now: float) -> list[str]:
     """Return all alarms: silence, the mode, warnings of the diagnostics."""
-    found, mode = silences(state, now), state.get(Mode)
-    if state.driving and mode is not None and mode.mode == mode.wanted == Mode.PASSIVE:
+    found, mode = silences(state, now), state.get(msg.Mode)
+    if state.driving and mode is not None and mode.mode == mode.wanted == msg.Mode.PASSIVE:
         found.append('in PASSIVE it does not drive: 2 enters SAFE')
     if state.driver_count > 1:
         found.append(f'{state.driver_count} drivers publish here: give each a namespace or domain')

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from textwrap import wrap
 
+from ...characters.canvas import Canvas
+from ...characters.ink import Ink
 from . import chart, panels
-from .canvas import Canvas
 from .keys import BINDINGS
 from .robot_state import RobotState
 
@@ -71,12 +72,12 @@ def _paragraph(canvas: Canvas, box: chart.Box, text: str) -> None:
 def _panel(canvas: Canvas, state: RobotState, now: float, rows: int) -> None:
     left = canvas.columns - PANEL
     for row in range(rows):
-        canvas.put(row + 1, left - 1, '|' if canvas.plain else '│')
-    for row, (about, line) in enumerate(panels.lines(state, now)[:rows], 1):
-        canvas.put(row, left, about)
+        canvas.put(row + 1, left - 1, '|' if canvas.plain else '│', ink=Ink.FAINT)
+    for row, (about, line) in enumerate(panels.lines(state, now, rows)[:rows], 1):
+        canvas.put(row, left, about, ink=Ink.FAINT)
         for piece in line:
             column = left + LABEL + piece.column
-            canvas.put(row, column, piece.text, highlighted=piece.highlighted,
+            canvas.put(row, column, piece.text, highlighted=piece.highlighted, ink=piece.ink,
                        width=canvas.columns - column)
 
 
@@ -87,7 +88,7 @@ def _foot(canvas: Canvas, state: RobotState, now: float) -> None:
     alarm_lines = wrap(alarms, canvas.columns)[:ALARM_ROWS]
     call_lines = wrap(text, canvas.columns)[:FOOT - 1 - len(alarm_lines)]
     for row, line in enumerate(alarm_lines, canvas.rows - FOOT):
-        canvas.put(row, 0, line, highlighted=True)
+        canvas.put(row, 0, line, highlighted=True, ink=Ink.BAD)
     for row, line in enumerate(call_lines, canvas.rows - 1 - len(call_lines)):
         canvas.put(row, 0, line, highlighted=call.highlighted)
-    canvas.put(canvas.rows - 1, 0, KEYS)
+    canvas.put(canvas.rows - 1, 0, KEYS, ink=Ink.FAINT)

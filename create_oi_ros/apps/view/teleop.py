@@ -25,8 +25,6 @@ STEP = 1.25
 """Factor between two speeds."""
 LEAST = 0.02
 """m/s; the keys go no slower."""
-
-
 STANDSTILL = Velocity(0.0, 0.0)
 
 

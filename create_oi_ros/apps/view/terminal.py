@@ -17,17 +17,18 @@ import tempfile
 import termios
 from typing import Any, IO
 
+from ...characters.ink import encoded, has_colors, Stretch
+
 ENTER = '\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J'
 """Alternate screen, no cursor, no line wrap, cleared."""
 LEAVE = '\x1b[0m\x1b[?7h\x1b[?25h\x1b[?1049l'
-REVERSE, NORMAL = '\x1b[7m', '\x1b[0m'
 USUAL_SIZE = (80, 24)
 RESTORE_TIMEOUT = 0.5
 """Seconds that a stalled terminal has to accept what restores it."""
 MOST_ERRORS = 8192
 """Bytes of stderr, the last ones, that are shown when the terminal is restored."""
 DISABLED = b'\0'
-Rows = list[list[tuple[str, bool]]]
+Rows = list[list[Stretch]]
 
 
 class TerminalError(Exception):
@@ -36,11 +37,6 @@ class TerminalError(Exception):
 
 class TerminalClosed(Exception):
     """The terminal was closed."""
-
-
-def _encoded(row: list[tuple[str, bool]]) -> str:
-    return ''.join(
-        f'{REVERSE}{text}{NORMAL}' if highlighted else text for text, highlighted in row)
 
 
 def _keys_alone(settings: list[Any]) -> list[Any]:
@@ -59,6 +55,7 @@ class Terminal:
 
     def __init__(self, keys: int, screen: int) -> None:
         """Use two open descriptors: one to read keys, one to write."""
+        self._colors = has_colors(os.environ)
         self.descriptor = keys
         """Readable when a key was pressed."""
         self._screen = screen
@@ -101,7 +98,7 @@ class Terminal:
         self._send()
         if self._unsent:
             return
-        lines = [_encoded(row) for row in rows]
+        lines = [encoded(row, colors=self._colors) for row in rows]
         out = ''
         if self._size != (size := self.size) or len(lines) != len(self._shown):
             self._shown, self._size, out = [], size, '\x1b[2J'

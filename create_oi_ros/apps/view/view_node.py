@@ -124,8 +124,7 @@ class ViewNode(Node):
         """Call a service; the result appears in the state."""
         client = self._service_clients[call.service]
         if not client.service_is_ready():
-            self.state.call_status = CallStatus(
-                f'nobody offers {client.srv_name}: no driver is running', highlighted=True)
+            self._show_missing(client.srv_name)
             return
         self.state.call_status = CallStatus(call.service, waiting_since=now)
         future = client.call_async(TYPES[call.service].Request(**call.fields))
@@ -133,9 +132,7 @@ class ViewNode(Node):
 
     def _on_reply(self, call: ServiceCall, done: Future) -> None:
         reply = done.result()
-        text = ', '.join(filter(None, ('done' if reply.success else 'refused', reply.message)))
-        self.state.call_status = CallStatus(
-            f'{call.service}: {text}', highlighted=not reply.success)
+        self._show_end(call.service, reply, 'refused')
         if reply.success and call.service == 'reset_odometry':
             self.state.trail.clear()
 
@@ -145,8 +142,7 @@ class ViewNode(Node):
         """Send a goal; the result appears in the state."""
         client = self._action_clients[call.name]
         if not client.server_is_ready():
-            self.state.call_status = CallStatus(
-                f'nobody offers {call.name}: no driver is running', highlighted=True)
+            self._show_missing(call.name)
             return
         self.state.call_status = CallStatus(call.name, waiting_since=now)
         sent = client.send_goal_async(ACTION_TYPES[call.name].Goal(**call.fields))
@@ -159,9 +155,15 @@ class ViewNode(Node):
             return
         self.state.call_status = CallStatus(f'{call.name}: under way; space stops it')
         handle.get_result_async().add_done_callback(
-            lambda done: self._on_result(call, done.result().result))
+            lambda done: self._show_end(call.name, done.result().result, 'ended'))
 
-    def _on_result(self, call: GoalCall, result: Any) -> None:
-        text = ', '.join(filter(None, ('done' if result.success else 'ended', result.message)))
+    # What the user is told of both.
+
+    def _show_missing(self, name: str) -> None:
         self.state.call_status = CallStatus(
-            f'{call.name}: {text}', highlighted=not result.success)
+            f'nobody offers {name}: no driver is running', highlighted=True)
+
+    def _show_end(self, name: str, answer: Any, failed: str) -> None:
+        """Show a reply or a result; `failed` is the word for one without success."""
+        text = ', '.join(filter(None, ('done' if answer.success else failed, answer.message)))
+        self.state.call_status = CallStatus(f'{name}: {text}', highlighted=not answer.success)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import inf
 
-from ...driver.motion import Velocity as Velocity
+from ...driver.motion import Velocity
 from ...robot import TOP_SPEED, WHEEL_SEPARATION
 
 HOLD = 0.15

@@ -12,18 +12,7 @@ import json
 from math import hypot, inf, isfinite
 from typing import Any, NamedTuple
 
-from create_oi_msgs.msg import (
-    Bumper,
-    Buttons,
-    Charging,
-    Cliff,
-    IrOmni,
-    Mode,
-    Overcurrent,
-    Song,
-    Wall,
-    WheelDrop,
-)
+from create_oi_msgs import msg
 from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
@@ -41,7 +30,7 @@ from .past import (
 from .world_frame import FlatPose
 
 Json = Any
-HAZARDS = {Bumper: 'bump', Cliff: 'cliff', WheelDrop: 'drop'}
+HAZARDS = {msg.Bumper: 'bump', msg.Cliff: 'cliff', msg.WheelDrop: 'drop'}
 """Messages whose flags are events on the map."""
 FARTHEST = 1e6
 """Metres from the origin beyond which a place is wrong and is not shown."""
@@ -112,24 +101,24 @@ class LiveRobot:
             case Odometry():
                 self._heard_at = now
                 self._move(message, now)
-            case Bumper() | Cliff() | WheelDrop():
+            case msg.Bumper() | msg.Cliff() | msg.WheelDrop():
                 self.parts.put(HAZARDS[type(message)], flags(message))
                 self._remember(HAZARDS[type(message)], flags(message))
-            case Wall() | Buttons() | Overcurrent():
+            case msg.Wall() | msg.Buttons() | msg.Overcurrent():
                 self.parts.put(type(message).__name__.lower(), flags(message))
             case BatteryState():
                 self.parts.put('battery', self._battery_part(message, now))
-            case Mode():
+            case msg.Mode():
                 self.parts.put('mode', {
                     'actual': mode_name(message.mode), 'wanted': mode_name(message.wanted),
                     'reason': message.reason})
-            case Charging():
+            case msg.Charging():
                 self.parts.put('charging', {
                     'state': charging_name(message.state), 'home_base': message.home_base,
                     'charger': message.internal_charger})
-            case Song():
+            case msg.Song():
                 self.parts.put('song', {'number': message.number, 'playing': message.playing})
-            case IrOmni():
+            case msg.IrOmni():
                 self.parts.put('infrared', {'code': message.character, 'name': message.name})
 
     def diagnose(self, statuses: Mapping[str, DiagnosticStatus]) -> None:
@@ -176,7 +165,7 @@ class LiveRobot:
         if silent or now - self._sampled_at < SAMPLE_PERIOD:
             return
         self._sampled_at = now
-        cliff, wall = self._newest.get(Cliff), self._newest.get(Wall)
+        cliff, wall = self._newest.get(msg.Cliff), self._newest.get(msg.Wall)
         twist = self._newest[Odometry].twist.twist
         battery = self._newest.get(BatteryState)
         self.samples.add([

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 import json
 from typing import Any, NamedTuple
 
 from ...oi import Mode
 from ...robot import TOP_SPEED
 from .driver_seat import TOP_TURN
+from .page_checks import FieldCheck, FLAG, number, one_of, whole
+from .page_goals import GOALS
 
 LONGEST_SONG = 16
 """Notes (manual: Song)."""
@@ -21,48 +23,17 @@ class MessageError(ValueError):
     """A message is wrong; the text says what is wrong and what is allowed."""
 
 
-class Check(NamedTuple):
-    """What a field may be: a test and its description."""
-
-    passes: Callable[[Any], bool]
-    allowed: str
-
-
-def is_number(value: Any) -> bool:
-    """Return whether a value of JSON is a number; true and false are none."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def number(low: float, high: float) -> Check:
-    """Return a check for a number within limits; NaN is outside of them."""
-    return Check(lambda value: is_number(value) and low <= value <= high,
-                 f'a number from {low:g} to {high:g}')
-
-
-def whole(low: int, high: int) -> Check:
-    """Return a check for a whole number within limits."""
-    return Check(lambda value: isinstance(value, int) and is_number(value)
-                 and low <= value <= high, f'a whole number from {low} to {high}')
-
-
-def one_of(*allowed: str) -> Check:
-    """Return a check for one of some texts."""
-    return Check(lambda value: isinstance(value, str) and value in allowed,
-                 ', '.join(allowed))
-
-
 def _is_note(note: Any) -> bool:
     return (isinstance(note, list) and len(note) == 2
             and whole(LOWEST_NOTE, HIGHEST_NOTE).passes(note[0])
             and number(0, LONGEST_NOTE).passes(note[1]))
 
 
-FLAG = Check(lambda value: isinstance(value, bool), 'true or false')
-NOTES = Check(
+NOTES = FieldCheck(
     lambda value: isinstance(value, list) and 0 < len(value) <= LONGEST_SONG
     and all(map(_is_note, value)),
     f'1 to {LONGEST_SONG} pairs of a note from {LOWEST_NOTE} to {HIGHEST_NOTE} and its seconds')
-MESSAGES: Mapping[str, Mapping[str, Check]] = {
+MESSAGES: Mapping[str, Mapping[str, FieldCheck]] = {
     'drive': {'linear': number(-TOP_SPEED, TOP_SPEED), 'angular': number(-TOP_TURN, TOP_TURN),
               'seen': number(0, 1e12)},
     'release': {},
@@ -72,8 +43,9 @@ MESSAGES: Mapping[str, Mapping[str, Check]] = {
     'mode': {'mode': one_of(*(mode.name.lower() for mode in Mode if mode is not Mode.OFF))},
     'song': {'notes': NOTES},
     'leds': {'play': FLAG, 'advance': FLAG, 'color': whole(0, 255), 'intensity': whole(0, 255)},
-    'dock': {},
     'reset_odometry': {},
+    'cancel': {},
+    **{name: goal.checks for name, goal in GOALS.items()},
 }
 """Each message by its `type`, with the checks of its fields."""
 

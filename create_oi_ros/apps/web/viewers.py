@@ -11,9 +11,11 @@ from typing import Any
 
 from aiohttp import web, WSCloseCode, WSMsgType
 
+from ...driver.motion import Velocity
 from ...oi import Mode
 from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
-from .driver_seat import DriverSeat, Refused, TOP_TURN, Velocity
+from .driver_seat import DriverSeat, Refused, TOP_TURN
+from .goal_sender import GoalSender
 from .live_robot import Cursor, LiveRobot
 from .page_messages import MessageError, PageMessage, read
 from .web_node import Reply, WebNode
@@ -58,6 +60,7 @@ class Viewers:
         self._viewers: dict[int, Viewer] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._seat = DriverSeat()
+        self._goals = GoalSender(node, robot.parts)
         self._expiry: asyncio.TimerHandle | None = None
         self._last_number = 0
         self._show_seat()
@@ -85,11 +88,13 @@ class Viewers:
             sender.cancel()
             del self._viewers[viewer.number]
             self._stop_if(self._seat.leave(viewer.number))
+            self._goals.check(self._seat.viewer)
             self._show_seat()
         return socket
 
     async def close(self) -> None:
-        """Stop the wheels if a page drives, and disconnect all pages."""
+        """Stop the wheels if a page drives, cancel its goal, and disconnect all pages."""
+        self._goals.cancel()
         if self._seat.driving:
             self._node.velocity.stop()
         for viewer in list(self._viewers.values()):
@@ -99,6 +104,7 @@ class Viewers:
         """Send what is new to all pages; one that is still being sent something is left out."""
         for viewer in self._viewers.values():
             viewer.news.set()
+        self._goals.check(self._seat.viewer)
 
     async def _send(self, viewer: Viewer) -> None:
         greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': TOP_TURN}
@@ -149,13 +155,18 @@ class Viewers:
                 self._stop_if(self._seat.leave(number))
             case 'take_over':
                 self._stop_if(self._seat.take_over(number))
+            case 'cancel':
+                if not self._goals.cancel():
+                    raise Refused('no goal of a page is under way')
             case 'stop':
                 self._seat.stop()
                 self._stop_if(True)
+                self._goals.cancel()
                 self._call(viewer, message.type, lambda: self._node.call('stop'))
             case _:
                 self._seat.sit(number)
-                self._call(viewer, message.type, lambda: self._call_of(message))
+                self._call(viewer, message.type, lambda: self._call_of(viewer, message))
+        self._goals.check(self._seat.viewer)
         self._show_seat()
 
     def _drive(self, number: int, linear: float, angular: float, seen: float) -> None:
@@ -188,9 +199,9 @@ class Viewers:
         self._robot.parts.put('seat', {
             'driver': self._seat.viewer, 'viewers': len(self), 'stopped': self._seat.latched})
 
-    # Services.
+    # Services and goals.
 
-    def _call_of(self, message: PageMessage) -> Awaitable[Reply]:
+    def _call_of(self, viewer: Viewer, message: PageMessage) -> Awaitable[Reply]:
         fields = message.fields
         match message.type:
             case 'mode':
@@ -206,8 +217,8 @@ class Viewers:
                     power_color=fields['color'], power_intensity=fields['intensity'])
             case 'reset_odometry':
                 return self._reset_odometry()
-            case other:
-                return self._node.call(other)
+            case goal:
+                return self._goals.pursue(viewer.number, goal, fields)
 
     async def _reset_odometry(self) -> Reply:
         reply = await self._node.call('reset_odometry')
@@ -219,14 +230,15 @@ class Viewers:
         """Wait for a reply in the background and pass it on; STOP is never kept waiting."""
         if viewer.calls >= MOST_CALLS and to != 'stop':
             raise Refused('wait for the replies to what you asked before')
+        reply = call()
 
         async def answer() -> None:
             viewer.calls += 1
             try:
-                reply = await call()
+                ok, text = await reply
             finally:
                 viewer.calls -= 1
-            viewer.reply(to, reply.ok, reply.text)
+            viewer.reply(to, ok, text)
         task = asyncio.create_task(answer())
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)

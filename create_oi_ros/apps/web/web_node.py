@@ -1,4 +1,4 @@
-"""The ROS node of the page: subscriptions, velocity commands, service calls."""
+"""The ROS node of the page: subscriptions, velocity commands, clients of services and actions."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from typing import Any, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
+from rclpy.action.client import ActionClient
 from rclpy.node import Node
 from rclpy.task import Future
 
 from ...ros import topics
+from ...ros.actions import ACTIONS
 from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot
@@ -19,7 +21,7 @@ from .live_robot import LiveRobot
 UNUSED = (topics.TF.name, topics.JOINT_STATES.name, 'cargo_bay', topics.CONTACTS.name)
 """Topics of the driver that the page does not show; /tf repeats `odom`."""
 HEARD = tuple(topic for topic in topics.PUBLISHED if topic.name not in UNUSED)
-CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'dock', 'reset_odometry')
+CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'reset_odometry')
 """Services that the page can call."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 REPLY_TIMEOUT = 10.0
@@ -33,6 +35,20 @@ class Reply(NamedTuple):
 
     ok: bool
     text: str
+
+
+async def awaited(future: Future) -> Any:
+    """Return the result of a future of rclpy; TimeoutError: none came within REPLY_TIMEOUT."""
+    answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+
+    def end(done: Future) -> None:
+        if not answered.done():
+            answered.set_result(done.result())
+    future.add_done_callback(end)
+    try:
+        return await asyncio.wait_for(answered, REPLY_TIMEOUT)
+    except TimeoutError:
+        raise TimeoutError(f'no reply within {REPLY_TIMEOUT:.0f} s') from None
 
 
 class WebNode(Node):
@@ -51,6 +67,12 @@ class WebNode(Node):
         # Discovery takes a moment, so the clients are created before they are needed.
         self._service_clients = {
             name: self.create_client(TYPES[name], name) for name in CALLED}
+        self.action_clients = {
+            action.name: ActionClient(self, action.type, action.name) for action in ACTIONS}
+        # They cost time at every look, and are only looked at while a goal is under way.
+        for client in self.action_clients.values():
+            self.remove_waitable(client)
+        self._heeded: set[str] = set()
 
     def _on_message(self, message: Any) -> None:
         self._robot.update(message, time.monotonic())
@@ -65,20 +87,30 @@ class WebNode(Node):
                     each.name.removeprefix(prefix): each for each in message.status
                     if each.name.startswith(prefix) and not each.name.endswith(PARAMETERS)})
 
+    def heed(self, action: str, *, heeded: bool) -> None:
+        """Begin, or end, to take what the server of an action answers."""
+        if heeded == (action in self._heeded):
+            return
+        client = self.action_clients[action]
+        if heeded:
+            self._heeded.add(action)
+            self.add_waitable(client)
+        else:
+            self._heeded.remove(action)
+            self.remove_waitable(client)
+
+    def nobody_offers(self, name: str) -> Reply:
+        """Return the reply for a service or an action without a server."""
+        return Reply(False, f'nobody offers {self.resolve_service_name(name)}: '
+                            'no driver is running')
+
     async def call(self, service: str, **fields: Any) -> Reply:
         """Call a service and return its reply, or why there is none."""
         client = self._service_clients[service]
         if not client.service_is_ready():
-            name = self.resolve_service_name(service)
-            return Reply(False, f'nobody offers {name}: no driver is running')
-        answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-
-        def end(done: Future) -> None:
-            if not answered.done():
-                answered.set_result(done.result())
-        client.call_async(TYPES[service].Request(**fields)).add_done_callback(end)
+            return self.nobody_offers(service)
         try:
-            reply = await asyncio.wait_for(answered, REPLY_TIMEOUT)
-        except TimeoutError:
-            return Reply(False, f'no reply within {REPLY_TIMEOUT:.0f} s')
+            reply = await awaited(client.call_async(TYPES[service].Request(**fields)))
+        except TimeoutError as error:
+            return Reply(False, str(error))
         return Reply(bool(reply.success), str(reply.message))

@@ -7,6 +7,7 @@ from importlib import resources
 
 from aiohttp import web
 
+from ... import pages
 from .access import Access
 from .viewers import Viewers
 
@@ -26,15 +27,16 @@ COOKIE_AGE = 30 * 24 * 3600
 MOST_BODY = 1024
 """Bytes of a request's body; no request here needs one."""
 ASK, PAGE = 'token.html', 'index.html'
-OPEN = ('token.html', 'style.css', 'icon.svg')
+OPEN = ('token.html', 'base.css', 'style.css', 'icon.svg')
 """Files that the question for the token needs."""
 
 
 def files() -> dict[str, tuple[bytes, str]]:
-    """Return the page's files with their types, by name."""
+    """Return the page's files, and those that all pages share, with their types, by name."""
     folder = resources.files(__package__) / 'page'
-    return {each.name: (each.read_bytes(), TYPES['.' + each.name.rpartition('.')[2]])
-            for each in folder.iterdir()}
+    found = {each.name: each.read_bytes() for each in folder.iterdir()}
+    found |= {name: text.encode() for name, text in pages.files().items()}
+    return {name: (body, TYPES['.' + name.rpartition('.')[2]]) for name, body in found.items()}
 
 
 class WebServer:

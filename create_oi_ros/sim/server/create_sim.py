@@ -118,7 +118,7 @@ def _arguments() -> argparse.ArgumentParser:
     add('--speed', type=_speed, default=1.0, help='times real time (default: %(default)s)')
     add('--wire-time', action='store_true', help='delay bytes as the baud rate does')
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
-    add('--show', action='store_true', help='draw room and robot in this terminal (80 by 24)')
+    add('--show', action='store_true', help='draw room and robot in this terminal')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
     add('--export', type=_export, metavar='FILE.yaml|.sdf',
         help='write the world as a map for Nav2 (YAML and PGM, 2 cm a cell) or as walls for '

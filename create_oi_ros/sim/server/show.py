@@ -1,22 +1,33 @@
-"""A picture of room, robot, track and sensors as text: 24 lines of 80 characters."""
+"""A picture of room, robot, track and sensors as text, as large as the terminal."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
 import math
 import os
 from typing import TextIO
 
-from ...robot import MILLI
+from ...characters.box_lines import BoxLines, cells_between
+from ...characters.canvas import Canvas
+from ...characters.dots import Dots
+from ...characters.ink import encoded, has_colors, Ink
+from ...robot import BODY_RADIUS, MILLI
 from ..firmware import Create
 from ..world import World
 from ..world.geometry import Disc, LineSegment, Point
 
 COLUMNS, ROWS = 80, 24
+"""Size of the picture at least, and where there is no terminal."""
 STATUS_ROWS = 3
 CELL_SHAPE = 2.0
 """Height of a character over its width."""
 AROUND = 1.5
 """Metres that are shown around the track in a room without walls."""
-ARROWS = '→↗↑↖←↙↓↘'
+ARROWS, PLAIN_ARROWS = '→↗↑↖←↙↓↘', '>/^\\</v\\'
+SMALLEST_HULL = 0.75
+"""Cells: radius of the smallest robot that is drawn as more than its arrow."""
+WALL, POST, BASE = '#', 'O', 'H'
+INKS = {'~': Ink.WARN, ':': Ink.SIGNAL, BASE: Ink.GOOD}
+"""Colours of what is drawn with these characters."""
 HOME_CURSOR, CLEAR, CLEAR_REST = '\x1b[H', '\x1b[2J', '\x1b[K'
 SLOTS_IN_PLACE, SLOTS_BELOW = 7, 67
 """Slots between two pictures: a tenth of a second over the last one, a second below it."""
@@ -31,44 +42,84 @@ def outline(world: World) -> Iterator[tuple[str, LineSegment]]:
     for each in world.obstacles:
         match each:
             case LineSegment():
-                yield '#', each
+                yield WALL, each
             case Disc(x=x, y=y, radius=radius):
                 ring = [(x + radius * math.cos(turn * math.tau / 12),
                          y + radius * math.sin(turn * math.tau / 12)) for turn in range(13)]
-                yield from (('O', LineSegment(a, b)) for a, b in zip(ring, ring[1:], strict=False))
+                yield from ((POST, LineSegment(a, b)) for a, b in pairwise(ring))
     for base in world.home_bases:
-        yield 'H', base.plate
+        yield BASE, base.plate
 
 
 class RoomMap:
-    """A sheet of characters, scaled so that it shows all the given points of a room."""
+    """The part of a canvas that shows all the given points of a room."""
 
-    def __init__(self, points: list[Point], columns: int, rows: int) -> None:
+    def __init__(self, canvas: Canvas, points: list[Point]) -> None:
         xs, ys = [x for x, _ in points], [y for _, y in points]
-        self._columns, self._rows = columns, rows
-        self._cell = max((max(xs) - min(xs)) / (columns - 1),
-                         (max(ys) - min(ys)) / (rows - 1) / CELL_SHAPE, 1e-3)
-        self._left = (min(xs) + max(xs)) / 2 - self._cell * (columns - 1) / 2
-        self._top = (min(ys) + max(ys)) / 2 + self._cell * CELL_SHAPE * (rows - 1) / 2
-        self._sheet = [[' '] * columns for _ in range(rows)]
+        self._canvas, self._rows = canvas, canvas.rows - STATUS_ROWS
+        columns = canvas.columns
+        self.cell = max((max(xs) - min(xs)) / (columns - 1),
+                        (max(ys) - min(ys)) / (self._rows - 1) / CELL_SHAPE, 1e-3)
+        """Width of a cell, metres."""
+        self._left = (min(xs) + max(xs)) / 2 - self.cell * (columns - 1) / 2
+        self._top = (min(ys) + max(ys)) / 2 + self.cell * CELL_SHAPE * (self._rows - 1) / 2
 
-    def put(self, character: str, x: float, y: float) -> None:
-        """Draw one character, unless it is outside the sheet."""
-        column = round((x - self._left) / self._cell)
-        row = round((self._top - y) / self._cell / CELL_SHAPE)
-        if 0 <= column < self._columns and 0 <= row < self._rows:
-            self._sheet[row][column] = character
+    def place_of(self, x: float, y: float) -> tuple[float, float]:
+        """Return row and column with their fractions; that of a cell is in its middle."""
+        return ((self._top - y) / self.cell / CELL_SHAPE + 0.5,
+                (x - self._left) / self.cell + 0.5)
+
+    def cell_of(self, point: Point) -> tuple[int, int]:
+        """Return row and column."""
+        row, column = self.place_of(*point)
+        return math.floor(row), math.floor(column)
+
+    def put(self, cell: tuple[int, int], character: str, ink: Ink = Ink.PLAIN) -> None:
+        """Draw one character, unless it is outside the map."""
+        if 0 <= cell[0] < self._rows:
+            self._canvas.put(*cell, character, ink=ink)
 
     def line(self, character: str, segment: LineSegment) -> None:
-        """Draw a line."""
-        (ax, ay), (bx, by) = segment.ends
-        steps = max(1, math.ceil(segment.length / self._cell))
-        for step in range(steps + 1):
-            self.put(character, ax + (bx - ax) * step / steps, ay + (by - ay) * step / steps)
+        """Draw a line of one character."""
+        for cell in cells_between(*map(self.cell_of, segment.ends)):
+            self.put(cell, character, INKS.get(character, Ink.PLAIN))
 
-    def text(self) -> list[str]:
-        """Return the lines of the sheet."""
-        return [''.join(row).rstrip() for row in self._sheet]
+    def walls(self, segments: Iterable[LineSegment]) -> None:
+        """Draw walls, joined where they meet."""
+        lines = BoxLines()
+        for segment in segments:
+            lines.add(*map(self.cell_of, segment.ends))
+        for cell, character in lines.characters(plain=self._canvas.plain):
+            self.put(cell, character)
+
+    def posts(self, discs: Iterable[Disc]) -> None:
+        """Draw round posts."""
+        for disc in discs:
+            dots, width = Dots(), disc.radius / self.cell
+            dots.ring(*self.place_of(disc.x, disc.y), width / CELL_SHAPE, width)
+            for cell, character in dots.characters(plain=self._canvas.plain):
+                self.put(cell, POST if self._canvas.plain else character)
+
+    def track(self, points: Iterable[Point]) -> None:
+        """Draw where the robot has been."""
+        dots = Dots()
+        for point in points:
+            dots.add(*self.place_of(*point))
+        self._put_dots(dots, Ink.TRACK)
+
+    def robot(self, here: Point, yaw: float) -> None:
+        """Draw the robot: its hull in scale, if there is room, and an arrow."""
+        width = BODY_RADIUS / self.cell
+        if width >= SMALLEST_HULL and not self._canvas.plain:
+            dots = Dots()
+            dots.ring(*self.place_of(*here), width / CELL_SHAPE, width)
+            self._put_dots(dots, Ink.ROBOT)
+        arrows = PLAIN_ARROWS if self._canvas.plain else ARROWS
+        self.put(self.cell_of(here), arrows[round(yaw / (math.tau / 8)) % 8], Ink.ROBOT)
+
+    def _put_dots(self, dots: Dots, ink: Ink) -> None:
+        for cell, character in dots.characters(plain=self._canvas.plain):
+            self.put(cell, character, ink)
 
 
 class Show:
@@ -82,45 +133,72 @@ class Show:
         self._outline = list(outline(create.body.world))
         self._track: list[Point] = []
 
-    def picture(self) -> list[str]:
-        """Return the lines of the picture."""
-        return [line[:COLUMNS] for line in self._map() + self._status()]
+    def picture(self, columns: int, rows: int, *, plain: bool) -> Canvas:
+        """Draw everything."""
+        canvas = Canvas(columns, rows, plain=plain)
+        self._draw_map(canvas)
+        for row, (line, ink) in enumerate(self._status(), rows - STATUS_ROWS):
+            canvas.put(row, 0, line, ink=ink)
+        return canvas
 
-    def _map(self) -> list[str]:
+    def _draw_map(self, canvas: Canvas) -> None:
         pose = self._create.body.truth().pose
         here = (pose.x, pose.y)
         if not self._track or math.dist(here, self._track[-1]) > 0.03:
             self._track = [*self._track[-self.LONGEST_TRACK:], here]
         points = [end for _, segment in self._outline for end in segment.ends] or [
             (x + side, y + side) for x, y in self._track for side in (-AROUND, AROUND)]
-        room_map = RoomMap(points, COLUMNS, ROWS - STATUS_ROWS)
-        for x, y in self._track:
-            room_map.put('·', x, y)
+        room_map = RoomMap(canvas, points)
+        room_map.track(self._track)
+        late = (WALL, POST, BASE)
         for character, segment in self._outline:
-            room_map.line(character, segment)
-        room_map.put(ARROWS[round(pose.yaw / (math.tau / 8)) % 8], *here)
-        return room_map.text()
+            if character not in late:
+                room_map.line(character, segment)
+        room_map.walls(segment for character, segment in self._outline if character == WALL)
+        room_map.posts(each for each in self._create.body.world.obstacles
+                       if isinstance(each, Disc))
+        for character, segment in self._outline:
+            if character == BASE:
+                room_map.line(character, segment)
+        room_map.robot(here, pose.yaw)
 
-    def _status(self) -> list[str]:
+    def _status(self) -> list[tuple[str, Ink]]:
         create, truth = self._create, self._create.body.truth()
         sense = create.body.sense()
         on = ' '.join(name for name, value in sense._asdict().items()
                       if value is True and name != 'device_detect')
         demo = f' {create.demo.name.lower()}' if create.demo is not None else ''
-        return [
+        lines = [
             f'{create.time:8.1f} s  {create.mode.name}{demo}  x {truth.pose.x:.2f} '
             f'y {truth.pose.y:.2f} m  {math.degrees(truth.pose.yaw):.0f}°  '
             f'{truth.speed:.2f} m/s {math.degrees(truth.rate):.0f}°/s',
             f'wheels {create.actuators.wheels.left:.0f} {create.actuators.wheels.right:.0f} mm/s'
             f'  {sense.voltage * MILLI:.1f} V {sense.current} mA  wall {sense.wall_signal}'
             f'  infrared {sense.infrared}  frames {create.frames}',
-            f'{on or "nothing touched"}',
         ]
+        return [*((line, Ink.PLAIN) for line in lines),
+                (on or 'nothing touched', Ink.BAD if on else Ink.FAINT)]
 
 
 def has_cursor(screen: TextIO) -> bool:
     """Return whether a stream is a terminal that obeys escape sequences."""
     return screen.isatty() and os.environ.get('TERM', 'dumb') != 'dumb'
+
+
+def writes_utf8(screen: TextIO) -> bool:
+    """Return whether a stream takes box characters."""
+    return (screen.encoding or '').lower().replace('-', '') == 'utf8'
+
+
+def size_of(screen: TextIO, *, in_place: bool) -> tuple[int, int]:
+    """Return columns and rows of the picture: those of the terminal, if it has more than usual."""
+    if not in_place:
+        return COLUMNS, ROWS
+    try:
+        columns, rows = os.get_terminal_size(screen.fileno())
+    except OSError:
+        return COLUMNS, ROWS
+    return max(columns, COLUMNS), max(rows, ROWS)
 
 
 def shower(create: Create, screen: TextIO) -> Callable[[], None]:
@@ -130,19 +208,23 @@ def shower(create: Create, screen: TextIO) -> Callable[[], None]:
     Without a cursor (a file, a pipe, TERM=dumb) each picture stands below the last one.
     """
     show, slots, in_place = Show(create), 0, has_cursor(screen)
+    colors, plain = in_place and has_colors(os.environ), not writes_utf8(screen)
     period = SLOTS_IN_PLACE if in_place else SLOTS_BELOW
-    if in_place:
-        screen.write(CLEAR)
+    before = (0, 0)
 
     def draw() -> None:
-        nonlocal slots
+        nonlocal slots, before
         slots += 1
         if slots % period:
             return
-        lines = show.picture()
+        size = size_of(screen, in_place=in_place)
+        drawn = show.picture(*size, plain=plain)
         if in_place:
-            screen.write(HOME_CURSOR + '\n'.join(line + CLEAR_REST for line in lines))
+            # Cleared first: behind the last column it would clear that one, too.
+            screen.write(('' if size == before else CLEAR) + HOME_CURSOR + '\n'.join(
+                CLEAR_REST + encoded(row, colors=colors) for row in drawn.runs()))
+            before = size
         else:
-            screen.write('\n'.join([*lines, '', '']))
+            screen.write('\n'.join([*(line.rstrip() for line in drawn.lines()), '', '']))
         screen.flush()
     return draw

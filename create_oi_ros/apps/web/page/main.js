@@ -3,6 +3,7 @@
 import { Body } from './body.js';
 import { Charts } from './charts.js';
 import { Connection } from './connection.js';
+import { Goals } from './goals.js';
 import { Map2D } from './map.js';
 import * as panels from './panels.js';
 import { Piano } from './piano.js';
@@ -10,7 +11,7 @@ import { Stick } from './stick.js';
 
 const { byId, say, toast } = panels;
 const DONE = {
-  mode: 'Mode changed', song: 'Playing', leds: 'LEDs set', dock: 'Looking for the Home Base',
+  mode: 'Mode changed', song: 'Playing', leds: 'LEDs set',
   reset_odometry: 'Odometry begins here', stop: 'Stopped',
 };
 const LED_DELAY = 120;  // ms: a slider that is dragged sends no more often
@@ -18,6 +19,7 @@ const LED_DELAY = 120;  // ms: a slider that is dragged sends no more often
 const map = new Map2D(byId('map-canvas'), byId('map-key'));
 const body = new Body(byId('body'), byId('sensed'));
 const charts = new Charts(byId('chart-list'));
+const goals = new Goals(byId('goal-form'), map, (type, fields) => connection.send(type, fields));
 const known = { you: null, topTurn: 3.8, separation: 0.258, silent: true, found: false, any: false };
 let connected = false, trouble = '', problem = '';
 
@@ -73,6 +75,7 @@ const TELL = {
   battery: panels.showBattery,
   charging: panels.showCharger,
   infrared: panels.showInfrared,
+  goal: goal => goals.show(goal),
   diagnostics: statuses => { trouble = panels.showDiagnostics(statuses); showState(); },
   seat: seat => {
     panels.showSeat(seat, known.you);
@@ -120,7 +123,7 @@ byId('stop').addEventListener('click', event => {
   if (event.detail === 0) stop();  // by keyboard: pointers were heard already
 });
 addEventListener('keydown', event => {
-  const inControl = event.target.closest('button, input, summary');
+  const inControl = event.target.closest('button, input, select, summary');
   if (event.key === 'Escape' || (event.key === ' ' && !inControl)) {
     event.preventDefault();
     stop();
@@ -166,5 +169,4 @@ function sendLeds() {
 for (const id of ['led-play', 'led-advance', 'led-color', 'led-intensity']) {
   byId(id).addEventListener('input', () => { ledTimer ??= setTimeout(sendLeds, LED_DELAY); });
 }
-byId('dock').addEventListener('click', () => connection.send('dock'));
 byId('reset').addEventListener('click', () => connection.send('reset_odometry'));

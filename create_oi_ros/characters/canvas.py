@@ -5,6 +5,8 @@ from __future__ import annotations
 from itertools import groupby
 from unicodedata import category, east_asian_width
 
+from .ink import Ink, Stretch
+
 UNKNOWN = '?'
 """Replaces every character that does not fill exactly one cell: control, wide, combining."""
 
@@ -23,25 +25,26 @@ class Canvas:
 
     def __init__(self, columns: int, rows: int, *, plain: bool = False) -> None:
         self.columns, self.rows, self.plain = columns, rows, plain
-        self._cells = [[(' ', False)] * columns for _ in range(rows)]
+        self._cells = [[Stretch(' ')] * columns for _ in range(rows)]
 
     def put(
         self, row: int, column: int, text: str, *, highlighted: bool = False,
-        width: int | None = None,
+        ink: Ink = Ink.PLAIN, width: int | None = None,
     ) -> int:
         """Write a text, cut to `width` and to the canvas; return the column after it."""
         for character in text[:width]:
             if 0 <= row < self.rows and 0 <= column < self.columns:
-                self._cells[row][column] = one_cell(character, plain=self.plain), highlighted
+                self._cells[row][column] = Stretch(
+                    one_cell(character, plain=self.plain), highlighted, ink)
             column += 1
         return column
 
     def lines(self) -> list[str]:
         """Return the text of each row, exactly `columns` characters long."""
-        return [''.join(character for character, _ in row) for row in self._cells]
+        return [''.join(cell.text for cell in row) for row in self._cells]
 
-    def runs(self) -> list[list[tuple[str, bool]]]:
-        """Return each row as pieces of text, each with whether it is highlighted."""
-        return [[(''.join(character for character, _ in cells), highlighted)
-                 for highlighted, cells in groupby(row, lambda cell: cell[1])]
+    def runs(self) -> list[list[Stretch]]:
+        """Return each row as runs of characters that look alike."""
+        return [[Stretch(''.join(cell.text for cell in cells), *look)
+                 for look, cells in groupby(row, lambda cell: cell[1:])]
                 for row in self._cells]

@@ -33,7 +33,7 @@ function ring(c, color, fill, dash) {
 }
 
 // The key below the map: the same signs with their names.
-export function fillKey(list, color) {
+export function fillKey(list, color, names) {
   list.replaceChildren();
   const entries = [
     ['track', c => line(c, color('--track'), [])],
@@ -45,6 +45,7 @@ export function fillKey(list, color) {
       [name, c => sign(c, kind, color(tint), color('--card'))]),
   ];
   for (const [name, paint, only] of entries) {
+    if (names && !names.includes(name)) continue;
     const item = document.createElement('li');
     const canvas = document.createElement('canvas');
     const ratio = devicePixelRatio || 1;

@@ -1,23 +1,31 @@
 // The map: room, track, events, the robot, and how sure the odometry is of its place.
 
+import { StillLayer } from './map_layer.js';
+import { drawEllipse, drawRing, drawRobot } from './map_robot.js';
+import { cornersOf, drawRoom } from './map_room.js';
 import { fillKey, sign, SIGNS } from './map_signs.js';
 import { box, Track } from './map_track.js';
 
 const LEAST_SCALE = 4, MOST_SCALE = 1200, FIRST_SCALE = 90;  // pixels for a metre
-const SIGMAS = 2;           // of the ellipse
+const TAP = 6;              // pixels that a finger may move while it taps
 const EASE = 60;            // ms in which the robot drawn follows the one measured
 
 export class Map2D {
-  constructor(canvas, key) {
+  // `signs` are the names that the key explains; all, if they are left out.
+  constructor(canvas, key, signs) {
     this.canvas = canvas;
     this.context = canvas.getContext('2d');
     this.center = { x: 0, y: 0 };
     this.scale = FIRST_SCALE;
     this.follow = true;
     this.onFollow = () => {};
+    this.onTap = () => {};      // is told x and y, metres
     this.track = new Track();
+    this.layer = new StillLayer();
+    this.changes = 0;           // of what stands still, besides the track
     this.events = [];
     this.pose = this.drawn = this.truth = this.room = this.origin = null;
+    this.target = null;         // where a goal leads: x, y, and a heading or null
     this.radius = 0.165;
     this.lit = {};
     this.pointers = new Map();
@@ -25,9 +33,9 @@ export class Map2D {
     this.readColors();
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
       this.readColors();
-      fillKey(key, this.color);
+      fillKey(key, this.color, signs);
     });
-    fillKey(key, this.color);
+    fillKey(key, this.color, signs);
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.listen();
     this.resize();
@@ -35,8 +43,12 @@ export class Map2D {
   }
 
   readColors() {
-    const style = getComputedStyle(document.documentElement);
-    this.color = name => style.getPropertyValue(name).trim();
+    const style = getComputedStyle(document.documentElement), known = new Map();
+    this.color = name => {
+      if (!known.has(name)) known.set(name, style.getPropertyValue(name).trim());
+      return known.get(name);
+    };
+    this.changes += 1;
     this.touch();
   }
 
@@ -63,7 +75,11 @@ export class Map2D {
     this.touch();
   }
 
-  set(name, value) { this[name] = value; this.touch(); }
+  set(name, value) {
+    this[name] = value;
+    if (name === 'room' || name === 'origin') this.changes += 1;
+    this.touch();
+  }
 
   light(group, sides) { this.lit[group] = sides; this.touch(); }
 
@@ -78,11 +94,13 @@ export class Map2D {
     canvas.addEventListener('pointerdown', event => {
       canvas.setPointerCapture(event.pointerId);
       this.pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
+      this.tapped = this.pointers.size === 1 ? [event.offsetX, event.offsetY] : null;
     });
     canvas.addEventListener('pointermove', event => this.drag(event));
-    for (const end of ['pointerup', 'pointercancel']) {
-      canvas.addEventListener(end, event => this.pointers.delete(event.pointerId));
-    }
+    canvas.addEventListener('pointerup', event => {
+      if (this.pointers.delete(event.pointerId) && this.tapped) this.onTap(...this.placeOf(event));
+    });
+    canvas.addEventListener('pointercancel', event => this.pointers.delete(event.pointerId));
     canvas.addEventListener('dblclick', () => this.setFollow(true));
   }
 
@@ -90,14 +108,16 @@ export class Map2D {
     const before = this.pointers.get(event.pointerId);
     if (!before) return;
     const here = [event.offsetX, event.offsetY];
+    if (this.tapped && apart(here, this.tapped) < TAP) return;
+    this.tapped = null;
     if (this.pointers.size === 1) {
       this.setFollow(false);
       this.center.x -= (here[0] - before[0]) / this.scale;
       this.center.y += (here[1] - before[1]) / this.scale;
     } else {
       const other = [...this.pointers].find(([id]) => id !== event.pointerId)[1];
-      const apart = point => Math.hypot(point[0] - other[0], point[1] - other[1]) || 1;
-      this.zoom(apart(here) / apart(before), (here[0] + other[0]) / 2, (here[1] + other[1]) / 2);
+      const factor = (apart(here, other) || 1) / (apart(before, other) || 1);
+      this.zoom(factor, (here[0] + other[0]) / 2, (here[1] + other[1]) / 2);
     }
     this.pointers.set(event.pointerId, here);
     this.touch();
@@ -123,13 +143,10 @@ export class Map2D {
   }
 
   showAll() {
-    const corners = this.track.points.map(point => point.slice(0, 2));
+    const corners = this.track.corners();
     if (this.pose) corners.push([this.pose.x, this.pose.y]);
     if (this.room && this.origin) {
-      for (const [ax, ay, bx, by] of this.room.walls) {
-        corners.push(this.fromRoom(ax, ay), this.fromRoom(bx, by));
-      }
-      for (const corner of this.room.grounds.flatMap(pairs)) corners.push(this.fromRoom(...corner));
+      corners.push(...cornersOf(this.room).map(corner => this.fromRoom(...corner)));
     }
     if (!corners.length) return;
     const { left, right, low, high } = box(corners.map(c => c[0]), corners.map(c => c[1]));
@@ -139,6 +156,11 @@ export class Map2D {
     this.scale = Math.max(LEAST_SCALE, Math.min(
       FIRST_SCALE * 2, this.width / (right - left + margin), this.height / (high - low + margin)));
     this.touch();
+  }
+
+  placeOf(event) {
+    return [this.center.x + (event.offsetX - this.width / 2) / this.scale,
+            this.center.y - (event.offsetY - this.height / 2) / this.scale];
   }
 
   fromRoom(x, y) {
@@ -185,20 +207,25 @@ export class Map2D {
     if (this.follow && this.drawn) this.center = { x: this.drawn.x, y: this.drawn.y };
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.pixel = 1 / this.scale;
+    this.layer.show(this, [this.changes, this.track.still].join(),
+                    (still, view) => this.drawStill(still, view));
     const zoom = this.scale * ratio;
     c.setTransform(zoom, 0, 0, -zoom, this.canvas.width / 2 - this.center.x * zoom,
                    this.canvas.height / 2 + this.center.y * zoom);
     c.lineCap = c.lineJoin = 'round';
-    this.pixel = 1 / this.scale;
-    this.drawGrid();
-    if (this.room && this.origin) this.drawRoom();
-    this.drawTrack();
+    const { color, pixel, radius } = this;
+    this.drawTrack(c, () => this.track.drawNew(c, this.view(), this.drawn));
+    if (this.target) drawRing(c, this.target, radius, color('--accent'), pixel);
     if (this.pose) {
-      this.drawRobot();
-      this.drawEllipse(this.drawn.x, this.drawn.y);
+      drawRobot(c, this.drawn, radius, this.lit.bump || {}, color, pixel);
+      if (this.pose.covariance) drawEllipse(c, this.drawn, this.pose.covariance, color, pixel);
     }
     for (const event of this.events) this.drawSign(event);
-    if (this.truth && this.origin) this.drawTruth();
+    if (this.truth && this.origin) {
+      const [x, y, yaw] = this.truth;
+      drawRing(c, [...this.fromRoom(x, y), yaw + this.origin[2]], radius, color('--truth'), pixel);
+    }
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.drawScale();
   }
@@ -209,8 +236,13 @@ export class Map2D {
              low: this.center.y - h, high: this.center.y + h };
   }
 
-  drawGrid() {
-    const c = this.context, view = this.view();
+  drawStill(c, view) {
+    this.drawGrid(c, view);
+    if (this.room && this.origin) drawRoom(c, this.room, this.origin, this.color, this.pixel);
+    this.drawTrack(c, () => this.track.drawStill(c, view));
+  }
+
+  drawGrid(c, view) {
     const step = this.scale > 30 ? 1 : this.scale > 8 ? 5 : 20;
     c.beginPath();
     for (let x = Math.ceil(view.left / step) * step; x <= view.right; x += step) {
@@ -224,74 +256,10 @@ export class Map2D {
     c.stroke();
   }
 
-  drawRoom() {
-    const c = this.context, room = this.room;
-    c.save();
-    c.translate(this.origin[0], this.origin[1]);
-    c.rotate(this.origin[2]);
-    c.strokeStyle = this.color('--cliff');
-    c.fillStyle = this.color('--pit');
-    c.lineWidth = 2 * this.pixel;
-    c.setLineDash([6 * this.pixel, 5 * this.pixel]);
-    for (const polygon of room.cliffs) { this.trace(pairs(polygon)); c.fill(); c.stroke(); }
-    for (const polygon of room.grounds) { this.trace(pairs(polygon)); c.stroke(); }
-    c.setLineDash([2 * this.pixel, 5 * this.pixel]);
-    c.strokeStyle = this.color('--virtual');
-    for (const [x, y, yaw, reach] of room.virtual_walls) {
-      c.beginPath();
-      c.moveTo(x, y);
-      c.lineTo(x + reach * Math.cos(yaw), y + reach * Math.sin(yaw));
-      c.stroke();
-    }
-    c.setLineDash([]);
-    c.strokeStyle = this.color('--room');
-    c.fillStyle = this.color('--room');
-    c.lineWidth = Math.max(0.03, 2 * this.pixel);
-    c.beginPath();
-    for (const [ax, ay, bx, by] of room.walls) { c.moveTo(ax, ay); c.lineTo(bx, by); }
-    c.stroke();
-    for (const [x, y, radius] of room.posts) {
-      c.beginPath(); c.arc(x, y, radius, 0, 7); c.fill();
-    }
-    for (const pose of room.home_bases) this.drawHomeBase(...pose);
-    c.restore();
-  }
-
-  trace(points) {
-    this.context.beginPath();
-    points.forEach(([x, y], at) => this.context[at ? 'lineTo' : 'moveTo'](x, y));
-    this.context.closePath();
-  }
-
-  drawHomeBase(x, y, yaw) {
-    const c = this.context;
-    c.save();
-    c.translate(x, y);
-    c.rotate(yaw);
-    c.fillStyle = this.color('--accent');
-    c.fillRect(-0.03, -0.1, 0.06, 0.2);
-    c.restore();
-  }
-
-  drawTruth() {
-    const c = this.context, turn = this.origin[2], yaw = this.truth[2] + turn;
-    const [x, y] = this.fromRoom(this.truth[0], this.truth[1]);
-    c.strokeStyle = this.color('--truth');
-    c.lineWidth = 2 * this.pixel;
-    c.setLineDash([4 * this.pixel, 4 * this.pixel]);
-    c.beginPath();
-    c.arc(x, y, this.radius, 0, 7);
-    c.moveTo(x, y);
-    c.lineTo(x + this.radius * Math.cos(yaw), y + this.radius * Math.sin(yaw));
-    c.stroke();
-    c.setLineDash([]);
-  }
-
-  drawTrack() {
-    const c = this.context, view = this.view();
+  drawTrack(c, draw) {
     c.strokeStyle = this.color('--track');
     c.lineWidth = 2.5 * this.pixel;
-    this.track.draw(c, view, this.drawn);
+    draw();
   }
 
   drawSign([kind, x, y]) {
@@ -301,56 +269,6 @@ export class Map2D {
     c.scale(this.pixel, -this.pixel);
     sign(c, kind, this.color(SIGNS[kind][1]), this.color('--card'));
     c.restore();
-  }
-
-  drawRobot() {
-    const c = this.context, { x, y, yaw } = this.drawn, radius = this.radius;
-    c.save();
-    c.translate(x, y);
-    c.rotate(yaw);
-    c.lineWidth = 2 * this.pixel;
-    c.fillStyle = this.color('--robot');
-    c.strokeStyle = this.color('--ink');
-    c.beginPath();
-    c.arc(0, 0, radius, 0, 7);
-    c.fill();
-    c.stroke();
-    const bump = this.lit.bump || {};
-    for (const [on, from, to] of [[bump.left, 0, Math.PI / 2], [bump.right, -Math.PI / 2, 0]]) {
-      if (!on) continue;
-      c.strokeStyle = this.color('--bump');
-      c.lineWidth = Math.max(0.035, 5 * this.pixel);
-      c.beginPath();
-      c.arc(0, 0, radius, from, to);
-      c.stroke();
-    }
-    const small = Math.max(radius, 9 * this.pixel);  // an arrow that is seen from afar
-    c.fillStyle = this.color('--ink');
-    c.beginPath();
-    c.moveTo(0.8 * small, 0);
-    c.lineTo(-0.45 * small, 0.45 * small);
-    c.lineTo(-0.2 * small, 0);
-    c.lineTo(-0.45 * small, -0.45 * small);
-    c.closePath();
-    c.fill();
-    c.restore();
-  }
-
-  drawEllipse(x, y) {
-    const [xx, xy, yy] = this.pose.covariance;
-    if ([xx, xy, yy].some(each => each === null)) return;
-    const middle = (xx + yy) / 2;
-    const apart = Math.hypot((xx - yy) / 2, xy);
-    const [long, short] = [middle + apart, Math.max(0, middle - apart)]
-      .map(variance => SIGMAS * Math.sqrt(variance));
-    const c = this.context;
-    c.fillStyle = this.color('--doubt');
-    c.strokeStyle = this.color('--doubt-edge');
-    c.lineWidth = 1.5 * this.pixel;
-    c.beginPath();
-    c.ellipse(x, y, long, short, Math.atan2(2 * xy, xx - yy) / 2, 0, 7);
-    c.fill();
-    c.stroke();
   }
 
   drawScale() {
@@ -368,6 +286,4 @@ export class Map2D {
   }
 }
 
-function pairs(flat) {
-  return Array.from({ length: flat.length / 2 }, (_, at) => [flat[2 * at], flat[2 * at + 1]]);
-}
+function apart(one, other) { return Math.hypot(one[0] - other[0], one[1] - other[1]); }

@@ -3,12 +3,13 @@
 const RECENT = 600;         // seconds for which every point is kept
 const OLD_STEP = 0.2;       // metres between older points
 const THIN_EVERY = 60;      // seconds
-const CHUNK = 400;          // points that are drawn, or left out, together
+export const CHUNK = 400;          // points that are drawn, or left out, together
 
 export class Track {
   constructor() {
     this.points = [];   // [x, y, time]
     this.chunks = [];
+    this.rebuilt = 0;
     this.thinned = seconds();
   }
 
@@ -46,6 +47,7 @@ export class Track {
 
   rebuild() {
     this.chunks = [];
+    this.rebuilt += 1;
     for (const point of this.points) this.append(point);
   }
 
@@ -66,19 +68,33 @@ export class Track {
     chunk.low = Math.min(chunk.low, y); chunk.high = Math.max(chunk.high, y);
   }
 
-  // Draw what is in view, and a line from the end of the track to where the robot is drawn.
-  draw(context, view, robot) {
-    for (const chunk of this.chunks) {
+  stroke(context, view, chunks) {
+    for (const chunk of chunks) {
       if (chunk.right < view.left || chunk.left > view.right
           || chunk.high < view.low || chunk.low > view.high) continue;
       context.stroke(chunk.path);
     }
+  }
+
+  // Names what `drawStill` draws: all chunks but the last one, which still grows.
+  get still() { return `${this.rebuilt}:${this.chunks.length}`; }
+
+  drawStill(context, view) { this.stroke(context, view, this.chunks.slice(0, -1)); }
+
+  // Draw the last chunk, and a line from its end to where the robot is drawn.
+  drawNew(context, view, robot) {
+    this.stroke(context, view, this.chunks.slice(-1));
     const last = this.chunks.at(-1);
     if (!last || !robot) return;
     context.beginPath();
     context.moveTo(last.x, last.y);
     context.lineTo(robot.x, robot.y);
     context.stroke();
+  }
+
+  // Two corners of what the track covers; none if it is empty.
+  corners() {
+    return this.chunks.flatMap(({ left, right, low, high }) => [[left, low], [right, high]]);
   }
 }
 

@@ -1,0 +1,1 @@
+"""Pictures of characters for terminals: a canvas with colours, box lines, Braille dots. Pure."""

@@ -1,0 +1,67 @@
+// The room of a simulated robot: walls, cliffs, virtual walls, Home Bases.
+
+const HOME_BASE = [0.06, 0.2];  // metres, drawn
+
+export function drawRoom(c, room, origin, color, pixel) {
+  c.save();
+  c.translate(origin[0], origin[1]);
+  c.rotate(origin[2]);
+  drawCliffs(c, room, color, pixel);
+  drawVirtualWalls(c, room, color, pixel);
+  c.strokeStyle = color('--room');
+  c.fillStyle = color('--room');
+  c.lineWidth = Math.max(0.03, 2 * pixel);
+  c.beginPath();
+  for (const [ax, ay, bx, by] of room.walls) { c.moveTo(ax, ay); c.lineTo(bx, by); }
+  c.stroke();
+  for (const [x, y, radius] of room.posts) {
+    c.beginPath(); c.arc(x, y, radius, 0, 7); c.fill();
+  }
+  c.fillStyle = color('--accent');
+  for (const [x, y, yaw] of room.home_bases) {
+    c.save();
+    c.translate(x, y);
+    c.rotate(yaw);
+    c.fillRect(-HOME_BASE[0] / 2, -HOME_BASE[1] / 2, ...HOME_BASE);
+    c.restore();
+  }
+  c.restore();
+}
+
+function drawCliffs(c, room, color, pixel) {
+  c.strokeStyle = color('--cliff');
+  c.fillStyle = color('--pit');
+  c.lineWidth = 2 * pixel;
+  c.setLineDash([6 * pixel, 5 * pixel]);
+  for (const polygon of room.cliffs) { trace(c, pairs(polygon)); c.fill(); c.stroke(); }
+  for (const polygon of room.grounds) { trace(c, pairs(polygon)); c.stroke(); }
+  c.setLineDash([]);
+}
+
+function drawVirtualWalls(c, room, color, pixel) {
+  c.setLineDash([2 * pixel, 5 * pixel]);
+  c.strokeStyle = color('--virtual');
+  c.lineWidth = 2 * pixel;
+  for (const [x, y, yaw, reach] of room.virtual_walls) {
+    c.beginPath();
+    c.moveTo(x, y);
+    c.lineTo(x + reach * Math.cos(yaw), y + reach * Math.sin(yaw));
+    c.stroke();
+  }
+  c.setLineDash([]);
+}
+
+function trace(c, points) {
+  c.beginPath();
+  points.forEach(([x, y], at) => c[at ? 'lineTo' : 'moveTo'](x, y));
+  c.closePath();
+}
+
+// The corners of a room, as the room's own x and y.
+export function cornersOf(room) {
+  return [...room.walls.flatMap(pairs), ...room.grounds.flatMap(pairs)];
+}
+
+function pairs(flat) {
+  return Array.from({ length: flat.length / 2 }, (_, at) => [flat[2 * at], flat[2 * at + 1]]);
+}

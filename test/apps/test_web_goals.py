@@ -1,0 +1,153 @@
+"""Goals from a page of `create_web`: sent, watched, cancelled, and ended when the page goes."""
+
+from contextlib import closing
+import signal
+
+import pytest
+
+from create_oi_ros.sim.world import shipped
+from support.ros import scene
+from support.web import PageClient, Relay, served
+
+LONG_WAY = {'distance': 20.0, 'speed': 0.3}
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def robot(stage):
+    """Return a simulated robot in an empty room."""
+    return stage.robot(world=shipped('empty'))
+
+
+@pytest.fixture
+def driver(stage, robot):
+    """Return the driver of the robot."""
+    return stage.node(robot.link)
+
+
+@pytest.fixture
+def pages(stage, driver):
+    """Return a function that opens a page of a robot in SAFE; all are closed at the end."""
+    address, opened = served(stage)[1], []
+
+    def open_page(through: str = address):
+        page = PageClient(through)
+        opened.append(page)
+        page.until(lambda: page.known.get('driver_found')
+                   and page.known.get('mode', {}).get('actual') == 'SAFE')
+        return page
+    yield open_page
+    for page in opened:
+        page.close()
+
+
+def standing(robot) -> bool:
+    """Return whether the robot was told to stand."""
+    wheels = robot.create.actuators.wheels
+    return (wheels.left, wheels.right) == (0, 0)
+
+
+def goal_of(page) -> dict[str, object]:
+    """Return what a page knows of the newest goal."""
+    return dict(page.known.get('goal') or {})
+
+
+def pursued(page, name, **fields):
+    """Send a goal and wait until it has ended; return the reply."""
+    page.send(name, **fields)
+    reply = page.reply()
+    assert reply['to'] == name
+    return reply
+
+
+def sets_out(page, robot, name, **fields):
+    """Send a goal, and wait until the robot moves."""
+    page.send(name, **fields)
+    page.until(lambda: not standing(robot) or page.replies)
+    assert not page.replies, 'it is under way'
+
+
+def test_goals_are_sent_watched_and_reached(robot, pages):
+    page, witness = pages(), pages()
+    sets_out(page, robot, 'drive_distance', distance=0.15, speed=0.3)
+    way = witness.until(
+        lambda: (goal_of(witness).get('feedback') or {}).get('remaining_travel_distance'))
+    assert 0 < way <= 0.15
+    reply = page.reply()
+    assert reply['ok'], reply
+    witness.until(lambda: goal_of(witness).get('state') == 'reached')
+    assert goal_of(witness) == {
+        'name': 'drive_distance', 'viewer': page.known['you'], 'state': 'reached',
+        'text': reply['text'], 'feedback': None}
+    assert 0.1 < robot.body.truth().pose.x < 0.25
+    x, y = page.known['pose']['x'], page.known['pose']['y']
+    assert pursued(page, 'navigate_to_position', x=x + 0.05, y=y, heading=None, speed=0.2)['ok']
+    assert pursued(page, 'wall_follow', seconds=1)['ok']
+    page.send('dock')
+    page.until(lambda: (goal_of(page).get('feedback') or {}).get('sees_dock') is False)
+    page.send('cancel')
+    assert not page.reply()['ok']
+
+
+def test_a_goal_that_cannot_be_reached_says_why(robot, pages):
+    page = pages()
+    reply = pursued(page, 'undock')
+    assert not reply['ok'] and reply['text']
+    reply = pursued(page, 'drive_arc', angle=900, radius=900, speed=0.2, backward=False)
+    assert (reply['ok'], reply['text']) == (
+        False, 'rejected as malformed: the log of the driver says why')
+    page.send('cancel')
+    assert page.reply()['text'] == 'no goal of a page is under way'
+    page.send('drive_distance', distance='far', speed=0.2)
+    assert not page.reply()['ok'] and standing(robot)
+
+
+def test_a_goal_ends_by_cancel_stop_and_take_over(stage, robot, pages):
+    page, other = pages(), pages()
+    for end in ('cancel', 'stop', 'take_over'):
+        page.until(lambda: goal_of(page).get('state') not in ('sent', 'under way', 'canceling'))
+        sets_out(page, robot, 'drive_distance', **LONG_WAY)
+        other.send(end)
+        assert not page.reply()['ok']
+        stage.ros.until(lambda: standing(robot))
+    page.send('drive_distance', **LONG_WAY)
+    assert page.reply()['text'].startswith('another page drives')
+
+
+def test_stop_right_behind_a_goal_stops_it(stage, robot, pages):
+    page = pages()
+    page.send('drive_distance', **LONG_WAY)
+    page.send('stop')
+    replies = {reply['to']: reply['ok'] for reply in (page.reply(), page.reply())}
+    assert replies == {'drive_distance': False, 'stop': True}
+    page.until(lambda: goal_of(page).get('state') == 'ended')
+    stage.ros.until(lambda: standing(robot))
+
+
+def test_a_goal_ends_when_the_network_of_its_page_fails(stage, robot, pages):
+    witness = pages()
+    relay = Relay(int(witness.address.rstrip('/').rpartition(':')[2]))
+    with closing(relay):
+        page = pages(f'http://127.0.0.1:{relay.port}/')
+        sets_out(page, robot, 'drive_distance', **LONG_WAY)
+        relay.freeze()
+        witness.until(lambda: goal_of(witness).get('state') == 'ended')
+        stage.ros.until(lambda: standing(robot))
+
+
+def test_a_goal_ends_when_its_page_or_the_driver_goes(stage, robot, driver, pages):
+    page, witness = pages(), pages()
+    sets_out(page, robot, 'drive_distance', **LONG_WAY)
+    page.close()
+    witness.until(lambda: goal_of(witness).get('state') == 'ended')
+    stage.ros.until(lambda: standing(robot))
+    sets_out(witness, robot, 'drive_distance', **LONG_WAY)
+    driver.send(signal.SIGTERM)
+    assert not witness.reply()['ok']
+    witness.until(lambda: goal_of(witness).get('state') == 'ended')

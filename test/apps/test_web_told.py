@@ -1,0 +1,212 @@
+"""What a page of `create_web` is told of a robot: changes, events, samples, track, battery."""
+
+import json
+from math import inf, nan, pi
+
+from create_oi_msgs.msg import Bumper, Cliff, IrOmni, Mode, Wall
+from hypothesis import given
+from hypothesis import strategies as st
+from nav_msgs.msg import Odometry
+import pytest
+from sensor_msgs.msg import BatteryState
+
+from create_oi_ros.apps.web.battery_time import BatteryTime
+from create_oi_ros.apps.web.live_robot import Cursor, LiveRobot, SILENT
+from create_oi_ros.apps.web.past import MOST_OLD, NewestLog, OLD_STEP, RECENT, STEP, TrackLog
+from create_oi_ros.apps.web.world_frame import FlatPose, WorldFrame
+from create_oi_ros.ros import topics
+from support.anything import anything
+
+
+def odom(x: float = 0.0, y: float = 0.0, speed: float = 0.0) -> Odometry:
+    """Return an odometry message."""
+    made = Odometry()
+    made.pose.pose.position.x, made.pose.pose.position.y = x, y
+    made.twist.twist.linear.x = speed
+    return made
+
+
+BEGIN = Cursor()
+
+
+def news(robot: LiveRobot, cursor: Cursor = BEGIN, now: float = 0.0):
+    """Return the news since a cursor, decoded, and the next cursor."""
+    text, cursor = robot.news(cursor, now)
+    return json.loads(text), cursor
+
+
+def test_a_page_is_told_each_change_once():
+    robot = LiveRobot()
+    robot.update(odom(1.0, 2.0), 0.0)
+    robot.update(Mode(mode=Mode.PASSIVE, wanted=Mode.SAFE, reason='cliff'), 0.0)
+    first, cursor = news(robot)
+    assert first['type'] == 'news'
+    assert first['pose']['x'] == 1.0
+    assert first['anew'] == [1.0, 2.0]
+    assert first['mode'] == {'actual': 'PASSIVE', 'wanted': 'SAFE', 'reason': 'cliff'}
+    assert news(robot, cursor, 0.5) == ({'type': 'news', 'at': 0.5}, cursor)
+    robot.update(odom(1.1, 2.0), 0.2)
+    second, cursor = news(robot, cursor)
+    assert second.keys() == {'type', 'at', 'pose', 'track'}
+    assert second['track'] == [1.1, 2.0]
+
+
+def test_a_touch_is_an_event_where_it_began():
+    robot = LiveRobot()
+    robot.update(Bumper(left=True), 0.0)
+    robot.update(Bumper(), 0.0)
+    assert 'events' not in news(robot)[0], 'its place is not known'
+    robot.update(odom(1.0), 0.1)
+    robot.update(Bumper(left=True), 0.1)
+    robot.update(Bumper(left=True, right=True), 0.2)
+    robot.update(Cliff(front_left=True), 0.2)
+    told, cursor = news(robot)
+    assert told['events'] == [['bump', 1.0, 0.0, 'left'], ['cliff', 1.0, 0.0, 'front left']]
+    assert told['bump'] == {'left': True, 'right': True}
+    robot.update(Bumper(), 0.3)
+    robot.update(Bumper(right=True), 0.3)
+    assert news(robot, cursor)[0]['events'] == [['bump', 1.0, 0.0, 'right']]
+
+
+def test_after_a_reset_of_the_odometry_the_track_begins_anew():
+    robot = LiveRobot()
+    robot.update(odom(3.0), 0.0)
+    robot.update(Bumper(left=True), 0.0)
+    _, cursor = news(robot)
+    robot.update(odom(0.0), 0.02)
+    told, cursor = news(robot, cursor)
+    assert told['anew'] == [0.0, 0.0]
+    assert 'events' not in told
+    robot.forget()
+    assert news(robot, cursor)[0]['anew'] == []
+
+
+@pytest.mark.parametrize('place', [nan, inf, 1e9])
+def test_a_place_that_cannot_be_drawn_is_left_out(place):
+    robot = LiveRobot()
+    robot.update(odom(place), 0.0)
+    told, _ = news(robot)
+    assert 'pose' not in told and told['anew'] == []
+
+
+def test_a_heading_that_is_no_number_is_left_out():
+    robot, message = LiveRobot(), odom()
+    message.pose.pose.orientation.z = nan
+    robot.update(message, 0.0)
+    assert 'pose' not in news(robot)[0]
+
+
+def test_samples_come_five_times_a_second_while_the_driver_speaks():
+    robot = LiveRobot()
+    robot.sample(0.0)
+    told, cursor = news(robot)
+    assert told['silent'] is True and 'samples' not in told
+    for step in range(20):
+        robot.update(odom(speed=0.2), step / 20)
+        robot.update(Wall(signal=step), step / 20)
+        robot.sample(step / 20)
+    told, cursor = news(robot, cursor)
+    assert told['silent'] is False
+    assert len(told['samples']) == 5
+    assert told['samples'][0] == [0.0, 0.2, 0.0, None, None, None, None, None, 0]
+    robot.sample(1.0 + SILENT)
+    assert news(robot, cursor)[0]['silent'] is True
+
+
+@given(st.data())
+def test_any_message_of_a_driver_becomes_json(data):
+    robot = LiveRobot()
+    heard = [topic.type for topic in topics.SENSOR_TOPICS if topic.name != 'cargo_bay']
+    for _ in range(3):
+        robot.update(data.draw(anything(data.draw(st.sampled_from([*heard, Odometry, Mode])))), 0)
+    robot.sample(0.1)
+    news(robot)
+
+
+def test_the_name_of_an_infrared_character_is_told():
+    robot = LiveRobot()
+    robot.update(IrOmni(character=248, name='home_base_red_buoy'), 0.0)
+    assert news(robot)[0]['infrared'] == {'code': 248, 'name': 'home_base_red_buoy'}
+
+
+def test_a_log_keeps_the_newest_and_tells_each_reader_what_is_new_for_it():
+    log = NewestLog(3)
+    for each in 'abcde':
+        log.add(each)
+    assert (log.since(0), log.since(3), log.since(5)) == (['c', 'd', 'e'], ['d', 'e'], [])
+
+
+def test_a_track_is_whole_for_ten_minutes_and_then_has_fewer_points():
+    track, speed = TrackLog(), 0.1
+    for second in range(int(2 * RECENT) + 1):
+        track.add(FlatPose(speed * second, 0.0, 0.0), float(second))
+    xs = track.whole()[::2]
+    old = [x for x in xs if x < speed * RECENT - 1e-9]
+    assert len(xs) - len(old) == RECENT + 1
+    steps = [b - a for a, b in zip(old, old[1:])]
+    assert min(steps) >= OLD_STEP - 1e-9
+    assert track.since(track.count - 2) == xs_and_zeros(xs[-2:])
+
+
+def xs_and_zeros(xs):
+    """Return points on the x axis, as x, y, x, y."""
+    return [value for x in xs for value in (x, 0.0)]
+
+
+def test_a_robot_that_stands_adds_no_points():
+    track = TrackLog()
+    for second in range(100):
+        track.add(FlatPose(STEP / 2 * (second % 2), 0.0, 0.0), float(second))
+    assert track.whole() == [0.0, 0.0]
+
+
+def test_a_track_of_days_stays_small():
+    track = TrackLog()
+    for second in range(60_000):
+        track.add(FlatPose(0.5 * second, 0.0, 0.0), float(second))
+    assert len(track.whole()) / 2 <= MOST_OLD + RECENT + 2
+
+
+def battery(charge=2.0, capacity=3.0, current=-1.0) -> dict[str, float]:
+    """Return the arguments of the battery's time."""
+    return {'charge': charge, 'capacity': capacity, 'current': current}
+
+
+def test_the_battery_s_time_is_its_charge_over_the_current():
+    assert BatteryTime().left(**battery(), now=0.0) == 120
+    assert BatteryTime().left(**battery(current=2.0), now=0.0) == 30
+    for unknown in (battery(charge=nan), battery(capacity=nan), battery(current=0.001),
+                    battery(current=-0.03), battery(current=nan)):
+        assert BatteryTime().left(**unknown, now=0.0) is None
+
+
+def test_the_current_is_averaged_until_the_charger_comes_or_goes():
+    time = BatteryTime()
+    time.left(**battery(current=-1.0), now=0.0)
+    assert 110 < time.left(**battery(current=-2.0), now=1.0) < 120
+    assert time.left(**battery(current=1.0), now=2.0) == 60
+
+
+def test_battery_numbers_that_are_none_are_told_as_unknown():
+    robot = LiveRobot()
+    robot.update(BatteryState(percentage=nan, voltage=15.0, current=-0.2, charge=nan), 0.0)
+    told = news(robot)[0]['battery']
+    assert (told['part'], told['minutes'], told['voltage']) == (None, None, 15.0)
+
+
+def test_the_room_lies_where_both_poses_are_one():
+    frame = WorldFrame()
+    assert frame.update(FlatPose(0, 0, 0), FlatPose(1, 2, pi / 2), 0.0)
+    assert frame.origin == pytest.approx((-2, 1, -pi / 2))
+    assert not frame.update(FlatPose(0.3, 0, 0), FlatPose(1, 2.2, pi / 2), 0.5)
+    assert frame.origin == pytest.approx((-2, 1, -pi / 2)), 'the difference is the error'
+
+
+@pytest.mark.parametrize('after', [FlatPose(0, 0, 0), FlatPose(2, 0, 3)])
+def test_it_is_found_again_after_a_reset(after):
+    frame = WorldFrame()
+    frame.update(FlatPose(2, 0, 0), FlatPose(0, 0, 0), 0.0)
+    assert frame.update(after, FlatPose(0, 0, 0), 0.1)
+    assert frame.origin == pytest.approx(after)
+    frame.reset()
+    assert frame.update(after, FlatPose(1, 0, 0), 0.2)
