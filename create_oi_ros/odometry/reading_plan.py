@@ -14,9 +14,9 @@ from .tracks import Tracks
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
 WAITS = 0.7, 7.0
-"""Windows between readings, at least and at most, while the requests stay the same, ..."""
+"""Windows between readings, at least and at most, while the requests stay the same."""
 GROWTH = 0.8
-"""... and the part of the seconds since the last change: the longer, the better known."""
+"""Part of the seconds since the last change of request to wait between readings."""
 VARIED = 0.8, 0.4
 """Least factor by which waits vary, and how much they vary by."""
 STANDING = 1.0
