@@ -10,7 +10,7 @@ import numpy as np
 from . import accumulators, noise
 from . import states as s
 from .accumulators import Wholes
-from .assumptions import Assumptions
+from .assumptions import Assumptions, YOUNG
 from .noise import Scales
 from .request_history import Array
 
@@ -22,6 +22,9 @@ what it stays."""
 LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
+UNEASY, RECHECK, REOPENED = 1.1, 30, 0.1
+"""Doubt from which on kinds of robot that were given up are tried again, with what was learned;
+readings between two trials; the part of what was not known at first that is doubted for it."""
 OUTSIDE = slice(s.MOVES_RIGHT, s.DISTANCE)
 """States that have nothing to do with what is assumed of a robot."""
 
@@ -32,6 +35,8 @@ class Doubt:
     def __init__(self) -> None:
         self._astray = 0
         """Readings in a row that the best track did not explain."""
+        self._unchecked = 0
+        """Readings since other kinds of robot were tried."""
         self.is_surprised = False
         """Whether the best track did not expect the last reading."""
 
@@ -56,13 +61,33 @@ class Doubt:
         return left
 
     def rethink(self, rows: Assumptions, *, free: bool) -> None:
-        """Try everything again beside the tracks that have explained little for long."""
+        """Try other tracks beside those that have explained little for long."""
         self._astray = self._astray + 1 if rows.doubt[0] > LOST else min(self._astray, 0)
-        if self._astray < ENOUGH or free:
+        self._unchecked += 1
+        if free:
             return
-        self._astray = -PAUSE
+        if self._astray >= ENOUGH:
+            self._astray = -PAUSE
+            self._begin_again(rows)
+        elif rows.doubt[0] > UNEASY and self._unchecked > RECHECK and rows.readings > YOUNG:
+            self._unchecked = 0
+            self._recheck(rows)
+
+    def _begin_again(self, rows: Assumptions) -> None:
+        """Try everything that a robot may be."""
         others = Assumptions.all()
         others.means[:, OUTSIDE] = rows.means[0, OUTSIDE]
         others.p[:, OUTSIDE, OUTSIDE] = rows.p[0, OUTSIDE, OUTSIDE]
+        accumulators.empty(others)
+        rows.join(others, REBORN)
+        rows.readings = 0
+
+    def _recheck(self, rows: Assumptions) -> None:
+        """Try the kinds of robot that were given up, otherwise as the best track is."""
+        others = rows.given_up()
+        if others is None:
+            return
+        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
+            others.p[:, index, index] += (REOPENED * prior.spread) ** 2
         accumulators.empty(others)
         rows.join(others, REBORN)

@@ -14,6 +14,7 @@ from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from ...driver import MotionLimits
 from ...ros.rotation import yaw_of
 from ...ros.topics import LATCHED
 
@@ -23,8 +24,14 @@ CRUISE, TURN = 0.3, 1.2
 """m/s and rad/s."""
 SPIRAL_TURN = 1.6
 """rad/s at most."""
-BRAKING, SLOWEST = 2.5, 0.2
-"""Turning speed, rad/s, for each radian left to turn, and at least."""
+BRAKING = min(2.5, MotionLimits.angular_acceleration / SPIRAL_TURN)
+"""Turning speed, rad/s, for each radian left to turn: braking stays within the driver's limits."""
+SLOWEST = 0.2
+"""Turning speed at least, rad/s."""
+SLOWING = min(2.0, MotionLimits.linear_acceleration / CRUISE)
+"""Speed, m/s, for each metre left to drive, likewise."""
+CREEP = 0.08
+"""Speed at least, m/s."""
 CLOSE, STRAIGHT = 0.02, 0.03
 """Metres and radians: tolerance of a drive and of a turn."""
 STANDING = 0.01
@@ -171,7 +178,7 @@ class Pilot:
             off = remainder(bearing() - self.yaw, tau)
             # Close to the point the bearing jumps, so drive straight on.
             turn = 2.0 * off if away() > 0.1 and abs(off) < pi / 2 else 0.0
-            self.command(min(CRUISE, max(0.08, 2.0 * away())), turn)
+            self.command(min(CRUISE, max(CREEP, SLOWING * away())), turn)
 
         self.turn_to(bearing())
         aim = self.yaw
