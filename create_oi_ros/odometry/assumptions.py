@@ -83,20 +83,6 @@ class Assumptions:
             order = list(kinds.values())
         self._select(order)
 
-    def given_up(self) -> 'Assumptions | None':
-        """Return the best track under each rounding and sign that no track has any more."""
-        mine = set(zip(self.roundings, self.signs.kinds.tolist(), self.signs.late.tolist()))
-        every = ((rounding, *sign) for rounding, sign in product(Rounding, SIGNS))
-        kinds = [kind for kind in every if kind not in mine]
-        if not kinds:
-            return None
-        count = len(kinds)
-        signs = Signs(np.array([kind for _, kind, _ in kinds]),
-                      np.array([late for _, _, late in kinds]))
-        return Assumptions([rounding for rounding, _, _ in kinds], signs, np.ones(count) / count,
-                           np.ones(count), np.tile(self.means[0], (count, 1)),
-                           np.tile(self.p[0], (count, 1, 1)))
-
     def bound(self) -> None:
         """Keep all unknowns where they can be."""
         for index, prior in (s.COMMON | s.RESPONSES[0]).items():

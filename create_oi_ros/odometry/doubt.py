@@ -22,9 +22,10 @@ what it stays."""
 LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
-UNEASY, RECHECK, REOPENED = 1.1, 30, 0.1
-"""Doubt from which on kinds of robot that were given up are tried again, with what was learned;
-readings between two trials; the part of what was not known at first that is doubted for it."""
+UNSEEN, ODD = 0.2, 4.0
+"""Part of a reading's oddity that becomes doubt even where process noise has no share in it; the
+square of the standard deviations from which on a reading is odd. Readings of a robot that is
+new may be."""
 OUTSIDE = slice(s.MOVES_RIGHT, s.DISTANCE)
 """States that have nothing to do with what is assumed of a robot."""
 
@@ -35,8 +36,6 @@ class Doubt:
     def __init__(self) -> None:
         self._astray = 0
         """Readings in a row that the best track did not explain."""
-        self._unchecked = 0
-        """Readings since other kinds of robot were tried."""
         self.is_surprised = False
         """Whether the best track did not expect the last reading."""
 
@@ -52,8 +51,11 @@ class Doubt:
         beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
         self.is_surprised = bool(beyond[0] > 0)
         share = noisy / spreads ** 2
-        growth = HASTE * (share * np.clip(z * z - 1, -1, 6)).sum(axis=0)
-        rows.doubt = np.clip(rows.doubt ** FADING * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
+        growth = share * np.clip(z * z - 1, -1, 6)
+        if rows.readings > YOUNG:
+            growth += UNSEEN * np.clip(z * z - ODD, 0, 6)
+        rows.doubt = np.clip(rows.doubt ** FADING * np.exp(HASTE * growth.sum(axis=0)),
+                             LEAST_DOUBT, MOST_DOUBT)
         if beyond.any():
             more = np.where(np.abs(z) > SURPRISE, (gaps / LEFT) ** 2 - spreads ** 2, 0.0)
             rows.p += noise.of_surprise(more[0], more[1], rows.means[:, s.YAW], scales)
@@ -61,33 +63,14 @@ class Doubt:
         return left
 
     def rethink(self, rows: Assumptions, *, free: bool) -> None:
-        """Try other tracks beside those that have explained little for long."""
+        """Try everything again beside the tracks that have explained little for long."""
         self._astray = self._astray + 1 if rows.doubt[0] > LOST else min(self._astray, 0)
-        self._unchecked += 1
-        if free:
+        if self._astray < ENOUGH or free:
             return
-        if self._astray >= ENOUGH:
-            self._astray = -PAUSE
-            self._begin_again(rows)
-        elif rows.doubt[0] > UNEASY and self._unchecked > RECHECK and rows.readings > YOUNG:
-            self._unchecked = 0
-            self._recheck(rows)
-
-    def _begin_again(self, rows: Assumptions) -> None:
-        """Try everything that a robot may be."""
+        self._astray = -PAUSE
         others = Assumptions.all()
         others.means[:, OUTSIDE] = rows.means[0, OUTSIDE]
         others.p[:, OUTSIDE, OUTSIDE] = rows.p[0, OUTSIDE, OUTSIDE]
         accumulators.empty(others)
         rows.join(others, REBORN)
         rows.readings = 0
-
-    def _recheck(self, rows: Assumptions) -> None:
-        """Try the kinds of robot that were given up, otherwise as the best track is."""
-        others = rows.given_up()
-        if others is None:
-            return
-        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
-            others.p[:, index, index] += (REOPENED * prior.spread) ** 2
-        accumulators.empty(others)
-        rows.join(others, REBORN)

@@ -13,23 +13,22 @@ from .tracks import Tracks
 
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
-WAITS = 0.7, 7.0
-"""Windows between readings, at least and at most, while the requests stay the same."""
+WAITS = 0.7, 2.0, 7.0
+"""Windows between readings while the requests stay the same: at least, at most while a robot is
+new, and at most when it is known."""
 GROWTH = 0.8
 """Part of the seconds since the last change of request to wait between readings."""
 VARIED = 0.8, 0.4
 """Least factor by which waits vary, and how much they vary by."""
 STANDING = 1.0
 """Windows between readings at rest."""
-CARRIED = 0.7
-"""Windows between readings of a robot that carries fractions: they cost it nothing."""
 UNSETTLED = 2.0
 """Windows between readings while the requests change."""
 STRETCH = 2.0
 """How much longer waits become, in part, while the robot becomes known."""
-BLURRED, SOON = (0.8, 2.0), 0.4
+BLURRED, SOON = 2.0, 0.4
 """Doubt of what the accumulators hold, degrees or twice as many mm, from which on to ask after
-this part of a window: of a new robot, and of one that is known."""
+this part of a window."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
 SETTLED = 0.45
@@ -102,19 +101,16 @@ class ReadingPlan:
         """
         if tracks.is_free:
             return FREE * self.window
-        new, known = BLURRED
-        if tracks.blur > new + (known - new) * tracks.known:
+        if tracks.blur > BLURRED:
             return SOON * self.window
-        varied = VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1)
-        if tracks.roundings == {Rounding.CARRY} and not tracks.rests:
-            return CARRIED * self.window * varied
         patience = 1 + STRETCH * tracks.known
         if self._steady < SETTLED:
             return UNSETTLED * self.window * patience
-        shortest, longest = WAITS
+        shortest, new, known = WAITS
+        longest = new + (known - new) * tracks.known
         wait = STANDING if tracks.rests else min(
             longest, max(patience * shortest, GROWTH * self._steady))
-        return self.window * wait * varied
+        return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))
 
     def _worth_a_probe(self, dt: float, tracks: Tracks) -> bool:
         """Tell whether readings in a row would now tell the roundings that are left apart."""

@@ -326,7 +326,7 @@ class Tracks:
         if self.doubt.is_surprised and self.wheels.requests.age > self._window + SWIFT:
             self.band.doubt()
         logs += accumulators.learn(rows, wholes)
-        rows.weigh(logs)
+        rows.weigh(logs / max(1.0, float(rows.doubt[0])))  # a model that fails tells little
         accumulators.take_out(rows, wholes)
         rows.bound()
         for wheel in self.band.learn(self.rows):
