@@ -103,7 +103,7 @@ def test_knowledge_makes_the_start_of_an_unusual_robot_right():
     yaw, place = errors(robot(RobotRounding.CARRY, unusual, known), wishes)
     assert yaw < 0.5
     assert place < 0.003
-    assert yaw < errors(robot(RobotRounding.CARRY, unusual), wishes)[0] / 5
+    assert yaw < errors(robot(RobotRounding.CARRY, unusual), wishes)[0] / 2
 
 
 def test_a_known_robot_is_not_announced_again(centre):

@@ -24,10 +24,10 @@ LESSON = ((0.2, 0.3), (0.1, -0.7), (0.0, 0.0), (-0.2, 0.2), (0.3, 0.4), (0.0, 0.
 
 
 def learned(rounding: Rounding) -> Loop:
-    """Return a driver that has driven its robot for a half a minute by steps, as a script does."""
+    """Return a driver that has driven its robot for a minute and a half, by steps as in scripts."""
     loop = Loop(Settings(odometry_window=1.0, limits=AT_ONCE), rounding=rounding)
     loop.run(0.3)
-    for linear, angular in LESSON * 3:
+    for linear, angular in LESSON * 8:
         loop.drive(linear, angular, 1.5)
     loop.run(1.0)
     # Readings still correct where the lessons ended; with a new origin they correct the script.
