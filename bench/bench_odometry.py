@@ -14,8 +14,8 @@ whole simulated robot, with default parameters. By class of robot:
   worse  by how much a drive was worse than a reading a second, degrees a turn, at most
 
 Then how the error grows with the time since the start, for nobody knows a new robot; the
-conditions of `odometry_rig` (slip, held wheels, a lifted or pushed robot, demos); and the trials of
-`odometry_cases`: a damaged line and, with `--logs FOLDER`, logs of real wheels.
+conditions of `odometry_rig` (slip, held wheels, a lifted or pushed robot, demos); and the trials
+of `odometry_cases`: a damaged line and, with `--logs FOLDER`, logs of real wheels.
 """
 
 from argparse import ArgumentParser

@@ -24,7 +24,7 @@ LESSON = ((0.2, 0.3), (0.1, -0.7), (0.0, 0.0), (-0.2, 0.2), (0.3, 0.4), (0.0, 0.
 
 
 def learned(rounding: Rounding) -> Loop:
-    """Return a driver that has driven its robot for a minute and a half, by steps as in scripts."""
+    """Return a driver after a minute and a half of driving by steps, as scripts drive."""
     loop = Loop(Settings(odometry_window=1.0, limits=AT_ONCE), rounding=rounding)
     loop.run(0.3)
     for linear, angular in LESSON * 8:
