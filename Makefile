@@ -25,7 +25,7 @@ SHELL := bash
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
 READY := .venv/ready
 BUILT := install/built
-EVERY_TEST := python -m pytest --cov --cov-report= -n 2 --dist loadfile && python tools/coverage_floors.py
+EVERY_TEST := python -m pytest --cov --cov-report= -n 2 --dist loadfile --max-worker-restart 0 && python tools/coverage_floors.py
 ENTER := source ./env.sh &&
 
 help: ; @sed -n 's/^#   make/make/p' Makefile

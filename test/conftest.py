@@ -1,10 +1,46 @@
-"""Settings of all tests: hypothesis tries the same examples in every run."""
+"""Settings of all tests: the same examples in every run, and an end to every test."""
+
+from collections.abc import Iterator
+import faulthandler
+import os
 
 from hypothesis import settings
 import pytest
 
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
 settings.load_profile('repeatable')
+
+HANGS = 360.0
+"""Seconds after which a test ends its process: pytest's timeout is shorter, and has not helped."""
+STDERR = pytest.StashKey[int]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep the true stderr: what a test writes to its own is not shown when its process ends."""
+    capture = config.pluginmanager.getplugin('capturemanager')
+    with capture.global_and_fixture_disabled():
+        config.stash[STDERR] = os.dup(2)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """End the process of a test that hangs, where its own timeout does not help."""
+    end_process_later(item)
+    try:
+        return (yield)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_teardown(item: pytest.Item) -> None:
+    """Begin again: pytest forgets the time when a test fails, and fixtures can hang, too."""
+    end_process_later(item)
+
+
+def end_process_later(item: pytest.Item) -> None:
+    """After HANGS seconds, show where all threads are and exit."""
+    faulthandler.dump_traceback_later(HANGS, exit=True, file=item.config.stash[STDERR])
 
 
 @pytest.fixture

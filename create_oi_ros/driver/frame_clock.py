@@ -54,8 +54,8 @@ class FrameClock:
         self._suspicious = 0
         self._missing = 0.0
         """Frames that garbage stands for."""
-        self._owed = 0
-        """Slots that were counted though no time had passed."""
+        self._owed = 0.0
+        """Seconds of counted slots that no frame has been given yet; negative: given too early."""
 
     @property
     def known_period(self) -> Known:
@@ -69,8 +69,8 @@ class FrameClock:
         self._sent.clear()
         self._earliest.clear()
         self._arrival = None
-        self._suspicious = self._frames = self._owed = 0
-        self._missing = 0.0
+        self._suspicious = self._frames = 0
+        self._missing = self._owed = 0.0
 
     def suspect(self, frames: float = 0.0) -> None:
         """Note that bytes came which may have been so many frames."""
@@ -103,11 +103,11 @@ class FrameClock:
         return self._stamp, self._duration(passed + wrong + late)
 
     def _duration(self, slots: int) -> float:
-        """Return the seconds of some slots; what is below none is owed to later frames."""
-        self._owed += slots
-        slots = max(0, self._owed)
-        self._owed -= slots
-        return max(slots * self.period, LEAST_STEP)
+        """Return the seconds of some slots; what is below none is taken from later frames."""
+        self._owed += slots * self.period
+        duration = max(self._owed, LEAST_STEP)
+        self._owed -= duration
+        return duration
 
     def _frames_missing(self, arrival: float) -> int:
         """Return how many frames seem to be lost before this one: garbage came, or nothing did."""
@@ -141,8 +141,8 @@ class FrameClock:
         """
         self._suspicious -= 1
         older = len(self._sent) - RECENT
-        if older <= 0 or self._suspicious < 0:
-            return 0
+        if older < RECENT or self._suspicious < 0:
+            return 0  # the earliest of a few frames may be a late one
         recent = min(self._lateness(older, len(self._sent)))
         return round((recent - min(self._lateness(0, older))) / self.period)
 

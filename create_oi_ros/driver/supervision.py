@@ -17,6 +17,9 @@ CLEAR_FOR = 1.0
 """Seconds that the cause must have been gone before the wanted mode may be entered again."""
 RETRY_INTERVAL, MOST_TRIES = 0.2, 3
 """Seconds after which a mode should have been entered, and how often it is tried."""
+SETTLING = 2.0
+"""Seconds after the robot was found, or a mode was asked for, in which frames from before may
+still come on a busy computer."""
 MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
 LEFT_DROP, RIGHT_DROP, CASTER_DROP = map(int, (
     oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT, oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
@@ -93,7 +96,7 @@ class Supervision:
         self._cause_seen_at = -inf
         self._commands_paused = False
         self._tries = 0
-        self._entered_at = -inf
+        self._entered_at = self._asked_at = -inf
         self.docked = False
         """Whether the robot was on the contacts of a Home Base in the newest frame."""
 
@@ -109,6 +112,8 @@ class Supervision:
 
     def entering(self, now: float) -> None:
         """Note that the wanted mode is being entered."""
+        if self._tries == 0:
+            self._asked_at = now
         self._tries += 1
         self._entered_at = now
 
@@ -130,8 +135,8 @@ class Supervision:
             self._cause_seen_at = now
         before, actual = self.status, readings.oi_mode
         left = before.actual == before.wanted != actual
-        # A frame from before the mode was entered may come late.
-        dropped = left and (bool(present) or now - self._entered_at > RETRY_INTERVAL)
+        # Without a cause it may only seem so: a frame from before the mode was entered came late.
+        dropped = left and (bool(present) or now - self._asked_at > SETTLING)
         causes = before.causes
         if dropped:
             causes = present or self._before or (

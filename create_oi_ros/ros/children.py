@@ -1,5 +1,7 @@
 """Other programs of this package, as processes that a program starts and ends."""
 
+from functools import partial
+import os
 import subprocess
 import sys
 
@@ -14,7 +16,7 @@ def start(program: str, *arguments: str, stdout: int | None = None) -> subproces
     """Start a program that ends with this process; the terminal's Ctrl-C does not reach it."""
     return subprocess.Popen(
         [sys.executable, '-c', PROGRAMS[program], *arguments], stdout=stdout,
-        start_new_session=True, preexec_fn=end_with_parent)
+        start_new_session=True, preexec_fn=partial(end_with_parent, os.getpid()))
 
 
 class Children:

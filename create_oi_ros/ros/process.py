@@ -29,9 +29,18 @@ SPIN_TIME = 0.05
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-def end_with_parent() -> None:
-    """Have the kernel send SIGTERM when the parent process dies, however it dies (Linux)."""
+def end_with_parent(parent: int) -> None:
+    """
+    Have the kernel send SIGTERM when the parent process dies, however it dies (Linux).
+
+    Call it in the child. `parent`: the process id of the parent, taken there.
+    """
+    # Until exec this process has its parent's handlers, which would take the signal and go on.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    # The kernel tells nothing of a parent that died before the call.
+    if os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGTERM)
 
 
 def call_on_signal(end: Callable[[], None]) -> None:

@@ -4,6 +4,8 @@ from contextlib import closing
 from pathlib import Path
 import re
 import signal
+import subprocess
+import sys
 import time
 
 from create_oi_msgs.msg import Mode
@@ -87,6 +89,18 @@ def test_children_end_with_it_even_when_it_is_killed(stage):
     children = children_of(run.pid)
     run.send(signal.SIGKILL)
     stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
+
+
+def test_a_child_whose_parent_died_before_it_could_ask_ends():
+    late = """
+import os, signal, sys
+from create_oi_ros.ros.process import end_with_parent
+signal.signal(signal.SIGTERM, lambda *_: None)  # as create_run's, which its child inherits
+end_with_parent(parent=os.getpid())  # not its parent
+sys.exit('it runs on')
+"""
+    ended = subprocess.run([sys.executable, '-c', late], timeout=TIMEOUT)
+    assert ended.returncode == -signal.SIGTERM
 
 
 def test_when_a_child_ends_everything_ends(stage):

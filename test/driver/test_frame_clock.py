@@ -96,3 +96,16 @@ def test_tells_at_once_after_what_a_frame_may_have_been_lost():
         clock.stamp(arrival, 0.0)
         gaps.append(clock.gap)
     assert gaps == [False, False, False, True, False, True, False]
+
+
+@pytest.mark.parametrize('longest', [0.08, 0.15, 0.4])
+def test_a_computer_that_pauses_now_and_then_does_not_stop_the_clock(longest):
+    clock, random = FrameClock(), Random(3)
+    total, paused_until = 0.0, 0.0
+    for slot in range(1, 4000):
+        sent = slot * SLOT
+        if sent > paused_until and random.random() < 0.02:
+            paused_until = sent + random.uniform(0.05, longest)
+        total += clock.stamp(max(sent, paused_until), 0.0)[1]
+        # A frame that comes late is taken for one after lost ones, until the late ones follow.
+        assert -5 * SLOT < total - sent < longest + 5 * SLOT

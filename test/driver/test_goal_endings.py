@@ -9,6 +9,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.goals import Code, Ending, WallFollow
 from create_oi_ros.driver.state import Activity
+from create_oi_ros.driver.supervision import SETTLING
 from create_oi_ros.sim.body.config import CENTRE
 from create_oi_ros.sim.world import shipped
 from support.goals import angle, arc, distance, place, pursue, start, until_ended
@@ -346,6 +347,7 @@ def test_what_comes_after_the_end_changes_nothing():
 
 def test_a_robot_that_does_not_enter_its_mode_again_ends_a_goal():
     loop = met()
+    loop.run(SETTLING)  # after that, leaving the mode is no late frame
     loop.robot.receive(oi.Start().encode(), loop.now)
     loop.run(2 * FRAME)
     loop.robot.receive = lambda *_: None

@@ -1,8 +1,8 @@
 """Node processes, robots on simulated serial ports, and a ROS node in the test's own process."""
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, closing, contextmanager
-from itertools import cycle
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
+from itertools import count, cycle
 import os
 from pathlib import Path
 import signal
@@ -29,6 +29,9 @@ from create_oi_ros.sim.world import shipped, World
 
 TIMEOUT = 30.0
 """Seconds to wait for an event before a test fails."""
+MARK = 'CREATE_OI_TEST_PROGRAM'
+"""Environment variable by which the processes of a test's program are found."""
+_numbers = count()
 
 
 class Robot:
@@ -61,7 +64,8 @@ class Robot:
     def close(self) -> None:
         """Stop the thread and close the terminal."""
         self._server.stop()
-        self._thread.join()
+        self._thread.join(TIMEOUT)
+        assert not self._thread.is_alive(), 'the simulated robot does not end'
         self._line.close()
 
 
@@ -70,7 +74,9 @@ class Program:
 
     def __init__(self, *arguments: str, domain: int | None) -> None:
         """Start it in a ROS domain; None: the program chooses one."""
-        environment = {**os.environ, 'PYTHONUNBUFFERED': '1'}
+        self._mark = f'{MARK}={os.getpid()}.{next(_numbers)}'
+        name, _, number = self._mark.partition('=')
+        environment = {**os.environ, 'PYTHONUNBUFFERED': '1', name: number}
         if domain is not None:
             environment['ROS_DOMAIN_ID'] = str(domain)
         self._process = subprocess.Popen(
@@ -106,16 +112,36 @@ class Program:
     def ended(self) -> int:
         """Wait for the end of the process; return its exit code."""
         code = self._process.wait(TIMEOUT)
-        self._reader.join()
+        self._read_all()
         return code
 
     def close(self) -> None:
         """Kill the process if it runs; print its output, for pytest to show if the test fails."""
-        if self.running():
-            self._process.kill()
+        self._process.kill()
         self._process.wait()
-        self._reader.join()
-        print(self.output)
+        try:
+            self._read_all()
+        finally:
+            print(self.output)
+
+    def _read_all(self) -> None:
+        """Wait for the end of the output; kill what still can write to it, and fail."""
+        self._reader.join(TIMEOUT)
+        if self._reader.is_alive():
+            left = kill_marked(self._mark)
+            self._reader.join(TIMEOUT)
+            raise AssertionError(f'these outlived the program that started them: {left}')
+
+
+def kill_marked(mark: str) -> list[str]:
+    """Kill all processes that have inherited a variable NAME=VALUE; return their commands."""
+    killed = []
+    for process in Path('/proc').glob('[0-9]*'):
+        with suppress(OSError):  # it has ended, or belongs to somebody else
+            if f'{mark}\0' in (process / 'environ').read_text(errors='replace'):
+                killed.append((process / 'cmdline').read_text().replace('\0', ' '))
+                os.kill(int(process.name), signal.SIGKILL)
+    return killed
 
 
 def children_of(pid: int) -> list[int]:
