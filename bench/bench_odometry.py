@@ -196,7 +196,7 @@ def print_course(ours: dict[str, list[Score]]) -> None:
 
 def figures(kind: str, scores: list[Score], rivals: dict[str, list[Score]]) -> list[Figure]:
     """Return a class as figures."""
-    target, made = TARGETS[kind], []
+    target, made = TARGETS[kind], [Figure(f'{kind}: drives', len(scores), '')]
     for unit, values, (most, most_95) in (
             ('deg a turn', [s.turn for s in scores], target.turn),
             ('% of the path', [s.place for s in scores], target.place)):
