@@ -89,12 +89,14 @@ class Score(NamedTuple):
     worse: float = 0.0
     course: tuple[float, ...] = ()
     """Degrees of yaw error a turn in the parts of the drive; NaN: it hardly turned."""
+    response: str = ''
+    """How the robot's wheels answer."""
 
 
 Result = tuple[str, str, str, Score]
 """Class, kind of drive, estimator and how well it did."""
 Cells = dict[tuple[str, str], list[Score]]
-"""Scores by class, or class and kind of drive, and estimator."""
+"""Scores by class, also by kind of drive or response of the wheels, and by estimator."""
 
 
 def drive(kind: str, style: str, seed: int) -> list[Result]:
@@ -122,7 +124,7 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
         nees=nees_of(truth.pose.x, truth.pose.y, truth.turned, e),
         sigmas=abs(e.yaw - truth.turned) / e.pose_covariance[8] ** 0.5,
         step=largest_step(journey), worse=ours.turn - scores['a reading a second'].turn,
-        course=course(journey))
+        course=course(journey), response=robot.config.response.value)
     return [(kind, style, name, score) for name, score in scores.items()]
 
 
@@ -175,12 +177,13 @@ def print_table(results: Iterable[Result]) -> Cells:
     """Print the table by class and by kind of drive, and return it."""
     cells: Cells = {}
     for kind, style, estimator, score in results:
-        for name in (kind, f'{kind}: {style}'):
+        for name in (kind, f'{kind}: {style}', f'{kind}, {score.response} wheels'):
             cells.setdefault((name, estimator), []).append(score)
     print(f'{"":51}  deg a turn    % of path\n'
           f'{"robots":28} {"by":18}   n    mean   95th   mean   95th    NEES  >4   step  worse')
     for (name, estimator), scores in sorted(cells.items()):
-        print(show(name, estimator, scores))
+        if scores[0].response or ' wheels' not in name:
+            print(show(name, estimator, scores))
     return cells
 
 
@@ -206,6 +209,10 @@ def figures(kind: str, scores: list[Score], rivals: dict[str, list[Score]]) -> l
         made.append(Figure(
             f'{kind}, {name}: deg a turn', mean(s.turn for s in others), 'deg a turn',
             beside=f'place {mean(s.place for s in others):.2f} % of the path'))
+    for response in sorted({s.response for s in scores}):
+        some = [s.turn for s in scores if s.response == response]
+        made.append(Figure(f'{kind}, {response} wheels: deg a turn', mean(some), 'deg a turn',
+                           beside=f'{len(some)} drives, 95th percentile {percentile(some):.2f}'))
     honest = mean(s.nees for s in scores)
     made += [
         Figure(f'{kind}: NEES, at least', honest, '', NEES_LEAST, at_least=True),

@@ -20,8 +20,8 @@ from ...ros.topics import LATCHED
 
 PERIOD = 0.05
 """Seconds between two commands."""
-CRUISE, TURN = 0.3, 1.2
-"""m/s and rad/s."""
+CRUISE, BACKWARDS, TURN = 0.3, 0.15, 1.2
+"""m/s, m/s and rad/s."""
 SPIRAL_TURN = 1.6
 """rad/s at most."""
 BRAKING = min(2.5, MotionLimits.angular_acceleration / SPIRAL_TURN)
@@ -34,6 +34,10 @@ CREEP = 0.08
 """Speed at least, m/s."""
 CLOSE, STRAIGHT = 0.02, 0.03
 """Metres and radians: tolerance of a drive and of a turn."""
+SETTLE, LOOKS = 1.2, 3
+"""Seconds of standing in which a reading corrects the odometry; times that a turn looks at it."""
+ASKEW = 0.06
+"""Radians from which on a turn is corrected."""
 STANDING = 0.01
 """m/s; a slower robot stands."""
 
@@ -144,6 +148,11 @@ class Pilot:
         self.command(0.0, 0.0)
         self.until(lambda: self.standing, 'the robot stands', 3.0)
 
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        end = time.monotonic() + seconds
+        self.until(lambda: time.monotonic() >= end, 'a pause', seconds + 1.0)
+
     def call(self, type_: type, name: str, **fields: Any) -> str:
         """Call a service and return its message; TourError: it was refused."""
         client = self._node.create_client(type_, name)
@@ -163,8 +172,12 @@ class Pilot:
 
         def steer() -> None:
             self.command(0.0, copysign(min(TURN, braked(left())), left()))
-        self.until(lambda: abs(left()) < STRAIGHT, f'a turn to {yaw:.1f} rad', 15.0, steer)
-        self.stop()
+        for _ in range(LOOKS):
+            self.until(lambda: abs(left()) < STRAIGHT, f'a turn to {yaw:.1f} rad', 15.0, steer)
+            self.stop()
+            self.wait(SETTLE)
+            if abs(left()) < ASKEW:
+                return
 
     def go_to(self, x: float, y: float) -> None:
         """Turn towards a point and drive there; TourError: an obstacle is in the way."""
@@ -195,9 +208,13 @@ class Pilot:
     def back(self, distance: float) -> None:
         """Drive straight backwards."""
         x, y = self.place
-        self.command(-0.15, 0.0)
-        self.until(lambda: hypot(self.place[0] - x, self.place[1] - y) >= distance,
-                   f'{distance} m backwards')
+
+        def left() -> float:
+            return distance - hypot(self.place[0] - x, self.place[1] - y)
+
+        def steer() -> None:
+            self.command(-min(BACKWARDS, max(CREEP, SLOWING * left())), 0.0)
+        self.until(lambda: left() <= 0, f'{distance} m backwards', steer=steer)
         self.stop()
 
     def spiral(self, turns: float, inner: float, outer: float) -> None:
