@@ -46,7 +46,7 @@ fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
 sequences: build ; @$(ENTER) python test sequences $(ARGS)
 campaign: build $(MUTANTS) ; @$(ENTER) python test campaign $(ARGS)
 mutants: build $(MUTANTS) ; @$(ENTER) python test mutants $(ARGS)
-docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/goals.md docs/robot_check.md && python bench/draw_odometry.py && python bench/draw_drive.py
+docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/robot_check.md && python bench/draw_odometry.py && python bench/draw_drive.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 

@@ -1,5 +1,5 @@
 """
-How good the odometry is: `python bench/bench_odometry.py`, an hour, two tables.
+How good the odometry is: `python bench/bench_odometry.py`, half an hour, some tables.
 
 Robots are drawn at random from what was measured and reported of real ones (`robots`), each drives
 two to five minutes in one of five ways (`drives`), byte by byte between the whole driver and the
@@ -13,20 +13,26 @@ whole simulated robot, with default parameters. By class of robot:
          degrees
   worse  by how much a drive was worse than a reading a second, degrees a turn, at most
 
-Then the conditions of `odometry_rig`: slip, held wheels, a lifted or pushed robot, demos.
+Then how the error grows with the time since the start, for nobody knows a new robot; the
+conditions of `odometry_rig` (slip, held wheels, a lifted or pushed robot, demos); and the trials
+of `odometry_cases`: a damaged line and, with `--logs FOLDER`, logs of real wheels.
 """
 
 from argparse import ArgumentParser
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Iterable
-from math import degrees, hypot, tau
+from math import degrees, hypot, isnan, nan, tau
 from multiprocessing import Pool
+from multiprocessing.pool import Pool as Workers
+from pathlib import Path
 from random import Random
 from statistics import mean, quantiles
 from typing import NamedTuple
 
 from create_oi_ros.sim.body.encoders import Rounding
 from drives import DRIVES
+from odometry_cases import damaged_line, follow_log, rows_of
 from odometry_loop import Journey
 from odometry_rig import Condition, CONDITIONS, follow, nees_of, simulate
 from results import Figure, keep, machine
@@ -35,13 +41,25 @@ from robots import CLASSES
 
 DRIVES_EACH = 70
 """Robots of each class."""
-HELD_OUT = 10_000
-"""First seed; those from 0 on served for tuning."""
+HELD_OUT = 80_000
+"""First seed; others served for tuning."""
 SHORTEST, LONGEST = 120.0, 300.0
 """Seconds of a drive."""
 LATENCY = 0.005
 SOON = 0.5
 """Seconds within which corrections count as one step."""
+COURSE = (0.0, 15.0, 30.0, 60.0, 120.0)
+"""Seconds after the start that part a drive, to see how the error grows."""
+LEAST_TURN = 0.25
+"""Turns in a part of a drive from which on its error counts."""
+MOST_STEP, MOST_WORSE, MOST_BEYOND = 5.0, 0.3, 1.0
+"""Degrees of a correction; degrees a turn by which a drive may be worse than a reading a second;
+per cent of the drives that may end more than 4 standard deviations off."""
+NEES_LEAST, NEES_MOST = 1.5, 6.0
+LINES = 5
+"""Drives over a damaged line under each rounding."""
+MOST_LOST, LOG_END, LOG_MOST = 2.0, 1.5, 4.0
+"""Per cent of the way that a damaged line may cost; degrees off a log of wheels."""
 RIVALS = {'a reading a second': 1.0, 'each frame': 0.0}
 OLD_DRIVES = 10
 
@@ -69,10 +87,16 @@ class Score(NamedTuple):
     sigmas: float = 0.0
     step: float = 0.0
     worse: float = 0.0
+    course: tuple[float, ...] = ()
+    """Degrees of yaw error a turn in the parts of the drive; NaN: it hardly turned."""
+    response: str = ''
+    """How the robot's wheels answer."""
 
 
 Result = tuple[str, str, str, Score]
 """Class, kind of drive, estimator and how well it did."""
+Cells = dict[tuple[str, str], list[Score]]
+"""Scores by class, also by kind of drive or response of the wheels, and by estimator."""
 
 
 def drive(kind: str, style: str, seed: int) -> list[Result]:
@@ -99,8 +123,21 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
     scores['ours'] = ours._replace(
         nees=nees_of(truth.pose.x, truth.pose.y, truth.turned, e),
         sigmas=abs(e.yaw - truth.turned) / e.pose_covariance[8] ** 0.5,
-        step=largest_step(journey), worse=ours.turn - scores['a reading a second'].turn)
+        step=largest_step(journey), worse=ours.turn - scores['a reading a second'].turn,
+        course=course(journey), response=robot.config.response.value)
     return [(kind, style, name, score) for name, score in scores.items()]
+
+
+def course(journey: Journey) -> tuple[float, ...]:
+    """Return the error of yaw, degrees a turn, that each part of the drive has added."""
+    errors, turns = [0.0] * len(COURSE), [0.0] * len(COURSE)
+    begun = journey.moves[0][0]
+    for (_, was, before), (stamp, now, truth) in zip(journey.moves, journey.moves[1:]):
+        part = bisect_right(COURSE, stamp - begun) - 1
+        errors[part] += now.yaw - was.yaw - truth.turned + before.turned
+        turns[part] += abs(truth.turned - before.turned) / tau
+    return tuple(degrees(abs(error)) / turn if turn > LEAST_TURN else nan
+                 for error, turn in zip(errors, turns))
 
 
 def largest_step(journey: Journey) -> float:
@@ -136,27 +173,80 @@ def show(name: str, estimator: str, scores: list[Score]) -> str:
     return line
 
 
-def print_table(results: Iterable[Result]) -> dict[str, list[Score]]:
-    """Print the table by class and by kind of drive; return our scores by class."""
-    cells: dict[tuple[str, str], list[Score]] = {}
+def print_table(results: Iterable[Result]) -> Cells:
+    """Print the table by class and by kind of drive, and return it."""
+    cells: Cells = {}
     for kind, style, estimator, score in results:
-        for name in (kind, f'{kind}: {style}'):
+        for name in (kind, f'{kind}: {style}', f'{kind}, {score.response} wheels'):
             cells.setdefault((name, estimator), []).append(score)
     print(f'{"":51}  deg a turn    % of path\n'
           f'{"robots":28} {"by":18}   n    mean   95th   mean   95th    NEES  >4   step  worse')
     for (name, estimator), scores in sorted(cells.items()):
-        print(show(name, estimator, scores))
-    return {name: scores for (name, by), scores in cells.items() if by == 'ours'}
+        if scores[0].response or ' wheels' not in name:
+            print(show(name, estimator, scores))
+    return cells
 
 
-def figures(kind: str, scores: list[Score]) -> list[Figure]:
-    """Return a class as figures; less is better."""
-    target, made = TARGETS[kind], []
+def print_course(ours: dict[str, list[Score]]) -> None:
+    """Print how the error grows with the time since the start."""
+    print('\ndegrees a turn that are added from so many seconds after the start on:')
+    for kind in TARGETS:
+        parts = [[error for error in part if not isnan(error)]
+                 for part in zip(*(score.course for score in ours[kind]))]
+        print(f'{kind:28} ' + '  '.join(
+            f'{since:3.0f} s: {mean(part):5.2f}' for since, part in zip(COURSE, parts) if part))
+
+
+def figures(kind: str, scores: list[Score], rivals: dict[str, list[Score]]) -> list[Figure]:
+    """Return a class as figures."""
+    target, made = TARGETS[kind], [Figure(f'{kind}: drives', len(scores), '')]
     for unit, values, (most, most_95) in (
             ('deg a turn', [s.turn for s in scores], target.turn),
             ('% of the path', [s.place for s in scores], target.place)):
-        made.append(Figure(f'{kind}: {unit}', mean(values), unit, most,
-                           worst=percentile(values), beside=f'95th allowed {most_95:g}'))
+        made.append(Figure(f'{kind}: {unit}', mean(values), unit, most))
+        made.append(Figure(f'{kind}: {unit}, 95th percentile', percentile(values), unit, most_95))
+    for name, others in rivals.items():
+        made.append(Figure(
+            f'{kind}, {name}: deg a turn', mean(s.turn for s in others), 'deg a turn',
+            beside=f'place {mean(s.place for s in others):.2f} % of the path'))
+    for response in sorted({s.response for s in scores}):
+        some = [s.turn for s in scores if s.response == response]
+        made.append(Figure(f'{kind}, {response} wheels: deg a turn', mean(some), 'deg a turn',
+                           beside=f'{len(some)} drives, 95th percentile {percentile(some):.2f}'))
+    honest = mean(s.nees for s in scores)
+    made += [
+        Figure(f'{kind}: NEES, at least', honest, '', NEES_LEAST, at_least=True),
+        Figure(f'{kind}: NEES, at most', honest, '', NEES_MOST),
+        Figure(f'{kind}: drives beyond 4 standard deviations',
+               100 * mean(s.sigmas > 4 for s in scores), '%', MOST_BEYOND),
+        Figure(f'{kind}: largest correction in half a second', max(s.step for s in scores), 'deg',
+               MOST_STEP),
+        Figure(f'{kind}: worse than a reading a second, at most', max(s.worse for s in scores),
+               'deg a turn', MOST_WORSE)]
+    return made
+
+
+def trials(pool: Workers, logs: Path | None) -> list[Figure]:
+    """Drive over a damaged line and follow logs of real wheels; print and return figures."""
+    made = []
+    print('\na straight line over a damaged serial line, error in % of the way:')
+    for rounding in Rounding:
+        missed = pool.starmap(damaged_line, [(rounding, seed) for seed in range(LINES)])
+        print(f'{rounding.value:28} ' + '  '.join(f'{each:.2f}' for each in missed))
+        made.append(Figure(f'damaged line, {rounding.value}: % of the way', max(missed),
+                           '% of the way', MOST_LOST))
+    if logs is None:
+        return made
+    print('\nlogs of real wheels, degrees off at the end / at most:')
+    for rounding in Rounding:
+        strays = {path.stem: follow_log(rows_of(path), rounding)
+                  for path in sorted(logs.glob('wheels_*.csv'))}
+        print(f'{rounding.value:28} ' + '  '.join(
+            f'{name} {stray.end:.2f} / {stray.most:.2f}' for name, stray in strays.items()))
+        made += [Figure(f'logs of real wheels, {rounding.value}: {what}', max(values), 'deg', most)
+                 for what, most, values in (
+                     ('off at the end', LOG_END, [stray.end for stray in strays.values()]),
+                     ('off at any moment', LOG_MOST, [stray.most for stray in strays.values()]))]
     return made
 
 
@@ -183,20 +273,25 @@ def main() -> None:
     parser.add_argument('--seed', type=int, default=HELD_OUT, help='the first')
     parser.add_argument('--processes', type=int, default=None)
     parser.add_argument('--no-old', action='store_true', help='leave out the old conditions')
+    parser.add_argument('--logs', type=Path, default=None, metavar='FOLDER',
+                        help='logs of real wheels, which are not part of the project')
     options = parser.parse_args()
     where = machine()
     styles = list(DRIVES)
     jobs = [(kind, styles[i % len(styles)], options.seed + i)
             for i in range(options.drives) for kind in TARGETS]
     with Pool(options.processes) as pool:
-        results = [each for some in pool.imap_unordered(_drive, jobs) for each in some]
-        ours = print_table(results)
+        cells = print_table(
+            [each for some in pool.imap_unordered(_drive, jobs) for each in some])
+        print_course({kind: cells[kind, 'ours'] for kind in TARGETS})
         if not options.no_old:
             old_jobs = [(c, seed) for c in CONDITIONS for seed in range(OLD_DRIVES)]
             print_table([each for some in pool.imap_unordered(old, old_jobs) for each in some])
+        made = [each for kind in TARGETS for each in figures(
+            kind, cells[kind, 'ours'], {name: cells[kind, name] for name in RIVALS})]
+        made += trials(pool, options.logs)
     if options.drives == DRIVES_EACH and options.seed == HELD_OUT:
-        keep('bench_odometry', [each for kind in TARGETS for each in figures(kind, ours[kind])],
-             where)
+        keep('bench_odometry', made, where)
 
 
 if __name__ == '__main__':

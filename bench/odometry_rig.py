@@ -9,7 +9,7 @@ of the slot in which they arrive, as in `sim.firmware`, or at any moment of it.
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from math import degrees, exp, hypot, log, radians, tau
+from math import degrees, hypot, tau
 from random import Random
 from typing import NamedTuple
 
@@ -20,12 +20,12 @@ from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import IDEAL
 from create_oi_ros.sim.body.encoders import Accumulator, Rounding
 from create_oi_ros.sim.world import World
+from drives import mixed
+from robots import spread
 
 SLOT = 0.015
 HALF_TRACK = 0.129
 FLOOR = Geometry().slip
-REST = 2.0
-"""Seconds of standing at both ends of a drive."""
 DEMO = 5.0
 """Seconds after which a demo changes its mind, at most."""
 
@@ -77,26 +77,12 @@ CONDITIONS = (
 )
 
 
-def spread(random: Random, low: float, high: float) -> float:
-    """Draw a positive number whose logarithm is evenly spread."""
-    return exp(random.uniform(log(low), log(high)))
-
-
-def mixed(random: Random, seconds: float) -> Iterator[tuple[float, int, int]]:
-    """Yield moments and wheel speeds, mm/s: arcs, turns in place, lines, stops, reversals."""
-    at = REST
-    while at < seconds - REST:
-        kind = random.choice(('arc', 'arc', 'arc', 'spin', 'spin', 'line', 'stop'))
-        linear = angular = 0.0
-        if kind in ('arc', 'line'):
-            linear = spread(random, 0.01, 0.5) * random.choice((1, 1, -1))
-        if kind in ('arc', 'spin'):
-            angular = radians(spread(random, 2, 200)) * random.choice((1, -1))
+def wheel_speeds(random: Random, seconds: float) -> Iterator[tuple[float, int, int]]:
+    """Yield moments and wheel speeds of a mixed drive, mm/s, none of them above the top speed."""
+    for at, linear, angular in mixed(random, seconds):
         right, left = linear + angular * HALF_TRACK, linear - angular * HALF_TRACK
         scale = 1000 * 0.5 / max(abs(right), abs(left), 0.5)
         yield at, round(right * scale), round(left * scale)
-        at += random.uniform(0.3, 5.0)
-    yield seconds - REST, 0, 0
 
 
 def simulate(seed: int, condition: Condition) -> list[Instant]:
@@ -134,7 +120,7 @@ def simulate(seed: int, condition: Condition) -> list[Instant]:
 def arrivals(random: Random, condition: Condition) -> Iterator[tuple[float, int, int]]:
     """Yield requests when the robot hears them."""
     last = 0.0
-    for at, right, left in mixed(random, condition.seconds):
+    for at, right, left in wheel_speeds(random, condition.seconds):
         last = max(last, at + random.uniform(0, SLOT) + random.uniform(0, condition.latency))
         yield last, right, left
 

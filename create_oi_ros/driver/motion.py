@@ -28,9 +28,10 @@ class MotionLimits:
     """m/s for either wheel."""
     timeout: float = 0.5
     """Seconds that a command holds."""
-    linear_acceleration: float = 0.0
-    """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it."""
-    angular_acceleration: float = 0.0
+    linear_acceleration: float = 1.0
+    """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it. Wheels can follow
+    the default, so the odometry is right: docs/odometry.md has what else was tried."""
+    angular_acceleration: float = 4.0
     """rad/s², likewise."""
     bump_stop: bool = False
     """Whether a pressed bumper lets no command drive forward."""

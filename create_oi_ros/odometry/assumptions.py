@@ -98,7 +98,6 @@ class Assumptions:
         self.weights = both(self.weights * (1 - weight), others.weights * weight)
         self.doubt, self.means = both(self.doubt, others.doubt), both(self.means, others.means)
         self.p = both(self.p, others.p)
-        self.readings = 0
 
     def clear(self, index: int, mean: float = 0.0, variance: float | Array = 0.0) -> None:
         """Set what all tracks believe of a state, whatever they have learned."""

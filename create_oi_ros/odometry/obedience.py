@@ -11,14 +11,14 @@ from .tracks import Tracks
 
 SLACK, PART, LAG = 4.0, 0.25, 0.3
 """Units, part of the way, and seconds of a change of speed, by which obedient wheels may miss a
-reading, ..."""
+reading."""
 BELIEVABLE = 2.0, 0.06, 0.2
-"""... and by which those that were free may, to be believed again."""
+"""The same for wheels that were free: within this they are believed to obey again."""
 TELLING_TIME = 0.2
 """Seconds that a window must last to tell."""
 
 
-class Obedience:
+class ExpectedTravel:
     """What the wheels would do by their requests since the last reading."""
 
     def __init__(self) -> None:

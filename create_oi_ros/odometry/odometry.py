@@ -11,23 +11,23 @@ from math import cos, exp, hypot, sin
 from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .estimate import Estimate, Geometry, Increment
 from .knowledge import Knowledge, learned
-from .obedience import Obedience
+from .obedience import ExpectedTravel
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
 from .states import DEGREE
 from .tracks import Held, LATE, Tracks
 
 BLEND = 0.1
-"""Seconds in which a correction is blended in, ..."""
+"""Seconds in which a correction is blended in."""
 STEP, TWIST = 0.067, 9 * DEGREE
-"""... and the most of it in a second, m and rad, ..."""
+"""The most of a correction that is blended in within a second, m and rad."""
 FAR, ASKEW = 0.03, 5 * DEGREE
-"""... unless it is larger than this, and the robot moved on its own, or unseen while frames were
-lost: then as fast as it can have moved, ..."""
+"""m and rad: a larger correction is blended in as fast as a robot can move, if it moved on its
+own, or unseen while frames were lost."""
 HASTY = 2.0
-"""Seconds after lost frames in which it may have."""
+"""Seconds after lost frames in which the robot may have moved unseen."""
 TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / WHEEL_SEPARATION
-"""... which is the manual's top speed and 3 % for wheels that are fast, m/s and rad/s."""
+"""How fast a robot can move, m/s and rad/s: the manual's top speed, and 3 % for fast wheels."""
 NEAR = 1e-7
 """m and rad by which an estimate that stands need not come nearer to its track."""
 COVARIANCE_EVERY = 20
@@ -53,7 +53,7 @@ class Odometry:
         self.tracks = Tracks(geometry, robot)
         self._plain = PlainOdometry(geometry)
         self._plan = ReadingPlan(window)
-        self._obedience = Obedience()
+        self._obedience = ExpectedTravel()
         self._discard = True
         self._gap = self._doubt = False
         self._missed: list[tuple[Held, Held]] = []

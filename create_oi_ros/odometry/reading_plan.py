@@ -13,10 +13,11 @@ from .tracks import Tracks
 
 ANSWER = 6
 """Frames within which a reading that was asked for arrives, or is asked for again."""
-WAITS = 0.7, 7.0
-"""Windows between readings, at least and at most, while the requests stay the same, ..."""
+WAITS = 0.7, 2.0, 7.0
+"""Windows between readings while the requests stay the same: at least, at most while a robot is
+new, and at most when it is known."""
 GROWTH = 0.8
-"""... and the part of the seconds since the last change: the longer, the better known."""
+"""Part of the seconds since the last change of request to wait between readings."""
 VARIED = 0.8, 0.4
 """Least factor by which waits vary, and how much they vary by."""
 STANDING = 1.0
@@ -26,8 +27,8 @@ UNSETTLED = 2.0
 STRETCH = 2.0
 """How much longer waits become, in part, while the robot becomes known."""
 BLURRED, SOON = 2.0, 0.4
-"""Doubt of what the accumulators hold, degrees, from which on to ask after this part of a window.
-"""
+"""Doubt of what the accumulators hold, degrees or twice as many mm, from which on to ask after
+this part of a window."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
 SETTLED = 0.45
@@ -105,7 +106,8 @@ class ReadingPlan:
         patience = 1 + STRETCH * tracks.known
         if self._steady < SETTLED:
             return UNSETTLED * self.window * patience
-        shortest, longest = WAITS
+        shortest, new, known = WAITS
+        longest = new + (known - new) * tracks.known
         wait = STANDING if tracks.rests else min(
             longest, max(patience * shortest, GROWTH * self._steady))
         return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))

@@ -16,11 +16,12 @@ from . import states as s
 from .accumulators import UNITS
 from .assumptions import Assumptions
 from .dead_band import DeadBand, FASTEST
+from .doubt import Doubt
 from .estimate import Geometry
 from .knowledge import Knowledge, known
 from .request_history import Array
 from .states import DEGREE, MM
-from .wheel_model import Wheels
+from .wheel_model import WheelModel
 
 STRIDE = 1.9 * SLOT
 """Seconds that wheels roll at once while their speeds change."""
@@ -30,14 +31,6 @@ SMALLEST_STEP = 1e-5
 """Least difference between a copy and its track."""
 CURVED = 0.2
 """Part of what unknowns are believed to do that is not in proportion to them."""
-SURPRISE, LEFT = 3.0, 2.0
-"""Standard deviations from which on a reading is a surprise, and what is left of it."""
-HASTE, FADING, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.96, 0.3, 1e4
-"""How fast doubt follows the innovations, by which power it fades at each reading, and between
-what it stays."""
-LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
-"""Doubt, for how many readings, from which on all else is tried again; readings until the next
-time; the weight of what is tried."""
 FAMILIAR, PUZZLED = 60, 5.0
 """Readings after which a robot is known, unless the best track has this doubt."""
 NEAR = 0.002
@@ -49,8 +42,6 @@ RESTLESS = 0.03
 SPEEDS = (s.SPEED_RIGHT, s.SPEED_LEFT)
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
-OUTSIDE = slice(s.MOVES_RIGHT, s.DISTANCE)
-"""States that have nothing to do with what is assumed of a robot."""
 Held = tuple[float, float]
 """What the accumulators hold, m and rad."""
 
@@ -62,10 +53,9 @@ class Tracks:
         self.geometry = geometry
         self.scales = geometry.linear_scale, geometry.angular_scale
         self.rows = Assumptions.all() if robot is None else known(robot)
-        self.wheels = Wheels(self.rows.signs, FASTEST)
+        self.wheels = WheelModel(self.rows.signs, FASTEST)
         self.band = DeadBand() if robot is None else DeadBand(*robot.dead_band)
-        self._astray = 0
-        """Readings in a row that the best track did not explain."""
+        self.doubt = Doubt()
         self._idle = 0.0
         """Seconds that the copies of the wheels have still to roll."""
         self._began = self._velocity = 0.0, 0.0, 0.0
@@ -328,15 +318,19 @@ class Tracks:
                 distance * MM, angle * DEGREE, width, self._window, self.scales)
         if doubted:
             gaps, _ = accumulators.innovation(self.rows, wholes)
-            self._stray(gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2)
-        logs = self._calm(wholes)
+            rows.p += noise.of_surprise(
+                gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2, rows.means[:, s.YAW],
+                self.scales)
+        logs = self.doubt.meet(rows, wholes, self._noisy, self.scales)
+        if self.doubt.is_surprised and self.wheels.requests.age > self._window + SWIFT:
+            self.band.doubt()
         logs += accumulators.learn(rows, wholes)
-        rows.weigh(logs)
+        rows.weigh(logs / max(1.0, float(rows.doubt[0])))  # a model that fails tells little
         accumulators.take_out(rows, wholes)
         rows.bound()
         for wheel in self.band.learn(self.rows):
             self.wheels.requests.stand(wheel)
-        self._rethink()
+        self.doubt.rethink(rows, free=self.is_free)
         self._open_window()
 
     def discard(self) -> None:
@@ -369,45 +363,7 @@ class Tracks:
             fits &= gap < 4 * np.sqrt(p[:, index, index]) + 1.2 * unit
         return bool(fits.any())
 
-    def _calm(self, wholes: tuple[int, int]) -> Array:
-        """
-        Learn from the innovations how much noise there is; meet surprises with more of it.
-
-        Return the logarithm of what a surprise leaves of each track's likelihood.
-        """
-        gaps, spreads = accumulators.innovation(self.rows, wholes)
-        z = gaps / spreads
-        beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
-        if beyond[0] > 0 and self.wheels.requests.age > self._window + SWIFT:
-            self.band.doubt()
-        share = self._noisy / spreads ** 2
-        growth = HASTE * (share * np.clip(z * z - 1, -1, 6)).sum(axis=0)
-        self.rows.doubt = np.clip(
-            self.rows.doubt ** FADING * np.exp(growth), LEAST_DOUBT, MOST_DOUBT)
-        if beyond.any():
-            more = np.where(np.abs(z) > SURPRISE, (gaps / LEFT) ** 2 - spreads ** 2, 0.0)
-            self._stray(more[0], more[1])
-        left: Array = -np.minimum(2 * beyond, 3.0)
-        return left
-
-    def _stray(self, distance: Array, angle: Array) -> None:
-        self.rows.p += noise.of_surprise(
-            distance, angle, self.rows.means[:, s.YAW], self.scales)
-
     def _open_window(self) -> None:
         self._wild, self._window = self.is_free, 0.0
         self._noisy = np.zeros((2, 1))
         self._spread()
-
-    def _rethink(self) -> None:
-        """Try everything again beside the tracks that have explained little for long."""
-        best = self.rows
-        self._astray = self._astray + 1 if best.doubt[0] > LOST else min(self._astray, 0)
-        if self._astray < ENOUGH or self.is_free:
-            return
-        self._astray = -PAUSE
-        others = Assumptions.all()
-        others.means[:, OUTSIDE] = best.means[0, OUTSIDE]
-        others.p[:, OUTSIDE, OUTSIDE] = best.p[0, OUTSIDE, OUTSIDE]
-        accumulators.empty(others)
-        best.join(others, REBORN)

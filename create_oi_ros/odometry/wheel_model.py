@@ -45,7 +45,7 @@ class Signs(NamedTuple):
     """Whether a request's sign waits for the dead time."""
 
 
-class Wheels:
+class WheelModel:
     """The copies of all tracks' wheels, and what they have done since the last reading."""
 
     def __init__(self, signs: Signs, slowest: float) -> None:

@@ -91,13 +91,15 @@ def test_a_robot_that_drives_is_stopped_when_the_driver_connects():
 # Driving.
 
 
-def test_a_velocity_becomes_drive_direct_right_wheel_first(loop):
+def test_a_velocity_becomes_drive_direct_right_wheel_first(at_once):
+    loop = at_once
     loop.driver.drive(0.2, 1.0, loop.now)
     loop.run(0.05)
     assert loop.commands() == [oi.DriveDirect(right=329, left=71)]
 
 
-def test_an_unchanged_velocity_is_sent_once(loop):
+def test_an_unchanged_velocity_is_sent_once(at_once):
+    loop = at_once
     loop.drive(0.1, 0.0, 1.0)
     driven = [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
     assert driven == [oi.DriveDirect(right=100, left=100)]
@@ -138,7 +140,8 @@ def test_without_a_port_a_stop_and_the_end_send_nothing():
     assert driver.data_to_send() == b''
 
 
-def test_the_wheels_stop_when_commands_stop(loop):
+def test_the_wheels_stop_when_commands_stop(at_once):
+    loop = at_once
     loop.driver.drive(0.2, 0.0, loop.now)
     loop.run(TIMEOUT - 0.01)
     assert drives(loop) == [oi.DriveDirect(right=200, left=200)]

@@ -1,5 +1,6 @@
 """Goals that do not reach their end: each code, what it says, and that the wheels stand then."""
 
+from dataclasses import replace
 from math import nan
 
 import pytest
@@ -10,7 +11,7 @@ from create_oi_ros.driver.goals import Code, Ending, WallFollow
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.driver.supervision import SETTLING
 from support.goals import angle, distance, ended, FRAME, met, moving, pursue, start, until_ended
-from support.loop import Loop
+from support.loop import AT_ONCE, Loop
 
 # What the robot is.
 
@@ -274,7 +275,7 @@ def test_an_ending_is_told_to_who_asks_before_and_after():
 
 
 def test_with_bump_stop_no_command_drives_further_into_an_obstacle():
-    loop = met(MotionLimits(bump_stop=True))
+    loop = met(replace(AT_ONCE, bump_stop=True))
     loop.drive(0.2, 0.0, 0.5)
     loop.body.force(bump_left=1)
     loop.drive(0.2, 0.5, 0.3)

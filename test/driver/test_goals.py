@@ -34,8 +34,9 @@ def test_a_distance_is_driven(rounding, metres):
 @pytest.mark.parametrize('turn', [90, -180, 10, 720])
 def test_an_angle_is_turned(rounding, turn):
     went, turned = reach(met(rounding=rounding), angle(turn))
-    # The first turn of a robot that nobody knows; `make bench-goals` has the figures.
-    assert turned == pytest.approx(turn, abs=2.5 + 0.003 * abs(turn))
+    # At its first turn a robot that carries fractions may look like one that cuts them off.
+    slack = 2.5 if rounding is Rounding.CARRY else 1.5
+    assert turned == pytest.approx(turn, abs=slack + 0.003 * abs(turn))
     assert abs(went) < 0.005
 
 
@@ -56,7 +57,7 @@ def test_a_place_is_reached_with_its_heading(x, y, heading):
     loop = met()
     reach(loop, place(x, y, heading))
     pose = loop.body.truth().pose
-    assert hypot(pose.x - x, pose.y - y) < 0.035
+    assert hypot(pose.x - x, pose.y - y) < 0.02
     if heading is not None:
         assert degrees(turn_difference(pose.yaw, heading * pi / 180)) < 2
 

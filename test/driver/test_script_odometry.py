@@ -9,7 +9,7 @@ from create_oi_ros.driver import Settings
 from create_oi_ros.driver.stream_plan import StreamPlan
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import Rounding
-from support.loop import Loop
+from support.loop import AT_ONCE, Loop
 
 LINE = 'Drive velocity=200 radius=straight; Wait Time time=20'
 ARC = 'Drive velocity=-150 radius=500; Wait Time time=40; Drive velocity=0 radius=straight'
@@ -24,8 +24,8 @@ LESSON = ((0.2, 0.3), (0.1, -0.7), (0.0, 0.0), (-0.2, 0.2), (0.3, 0.4), (0.0, 0.
 
 
 def learned(rounding: Rounding) -> Loop:
-    """Return a driver that has driven its robot for a minute and a half, to learn its wheels."""
-    loop = Loop(Settings(odometry_window=1.0), rounding=rounding)
+    """Return a driver after a minute and a half of driving by steps, as scripts drive."""
+    loop = Loop(Settings(odometry_window=1.0, limits=AT_ONCE), rounding=rounding)
     loop.run(0.3)
     for linear, angular in LESSON * 8:
         loop.drive(linear, angular, 1.5)

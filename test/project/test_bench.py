@@ -24,7 +24,7 @@ def test_every_bench_program_has_results_and_a_place_in_the_documents(program):
     assert program in shown
 
 
-@pytest.mark.parametrize('name', ['performance.md', 'goals.md', 'robot_check.md'])
+@pytest.mark.parametrize('name', ['performance.md', 'odometry.md', 'goals.md', 'robot_check.md'])
 def test_the_documents_say_what_was_measured(name):
     page = PAGE.with_name(name).read_text('utf-8')
     assert document.documented(page, load()) == page

@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import pi
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Moved, Notice, Settings, Severity
+from create_oi_ros.driver import Driver, MotionLimits, Moved, Notice, Settings, Severity
 from create_oi_ros.odometry import Estimate, Odometry
 from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
 from create_oi_ros.sim.body import Body
@@ -15,6 +15,8 @@ from create_oi_ros.sim.world import shipped, World
 
 STEP = 0.005
 """Seconds between two turns of the loop: a third of a slot."""
+AT_ONCE = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
+"""No limit of acceleration: the wheels are sent each command as it is."""
 
 
 class Loop:

@@ -9,7 +9,8 @@ from .moves import Move, Reads
 from .notebook import Notebook, Page, PENDING
 
 BUMPED = oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT
-LIMITS = MotionLimits()
+LIMITS = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
+"""Steps tell most about a robot."""
 REPEAT = 0.1
 """Seconds from one command to the next of the same speeds."""
 TELLING = 0.8
@@ -35,6 +36,7 @@ class Runner:
 
     def __init__(self, driver: Driver, notebook: Notebook) -> None:
         self._driver, self._notebook = driver, notebook
+        driver.set_limits(LIMITS)
         self.stage = Stage.IDLE
         self.pages: list[Page] = []
         """The moves that were made undisturbed."""

@@ -14,21 +14,30 @@ from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from ...driver import MotionLimits
 from ...ros.rotation import yaw_of
 from ...ros.topics import LATCHED
 
 PERIOD = 0.05
 """Seconds between two commands."""
-CRUISE, TURN = 0.3, 1.2
-"""m/s and rad/s."""
+CRUISE, BACKWARDS, TURN = 0.3, 0.15, 1.2
+"""m/s, m/s and rad/s."""
 SPIRAL_TURN = 1.6
 """rad/s at most."""
-BRAKING, SLOWEST = 2.5, 0.2
-"""Turning speed, rad/s, for each radian left to turn, and at least."""
+BRAKING = min(2.5, MotionLimits.angular_acceleration / SPIRAL_TURN)
+"""Turning speed, rad/s, for each radian left to turn: braking stays within the driver's limits."""
+SLOWEST = 0.2
+"""Turning speed at least, rad/s."""
+SLOWING = min(2.0, MotionLimits.linear_acceleration / CRUISE)
+"""Speed, m/s, for each metre left to drive, likewise."""
+CREEP = 0.08
+"""Speed at least, m/s."""
 CLOSE, STRAIGHT = 0.02, 0.03
 """Metres and radians: tolerance of a drive and of a turn."""
-COAST = 0.2
-"""When told to stop, the robot turns on by its turning speed times so many seconds."""
+SETTLE, LOOKS = 1.2, 3
+"""Seconds of standing in which a reading corrects the odometry; times that a turn looks at it."""
+ASKEW = 0.06
+"""Radians from which on a turn is corrected."""
 STANDING = 0.01
 """m/s; a slower robot stands."""
 
@@ -98,11 +107,6 @@ class Pilot:
         return yaw_of(self.odom.pose.pose.orientation)
 
     @property
-    def turning(self) -> float:
-        """Turning speed by the odometry, rad/s."""
-        return self.odom.twist.twist.angular.z if self.odom else 0.0
-
-    @property
     def standing(self) -> bool:
         """Whether the robot stands still."""
         twist = self.odom.twist.twist if self.odom else Twist()
@@ -144,6 +148,11 @@ class Pilot:
         self.command(0.0, 0.0)
         self.until(lambda: self.standing, 'the robot stands', 3.0)
 
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        end = time.monotonic() + seconds
+        self.until(lambda: time.monotonic() >= end, 'a pause', seconds + 1.0)
+
     def call(self, type_: type, name: str, **fields: Any) -> str:
         """Call a service and return its message; TourError: it was refused."""
         client = self._node.create_client(type_, name)
@@ -159,12 +168,16 @@ class Pilot:
     def turn_to(self, yaw: float) -> None:
         """Turn in place to a heading, the short way."""
         def left() -> float:
-            return remainder(yaw - self.yaw - self.turning * COAST, tau)
+            return remainder(yaw - self.yaw, tau)
 
         def steer() -> None:
             self.command(0.0, copysign(min(TURN, braked(left())), left()))
-        self.until(lambda: abs(left()) < STRAIGHT, f'a turn to {yaw:.1f} rad', 15.0, steer)
-        self.stop()
+        for _ in range(LOOKS):
+            self.until(lambda: abs(left()) < STRAIGHT, f'a turn to {yaw:.1f} rad', 15.0, steer)
+            self.stop()
+            self.wait(SETTLE)
+            if abs(left()) < ASKEW:
+                return
 
     def go_to(self, x: float, y: float) -> None:
         """Turn towards a point and drive there; TourError: an obstacle is in the way."""
@@ -178,7 +191,7 @@ class Pilot:
             off = remainder(bearing() - self.yaw, tau)
             # Close to the point the bearing jumps, so drive straight on.
             turn = 2.0 * off if away() > 0.1 and abs(off) < pi / 2 else 0.0
-            self.command(min(CRUISE, max(0.08, 2.0 * away())), turn)
+            self.command(min(CRUISE, max(CREEP, SLOWING * away())), turn)
 
         self.turn_to(bearing())
         aim = self.yaw
@@ -195,9 +208,13 @@ class Pilot:
     def back(self, distance: float) -> None:
         """Drive straight backwards."""
         x, y = self.place
-        self.command(-0.15, 0.0)
-        self.until(lambda: hypot(self.place[0] - x, self.place[1] - y) >= distance,
-                   f'{distance} m backwards')
+
+        def left() -> float:
+            return distance - hypot(self.place[0] - x, self.place[1] - y)
+
+        def steer() -> None:
+            self.command(-min(BACKWARDS, max(CREEP, SLOWING * left())), 0.0)
+        self.until(lambda: left() <= 0, f'{distance} m backwards', steer=steer)
         self.stop()
 
     def spiral(self, turns: float, inner: float, outer: float) -> None:

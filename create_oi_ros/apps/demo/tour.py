@@ -22,8 +22,8 @@ WALL_AHEAD = (-0.1, -1.5)
 """A point in front of a wall of the living room; x is the robot's first heading."""
 DOORS = ((0.4, -1.05), (2.85, -1.05), (2.85, -3.25))
 """The way to the hall, through two doors."""
-EDGE_SPEED = 0.15
-"""m/s towards the stairs."""
+EDGE_SPEED = 0.1
+"""m/s towards the stairs: from faster the robot may come to rest with its caster over the edge."""
 
 
 class TourStep(NamedTuple):

@@ -1,0 +1,94 @@
+"""Trials of the odometry beside drives of random robots: a damaged line, logs of real wheels."""
+
+from collections.abc import Callable, Sequence
+import csv
+from math import degrees
+from pathlib import Path
+from random import Random
+from typing import NamedTuple
+
+from create_oi_ros.odometry import Increment, Odometry
+from create_oi_ros.robot import FIRMWARE_SEPARATION
+from create_oi_ros.sim.body.config import IDEAL
+from create_oi_ros.sim.body.encoders import Accumulator, Rounding
+from create_oi_ros.sim.body.wheel_log import WheelLog
+from odometry_loop import Journey
+from robots import Robot
+
+DAMAGED, SHORT, NOISY = 0.05, 0.05, 0.05
+"""Probability that a byte of a frame is wrong, that one is missing, that garbage follows."""
+SPEED, WAY, BEGIN = 0.1, 2.5, 2.0
+"""m/s, m and seconds of the drive over a damaged line."""
+
+
+class Stray(NamedTuple):
+    """How far an odometry was off a log of wheels, degrees."""
+
+    end: float
+    most: float
+    """At any moment."""
+
+
+def damage(random: Random) -> Callable[[bytes], bytes]:
+    """Return what a bad line does to each piece that a robot sends."""
+    def damaged(piece: bytes) -> bytes:
+        if not piece:
+            return piece
+        made, where = bytearray(piece), random.randrange(len(piece))
+        chance = random.random()
+        if chance < DAMAGED:
+            made[where] ^= random.randrange(1, 256)
+        elif chance < DAMAGED + SHORT:
+            del made[where]
+        if random.random() < NOISY:
+            made += random.randbytes(random.randint(1, 20))
+        return bytes(made)
+    return damaged
+
+
+def damaged_line(rounding: Rounding, seed: int) -> float:
+    """Drive straight over a damaged line; return the error, per cent of the way."""
+    journey = Journey(Robot('ideal', IDEAL, rounding, 0.015), seed, damage=damage(Random(seed)))
+    seconds = BEGIN + WAY / SPEED
+    journey.drive([(BEGIN, SPEED, 0.0), (seconds, 0.0, 0.0)], seconds + 2)
+    return 100 * abs(journey.estimate.x - journey.body.truth().pose.x) / WAY
+
+
+class Row(NamedTuple):
+    """A row of a log: seconds, requested m/s, metres that the encoders have counted."""
+
+    time: float
+    right: float
+    left: float
+    right_way: float
+    left_way: float
+
+
+def rows_of(path: Path) -> list[Row]:
+    """Return a log (docs/simulator.md has its columns)."""
+    text = path.read_text('utf-8')
+    wheels = WheelLog.parse(text)
+    asked = [(int(row['requested_right_mm_s']) / 1000, int(row['requested_left_mm_s']) / 1000)
+             for row in csv.DictReader(text.splitlines())]
+    return [Row(time, *speeds, right, left) for time, speeds, right, left in zip(
+        wheels.times, asked, wheels.right, wheels.left)]
+
+
+def follow_log(log: Sequence[Row], rounding: Rounding) -> Stray:
+    """Let an odometry follow logged wheels; what the encoders count is the truth."""
+    odometry = Odometry(window=1.0)
+    distance, angle = Accumulator(rounding), Accumulator(rounding)
+    turned = most = off = 0.0
+    for before, row in zip(log, log[1:]):
+        right, left = row.right_way - before.right_way, row.left_way - before.left_way
+        turn = (right - left) / FIRMWARE_SEPARATION
+        turned += turn
+        distance.add(500 * (right + left))
+        angle.add(degrees(turn))
+        due = odometry.reading_due
+        estimate = odometry.update(Increment(
+            dt=row.time - before.time, right=row.right, left=row.left, driven=True,
+            distance=distance.take() if due else None, angle=angle.take() if due else None))
+        off = abs(degrees(estimate.yaw - turned))
+        most = max(most, off)
+    return Stray(off, most)

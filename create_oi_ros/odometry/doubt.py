@@ -1,0 +1,76 @@
+"""
+What readings say about the model itself: a model that fails becomes doubt.
+
+Innovations tell how much noise there is. A reading that no noise explains is believed as it is,
+and when the best track has explained little for long, everything is tried again.
+"""
+
+import numpy as np
+
+from . import accumulators, noise
+from . import states as s
+from .accumulators import Wholes
+from .assumptions import Assumptions, YOUNG
+from .noise import Scales
+from .request_history import Array
+
+SURPRISE, LEFT = 3.0, 2.0
+"""Standard deviations from which on a reading is a surprise, and what is left of it."""
+HASTE, FADING, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.96, 0.3, 1e4
+"""How fast doubt follows the innovations, by which power it fades at each reading, and between
+what it stays."""
+LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
+"""Doubt, for how many readings, from which on all else is tried again; readings until the next
+time; the weight of what is tried."""
+UNSEEN, ODD = 0.2, 4.0
+"""Part of a reading's oddity that becomes doubt even where process noise has no share in it; the
+square of the standard deviations from which on a reading is odd. Readings of a robot that is
+new may be."""
+OUTSIDE = slice(s.MOVES_RIGHT, s.DISTANCE)
+"""States that have nothing to do with what is assumed of a robot."""
+
+
+class Doubt:
+    """How well the tracks of an odometry explain their readings."""
+
+    def __init__(self) -> None:
+        self._astray = 0
+        """Readings in a row that the best track did not explain."""
+        self.is_surprised = False
+        """Whether the best track did not expect the last reading."""
+
+    def meet(self, rows: Assumptions, wholes: Wholes, noisy: Array, scales: Scales) -> Array:
+        """
+        Learn from the innovations how much noise there is; meet surprises with more of it.
+
+        `noisy`: variance of the accumulators that is process noise. Return the logarithm of what a
+        surprise leaves of each track's likelihood.
+        """
+        gaps, spreads = accumulators.innovation(rows, wholes)
+        z = gaps / spreads
+        beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
+        self.is_surprised = bool(beyond[0] > 0)
+        share = noisy / spreads ** 2
+        growth = share * np.clip(z * z - 1, -1, 6)
+        if rows.readings > YOUNG:
+            growth += UNSEEN * np.clip(z * z - ODD, 0, 6)
+        rows.doubt = np.clip(rows.doubt ** FADING * np.exp(HASTE * growth.sum(axis=0)),
+                             LEAST_DOUBT, MOST_DOUBT)
+        if beyond.any():
+            more = np.where(np.abs(z) > SURPRISE, (gaps / LEFT) ** 2 - spreads ** 2, 0.0)
+            rows.p += noise.of_surprise(more[0], more[1], rows.means[:, s.YAW], scales)
+        left: Array = -np.minimum(2 * beyond, 3.0)
+        return left
+
+    def rethink(self, rows: Assumptions, *, free: bool) -> None:
+        """Try everything again beside the tracks that have explained little for long."""
+        self._astray = self._astray + 1 if rows.doubt[0] > LOST else min(self._astray, 0)
+        if self._astray < ENOUGH or free:
+            return
+        self._astray = -PAUSE
+        others = Assumptions.all()
+        others.means[:, OUTSIDE] = rows.means[0, OUTSIDE]
+        others.p[:, OUTSIDE, OUTSIDE] = rows.p[0, OUTSIDE, OUTSIDE]
+        accumulators.empty(others)
+        rows.join(others, REBORN)
+        rows.readings = 0

@@ -1,0 +1,107 @@
+"""What the odometry learns of the wheels, and that it follows any."""
+
+from dataclasses import replace
+from math import radians
+
+import pytest
+
+from create_oi_ros.odometry import Geometry, Rounding, states
+from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign, IDEAL
+from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
+from create_oi_ros.sim.body.wheels import Response, TimeConstant
+from support.ride import Ride, ROUNDINGS, SLOT
+
+REVERSALS = [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (-0.2, 0.2), (0.25, 0.3)]
+
+
+@pytest.mark.parametrize('rounding', ROUNDINGS)
+@pytest.mark.parametrize(('config', 'most'), [
+    (CENTRE, 10),
+    (replace(CENTRE, encoder_sign=EncoderSign.TRUE, response=Response.RAMP, braking=2.0), 10),
+    (replace(CENTRE, encoder_sign=EncoderSign.COMMAND, dead_time=0.12, right_speed_gain=0.96), 10),
+    (replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.05),
+             overshoot=0.3, dead_time=0.1), 25)],
+    ids=['the centre', 'true signs, hard brakes', 'signs of the command', 'overshoot'])
+def test_any_wheels_are_followed(
+        config: BodyConfig, most: float, rounding: RobotRounding) -> None:
+    """Also those that no track describes, as ones that overshoot: yaw does not run away."""
+    ride = Ride(rounding, config=config)
+    for right, left in REVERSALS * 7:
+        ride.go(2.1, right, left)
+    ride.go(3)
+    assert ride.miss[1] < most  # of some 2600
+    assert ride.miss[0] < 0.4  # of 14 m
+
+
+def test_yaw_is_never_corrected_by_more_than_five_degrees_in_half_a_second() -> None:
+    ride = Ride(config=CENTRE)
+    for right, left in REVERSALS * 3:
+        ride.go(2.1, right, left)
+    corrections = [b.yaw - a.yaw - b.angular * SLOT
+                   for a, b in zip(ride.estimates, ride.estimates[1:])]
+    half = round(0.5 / SLOT)
+    assert max(abs(sum(corrections[i:i + half])) for i in range(len(corrections))) < radians(5)
+
+
+@pytest.mark.parametrize('rounding', ROUNDINGS)
+def test_finds_out_rounding_gains_and_acceleration(rounding: RobotRounding) -> None:
+    ride = Ride(rounding, config=replace(IDEAL,
+        wheel_acceleration=0.7, right_speed_gain=1.02, left_speed_gain=0.98))
+    for right, left in [(0.3, 0.1), (0.05, -0.05), (-0.2, -0.3), (0.18, 0.18), (0.0, 0.0)] * 4:
+        ride.go(2.5, right, left)
+    tracks = ride.odometry.tracks
+    assert tracks.rows.roundings[0] is Rounding(rounding.value)
+    assert 1 / tracks.rows.means[0, states.RAMP] == pytest.approx(0.7, rel=0.03)
+    assert tracks.goals(0.2, 0.2) == pytest.approx((0.204, 0.196), abs=0.0006)
+
+
+def test_velocities_are_those_of_the_robot() -> None:
+    ride = Ride(config=replace(IDEAL, right_speed_gain=0.97, left_speed_gain=0.97))
+    for _ in range(4):
+        ride.go(5, 0.2, 0.2)
+        ride.go(2, -0.1, 0.1)
+    estimate = ride.go(5, 0.2, 0.2)
+    assert estimate.linear == pytest.approx(0.194, abs=0.001)
+    assert estimate.angular == pytest.approx(0.0, abs=0.01)
+
+
+def test_wheels_turn_as_the_base_moves() -> None:
+    geometry = Geometry()
+    ride = Ride(geometry=geometry)
+    ride.learn()
+    begun, before = ride.estimates[-1], ride.body.truth().travelled
+    estimate = ride.go(10, 0.2, 0.1)
+    right = (estimate.right_wheel - begun.right_wheel) * geometry.wheel_radius
+    left = (estimate.left_wheel - begun.left_wheel) * geometry.wheel_radius
+    assert (right - left) / geometry.wheel_separation == pytest.approx(
+        estimate.yaw - begun.yaw, abs=1e-6)
+    assert (right + left) / 2 == pytest.approx(ride.body.truth().travelled - before, abs=0.005)
+    assert estimate.right_wheel_speed * geometry.wheel_radius == pytest.approx(0.2, abs=0.005)
+    assert estimate.left_wheel_speed * geometry.wheel_radius == pytest.approx(0.1, abs=0.005)
+
+
+def test_scales_that_calibration_found_are_applied() -> None:
+    config = replace(IDEAL, right_wheel_scale=1.05, left_wheel_scale=1.05)
+    ride = Ride(config=config, geometry=Geometry(linear_scale=1.05, angular_scale=1.05))
+    ride.go(20, 0.2, 0.15)
+    ride.go(3)
+    assert ride.miss[0] < 0.05
+    assert ride.miss[1] < 1.5
+
+
+def test_reset_begins_at_the_origin_and_keeps_what_was_learned() -> None:
+    ride = Ride(RobotRounding.ROUND)
+    for right, left in [(0.3, 0.1), (0.05, -0.05), (-0.2, -0.3), (0.0, 0.0)] * 4:
+        ride.go(2.5, right, left)
+    learned = ride.odometry.tracks.rows.roundings[0]
+    wheel = ride.estimates[-1].right_wheel
+    ride.odometry.reset()
+    estimate = ride.odometry.estimate
+    assert (estimate.x, estimate.y, estimate.yaw) == (0.0, 0.0, 0.0)
+    assert estimate.right_wheel == wheel
+    assert ride.odometry.tracks.rows.roundings[0] is learned
+    before = ride.body.truth()
+    estimate = ride.go(5, 0.2, 0.2)
+    after = ride.body.truth()
+    assert estimate.x == pytest.approx(after.travelled - before.travelled, abs=0.005)
+    assert estimate.y == pytest.approx(0.0, abs=0.005)

@@ -1,0 +1,45 @@
+"""What a whole number says about the amount behind it."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+import pytest
+
+from create_oi_ros.odometry import Rounding
+from create_oi_ros.odometry.rounding import cut_normal, interval
+from create_oi_ros.sim.body.encoders import Accumulator
+from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
+from support.ride import ROUNDINGS
+
+
+@given(st.floats(-60, 60), st.floats(1e-4, 50))
+def test_what_is_cut_from_a_normal_lies_inside_the_cut(low: float, width: float) -> None:
+    mean, variance, mass = cut_normal(low, low + width)
+    slack = 1e-6 * (1 + abs(low))
+    assert low - slack <= mean <= low + width + slack
+    assert 0 < variance <= min(1.0, width * width / 12 * 1.01) + 1e-9
+    assert 0 <= mass <= 1
+
+
+@pytest.mark.parametrize(('low', 'high', 'mean', 'variance', 'mass'), [
+    (-1.0, 1.0, 0.0, 0.291125, 0.682689), (2.0, 3.0, 2.315819, 0.06152, 0.0214),
+    (-9.0, -8.0, -8.1212, 0.01415, 6.2e-16), (-50.0, 50.0, 0.0, 1.0, 1.0)])
+def test_moments_of_a_cut_normal(
+        low: float, high: float, mean: float, variance: float, mass: float) -> None:
+    """The expected values were integrated numerically."""
+    found = cut_normal(low, high)
+    assert found[0] == pytest.approx(mean, abs=0.005)
+    assert found[1] == pytest.approx(variance, abs=0.002)
+    assert found[2] == pytest.approx(mass, rel=0.02)
+
+
+@given(st.floats(-50, 50), st.sampled_from(ROUNDINGS))
+def test_an_interval_holds_whatever_rounds_to_its_number(
+        amount: float, rounding: RobotRounding) -> None:
+    accumulator = Accumulator(rounding)
+    accumulator.add(amount)
+    low, high = interval(Rounding(rounding.value), accumulator.take())
+    assert low - 1e-5 <= amount <= high + 1e-5
+
+
+def test_roundings_are_those_of_the_robot() -> None:
+    assert {each.value for each in Rounding} == {each.value for each in RobotRounding}
