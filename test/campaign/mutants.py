@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import NamedTuple
 
-from campaign.table import markdown_table
+from support.tables import markdown_table
 
 ROOT = Path(__file__).parents[2]
 COPIED = ('create_oi_ros', 'test', 'docs', 'pyproject.toml')
@@ -102,7 +102,7 @@ class Laboratory:
         config.write_text(CONFIG.format(
             module=f'create_oi_ros/{part}.py', timeout=3 * limit,
             command=' '.join([*command, f'{limit:.1f}', *tests]),
-            excluded=[OTHER_OPERATORS, ANNOTATIONS]), encoding='utf-8')
+            excluded=json.dumps([OTHER_OPERATORS, ANNOTATIONS])), encoding='utf-8')
         session.unlink(missing_ok=True)
         for tool, *arguments in (
                 ('cosmic-ray', 'init', config, session),
