@@ -33,7 +33,7 @@ LEAST = 0.9
 PARTS = {
     'link/dead_man': ('link/test_dead_man.py',),
     'link/dead_man_process': ('link/test_dead_man.py',),
-    'oi/stream': ('oi/test_stream.py',),
+    'oi/stream': ('oi/test_stream.py', 'oi/test_stream_limits.py'),
     'oi/steering': ('oi/test_steering.py',),
     'oi/script': ('oi/test_commands.py', 'oi/test_text.py', 'oi/test_stream.py'),
     'oi/script_motion': ('oi/test_script_motion.py',),
