@@ -28,3 +28,9 @@ def test_after_a_damaged_frame_three_in_a_row_still_change_the_convention():
     found = list(iter(reader.next_event, None))
     assert [event.checksum for event in found if isinstance(event, oi.Frame)] == [
         oi.Checksum.HARDWARE, oi.Checksum.MANUAL]
+
+
+def test_empty_and_too_long_lists_are_ignored():
+    reader = oi.StreamReader([oi.PacketList([]), oi.PacketList([6] * 5)])
+    reader.feed(bytes([oi.HEADER, 0, 256 - oi.HEADER]))
+    assert reader.finish() == [oi.Garbage(bytes([oi.HEADER, 0, 256 - oi.HEADER]))]
