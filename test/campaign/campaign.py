@@ -13,7 +13,7 @@ import sys
 from time import monotonic
 from typing import NamedTuple
 
-from campaign.table import markdown_table
+from support.tables import markdown_table
 
 ROOT = Path(__file__).parents[2]
 LOGS = ROOT / 'log/campaign'

@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import NamedTuple
 
-from campaign.table import markdown_table
+from support.tables import markdown_table
 
 ROOT = Path(__file__).parents[2]
 COPIED = ('create_oi_ros', 'test', 'docs', 'pyproject.toml')
@@ -33,7 +33,7 @@ LEAST = 0.9
 PARTS = {
     'link/dead_man': ('link/test_dead_man.py',),
     'link/dead_man_process': ('link/test_dead_man.py',),
-    'oi/stream': ('oi/test_stream.py',),
+    'oi/stream': ('oi/test_stream.py', 'oi/test_stream_limits.py'),
     'oi/steering': ('oi/test_steering.py',),
     'oi/script': ('oi/test_commands.py', 'oi/test_text.py', 'oi/test_stream.py'),
     'oi/script_motion': ('oi/test_script_motion.py',),
@@ -102,7 +102,7 @@ class Laboratory:
         config.write_text(CONFIG.format(
             module=f'create_oi_ros/{part}.py', timeout=3 * limit,
             command=' '.join([*command, f'{limit:.1f}', *tests]),
-            excluded=[OTHER_OPERATORS, ANNOTATIONS]), encoding='utf-8')
+            excluded=json.dumps([OTHER_OPERATORS, ANNOTATIONS])), encoding='utf-8')
         session.unlink(missing_ok=True)
         for tool, *arguments in (
                 ('cosmic-ray', 'init', config, session),

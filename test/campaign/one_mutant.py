@@ -12,7 +12,7 @@ import sys
 
 from support.processes import kill_marked, MARK
 
-PYTEST = ('-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider')
+PYTEST = ('-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider', '-p', 'campaign.unshrunk')
 
 
 def main() -> int:

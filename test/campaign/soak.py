@@ -29,7 +29,7 @@ from geometry_msgs.msg import Twist, Vector3
 from std_srvs.srv import Trigger
 
 from campaign.stage import Stage, staged
-from create_oi_ros.ros.services import AT_ONCE
+from create_oi_ros.ros.services import QUEUE
 
 SETTLE = 60.0
 """Seconds after which the node must have its final size."""
@@ -86,8 +86,8 @@ class Soak:
         self._random = Random(7)
         self._called = self._answered = self._commands = 0
         self.troubles: list[str] = []
-        self._leds = stage.ros.node.create_client(SetLeds, 'set_leds', qos_profile=AT_ONCE)
-        self._stop = stage.ros.node.create_client(Trigger, 'stop', qos_profile=AT_ONCE)
+        self._leds = stage.ros.node.create_client(SetLeds, 'set_leds', qos_profile=QUEUE)
+        self._stop = stage.ros.node.create_client(Trigger, 'stop', qos_profile=QUEUE)
 
     def run(self, minutes: float) -> dict[str, object]:
         """Run for so many minutes; return the results."""

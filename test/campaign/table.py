@@ -1,10 +1,10 @@
 """The results of all tries, as a table and as JSON."""
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
 from campaign.fault import Fault, Result
+from support.tables import markdown_table
 
 HEAD = ('fault', 'tried', 'recovered', 'median s', 'worst s', 'wrong values',
         'zero speed: median s', 'worst s')
@@ -50,12 +50,6 @@ def _times(values: list[float | None]) -> tuple[str, str]:
 def markdown(rows: list[Row]) -> str:
     """Return the table of all faults."""
     return markdown_table(HEAD, [row.cells() for row in rows])
-
-
-def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in Markdown."""
-    lines = [head, ('---',) * len(head), *rows]
-    return ''.join(f'| {" | ".join(line)} |\n' for line in lines)
 
 
 def as_json(rows: list[Row]) -> list[dict[str, object]]:

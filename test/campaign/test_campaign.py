@@ -1,5 +1,6 @@
 """The campaign's table, and what tries the mutants: that failures are seen and nothing is left."""
 
+from importlib import import_module
 import os
 import select
 import subprocess
@@ -66,6 +67,11 @@ def test_mutants_are_made_of_files_that_exist_and_tried_by_tests_that_exist():
     for part, tests in PARTS.items():
         assert (ROOT / 'create_oi_ros' / f'{part}.py').is_file()
         assert all((ROOT / 'test' / test).is_file() for test in tests)
+
+
+@pytest.mark.parametrize('part', campaign.PARTS, ids=lambda part: part.name)
+def test_every_part_can_be_started(part):
+    assert callable(import_module(f'campaign.{part.name}').main)
 
 
 def test_the_table_counts_who_survived():

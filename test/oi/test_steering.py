@@ -24,6 +24,7 @@ def test_a_positive_radius_turns_left() -> None:
     assert wheel_speeds(200, 258, SEPARATION) == (300, 100)
     assert wheel_speeds(200, -258, SEPARATION) == (100, 300)
     assert wheel_speeds(-200, 258, SEPARATION) == (-300, -100)
+    assert wheel_speeds(1, 2, 257.0) == (65.25, -63.25), 'nothing is rounded'
 
 
 @given(st.integers(-500, 500), st.integers(2, 2000))
