@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from unicodedata import category, east_asian_width
 
-from .ink import Ink, Stretch
+from .ink import Ink, InkedText
 
 UNKNOWN = '?'
 """Replaces every character that does not fill exactly one cell: control, wide, combining."""
@@ -25,7 +25,7 @@ class Canvas:
 
     def __init__(self, columns: int, rows: int, *, plain: bool = False) -> None:
         self.columns, self.rows, self.plain = columns, rows, plain
-        self._cells = [[Stretch(' ')] * columns for _ in range(rows)]
+        self._cells = [[InkedText(' ')] * columns for _ in range(rows)]
 
     def put(
         self, row: int, column: int, text: str, *, highlighted: bool = False,
@@ -34,7 +34,7 @@ class Canvas:
         """Write a text, cut to `width` and to the canvas; return the column after it."""
         for character in text[:width]:
             if 0 <= row < self.rows and 0 <= column < self.columns:
-                self._cells[row][column] = Stretch(
+                self._cells[row][column] = InkedText(
                     one_cell(character, plain=self.plain), highlighted, ink)
             column += 1
         return column
@@ -43,8 +43,8 @@ class Canvas:
         """Return the text of each row, exactly `columns` characters long."""
         return [''.join(cell.text for cell in row) for row in self._cells]
 
-    def runs(self) -> list[list[Stretch]]:
+    def runs(self) -> list[list[InkedText]]:
         """Return each row as runs of characters that look alike."""
-        return [[Stretch(''.join(cell.text for cell in cells), *look)
+        return [[InkedText(''.join(cell.text for cell in cells), *look)
                  for look, cells in groupby(row, lambda cell: cell[1:])]
                 for row in self._cells]

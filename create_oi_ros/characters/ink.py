@@ -22,7 +22,7 @@ class Ink(Enum):
     SIGNAL = '35'
 
 
-class Stretch(NamedTuple):
+class InkedText(NamedTuple):
     """Characters beside each other that look alike."""
 
     text: str
@@ -35,7 +35,7 @@ def has_colors(environment: Mapping[str, str]) -> bool:
     return not environment.get('NO_COLOR') and environment.get('TERM', 'dumb') != 'dumb'
 
 
-def encoded(row: Iterable[Stretch], *, colors: bool) -> str:
+def encoded(row: Iterable[InkedText], *, colors: bool) -> str:
     """
     Return a row with its escape sequences.
 

@@ -7,7 +7,7 @@ import pytest
 from create_oi_ros.characters.box_lines import BoxLines, cells_between
 from create_oi_ros.characters.canvas import Canvas
 from create_oi_ros.characters.dots import Dots
-from create_oi_ros.characters.ink import encoded, Ink, Stretch
+from create_oi_ros.characters.ink import encoded, Ink, InkedText
 
 CELLS = st.tuples(st.integers(-20, 20), st.integers(-20, 20))
 
@@ -65,12 +65,12 @@ def test_a_ring_has_its_radii():
 
 
 @pytest.mark.parametrize(('row', 'colors', 'written'), [
-    ([Stretch('a')], True, 'a'),
-    ([Stretch('a', highlighted=True)], False, '\x1b[7ma\x1b[0m'),
-    ([Stretch('a', ink=Ink.BAD)], True, '\x1b[31ma\x1b[0m'),
-    ([Stretch('a', ink=Ink.BAD)], False, 'a'),
-    ([Stretch('a', True, Ink.BAD)], True, '\x1b[7;31ma\x1b[0m'),
-    ([Stretch('a'), Stretch('⠁⠁', ink=Ink.TRACK), Stretch('b')], True,
+    ([InkedText('a')], True, 'a'),
+    ([InkedText('a', highlighted=True)], False, '\x1b[7ma\x1b[0m'),
+    ([InkedText('a', ink=Ink.BAD)], True, '\x1b[31ma\x1b[0m'),
+    ([InkedText('a', ink=Ink.BAD)], False, 'a'),
+    ([InkedText('a', True, Ink.BAD)], True, '\x1b[7;31ma\x1b[0m'),
+    ([InkedText('a'), InkedText('⠁⠁', ink=Ink.TRACK), InkedText('b')], True,
      'a\x1b[36m⠁⠁\x1b[0m\x1b[4Gb'),
 ])
 def test_a_row_is_written(row, colors, written):

@@ -17,7 +17,7 @@ import tempfile
 import termios
 from typing import Any, IO
 
-from ...characters.ink import encoded, has_colors, Stretch
+from ...characters.ink import encoded, has_colors, InkedText
 
 ENTER = '\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J'
 """Alternate screen, no cursor, no line wrap, cleared."""
@@ -28,7 +28,7 @@ RESTORE_TIMEOUT = 0.5
 MOST_ERRORS = 8192
 """Bytes of stderr, the last ones, that are shown when the terminal is restored."""
 DISABLED = b'\0'
-Rows = list[list[Stretch]]
+Rows = list[list[InkedText]]
 
 
 class TerminalError(Exception):
