@@ -1,3 +1,6 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
 # The driver on an installed ROS 2 Jazzy, amd64 or arm64. docs/container.md has the commands.
 FROM ros:jazzy
 SHELL ["/bin/bash", "-c"]

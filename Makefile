@@ -1,3 +1,6 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
 # One target a line. What is missing is set up and built first. ARGS= is passed on.
 #
 #   make                 build everything; the first time also set up ROS in .venv

@@ -1,3 +1,6 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
 # Source this from bash or zsh: a shell in which everything built here works.
 #     source env.sh
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Install create_oi_ros as an ament_python package."""
 
 from glob import glob

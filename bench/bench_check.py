@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 How often `create_check` is right: blind trials on robots drawn at random (`robots`).
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Errors of the time stamps: `python bench/bench_clock.py`, ten seconds, a table.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Processor time and memory of the node: `python bench/bench_cost.py`, five minutes, a table.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 How many robots one machine can run: `python bench/bench_fleet.py`, two minutes, a table.
 

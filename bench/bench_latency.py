@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Latency of messages and commands: `python bench/bench_latency.py`, three minutes, a table.
 

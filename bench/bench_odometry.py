@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 How good the odometry is: `python bench/bench_odometry.py`, half an hour, some tables.
 

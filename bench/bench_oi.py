@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 How fast the Open Interface is: `python bench/bench_oi.py`, ten seconds, a table.
 

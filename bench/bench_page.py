@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 How smooth the web page is: `python bench/bench_page.py`, half a minute, a table.
 

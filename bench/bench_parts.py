@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Processor time of one frame, by parts: `python bench/bench_parts.py`, forty seconds, a table.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Start-up time of the node: `python bench/bench_start.py`, 30 seconds, a table.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What wakes the node, how often, and what that costs: `python bench/bench_wakeups.py`, a minute.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What the web page costs: `python bench/bench_web.py`, a minute, a table.
 

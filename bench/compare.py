@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Compare two sets of results: `python bench/compare.py [OLD.json] [NEW.json]`.
 

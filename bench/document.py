@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The measured numbers in the documents: `python bench/document.py PAGE.md ... [--check]`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Draw docs/drive.gif: `python bench/draw_drive.py [PATH]`, a simulated robot along a wall."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What a robot is asked to do: five kinds of drives, as velocities over time.
 

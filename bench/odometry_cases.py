@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Trials of the odometry beside drives of random robots: a damaged line, logs of real wheels."""
 
 from collections.abc import Callable, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The whole driver against the whole simulated robot, as bytes over a line that delays them."""
 
 from collections import deque

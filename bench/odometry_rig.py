@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Drives for `bench_odometry`: a body with wheels and encoders, a line that delays, an odometry.
 

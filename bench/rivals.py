@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Two plain odometries to compare with: what anybody would write in twenty lines."""
 
 from math import cos, radians, sin

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The Create's own numbers, each once. SI units unless a name says otherwise.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Drive a circle for five seconds and print where the odometry says the robot is."""
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry

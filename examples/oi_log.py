@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Log sensors to a CSV file without ROS, 66 rows a second, until Ctrl-C.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Several simulated Creates: robot1, robot2, ... Each has a namespace and frames of its own.
 

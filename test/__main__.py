@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Run a long test by name: `python test NAME [OPTIONS]`, as `make NAME` does.
 

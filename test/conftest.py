@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Settings of all tests: the same examples in every run, and an end to every test."""
 
 from collections.abc import Iterator

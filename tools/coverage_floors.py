@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Compare the coverage of each room with its floor: `python tools/coverage_floors.py`.
 

@@ -1,4 +1,7 @@
 #!/bin/sh
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
 # Print the first Python on this machine that can build the project, or what is missing.
 # Usage: tools/find_python.sh KIND, where KIND is `wheels` or `jazzy`. PYTHON= selects a Python.
 check="$(dirname "$0")/check.py"

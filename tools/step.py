@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Runs one step of set-up or build: shows how far it is, and prints its log only if it fails."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Publishes a velocity ten times a second until SIGTERM: the robot drives in a circle."""
 
 import signal

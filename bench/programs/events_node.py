@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The node on the events executor of `rclpy.experimental`: `events_node.py [ROS ARGUMENTS]`.
 

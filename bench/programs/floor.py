@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The least that a driver can do: `floor.py PORT CALL LAYOUT COMMAND [MODULE ...]`.
 

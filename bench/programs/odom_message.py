@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The one message that the floor and its variants publish for each frame."""
 
 from nav_msgs.msg import Odometry

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 A simulated Create that logs what happens on its line: `robot.py LINK CONTROL`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The node with a profile of its reading thread: `timed.py [ROS ARGUMENTS]`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Several drivers in one process, all on one executor: `together.py PORT ...`."""
 
 import sys

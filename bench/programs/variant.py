@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The floor with one change: `variant.py WHICH PORT CALL LAYOUT`. Otherwise as floor.py.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 A coroutine that waits on the events executor, as a service or a goal would: `waiting.py`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_record`: record the driver's topics and its commands to a bag, until Ctrl-C."""
 
 from __future__ import annotations

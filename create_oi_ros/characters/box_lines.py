@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Lines of box characters: what meets in a cell is joined. Pure."""
 
 from __future__ import annotations

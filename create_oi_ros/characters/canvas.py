@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A grid of characters of fixed size; text outside it is cut off."""
 
 from __future__ import annotations

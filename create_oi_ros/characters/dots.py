@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Braille dots: two by four to a cell, for tracks and circles. Pure."""
 
 from __future__ import annotations

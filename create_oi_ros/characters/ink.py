@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Colours of a terminal. A colour is never the only sign: what it says stands in words, too."""
 
 from __future__ import annotations

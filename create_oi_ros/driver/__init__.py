@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The computer's side of the line: a state machine that decides what to send. Pure: no I/O."""
 
 from .battery_watch import BatteryLevel, BatteryLimits, LowBatteryAction

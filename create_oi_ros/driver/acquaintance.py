@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Tells people, once, when the odometry has learned to know the robot, and what it learned."""
 
 from ..odometry import Knowledge, Rounding, SignSource

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Reports a low battery, and does what the user chose for one that is nearly empty."""
 
 from .. import oi

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Turns the battery's voltage into a level: fine, low or nearly empty."""
 
 from dataclasses import dataclass

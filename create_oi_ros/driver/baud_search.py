@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Calls a robot that does not answer: at which baud rate, and what to tell the user.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What the robot has felt around it, as points just outside its hull, for costmaps.
 

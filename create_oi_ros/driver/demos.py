@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The robot's built-in demos: it plays them in Passive, where it follows no velocity commands."""
 
 from collections.abc import Callable

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What the driver reports: frames, mode changes, notices, and counts of the line."""
 
 from collections import deque

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The state of driver and robot at one moment, for diagnostics and status lines."""
 
 from dataclasses import dataclass

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Enters modes: on request, when the robot missed the command, and after a hazard is gone."""
 
 from collections.abc import Callable

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """From a commanded velocity to the wheel speeds that are sent to the robot."""
 
 from dataclasses import dataclass

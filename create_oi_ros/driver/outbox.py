@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The queue of bytes to the robot, with the pauses that it needs between commands."""
 
 from collections import deque

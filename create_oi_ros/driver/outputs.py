@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 LEDs, digital outputs, low side drivers, infrared and songs: sent, stored, restored.
 

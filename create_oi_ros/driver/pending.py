@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The outcome of a request: known at once, or when the robot has taken it or answered."""
 
 from collections.abc import Callable

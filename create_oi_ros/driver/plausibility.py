@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Finds what cannot be true: jumps, and an angle that never changes while the robot turns."""
 
 from math import degrees, inf

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Bytes that stop a robot: in whatever state it is, and when the driver ends."""
 
 from .. import oi

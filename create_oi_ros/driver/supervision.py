@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The wanted mode and the actual one: why the robot left it, and when the driver may enter it again.
 

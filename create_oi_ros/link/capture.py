@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Writes the raw line to a file: all bytes of both directions, as they pass, with their times.
 

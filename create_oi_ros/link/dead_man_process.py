@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The program of the dead-man: `dead_man_process.py PIPE LINE LAST_WORDS DRIVER`.
 

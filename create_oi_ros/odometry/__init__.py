@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Distance and angle in; pose, twist and covariance out. Pure: no clock, no I/O, SI units."""
 
 from ..robot import Rounding

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What no unknown explains: process noise, as covariances of the states."""
 
 from typing import NamedTuple

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Odometry as the robot reports it: every reading is taken for the truth."""
 
 from math import cos, sin

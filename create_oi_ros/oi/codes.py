@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The enumerations of the Open Interface: every code and bit that has a name in the manual."""
 
 from enum import IntEnum, IntFlag

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Scripts: commands that the robot stores and plays later (manual: Script, Wait Commands).
 

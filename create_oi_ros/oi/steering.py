@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """How fast Drive turns each wheel (manual: Drive, opcode 137, and its special cases)."""
 
 from typing import NamedTuple

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Finds frames in the bytes from the robot, and commands in the bytes to it.
 

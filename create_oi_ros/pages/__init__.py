@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Files that the live page and the report share: the map, and the style."""
 
 from importlib import resources

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Puts ES modules into one script, for a page that is one file. Pure."""
 
 from __future__ import annotations

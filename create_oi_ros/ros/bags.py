@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Bags through the library `rosbags`, which reads and writes them without an installed rosbag2.
 

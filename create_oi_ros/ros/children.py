@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Other programs of this package, as processes that a program starts and ends."""
 
 from functools import partial

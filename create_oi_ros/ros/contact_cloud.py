@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Publishes the topic `contacts`: what the robot feels, as a point cloud for costmaps."""
 
 from math import inf

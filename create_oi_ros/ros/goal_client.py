@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals for programs of a few lines: send one, wait, get its result."""
 
 from types import TracebackType

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Fills the feedback and the results of the actions. Pure."""
 
 from typing import Any

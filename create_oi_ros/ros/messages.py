@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Converts readings and estimates to ROS messages, and requests to the protocol's types. Pure.
 

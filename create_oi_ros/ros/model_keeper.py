@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The node's file of what its odometry knows: read at start, written on request and at the end."""
 
 from pathlib import Path

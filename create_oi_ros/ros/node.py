@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The ROS node `create`: topics, services and parameters around a session with the robot."""
 
 from dataclasses import asdict, replace

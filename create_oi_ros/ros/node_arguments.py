@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
 from argparse import ArgumentParser, RawDescriptionHelpFormatter

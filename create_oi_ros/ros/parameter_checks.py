@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Declares the parameters to ROS, and refuses values that cannot work; says what is allowed."""
 
 from collections.abc import Iterable

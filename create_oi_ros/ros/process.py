@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Start and end of a program that uses rclpy: signals, rclpy itself, and waiting for the end.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Records all topics of the driver, and its velocity commands, to a bag."""
 
 from __future__ import annotations

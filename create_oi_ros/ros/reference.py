@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Writes what follows from the declarations of topics, services, actions and parameters: `make docs`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Yaw to and from a quaternion: a robot on a floor turns about the vertical only. Pure."""
 
 from math import atan2, cos, remainder, sin, tau

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What each simulated run has to itself on this computer: a ROS domain, and a folder."""
 
 from collections.abc import Iterator

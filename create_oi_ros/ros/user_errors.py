@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Errors that a user causes and can mend: a sentence each, in place of a traceback.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Velocity commands to a driver, in the message type to which it subscribes."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Files that are written as a whole or not at all."""
 
 from contextlib import suppress

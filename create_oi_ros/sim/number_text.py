@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Numbers that people write: in world files, in guesses, on the control socket."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_check`: moves, what they show, and the program at a simulated robot's port."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The demo: the pilot, a short demo as a user sees it, and how it ends."""
 
 from contextlib import closing

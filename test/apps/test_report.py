@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A report shows what is in a bag, or prints one sentence why it cannot."""
 
 from importlib import import_module

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The page of a report in a real Chromium, without network, made from a bag of the simulator."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The page of a report: its data is small and exact, its script is one, its texts stay text."""
 
 from base64 import b64decode

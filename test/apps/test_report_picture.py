@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The picture of a report can be read: nothing lies over something else, colours differ."""
 
 from itertools import combinations

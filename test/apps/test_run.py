@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_run` as a user sees it: one command, a robot that can be driven, a clean end."""
 
 from contextlib import closing

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The status line of `create_run`: what it shows, and that it fits."""
 
 from math import nan, pi

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The picture of `create_view`: any state fits any terminal, and alarms are visible."""
 
 from math import cos, hypot, inf, nan, pi, sin

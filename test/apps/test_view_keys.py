@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Keys of `create_view`: their actions, and how long they drive."""
 
 from math import inf, pi

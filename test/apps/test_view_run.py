@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_view` as a user sees it: a real terminal, the real node, a simulated robot."""
 
 import os

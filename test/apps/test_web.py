@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_web` as a browser meets it: every message, every refusal, and wheels that stop."""
 
 from contextlib import closing

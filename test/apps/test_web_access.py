@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The rules of `create_web`: who may open the page, and who drives."""
 
 from math import inf, nan

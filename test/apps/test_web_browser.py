@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The page of `create_web` in a real browser: it drives, lights up, stops, and asks for tokens."""
 
 from concurrent.futures import ThreadPoolExecutor

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals from a page of `create_web`: sent, watched, cancelled, and ended when the page goes."""
 
 from contextlib import closing

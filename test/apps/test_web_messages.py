@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What a page of `create_web` may send: every message, every goal, and what is refused."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What a page of `create_web` is told of a robot: changes, events, samples, track, battery."""
 
 import json

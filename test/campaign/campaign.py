@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 All long tests, one after the other, and one table: `make campaign ARGS='[--short] [PART ...]'`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The model of a driver's end with more faults than `make test` has time for."""
 
 import argparse

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A fault of the campaign: how to make it, what is promised, and the result of one try."""
 
 from collections.abc import Callable

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Make each fault many times and print a table: `make faults ARGS='[OPTIONS] [FAULT ...]'`.
 

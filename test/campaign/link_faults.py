@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Faults of the link: lost and found, damaged bytes, and a robot that is in an odd state."""
 
 from collections.abc import Callable

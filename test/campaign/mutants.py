@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Small mistakes in the code, one at a time: `make mutants ARGS='[OPTIONS] [PART ...]'`.
 

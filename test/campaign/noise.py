@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A line that damages frames, in memory: every published frame must be one that was sent."""
 
 from dataclasses import dataclass, field

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Run the tests of one mutant: `python -m campaign.one_mutant SECONDS TEST ...`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Steps that many faults share: drive, then wait until everything is as it was."""
 
 from random import Random

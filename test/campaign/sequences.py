@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Sequences of all that can happen to a driver: commands, goals, requests, faults, people.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Load and faults for a long time; the node must not grow: `make soak ARGS='[MINUTES] [OPTIONS]'`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A simulated robot and a node as processes, and a listener that checks what is published."""
 
 from collections.abc import Callable, Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The results of all tries, as a table and as JSON."""
 
 from dataclasses import dataclass, field

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The campaign's table, and what tries the mutants: that failures are seen and nothing is left."""
 
 from importlib import import_module

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The fault campaign in its short form: a few faults, once each; `make faults` does them all."""
 
 from random import Random

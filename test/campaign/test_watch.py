@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The watch of the campaign tells a jump of the odometry from a robot that drove on."""
 
 from math import cos, pi, sin

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A plugin of pytest for mutants: nobody reads how they fail, so hypothesis shrinks nothing."""
 
 from hypothesis import Phase, settings

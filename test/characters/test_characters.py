@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Pictures of characters: lines that join, dots, and colours that never stand alone."""
 
 from hypothesis import given

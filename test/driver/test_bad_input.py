@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Whatever is asked for: a clear refusal or a legal effect, and the driver lives.
 

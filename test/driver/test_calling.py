@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """How the driver finds its robot, and what it says of a line that is not well."""
 
 from collections.abc import Callable

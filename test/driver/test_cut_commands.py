@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A robot that waits for the rest of a command: what stops it, and how soon."""
 
 from collections.abc import Iterator

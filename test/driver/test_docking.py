@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The Home Base: found, felt, left; robots that Safe holds there, or that do not charge."""
 
 import pytest

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The driver played against the simulated robot, byte for byte, without a clock."""
 
 from math import inf, nan, pi

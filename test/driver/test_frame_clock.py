@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Stamps follow the robot's slots, whatever the line adds."""
 
 from random import Random

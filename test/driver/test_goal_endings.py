@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals that do not reach their end: each code, what it says, and that the wheels stand then."""
 
 from dataclasses import replace

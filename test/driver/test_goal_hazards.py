@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals that a bumper, a cliff, a wheel that drops or a stall ends."""
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals: where the robot is when they end, and how it gets there."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A robot that is known starts at full accuracy; one that is another is learned anew."""
 
 from collections.abc import Iterable

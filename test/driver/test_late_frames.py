@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Frames that come late, as on a busy computer, say what was: the driver must not act on it."""
 
 from math import radians

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """How the driver enters modes, and how it comes back to one that the robot left."""
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Outcomes of requests: once, and to everybody who waits."""
 
 from create_oi_ros.driver.pending import done, Outcome, Pending, refused

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What the driver does when something is wrong with line or robot, in memory."""
 
 from struct import calcsize

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What services ask of the driver, played against the simulated robot without a clock."""
 
 from math import nan

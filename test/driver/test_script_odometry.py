@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Where the robot is after a script, during which nobody can ask it."""
 
 from math import cos, degrees, hypot, sin, sqrt

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Any sequence of commands, requests, faults and hands on the robot ends well."""
 
 from campaign.sequences import draw

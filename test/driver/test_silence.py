@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A line that falls silent, loses frames, ends or is slow."""
 
 from itertools import pairwise

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The driver's state: a table that is complete, and a driver that never leaves it."""
 
 from hypothesis import given

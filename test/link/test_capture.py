@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A capture as a file: what was written is read, whatever is cut off; then as a story."""
 
 from collections.abc import Iterable

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The process that stops the robot when the driver has died."""
 
 from collections.abc import Iterator

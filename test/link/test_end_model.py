@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """However a driver ends, its robot stops: in the model always, and its steps are the real ones."""
 
 from collections.abc import Callable, Iterator

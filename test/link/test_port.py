@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Ports that cannot be had, in words; a device that comes back under another name."""
 
 from contextlib import contextmanager

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Odometry of robots that are held, pushed or lifted, and over lines that lose readings."""
 
 from dataclasses import replace

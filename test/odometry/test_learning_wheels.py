@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What the odometry learns of the wheels, and that it follows any."""
 
 from dataclasses import replace

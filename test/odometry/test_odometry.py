@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The laws of odometry: no step, honest covariance, exact where the robot is exact."""
 
 from collections.abc import Iterator

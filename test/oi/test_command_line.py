@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The command line of `create_oi_ros.oi`, and its page of documentation."""
 
 import doctest

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Commands against the manual: bytes, ranges, modes; every command has a test vector."""
 
 from collections.abc import Iterable

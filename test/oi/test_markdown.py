@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Tables for Markdown and the generated blocks of a page."""
 
 from create_oi_ros.oi.tools.markdown import rewritten, table

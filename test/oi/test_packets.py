@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Sensor packets against the manual: bytes, sizes, ranges, groups, the stream budget."""
 
 from collections.abc import Iterable, Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Waits that never end, and how long scripts take, from the script's own motion."""
 
 from hypothesis import given

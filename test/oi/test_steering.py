@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Wheel speeds of Drive, against the manual's description and its special cases."""
 
 from hypothesis import given

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Finding frames and commands: however the bytes are split, the same events; no byte is lost."""
 
 from collections.abc import Iterable

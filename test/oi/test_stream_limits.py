@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Where the reader of streams changes its mind: the longest frame, the third frame in a row."""
 
 from create_oi_ros import oi

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Scripts and the text form of commands: the manual's examples, round trips, errors."""
 
 from hypothesis import given

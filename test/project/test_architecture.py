@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """docs/architecture.md names all rooms, and only files and functions that exist."""
 
 import ast

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Bench results: they are saved, compared, and in the documents as they were measured."""
 
 import re

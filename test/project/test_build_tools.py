@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Set-up and build: what they show meanwhile, and where they put what they make."""
 
 import importlib.util

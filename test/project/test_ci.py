@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The workflow for GitHub runs the commands of the README and of the Makefile, and no others."""
 
 import json

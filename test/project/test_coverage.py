@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The coverage floors: every measured room has one, and the table judges it."""
 
 from runpy import run_path

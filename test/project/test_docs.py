@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Files, links and `make` targets that the documentation names exist."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The example that follows a wall: in memory around a room, and as a process at a cliff."""
 
 from math import atan2, cos, hypot, pi, remainder, sin, tau

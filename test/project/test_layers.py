@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Rules for imports: each room imports only what RULES allows, and no imports form a ring.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Every source file says whose it is and under which licence it may be used."""
 
 from pathlib import Path

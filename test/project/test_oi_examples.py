@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The examples without ROS, against a simulated robot in memory, and what their page says."""
 
 import csv

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The package: its dependencies, its version, and that every module imports by itself."""
 
 from functools import cache

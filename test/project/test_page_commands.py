@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Runs the commands of our programs in the documentation pages, in their order, in a folder.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Runs the blocks of `docs/tutorial.md` in order, all in the ROS domain of the first terminal.
 

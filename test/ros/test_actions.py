@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Every action as a user sees it: through ROS, with the node as a process."""
 
 from math import inf, nan, pi

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Files beside the code: model, launch files, parameter file, RViz and udev settings."""
 
 import importlib.util

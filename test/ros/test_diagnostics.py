@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Diagnostics of the driver with a simulated robot in memory: levels and messages."""
 
 from copy import copy

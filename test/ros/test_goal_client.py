@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals for programs of a few lines, and the example that drives a square by them."""
 
 from functools import partial

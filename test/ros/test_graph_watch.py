@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Mistakes in the ROS graph are reported: wrong types, two publishers, two drivers."""
 
 from diagnostic_msgs.msg import DiagnosticArray

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The node as a process on a simulated serial port, with a subscriber in the test."""
 
 from math import atan2, nan, pi

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What a user may mistype when starting `create_node`, and what is said then."""
 
 from dataclasses import fields, replace

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The file of what is known of a robot, and the node that keeps one."""
 
 import signal

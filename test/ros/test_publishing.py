@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Which messages are published for a frame, and in which order: changes first."""
 
 from create_oi_msgs.msg import Bumper, Cliff

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Everything that the node publishes can be recorded, and read with the bag alone."""
 
 from pathlib import Path

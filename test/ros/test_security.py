@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The SROS 2 policy allows what the nodes use and nothing else; keys keep others out."""
 
 from collections.abc import Callable

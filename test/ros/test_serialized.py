@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Packed messages: whatever is packed, a subscriber gets what an object would have brought."""
 
 from collections.abc import Iterator

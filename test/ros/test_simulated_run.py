@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A simulated run has a ROS domain and a folder to itself, and leaves nothing behind."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What a user gets wrong is one sentence and exit code 2; a bug keeps its traceback."""
 
 import errno

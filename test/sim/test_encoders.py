@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The accumulators behind packets 19 and 20, under the three roundings."""
 
 from dataclasses import replace

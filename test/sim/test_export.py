@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Worlds as maps for Nav2 and as walls for Gazebo, against the worlds' own geometry."""
 
 from math import atan2, hypot, inf, remainder, tau

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What the simulated Create does by its actuators, one test for each sentence of the manual.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The ten demos of the simulated Create, by what can be seen (manual: Demo Commands)."""
 
 import math

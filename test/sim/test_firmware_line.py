@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Power, buttons and the serial port of the simulated Create, one test for each sentence.
 

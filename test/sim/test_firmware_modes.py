@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The simulated Create's modes, one test for each sentence of the manual that says what it does.
 

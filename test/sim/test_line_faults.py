@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Faults that happen on purpose, and bytes that are delayed by the baud rate."""
 
 from collections import Counter

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The real node captures a run, `create_sim` replays it: same bytes, same readings."""
 
 from itertools import pairwise

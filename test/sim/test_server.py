@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_sim` as its users run it: real processes, real terminals, no guessed sleeps."""
 
 from itertools import pairwise

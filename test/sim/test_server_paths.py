@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Paths, addresses and files that `create_sim` cannot use: each gets one sentence."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_sim --show`: the picture in a terminal, and what is written elsewhere."""
 
 from collections.abc import Iterator

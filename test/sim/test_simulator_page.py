@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """docs/simulator.md names every word, fault and guess there is."""
 
 from dataclasses import fields

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The simulated robot against obstacles, and in the hands of somebody."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Action clients for tests: a goal is sent, its feedback collected, its result awaited."""
 
 from typing import Any

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Random messages of any type, made from the type's own definition, for hypothesis."""
 
 import re

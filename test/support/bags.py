@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Writes synthetic bags of a robot: a circle, a bump, a cliff, a song, a gap."""
 
 from collections.abc import Iterator

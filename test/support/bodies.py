@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Bodies of simulated robots whose sums are easy."""
 
 from dataclasses import replace

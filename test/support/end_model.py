@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 A model of how a driver ends: node, dead-man, pipe and line; every order of their steps.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals given to a driver that plays against the simulated robot in memory."""
 
 from math import degrees, radians

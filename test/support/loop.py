@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The driver and the simulated robot in memory, without clock or thread: hours in seconds."""
 
 from collections import deque

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A serial port with a simulated robot in memory; time passes only while a program waits."""
 
 from create_oi_ros.sim.firmware import Create

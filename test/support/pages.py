@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Reads documentation pages: fenced blocks, and the names in `ros2` commands."""
 
 from dataclasses import dataclass

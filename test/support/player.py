@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Plays a bag as `ros2 bag play` of Jazzy does, which cannot be installed here.
 

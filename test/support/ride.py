@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A body that an odometry follows, frame by frame, without a driver."""
 
 from math import cos, degrees, hypot, isfinite, radians, sin

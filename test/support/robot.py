@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A simulated Create in memory and a host; `run` lets time pass."""
 
 from typing import Any

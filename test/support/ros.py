@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Node processes, robots on simulated serial ports, and a ROS node in the test's own process."""
 
 from collections.abc import Callable, Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Runs a program on a pseudo terminal, and reads its screen as a person would."""
 
 import codecs

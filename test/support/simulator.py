@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_sim` as a process, its control socket, and the simplest clients of its port."""
 
 from collections.abc import Iterator

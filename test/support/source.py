@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Imports, calls and classes of the repository's Python files, found without running them."""
 
 import ast

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A driver and its robot in memory, and what must hold after every step of time."""
 
 from collections import defaultdict

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A page's side of `create_web`: a WebSocket client, and a relay that can fail."""
 
 from __future__ import annotations

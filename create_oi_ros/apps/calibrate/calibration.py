@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The arithmetic of calibration: measured motion against the motion that the odometry reported.
 

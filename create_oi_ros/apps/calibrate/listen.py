@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_calibrate listen`: distance and angle since the start, as `odom` reports them."""
 
 from math import degrees, pi

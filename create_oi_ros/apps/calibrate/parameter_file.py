@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Writes values into the text of a ROS parameter file, and leaves all else in it as it is."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """From all that was written down to what is known of the robot."""
 
 from collections.abc import Callable, Sequence

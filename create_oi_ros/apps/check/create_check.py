@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 `create_check`: how a robot drives and counts, found in five guided minutes.
 

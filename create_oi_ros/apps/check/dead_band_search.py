@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Finds the slowest speed that moves the robot, by halves."""
 
 from ...robot import MILLI

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The moves of a check, and what each is for. Speeds in mm/s, right wheel first.
 

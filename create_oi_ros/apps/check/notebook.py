@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What is written down of a check: every frame, and which frames belong to which move."""
 
 from collections.abc import Iterator

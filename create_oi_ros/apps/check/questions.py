@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What a person at the robot is asked during a check, and what only a person can see."""
 
 import sys

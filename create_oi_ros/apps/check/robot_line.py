@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The robot of a check at its port, in real time, with a capture of it all."""
 
 from collections.abc import Callable, Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Makes the robot do moves, one at a time, and watches that nothing disturbs them."""
 
 from enum import Enum

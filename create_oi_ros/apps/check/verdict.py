@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What was found of a robot, in plain words, with how sure it is and what that agrees with."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What the readings of a check say: requests of each frame, and counts between two readings."""
 
 from collections.abc import Sequence

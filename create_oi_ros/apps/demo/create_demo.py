@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The command `create_demo`: a simulated robot, its node, a tour, a bag, a report."""
 
 from __future__ import annotations

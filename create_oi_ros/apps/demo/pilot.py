@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Drives a robot by its topics and services, and waits for what it reports."""
 
 from __future__ import annotations

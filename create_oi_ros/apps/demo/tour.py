@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The steps of the tour through the world `apartment`; the robot starts at (0, 0)."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 `create_report`: shows what a robot did, from a bag: a page to replay and zoom, or a picture.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Draws a recording: the track on top, everything over time below."""
 
 from __future__ import annotations

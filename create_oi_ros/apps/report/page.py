@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Writes the report: one HTML page that needs no other file, or a picture."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What the page needs of a recording, small: whole steps, compressed. Pure."""
 
 from __future__ import annotations

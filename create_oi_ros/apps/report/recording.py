@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What is kept of a bag: thinned curves, and every change of state."""
 
 from __future__ import annotations

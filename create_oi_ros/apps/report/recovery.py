@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Recovers bags whose recorder was killed: copies the intact part of each file."""
 
 from __future__ import annotations

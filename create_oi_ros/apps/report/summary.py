@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Describes a recording in words: its events, its warnings, a summary."""
 
 from __future__ import annotations

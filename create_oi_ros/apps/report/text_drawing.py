@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Writes the words of a picture: wrapped and shortened to the pixels that they have."""
 
 from __future__ import annotations

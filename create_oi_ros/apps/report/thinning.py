@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Chooses the points of a long curve that a chart needs. Pure."""
 
 from __future__ import annotations

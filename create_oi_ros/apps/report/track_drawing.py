@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Draws the track, and numbers the events along it so that no two numbers touch."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The status line of `create_run`: what is known of the robot, and how a terminal shows it."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 `create_view`: shows a robot in a terminal, and drives it by keys.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The map: the robot and its trail, scaled to fit a box of the canvas."""
 
 from __future__ import annotations

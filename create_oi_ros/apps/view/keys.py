@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Decodes the bytes of a terminal to keys, and maps keys to actions."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The panel: a line for each sensor and status. Alarms are highlighted."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The whole picture of a robot's state, exactly as large as the terminal. Pure."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What was received from a robot, and when: seconds of a monotonic clock."""
 
 from __future__ import annotations

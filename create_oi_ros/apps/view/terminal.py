@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The terminal: shows whole screens, reads single keys, and restores its settings at the end.
 

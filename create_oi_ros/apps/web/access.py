@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Who may open the page, and how much each page may send. Pure: the time is an argument."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """How long a battery lasts, or charges, from its charge and a smoothed current. Pure."""
 
 from __future__ import annotations

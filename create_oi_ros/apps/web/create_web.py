@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The command `create_web`: see a robot, and drive it, in a browser."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Who drives, and until when the last command holds. Pure: the time is an argument.
 

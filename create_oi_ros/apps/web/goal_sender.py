@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Sends goals for the pages, tells all pages how the newest one fares, and cancels it."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What a field of a page's message may be. Pure."""
 
 from __future__ import annotations

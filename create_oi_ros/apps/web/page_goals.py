@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The goals that a page may send: each with its fields, and the request that it becomes. Pure."""
 
 from __future__ import annotations

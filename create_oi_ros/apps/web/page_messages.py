@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What a page may send: each message, its fields, and what they may be. Pure."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What happened: the track, events on the map, samples for the charts. Pure."""
 
 from __future__ import annotations

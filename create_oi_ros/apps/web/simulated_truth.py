@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Asks the control socket of a simulated robot for its room, and where the robot really is."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The connected pages: what each has been told, and what it may do."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The ROS node of the page: subscriptions, velocity commands, clients of services and actions."""
 
 from __future__ import annotations

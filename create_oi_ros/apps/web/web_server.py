@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Answers browsers: the page's files, the question for the token, the live connection."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Where the frame of a simulated room lies in the frame of the odometry. Pure."""
 
 from __future__ import annotations

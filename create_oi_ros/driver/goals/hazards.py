@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow."""
 
 from ... import oi

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Goals that lead somewhere by the odometry: a distance, an angle, an arc, a place."""
 
 from abc import abstractmethod

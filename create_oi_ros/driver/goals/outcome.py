@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """How far a goal is, and how it ends."""
 
 from collections.abc import Callable

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Parses the text form of commands, as `text` writes it and in the variants that people write.
 

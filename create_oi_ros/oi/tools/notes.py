@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Names of the notes of a song from their numbers, and back (manual: Song, Note Durations).
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The declarations as tables, for a terminal and for `docs/open_interface.md`.
 

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The map: room, track, events, the robot, and how sure the odometry is of its place.
 
 import { StillLayer } from './map_layer.js';

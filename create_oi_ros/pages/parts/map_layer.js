@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // What of the map stands still, drawn once, on a canvas that is larger than the map: a frame of a
 // map that follows the robot only moves it.
 

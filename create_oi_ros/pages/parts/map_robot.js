@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The robot on the map, in scale; where it really is; and how sure the odometry is of its place.
 
 const SIGMAS = 2;           // of the ellipse

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The room of a simulated robot: walls, cliffs, virtual walls, Home Bases.
 
 const HOME_BASE = [0.06, 0.2];  // metres, drawn

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The signs of the map. Each kind has a shape of its own: nobody needs the colours.
 
 export const SIGNS = {

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The robot's track as it is drawn: in chunks, of which only those in view are drawn.
 
 const RECENT = 600;         // seconds for which every point is kept

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The battery: a store of charge with a voltage, a temperature and the charger's four stages.
 

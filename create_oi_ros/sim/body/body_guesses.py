@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Guesses about the body, as `create_sim --guess NAME=VALUE` takes them."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What charges and discharges the battery: electronics, motors, low side drivers, chargers."""
 
 from collections.abc import Iterator, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What the Create says about its own travel: the two accumulators behind packets 19 and 20.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The robot as a thing on the floor: where it is, what its wheels do, what they bump into."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Sensor values that somebody outside holds in place of the physics."""
 
 import math

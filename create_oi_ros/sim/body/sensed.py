@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What the firmware can ask of the body: one immutable record, and the range of every field."""
 
 from collections.abc import Callable

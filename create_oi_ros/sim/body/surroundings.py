@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What a body at a pose meets in its world: obstacles, walls beside it, floor below, beams.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """One drive wheel: what is asked of it, when it follows, and what its encoder makes of that."""
 
 from __future__ import annotations

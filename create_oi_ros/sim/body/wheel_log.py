@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A recording of real wheels: encoder counts over time, for a body that replays them."""
 
 from __future__ import annotations

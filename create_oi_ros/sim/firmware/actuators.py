@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What the host can set: wheels, LEDs, low side drivers, digital outputs, infrared."""
 
 from collections import deque

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The ten demos as recognisable behaviours of a few lines each; not iRobot's own programs.
 

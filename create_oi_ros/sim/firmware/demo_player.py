@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Starts, advances and stops the demos, for commands and for the buttons."""
 
 from ...oi import DemoNumber

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 What the manual leaves open about the firmware, each with the switch that turns the guess.
 

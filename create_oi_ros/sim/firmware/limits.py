@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Which values of a command the robot accepts; hosts may send any."""
 
 from ...oi import Command

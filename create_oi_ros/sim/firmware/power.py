@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Power-on: the boot loader, the held Play button, and the baud rate that results."""
 
 from ..timing import TOLERANCE

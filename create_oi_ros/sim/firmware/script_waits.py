@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The wait commands: each becomes a function that is called in every slot until it is true."""
 
 from collections.abc import Callable

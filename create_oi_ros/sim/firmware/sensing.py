@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """From what the body senses to the values of the packets, replies and stream frames."""
 
 from collections.abc import Callable

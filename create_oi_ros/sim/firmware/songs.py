@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """The speaker: the host's sixteen songs, and the robot's own beeps and tunes."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 The robot's serial port: its baud rate, bytes at a wrong rate, and what fits on the wire.
 

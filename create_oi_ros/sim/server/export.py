@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Writes a world to a file for Nav2 or Gazebo: `create_sim --export`."""
 
 import errno

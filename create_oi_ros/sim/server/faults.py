@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 Faults that happen on purpose: `create_sim --fault SPEC`, any number of times.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Bytes delayed by the time they take on the wire (`create_sim --wire-time`)."""
 
 from ...oi import BITS_PER_BYTE

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What an OSError says: the path or address that the user gave, then what is wrong with it."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """`create_sim --replay`: a captured robot on a line, in real time."""
 
 from collections.abc import Callable, Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """A picture of room, robot, track and sensors as text, as large as the terminal."""
 
 from collections.abc import Callable, Iterable, Iterator

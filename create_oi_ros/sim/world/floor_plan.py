@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """
 A world for other programs: a map for Nav2, walls for Gazebo. Pure: text and bytes.
 

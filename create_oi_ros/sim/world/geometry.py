@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """Plane geometry for rooms: line segments, discs, polygons; metres in the world frame."""
 
 from collections.abc import Iterable, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
 """What stands in a room, as plain numbers for programs that draw it."""
 
 from .geometry import Disc, LineSegment, Polygon

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // Curves as they come in the file, and what of them a pixel shows.
 
 // The file has steps of whole numbers; null is a value that is not known.

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The track of a recording: all of it thin, and strong up to the time that is shown.
 
 import { indexAt } from './curves.js';

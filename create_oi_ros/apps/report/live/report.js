@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The report: a time slider that drives the map, charts below one cursor, lists that jump.
 
 import { decode, unpack } from './curves.js';

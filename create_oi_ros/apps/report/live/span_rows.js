@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // What held for a while, as bars: a row for each kind.
 
 const TINTS = {

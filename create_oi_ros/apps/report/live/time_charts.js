@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // Charts that share one time: they zoom together, and one cursor shows the values in all of them.
 
 import { indexAt, countBetween, perPixel } from './curves.js';

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The robot seen from above, with everything that it senses lit where it is.
 
 const NS = 'http://www.w3.org/2000/svg';

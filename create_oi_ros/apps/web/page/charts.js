@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // Strip charts of the last minute. Each line has a dash of its own besides its colour.
 
 const SECONDS = 60;

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The live connection: it comes back by itself, and knows how old the newest picture is.
 
 const RETRY = 1000;  // ms

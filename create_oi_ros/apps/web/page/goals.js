@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // Goals: motions with an end. A form for each, how the newest one fares, and a button that cancels.
 
 import { byId, say } from './panels.js';

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // The page: connects what the server says with what is drawn, and buttons with what is sent.
 
 import { Body } from './body.js';

@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // What the page says in words. All text goes in as text, never as HTML.
 
 const WARN = 1, ERROR = 2;

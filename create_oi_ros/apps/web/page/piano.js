@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // A small piano: each key plays one note on the robot, and the last ones can be played again.
 
 const LOWEST = 67, KEYS = 17;  // G4 and up

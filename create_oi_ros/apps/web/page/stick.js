@@ -1,3 +1,5 @@
+// Copyright 2026 create_oi_ros contributors
+// SPDX-License-Identifier: Apache-2.0
 // Driving: a stick for thumb or mouse, and arrow keys. The command repeats while it is held.
 
 const PERIOD = 50;  // ms between two commands
