@@ -24,8 +24,11 @@ WALL_AHEAD = (-0.1, -1.5)
 """A point in front of a wall of the living room; x is the robot's first heading."""
 DOORS = ((0.4, -1.05), (2.85, -1.05), (2.85, -3.25))
 """The way to the hall, through two doors."""
-EDGE_SPEED = 0.1
-"""m/s towards the stairs: from faster the robot may come to rest with its caster over the edge."""
+EDGE_SPEED = 0.05
+"""m/s towards the stairs: from faster the robot comes to rest with its caster over the edge, and
+cannot go back to Safe."""
+EDGE_TIMEOUT = 40.0
+"""Seconds in which it reaches them."""
 
 
 class TourStep(NamedTuple):
@@ -89,7 +92,7 @@ def cliff(pilot: Pilot) -> None:
     """Drive to the stairs, where the robot stops by itself in Passive; come back."""
     pilot.command(EDGE_SPEED, 0.0)
     pilot.until(lambda: pilot.mode.mode == Mode.PASSIVE, 'a cliff drops the robot to Passive',
-                20.0)
+                EDGE_TIMEOUT)
     pilot.release()
     pilot.until(lambda: pilot.standing, 'the robot stands at the edge')
     pilot.until(lambda: any('PASSIVE instead of SAFE' in each for each in pilot.warnings),
