@@ -32,7 +32,7 @@ from random import Random
 from statistics import mean, quantiles
 from typing import NamedTuple
 
-from create_oi_ros.sim.body.encoders import Rounding
+from create_oi_ros.robot import Rounding
 from drives import DRIVES
 from odometry_cases import damaged_line, follow_log, rows_of
 from odometry_loop import Journey

@@ -9,8 +9,8 @@ import sys
 
 import matplotlib
 
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import CENTRE, EncoderSign
-from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from drives import mixed
 from odometry_loop import Journey

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from .. import oi
 from ..odometry import Estimate, Increment, Knowledge, Odometry
 from .events import LinkCounts, Moved
-from .frame_clock import FrameClock
+from .frame_clock import FrameClock, LEAST_STEP
 from .plausibility import JumpCheck
 from .script_speeds import Speeds
 from .settings import Settings
@@ -49,7 +49,9 @@ class Tracking:
         self._jumps = JumpCheck()
         self._unseen = self._found_lost = 0.0
         self._held: Increment | None = None
-        """A frame after a gap: the next one tells how long the gap was."""
+        """A frame after a gap, with its reading: the next one tells how long the gap was. Until
+        then the robot is taken to have driven on for a slot."""
+        self._before = Increment(LEAST_STEP, right=0.0, left=0.0, driven=False)
         self._due = False
         """Whether the odometry asked for a reading after the held frame."""
 
@@ -107,11 +109,14 @@ class Tracking:
             angle=readings.angle if asked else None)
         lost, self._found_lost, self._due = self._found_lost, 0.0, False
         if self._held is not None:
-            self.odometry.update(self._held._replace(dt=self._held.dt + lost, lost=lost > 0))
+            self.odometry.update(
+                self._held._replace(dt=max(lost, LEAST_STEP), lost=lost > 0))
             self._due = self.odometry.reading_due
             self._held, lost = None, 0.0
+        before, self._before = self._before, increment
         if self.clock.undecided:
             self._held = increment
-            return self.odometry.estimate.coasted(increment.dt)
+            return self.odometry.update(increment._replace(
+                right=before.right, left=before.left, lost=False, distance=None, angle=None))
         return self.odometry.update(
             increment._replace(dt=increment.dt + lost) if lost else increment)

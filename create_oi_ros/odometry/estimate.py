@@ -3,7 +3,6 @@
 """What goes into odometry, and what comes out of it; SI units."""
 
 from dataclasses import dataclass
-from math import cos, sin
 from typing import NamedTuple
 
 from ..robot import WHEEL_RADIUS, WHEEL_SEPARATION
@@ -67,11 +66,3 @@ class Estimate(NamedTuple):
     right_wheel_speed: float = 0.0
     left_wheel: float = 0.0
     left_wheel_speed: float = 0.0
-
-    def coasted(self, dt: float) -> 'Estimate':
-        """Return where the robot is some seconds later at its present speeds."""
-        return self._replace(
-            x=self.x + self.linear * dt * cos(self.yaw),
-            y=self.y + self.linear * dt * sin(self.yaw), yaw=self.yaw + self.angular * dt,
-            right_wheel=self.right_wheel + self.right_wheel_speed * dt,
-            left_wheel=self.left_wheel + self.left_wheel_speed * dt)

@@ -16,6 +16,7 @@ from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros import programs
+from create_oi_ros.ros.user_errors import UserError
 from create_oi_ros.sim.world import shipped
 from support.ros import scene
 from support.simulator import taught
@@ -361,7 +362,7 @@ def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, 'aiohttp', None)
     for name in [name for name in sys.modules if name.startswith('create_oi_ros.apps.web')]:
         monkeypatch.delitem(sys.modules, name)
-    with pytest.raises(SystemExit, match='needs aiohttp.*sudo apt-get install python3-aiohttp'):
+    with pytest.raises(UserError, match='aiohttp is missing: .* install python3-aiohttp'):
         programs._imported('create_web')
 
 

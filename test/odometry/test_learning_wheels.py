@@ -7,9 +7,9 @@ from math import radians
 
 import pytest
 
-from create_oi_ros.odometry import Geometry, Rounding, states
+from create_oi_ros.odometry import Geometry, states
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign, IDEAL
-from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from support.ride import Ride, ROUNDINGS, SLOT
 
@@ -25,7 +25,7 @@ REVERSALS = [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (-0.2, 0.2), (0
              overshoot=0.3, dead_time=0.1), 25)],
     ids=['the centre', 'true signs, hard brakes', 'signs of the command', 'overshoot'])
 def test_any_wheels_are_followed(
-        config: BodyConfig, most: float, rounding: RobotRounding) -> None:
+        config: BodyConfig, most: float, rounding: Rounding) -> None:
     """Also those that no track describes, as ones that overshoot: yaw does not run away."""
     ride = Ride(rounding, config=config)
     for right, left in REVERSALS * 7:
@@ -46,13 +46,13 @@ def test_yaw_is_never_corrected_by_more_than_five_degrees_in_half_a_second() -> 
 
 
 @pytest.mark.parametrize('rounding', ROUNDINGS)
-def test_finds_out_rounding_gains_and_acceleration(rounding: RobotRounding) -> None:
+def test_finds_out_rounding_gains_and_acceleration(rounding: Rounding) -> None:
     ride = Ride(rounding, config=replace(IDEAL,
         wheel_acceleration=0.7, right_speed_gain=1.02, left_speed_gain=0.98))
     for right, left in [(0.3, 0.1), (0.05, -0.05), (-0.2, -0.3), (0.18, 0.18), (0.0, 0.0)] * 4:
         ride.go(2.5, right, left)
     tracks = ride.odometry.tracks
-    assert tracks.rows.roundings[0] is Rounding(rounding.value)
+    assert tracks.rows.roundings[0] is rounding
     assert 1 / tracks.rows.means[0, states.RAMP] == pytest.approx(0.7, rel=0.03)
     assert tracks.goals(0.2, 0.2) == pytest.approx((0.204, 0.196), abs=0.0006)
 
@@ -92,7 +92,7 @@ def test_scales_that_calibration_found_are_applied() -> None:
 
 
 def test_reset_begins_at_the_origin_and_keeps_what_was_learned() -> None:
-    ride = Ride(RobotRounding.ROUND)
+    ride = Ride(Rounding.ROUND)
     for right, left in [(0.3, 0.1), (0.05, -0.05), (-0.2, -0.3), (0.0, 0.0)] * 4:
         ride.go(2.5, right, left)
     learned = ride.odometry.tracks.rows.roundings[0]

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.odometry import Increment, Odometry
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import IDEAL
-from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
 from support.ride import assert_smooth, assert_sound, Request, Ride, ROUNDINGS, SLOT
 
 WHEEL = st.integers(-500, 500).map(lambda mm: mm / 1000)
@@ -22,7 +22,7 @@ REQUESTS = st.lists(st.tuples(st.sampled_from((0.03, 0.3, 1.5)), WHEEL, WHEEL), 
 @given(REQUESTS, st.sampled_from(ROUNDINGS), st.sampled_from((0.25, 1.0, 3.0)))
 @settings(max_examples=40, deadline=None)
 def test_never_jumps_and_always_knows_how_sure_it_is(
-        requests: list[Request], rounding: RobotRounding, window: float) -> None:
+        requests: list[Request], rounding: Rounding, window: float) -> None:
     ride = Ride(rounding, window=window)
     for seconds, right, left in requests:
         ride.go(seconds, right, left)
@@ -56,7 +56,7 @@ def test_survives_whatever_a_robot_may_say(frames: list, window: float) -> None:
 
 @pytest.mark.parametrize('rounding', ROUNDINGS)
 @pytest.mark.parametrize(('speed', 'seconds'), [(0.02, 60), (0.2, 20), (-0.2, 20), (0.5, 10)])
-def test_a_straight_line_is_exact(rounding: RobotRounding, speed: float, seconds: float) -> None:
+def test_a_straight_line_is_exact(rounding: Rounding, speed: float, seconds: float) -> None:
     """As far as the numbers can tell: at 200 mm/s and even slots nothing is ever dropped."""
     ride = Ride(rounding)
     ride.go(seconds, speed, speed)
@@ -68,7 +68,7 @@ def test_a_straight_line_is_exact(rounding: RobotRounding, speed: float, seconds
 @pytest.mark.parametrize('rounding', ROUNDINGS)
 @pytest.mark.parametrize(
     ('right', 'left'), [(0.213, 0.146), (0.097, -0.103), (0.014, -0.014), (-0.31, -0.197)])
-def test_a_circle_is_exact(rounding: RobotRounding, right: float, left: float) -> None:
+def test_a_circle_is_exact(rounding: Rounding, right: float, left: float) -> None:
     ride = Ride(rounding)
     ride.learn()
     ride.begin()
@@ -90,7 +90,7 @@ def test_slow_turns_register() -> None:
 
 
 @pytest.mark.parametrize('rounding', ROUNDINGS)
-def test_a_mixed_drive_stays_close(rounding: RobotRounding) -> None:
+def test_a_mixed_drive_stays_close(rounding: Rounding) -> None:
     ride = Ride(rounding, config=replace(IDEAL, right_speed_gain=1.03, left_speed_gain=0.98))
     for right, left in [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (0.45, 0.5)] * 5:
         ride.go(2.1, right, left)

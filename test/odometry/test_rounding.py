@@ -6,10 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.odometry import Rounding
 from create_oi_ros.odometry.rounding import cut_normal, interval
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.encoders import Accumulator
-from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
 from support.ride import ROUNDINGS
 
 
@@ -36,12 +35,8 @@ def test_moments_of_a_cut_normal(
 
 @given(st.floats(-50, 50), st.sampled_from(ROUNDINGS))
 def test_an_interval_holds_whatever_rounds_to_its_number(
-        amount: float, rounding: RobotRounding) -> None:
+        amount: float, rounding: Rounding) -> None:
     accumulator = Accumulator(rounding)
     accumulator.add(amount)
-    low, high = interval(Rounding(rounding.value), accumulator.take())
+    low, high = interval(rounding, accumulator.take())
     assert low - 1e-5 <= amount <= high + 1e-5
-
-
-def test_roundings_are_those_of_the_robot() -> None:
-    assert {each.value for each in Rounding} == {each.value for each in RobotRounding}

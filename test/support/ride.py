@@ -5,15 +5,15 @@
 from math import cos, degrees, hypot, isfinite, radians, sin
 
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, IDEAL
-from create_oi_ros.sim.body.encoders import Rounding as RobotRounding
 from create_oi_ros.sim.world import World
 
 SLOT = 0.015
 HALF_TRACK = 0.129
 TOP = 0.5
-ROUNDINGS = list(RobotRounding)
+ROUNDINGS = list(Rounding)
 Request = tuple[float, float, float]
 """Seconds, and the speeds of the right and left wheel."""
 LESSON = [(0.3, 0.1), (0.05, -0.05), (-0.2, -0.3), (0.18, 0.18), (-0.1, 0.15), (0.0, 0.0)]
@@ -23,7 +23,7 @@ LESSON = [(0.3, 0.1), (0.05, -0.05), (-0.2, -0.3), (0.18, 0.18), (-0.1, 0.15), (
 class Ride:
     """A body that an odometry follows: the answer to a question comes in the next frame."""
 
-    def __init__(self, rounding: RobotRounding = RobotRounding.TRUNCATE, *, window: float = 1.0,
+    def __init__(self, rounding: Rounding = Rounding.TRUNCATE, *, window: float = 1.0,
                  geometry: Geometry | None = None, frame: int = 1,
                  config: BodyConfig | None = None) -> None:
         self.body = Body(World(), rounding=rounding, config=config or IDEAL)

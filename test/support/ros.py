@@ -20,9 +20,9 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 
+from create_oi_ros.robot import Rounding
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.encoders import Rounding
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.server import Server
 from create_oi_ros.sim.server.faults import Faults
