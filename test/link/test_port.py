@@ -233,9 +233,9 @@ def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypa
         named.set()
         return lasting_name(url, str(tmp_path / 'by-id'))
     monkeypatch.setattr(session, 'lasting_name', asked)
+    name.symlink_to(tmp_path / 'ttyUSB0')  # before the port is there: it is asked for once
     with session_on(tmp_path / 'ttyUSB0') as (ours, heard):
         with robot_on(tmp_path / 'ttyUSB0'):
-            name.symlink_to(tmp_path / 'ttyUSB0')
             heard.wait_for('robot answers')
             named.wait(TIMEOUT)
         heard.wait_for('does not exist')

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The real node captures a run, `create_sim` replays it: same bytes, same readings."""
 
-from itertools import pairwise
 from math import hypot
 import os
 from pathlib import Path
@@ -180,12 +179,6 @@ def drive(stage: Scene, odom: list[Odometry]) -> None:
     stage.ros.until(lambda: len(odom) > frames + 150 and odom[-1].twist.twist.linear.x == 0)
 
 
-def way(odom: list[Odometry]) -> float:
-    """Return the distance from the start, metres."""
-    places = [each.pose.pose.position for each in odom]
-    return sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(places))
-
-
 def test_a_captured_run_is_played_to_another_node(stage: Scene) -> None:
     first, second = stage.folder / 'first.capture', stage.folder / 'second.capture'
     odom = stage.ros.listen(Odometry, 'odom', 1000)
@@ -210,7 +203,8 @@ def test_a_captured_run_is_played_to_another_node(stage: Scene) -> None:
     assert ends[1].position.x == pytest.approx(ends[0].position.x, abs=NEAR)
     assert ends[1].position.y == pytest.approx(ends[0].position.y, abs=NEAR)
     assert ends[1].orientation.z == pytest.approx(ends[0].orientation.z, abs=NEAR)
-    assert way(odom) > 0.15
+    # A new node starts at the origin; its first frames may come before anybody hears them.
+    assert hypot(ends[1].position.x, ends[1].position.y) > 0.15
 
 
 def test_a_killed_node_leaves_a_capture_and_the_next_one_another(stage: Scene) -> None:
