@@ -21,7 +21,7 @@ from create_oi_ros.sim.world import shipped
 from support.ros import scene
 from support.simulator import taught
 from support.source import PACKAGE, ROOT
-from support.web import PageClient, Relay, served
+from support.web import PageClient, ready, Relay, served, standing
 
 LONG = 10.0
 """`cmd_vel_timeout`, s: only the server stops the wheels in time, not the driver."""
@@ -45,19 +45,6 @@ def pages():
     yield open_page
     for page in opened:
         page.close()
-
-
-def standing(robot) -> bool:
-    """Return whether the robot was told to stand."""
-    wheels = robot.create.actuators.wheels
-    return (wheels.left, wheels.right) == (0, 0)
-
-
-def ready(page):
-    """Wait until a page shows a robot in SAFE that can be driven."""
-    page.until(lambda: page.known.get('driver_found')
-               and page.known.get('mode', {}).get('actual') == 'SAFE')
-    return page
 
 
 def started(stage, *arguments, **parameters):

@@ -13,7 +13,7 @@ from create_oi_ros.oi import LedBits
 from create_oi_ros.sim.world import shipped
 from support.browser import browsers, OpenPage
 from support.ros import scene
-from support.web import free_port, PageClient, served
+from support.web import free_port, PageClient, served, standing
 
 SIZES = {'telephone': (360, 740), 'tablet': (768, 1024), 'desktop': (1920, 1080),
          'wall': (2560, 1440), 'notebook': (1280, 720)}
@@ -68,12 +68,6 @@ def shown(stage, robot, pages):
         page.live()
         return page
     return show
-
-
-def standing(robot) -> bool:
-    """Return whether the robot was told to stand."""
-    wheels = robot.create.actuators.wheels
-    return (wheels.left, wheels.right) == (0, 0)
 
 
 @pytest.mark.parametrize('size', DRIVEN)

@@ -9,7 +9,7 @@ import pytest
 
 from create_oi_ros.sim.world import shipped
 from support.ros import scene
-from support.web import PageClient, Relay, served
+from support.web import PageClient, ready, Relay, served, standing
 
 LONG_WAY = {'distance': 20.0, 'speed': 0.3}
 
@@ -39,20 +39,11 @@ def pages(stage, driver):
     address, opened = served(stage)[1], []
 
     def open_page(through: str = address):
-        page = PageClient(through)
-        opened.append(page)
-        page.until(lambda: page.known.get('driver_found')
-                   and page.known.get('mode', {}).get('actual') == 'SAFE')
-        return page
+        opened.append(PageClient(through))
+        return ready(opened[-1])
     yield open_page
     for page in opened:
         page.close()
-
-
-def standing(robot) -> bool:
-    """Return whether the robot was told to stand."""
-    wheels = robot.create.actuators.wheels
-    return (wheels.left, wheels.right) == (0, 0)
 
 
 def goal_of(page) -> dict[str, object]:

@@ -14,7 +14,7 @@ from typing import Any
 
 import aiohttp
 
-from support.ros import Program, Scene, TIMEOUT
+from support.ros import Program, Robot, Scene, TIMEOUT
 
 ADDRESS = re.compile(r'open (http://\S+:(\d+)/\S*) in a browser')
 
@@ -127,6 +127,19 @@ class PageClient:
         self._run(self._socket.close())
         self._run(self._session.close())
         self._loop.close()
+
+
+def ready(page: PageClient) -> PageClient:
+    """Wait until a page shows a robot in SAFE that can be driven; return the page."""
+    page.until(lambda: page.known.get('driver_found')
+               and page.known.get('mode', {}).get('actual') == 'SAFE')
+    return page
+
+
+def standing(robot: Robot) -> bool:
+    """Return whether a simulated robot was told to stand."""
+    wheels = robot.create.actuators.wheels
+    return (wheels.left, wheels.right) == (0, 0)
 
 
 class Relay:
