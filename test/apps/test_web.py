@@ -207,7 +207,7 @@ def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
     stage.ros.until(lambda: [
         each.topic_type for each in stage.ros.node.get_publishers_info_by_topic('cmd_vel')
     ] == ['geometry_msgs/msg/TwistStamped'])
-    page.until(lambda: page.known['pose']['x'] > 0.02)
+    page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.02)
 
 
 def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages):
