@@ -9,11 +9,17 @@ publisher whose message type the driver does not take.
 
 from collections.abc import Callable
 import os
+import time
 
 from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from .reference import type_name
 
+UNNAMED = '_NODE_NAME_UNKNOWN_'
+"""What ROS calls a node that it has not heard of yet, though its publisher was found."""
+INTRODUCTION, LOOK = 1.0, 0.02
+"""Seconds in which ROS hears of a node whose publisher it knows, and between two looks."""
 ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 
 
@@ -29,12 +35,16 @@ class GraphWatch:
         self._warned: set[str] = set()
         self.publishers: tuple[str, ...] = ()
         """Nodes that publish `cmd_vel` with the right type, sorted."""
+        self._were_unnamed = False
 
     def check(self) -> None:
-        """Look at the graph, and warn of new mistakes."""
+        """Look at the graph, and warn of new mistakes; called once a second."""
         found = self._node.get_publishers_info_by_topic(self._topic)
-        sources = {(self._name(each.node_namespace, each.node_name), _short(each.topic_type))
-                   for each in found}
+        # Most have a name at the next look; a program that is no ROS node never gets one.
+        are_unnamed = any(each.node_name == UNNAMED for each in found)
+        sources = {(node_name(each), _short(each.topic_type)) for each in found
+                   if each.node_name != UNNAMED or self._were_unnamed}
+        self._were_unnamed = are_unnamed
         self.publishers = tuple(sorted(
             name for name, type_ in sources if type_ == self._type))
         warnings = {self._wrong_type(name, type_)
@@ -58,13 +68,26 @@ class GraphWatch:
                 f'{stamped}, or change the publisher')
 
     def _duplicate_names(self) -> set[str]:
-        names = [self._name(namespace, name)
+        names = [f'{namespace.rstrip("/")}/{name}'
                  for name, namespace in self._node.get_node_names_and_namespaces()]
         return {name for name in names if names.count(name) > 1}
 
-    @staticmethod
-    def _name(namespace: str, name: str) -> str:
-        return f'{namespace.rstrip("/")}/{name}'
+
+def node_name(endpoint: TopicEndpointInfo) -> str:
+    """Return the full name of the node of a publisher, as people know it."""
+    if endpoint.node_name == UNNAMED:
+        return 'a program without a node name'
+    return f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'
+
+
+def names_of_publishers(node: Node, topic: str) -> set[str]:
+    """Return the full names of the nodes that publish a topic; wait a moment for new ones."""
+    until = time.monotonic() + INTRODUCTION
+    while True:
+        found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
+        if time.monotonic() > until or all(each.node_name != UNNAMED for each in found):
+            return {node_name(each) for each in found}
+        time.sleep(LOOK)
 
 
 def _short(type_: str) -> str:

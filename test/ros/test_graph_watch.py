@@ -5,7 +5,9 @@
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped
 import pytest
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from create_oi_ros.ros.graph_watch import names_of_publishers, node_name, UNNAMED
 from support.ros import Scene, scene
 
 
@@ -47,3 +49,13 @@ def test_two_drivers_of_one_name_are_reported(stage: Scene) -> None:
     second = stage.node(stage.robot('second').link)
     for node in (first, second):
         stage.ros.until(lambda node=node: 'another node is called /create' in node.output)
+
+
+def test_publishers_are_named_as_people_know_them(stage: Scene) -> None:
+    stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    joystick = stage.listener('joystick')
+    joystick.node.create_publisher(Twist, 'cmd_vel', 1)
+    stage.ros.until(lambda: stage.ros.node.count_publishers('cmd_vel') == 2)
+    assert names_of_publishers(stage.ros.node, 'cmd_vel') == {'/joystick', '/listener'}
+    # A program that is no ROS node has no name, however long one waits.
+    assert node_name(TopicEndpointInfo(node_name=UNNAMED)) == 'a program without a node name'

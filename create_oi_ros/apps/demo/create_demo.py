@@ -19,6 +19,7 @@ from rclpy.node import Node
 
 from ...ros.bags import missing
 from ...ros.children import Children, start
+from ...ros.graph_watch import names_of_publishers
 from ...ros.process import call_on_signal, ros_executor
 from ...ros.recorder import Recorder
 from ...ros.simulated_run import run_domain, run_folder
@@ -52,9 +53,7 @@ def strangers(node: Node, *, driven: bool) -> str | None:
         return 'another driver'
     if not driven:
         return None
-    own = node.get_fully_qualified_name()
-    found = {f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in
-             node.get_publishers_info_by_topic(node.resolve_topic_name('cmd_vel'))} - {own}
+    found = names_of_publishers(node, 'cmd_vel') - {node.get_fully_qualified_name()}
     return f'{" or ".join(sorted(found)) or "a node that has ended"}, which drives'
 
 
