@@ -12,25 +12,11 @@ from collections.abc import Callable
 import threading
 from typing import Any
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
-
-class NoExecutor(CallbackGroup):
-    """A group of which no executor runs anything."""
-
-    def can_execute(self, entity: Any) -> bool:
-        """Keep executors from waiting for an entity."""
-        return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """Keep executors from running an entity."""
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        """Take note of nothing."""
+from .no_executor import NoExecutor
 
 
 class TopicThread:

@@ -1,14 +1,16 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A subscription with a thread of its own: it needs no executor, and always ends."""
+"""Subscriptions without an executor: with a thread of their own, or taken by whoever looks."""
 
 from collections.abc import Callable, Iterator
 from contextlib import closing
 import threading
 
 import pytest
+from rclpy.qos import QoSProfile
 from std_msgs.msg import Int32
 
+from create_oi_ros.ros.polled_topic import PolledTopic
 from create_oi_ros.ros.topic_thread import TopicThread
 from support.ros import Listener, own_domain, TIMEOUT
 
@@ -113,3 +115,21 @@ def test_an_error_in_the_function_is_told_and_printed(subscribe, publish, failed
     assert failed.wait(TIMEOUT)
     thread.close()
     assert [str(each.exc_value) for each in printed] == ['7 is wrong']
+
+
+def test_a_polled_topic_passes_on_what_has_come_and_no_more_than_it_keeps(ros):
+    taken: list[int] = []
+    polled = PolledTopic(
+        ros.node, Int32, 'number', lambda message: taken.append(message.data), QoSProfile(depth=3))
+    heard = ros.listen(Int32, 'number')
+    publisher = ros.node.create_publisher(Int32, 'number', 10)
+    polled.take()
+    assert taken == []
+    for number in range(5):
+        publisher.publish(Int32(data=number))
+    ros.until(lambda: len(heard) == 5)
+    assert taken == [], 'the executor leaves them alone'
+    polled.take()
+    assert taken == [2, 3, 4]
+    polled.take()
+    assert taken == [2, 3, 4]

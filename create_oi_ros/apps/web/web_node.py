@@ -16,6 +16,7 @@ from rclpy.task import Future
 
 from ...ros import topics
 from ...ros.actions import ACTIONS
+from ...ros.polled_topic import PolledTopic
 from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot
@@ -62,10 +63,12 @@ class WebNode(Node):
         self._robot = robot
         self._own_namespace = self.get_namespace().strip('/')
         self.velocity = VelocityOutput(self)
-        for topic in HEARD:
-            callback = self._on_diagnostics if topic is topics.DIAGNOSTICS else self._on_message
-            qos = NEWEST if topic.type is Odometry else topic.qos
-            self.create_subscription(topic.type, topic.name, callback, qos)
+        self._heard = [
+            PolledTopic(
+                self, topic.type, topic.name,
+                self._on_diagnostics if topic is topics.DIAGNOSTICS else self._on_message,
+                NEWEST if topic.type is Odometry else topic.qos)
+            for topic in HEARD]
         # Discovery takes a moment, so the clients are created before they are needed.
         self._service_clients = {
             name: self.create_client(TYPES[name], name) for name in CALLED}
@@ -75,6 +78,18 @@ class WebNode(Node):
         for client in self.action_clients.values():
             self.remove_waitable(client)
         self._heeded: set[str] = set()
+        self._calls = 0
+        """Service calls without a reply."""
+
+    @property
+    def waits(self) -> bool:
+        """Whether the executor is needed: for the reply of a service, or for an action."""
+        return self._calls > 0 or bool(self._heeded)
+
+    def take_messages(self) -> None:
+        """Take what the driver has published since the last look."""
+        for topic in self._heard:
+            topic.take()
 
     def _on_message(self, message: Any) -> None:
         self._robot.update(message, time.monotonic())
@@ -111,8 +126,11 @@ class WebNode(Node):
         client = self._service_clients[service]
         if not client.service_is_ready():
             return self.nobody_offers(service)
+        self._calls += 1
         try:
             reply = await awaited(client.call_async(TYPES[service].Request(**fields)))
         except TimeoutError as error:
             return Reply(False, str(error))
+        finally:
+            self._calls -= 1
         return Reply(bool(reply.success), str(reply.message))
