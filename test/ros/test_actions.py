@@ -299,6 +299,11 @@ def test_a_goal_ends_when_its_client_has_gone(stage):
 # The interfaces, and the documents that name them.
 
 
+def test_every_code_is_explained_in_the_documents():
+    rows = re.findall(r'^\| ([A-Z_]+) \| \S', (ROOT / 'docs' / 'goals.md').read_text(), re.M)
+    assert rows == [code.name for code in Code if code is not Code.NONE]
+
+
 @pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
 def test_every_code_is_declared_with_a_comment(path):
     declared = dict(re.findall(r'^uint8 ([A-Z_]+)=(\d+) +# \S', path.read_text(), re.M))
