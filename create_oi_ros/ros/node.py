@@ -32,7 +32,7 @@ from .actions import Actions
 from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
-from .process import call_on_signal, ros_executor, spin_until
+from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
 
@@ -193,6 +193,8 @@ def main() -> int:
             spin_until(executor, ended)
         finally:
             node.session.close()
+            for _ in range(2):  # a goal that ran gets its result, then that is sent
+                spin_ready(executor)
             node.model.end(node.session)
             if node.capture is not None:
                 node.capture.close()
