@@ -296,6 +296,14 @@ def test_a_goal_ends_when_its_client_has_gone(stage):
     assert ready.robot.body.truth().travelled < 4.0
 
 
+def test_a_client_hears_that_the_driver_ends(ready):
+    sent = ready.moving()
+    ready.node.send(signal.SIGINT)
+    result = sent.result()
+    assert result.error_code == Code.LINK
+    assert 'the driver ends' in result.message
+
+
 # The interfaces, and the documents that name them.
 
 
