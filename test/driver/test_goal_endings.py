@@ -11,7 +11,8 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.battery_watch import BatteryLimits, LowBatteryAction
-from create_oi_ros.driver.goals import Code, Ending, WallFollow
+from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
+from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.driver.supervision import SETTLING
 from create_oi_ros.sim.body.config import CENTRE
@@ -86,6 +87,35 @@ def test_a_robot_in_passive_says_what_to_do():
     ending = pursue(loop, distance(0.1))
     assert ending.code is Code.MODE
     assert ending.text == 'not started; robot is in PASSIVE: call set_mode with SAFE'
+
+
+GOALS = {
+    'drive_distance': lambda: distance(0.03), 'rotate_angle': lambda: angle(10),
+    'drive_arc': lambda: arc(10, 0.2), 'navigate_to_position': lambda: place(0.03, 0.0),
+    'wall_follow': lambda: WallFollow(-1, 0.5, 0.0), 'dock': lambda: Dock(1.0),
+    'undock': lambda: Undock(0.0, Learned())}
+
+
+@pytest.mark.parametrize('make', GOALS.values(), ids=GOALS)
+@pytest.mark.parametrize('mode', [oi.Mode.OFF, oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
+def test_every_goal_ends_in_every_mode(mode, make):
+    loop, goal = met(), make()
+    if mode is oi.Mode.OFF:
+        loop.robot.power(False, loop.now)
+        loop.run(2.0)
+    else:
+        loop.driver.set_mode(mode, loop.now)
+        loop.run(0.2)
+    if mode is oi.Mode.OFF:
+        expected = Code.NO_ROBOT
+    elif isinstance(goal, (Dock, Undock)):
+        expected = Code.NO_DOCK
+    else:
+        expected = Code.MODE if mode is oi.Mode.PASSIVE else Code.NONE
+    assert pursue(loop, goal).code is expected
+    loop.run(0.5)
+    assert loop.robot.mode is mode
+    assert loop.robot.actuators.wheels == (0, 0)
 
 
 def test_passive_ends_a_motion_that_runs():
