@@ -21,8 +21,10 @@ from scene import scene
 
 # Seconds to wait before a measurement, and its duration.
 SETTLE, WATCH = 2.0, 10.0
-MAIN = 'commands, services, the timer (thread of the executor)'
-READER = 'frames (thread that reads the port)'
+MAIN = 'services, actions, the timer (thread of the executor)'
+LAST = 'frames (thread that reads the port)', 'velocity commands (thread of their own)'
+"""What wakes the threads that the node starts last, in their order."""
+REST = 'the rest'
 DEAD_MAN = 'dead-man: looks at the node'
 MIDDLEWARE = {
     'dds.ev': 'middleware: its timers (heartbeats of reliable topics)',
@@ -39,27 +41,35 @@ class Spent(NamedTuple):
     nanoseconds: int
 
 
-def cause(node: int, process: int, thread: Path) -> str:
-    """Return what wakes a thread."""
-    if process != node:
-        return DEAD_MAN
-    name = (thread / 'comm').read_text().strip()
-    known = [begin for begin in MIDDLEWARE if name.startswith(begin)]
-    if known:
-        return MIDDLEWARE[max(known, key=len)]
-    return MAIN if thread.name == str(node) else READER
+def causes(node: int) -> dict[Path, str]:
+    """Return all threads of the node and its dead-man, with what wakes them."""
+    found: dict[Path, str] = {}
+    others = []
+    for process in family(node):
+        for thread in Path(f'/proc/{process}/task').iterdir():
+            name = (thread / 'comm').read_text().strip()
+            known = [begin for begin in MIDDLEWARE if name.startswith(begin)]
+            if process != node:
+                found[thread] = DEAD_MAN
+            elif known:
+                found[thread] = MIDDLEWARE[max(known, key=len)]
+            elif thread.name == str(node):
+                found[thread] = MAIN
+            else:
+                others.append(thread)
+    others.sort(key=lambda thread: int(thread.name))
+    found.update(dict.fromkeys(others, REST))
+    return found | dict(zip(others[-len(LAST):], LAST, strict=True))
 
 
 def spent(node: int) -> dict[Path, tuple[str, Spent]]:
     """Return all threads of the node and its dead-man, with their causes."""
     found = {}
-    for process in family(node):
-        for thread in Path(f'/proc/{process}/task').iterdir():
-            lines = dict(line.split(':', 1) for line in (thread / 'status').read_text().split('\n')
-                         if ':' in line)
-            nanoseconds = int((thread / 'schedstat').read_text().split()[0])
-            found[thread] = (cause(node, process, thread),
-                             Spent(int(lines['voluntary_ctxt_switches']), nanoseconds))
+    for thread, why in causes(node).items():
+        lines = dict(line.split(':', 1) for line in (thread / 'status').read_text().split('\n')
+                     if ':' in line)
+        nanoseconds = int((thread / 'schedstat').read_text().split()[0])
+        found[thread] = why, Spent(int(lines['voluntary_ctxt_switches']), nanoseconds)
     return found
 
 

@@ -21,7 +21,7 @@ nodes = [
 executor = SingleThreadedExecutor()
 for each in nodes:
     executor.add_node(each)
-    each.session.start()
+    each.start()
 spin_until(executor, ended)
 for each in nodes:
-    each.session.close()
+    each.stop()

@@ -17,9 +17,8 @@ OPEN = 0.5
 """Mean and standard deviation of what an undecided wheel moves by."""
 ALIKE = 0.9
 """Correlation of two wheels that are asked for the same speed."""
-SURE, NEAR, CLEAR = 0.15, 0.35, 0.2
-"""An answer is decided when the standard deviation is below this, the mean so near, and two
-standard deviations more so far from the other one."""
+SURE, NEAR = 0.15, 0.35
+"""An answer is decided when the standard deviation is below this, and the mean so near."""
 
 
 class DeadBand:
@@ -71,7 +70,7 @@ class DeadBand:
             if not self.open[wheel] or spread > SURE:
                 continue
             answer = round(mean)
-            if abs(mean - answer) > NEAR or abs(mean - answer) + 2 * spread > 1 - CLEAR:
+            if abs(mean - answer) > NEAR:
                 continue
             if answer:
                 self.moves = min(self.moves, self.asked[wheel])

@@ -35,6 +35,7 @@ from .model_keeper import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
+from .topic_thread import TopicThread
 
 DIAGNOSTICS_PERIOD = 1.0
 STALE_WARNING_INTERVAL = 5.0
@@ -59,10 +60,11 @@ class CreateNode(Node):
         self.add_post_set_parameters_callback(self._parameters_changed)
         self.model = ModelKeeper(self, self.parameters.odometry_model)
         self.capture = self._start_capture()
+        self._on_failure = lambda: ended.set_result(1)
         self.session = Session(
             Driver(replace(self.parameters.settings(), robot=self.model.robot)),
             self.parameters.port,
-            on_event=self._on_event, on_failure=lambda: ended.set_result(1),
+            on_event=self._on_event, on_failure=self._on_failure,
             dead_man=self.parameters.dead_man,
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._stale = 0
@@ -98,11 +100,26 @@ class CreateNode(Node):
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         stamped = self.parameters.enable_stamped_cmd_vel
         velocity = TwistStamped if stamped else Twist
-        self.create_subscription(
-            velocity, 'cmd_vel', self._on_stamped_velocity if stamped else self._on_velocity, 1)
+        self._commands = TopicThread(
+            self, velocity, 'cmd_vel',
+            self._on_stamped_velocity if stamped else self._on_velocity,
+            on_failure=self._on_failure)
         self._graph = GraphWatch(self, velocity, self.get_logger().warning)
 
-    # From ROS to the robot: on the executor's thread.
+    def start(self) -> None:
+        """Open the port, call the robot, and take commands."""
+        self.session.start()
+        self._commands.start()
+
+    def stop(self) -> None:
+        """Stop the robot, close the port, and write what was learned and captured."""
+        self._commands.close()
+        self.session.close()
+        self.model.end(self.session)
+        if self.capture is not None:
+            self.capture.close()
+
+    # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
     def _on_velocity(self, twist: Twist) -> None:
         with self.session.request() as (driver, now):
@@ -189,14 +206,11 @@ def main() -> int:
         if unused is not None:
             node.get_logger().warning(unused)
         try:
-            node.session.start()
+            node.start()
             spin_until(executor, ended)
         finally:
-            node.session.close()
+            node.stop()
             for _ in range(2):  # a goal that ran gets its result, then that is sent
                 spin_ready(executor)
-            node.model.end(node.session)
-            if node.capture is not None:
-                node.capture.close()
     return int(ended.result())
 

@@ -152,3 +152,13 @@ def test_parameters_are_listed(opened):
     page = opened('telephone')
     page.page.locator('summary').click()
     assert 'max_wheel_speed' in page.text('#settings')
+
+
+def test_charts_and_their_keys_are_drawn_anew_in_the_dark(opened):
+    page = opened()
+    drawn = '.paper canvas, .chart-key'
+    page.wait(lambda: page.page.locator('.chart-key').count(), 'keys of the lines')
+    light = pictures(page, drawn)
+    page.page.emulate_media(color_scheme='dark')
+    page.wait(lambda: all(one != other for one, other in zip(
+        light, pictures(page, drawn), strict=True)), 'all in other colours')

@@ -81,7 +81,7 @@ def test_a_page_is_told_of_the_robot_and_drives_it(stage, pages):
     assert page.known['seat'] == {
         'driver': page.known['you'], 'viewers': 1, 'stopped': False}
     assert page.known['top_speed'] == 0.5
-    page.until(lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
+    page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
     page.send('release')
     stage.ros.until(lambda: standing(robot))
     assert page.known['samples']
@@ -96,6 +96,23 @@ def test_the_wheels_stop_when_the_page_is_closed(stage, pages):
     page.drive(0.2, 0.0, lambda: not standing(robot))
     page.close()
     stage.ros.until(lambda: standing(robot))
+
+
+@pytest.mark.parametrize('gone', ['closed', 'silent'])
+def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(stage, pages, gone):
+    robot, address = started(stage, cmd_vel_timeout=LONG, max_linear_acceleration=0.05)
+    page = ready(pages(address))
+    page.drive(0.4, 0.0, lambda: robot.create.actuators.wheels.left > 60)
+    last = robot.create.actuators.wheels.left
+    if gone == 'closed':
+        page.close()
+    seen = []
+
+    def stands() -> bool:
+        seen.append(robot.create.actuators.wheels.left)
+        return standing(robot)
+    stage.ros.until(stands)
+    assert [speed for speed in seen if 0 < speed < last] == []
 
 
 def test_the_wheels_stop_when_the_page_says_nothing_more(stage, pages):
@@ -190,7 +207,7 @@ def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
     stage.ros.until(lambda: [
         each.topic_type for each in stage.ros.node.get_publishers_info_by_topic('cmd_vel')
     ] == ['geometry_msgs/msg/TwistStamped'])
-    page.until(lambda: page.known['pose']['x'] > 0.02)
+    page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.02)
 
 
 def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages):

@@ -113,6 +113,16 @@ def test_a_goal_ends_by_cancel_stop_and_take_over(stage, robot, pages):
     assert page.reply()['text'].startswith('another page drives')
 
 
+def test_the_stick_takes_over_from_a_goal(robot, pages):
+    page = pages()
+    sets_out(page, robot, 'drive_distance', **LONG_WAY)
+    page.drive(-0.1, 0.0, lambda: page.replies)
+    reply = page.reply()
+    assert (reply['to'], reply['ok']) == ('drive_distance', False)
+    assert 'a velocity command took over' in reply['text']
+    page.drive(-0.1, 0.0, lambda: page.known['pose']['speed'] < -0.05)
+
+
 def test_stop_right_behind_a_goal_stops_it(stage, robot, pages):
     page = pages()
     page.send('drive_distance', **LONG_WAY)

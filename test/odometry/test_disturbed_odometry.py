@@ -125,3 +125,36 @@ def test_a_held_robot_is_not_taken_for_one_whose_reading_was_lost() -> None:
     ride.go(3)
     assert ride.miss[0] < 0.02
     assert_smooth(ride.estimates)
+
+
+def test_a_reading_behind_a_gap_is_believed_if_it_holds_all_since_the_last_one() -> None:
+    """A frame was lost before the answer came; it may have carried an answer of its own."""
+    for taken in (False, True):
+        ride = Ride()
+        ride.learn()
+        ride.begin()
+        ride.go(4, 0.3, 0.25)
+        while not ride.odometry.reading_due:
+            ride.go(SLOT, 0.3, 0.25)
+        if taken:
+            ride.body.take_distance(), ride.body.take_angle()
+        ride.body.step(SLOT)
+        ride.hear(True, lost=True)
+        ride.go(5, 0.3, 0.25)
+        ride.go(3)
+        assert ride.miss[0] < 0.03
+        assert ride.miss[1] < 3
+
+
+def test_travel_that_the_robot_forgot_is_not_taken_back() -> None:
+    """It waited for an angle in a script, and counts from there."""
+    ride = Ride()
+    ride.learn()
+    ride.begin()
+    ride.go(4, 0.3, 0.25)
+    ride.body.take_distance(), ride.body.take_angle()
+    ride.odometry.recounted()
+    ride.go(5, 0.3, 0.25)
+    ride.go(3)
+    assert ride.miss[0] < 0.01
+    assert ride.miss[1] < 1

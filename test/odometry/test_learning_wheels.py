@@ -7,10 +7,13 @@ from math import radians
 
 import pytest
 
-from create_oi_ros.odometry import Geometry, states
+from create_oi_ros.odometry import Geometry, Odometry, SignSource, states
+from create_oi_ros.odometry.knowledge import NUMBERS
 from create_oi_ros.robot import Rounding
+from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign, IDEAL
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
+from create_oi_ros.sim.world import World
 from support.ride import Ride, ROUNDINGS, SLOT
 
 REVERSALS = [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (-0.2, 0.2), (0.25, 0.3)]
@@ -107,3 +110,61 @@ def test_reset_begins_at_the_origin_and_keeps_what_was_learned() -> None:
     after = ride.body.truth()
     assert estimate.x == pytest.approx(after.travelled - before.travelled, abs=0.005)
     assert estimate.y == pytest.approx(0.0, abs=0.005)
+
+
+def test_a_robot_that_is_another_one_for_good_is_learned_again() -> None:
+    """Nobody told the odometry: its model explains nothing any more, so it tries all again."""
+    ride = Ride(config=CENTRE)
+    for right, left in REVERSALS * 10:
+        ride.go(2.1, right, left)
+    other = replace(CENTRE, response=Response.RAMP, wheel_acceleration=0.4,
+                    encoder_sign=EncoderSign.COMMAND)
+    ride.body = Body(World(), config=other)
+    for right, left in REVERSALS * 6:
+        ride.go(2.1, right, left)
+    assert ride.odometry.knowledge is not None
+    assert ride.odometry.knowledge.likeliest == (Rounding.TRUNCATE, SignSource.REQUEST)
+    ride.begin()
+    for right, left in REVERSALS * 3:
+        ride.go(2.1, right, left)
+    assert ride.miss[1] < 3  # of more than 1100
+
+
+def test_a_request_that_moves_no_wheel_is_found_out() -> None:
+    ride = Ride(config=replace(CENTRE, dead_band=0.01))
+    ride.learn()
+    ride.begin()
+    ride.go(20, 0.006, 0.006)
+    assert ride.odometry.tracks.requests == (0.006, 0.006)
+    assert ride.odometry.tracks.rates == (0.0, 0.0)
+    ride.go(20, 0.016, 0.016)
+    ride.go(3)
+    assert ride.miss[0] < 0.005  # of 0.3 m
+    assert ride.odometry.knowledge is not None
+    stands, moves = ride.odometry.knowledge.dead_band
+    assert stands == 0.006
+    assert moves == 0.016
+
+
+def test_what_one_odometry_has_learned_another_can_start_with() -> None:
+    config = replace(CENTRE, right_speed_gain=1.03, left_speed_gain=0.97)
+    taught = Ride(config=config)
+    assert Odometry(window=1.0).knowledge is None
+    for right, left in REVERSALS * 5:
+        taught.go(2.1, right, left)
+    robot = taught.odometry.knowledge
+    assert robot is not None
+    assert robot.certain
+    assert robot.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
+    for name, number in NUMBERS.items():
+        least, most = number.range
+        assert least <= getattr(robot, name).value <= most
+    doubt = []
+    for known in (None, robot):
+        ride = Ride(config=config)
+        ride.odometry = Odometry(window=1.0, robot=known)
+        ride.go(5, 0.2, 0.2)
+        ride.go(3, 0.1, -0.1)
+        doubt.append(ride.go(3).pose_covariance[8])
+        assert ride.miss[1] < 1.5
+    assert doubt[1] < doubt[0] / 2

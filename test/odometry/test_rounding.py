@@ -23,7 +23,9 @@ def test_what_is_cut_from_a_normal_lies_inside_the_cut(low: float, width: float)
 
 @pytest.mark.parametrize(('low', 'high', 'mean', 'variance', 'mass'), [
     (-1.0, 1.0, 0.0, 0.291125, 0.682689), (2.0, 3.0, 2.315819, 0.06152, 0.0214),
-    (-9.0, -8.0, -8.1212, 0.01415, 6.2e-16), (-50.0, 50.0, 0.0, 1.0, 1.0)])
+    (-9.0, -8.0, -8.1212, 0.01415, 6.2e-16), (-50.0, 50.0, 0.0, 1.0, 1.0),
+    (-20.00001, -20.0, -20.000005, 8.3e-12, 5.52e-93), (0.5, 0.5001, 0.50005, 8.3e-10, 3.52e-5),
+    (-200.0, -10.0, -10.0981, 0.00944, 7.62e-24)])
 def test_moments_of_a_cut_normal(
         low: float, high: float, mean: float, variance: float, mass: float) -> None:
     """The expected values were integrated numerically."""

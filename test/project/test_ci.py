@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 import yaml
 
+from campaign.campaign import PARTS
 from support.source import ROOT
 
 FILE = ROOT / '.github' / 'workflows' / 'ci.yml'
@@ -68,6 +69,11 @@ def test_a_job_says_that_it_has_not_yet_run_there(name: str) -> None:
 
 def test_every_wait_of_a_job_has_a_limit() -> None:
     assert all(job['timeout-minutes'] <= 240 for job in JOBS.values())
+
+
+def test_every_part_of_the_campaign_runs_each_night() -> None:
+    parts = [part.name for part in PARTS]
+    assert JOBS['campaign']['strategy']['matrix']['part'] == parts
 
 
 def test_the_versions_of_python_are_those_that_are_supported() -> None:

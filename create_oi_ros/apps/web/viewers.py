@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 import json
 import time
 from typing import Any
@@ -60,7 +60,7 @@ class Viewers:
         self._node, self._robot, self._greeting = node, robot, greeting
         self._on_reset = on_reset
         self._viewers: dict[int, Viewer] = {}
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: set[asyncio.Task[object]] = set()
         self._seat = DriverSeat()
         self._goals = GoalSender(node, robot.parts)
         self._expiry: asyncio.TimerHandle | None = None
@@ -89,7 +89,7 @@ class Viewers:
         finally:
             sender.cancel()
             del self._viewers[viewer.number]
-            self._stop_if(self._seat.leave(viewer.number))
+            self._brake_if(self._seat.leave(viewer.number))
             self._goals.check(self._seat.viewer)
             self._show_seat()
         return socket
@@ -189,13 +189,19 @@ class Viewers:
     def _expire(self) -> None:
         """Stop the wheels: no command came in time."""
         if self._seat.expire(time.monotonic()):
-            self._stop_if(True)
+            self._brake_if(True)
         elif self._seat.driving:
             self._expire_at(self._seat.deadline)
 
     def _stop_if(self, due: bool) -> None:
         if due:
             self._node.velocity.publish(*Velocity())
+
+    def _brake_if(self, due: bool) -> None:
+        """Stop the wheels at once, beyond all limits: whoever drove sees them no more."""
+        if due:
+            self._stop_if(True)
+            self._keep(self._node.call('stop'))
 
     def _show_seat(self) -> None:
         self._robot.parts.put('seat', {
@@ -241,6 +247,10 @@ class Viewers:
             finally:
                 viewer.calls -= 1
             viewer.reply(to, ok, text)
-        task = asyncio.create_task(answer())
+        self._keep(answer())
+
+    def _keep(self, work: Coroutine[Any, Any, object]) -> None:
+        """Let something run to its end in the background."""
+        task = asyncio.create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)

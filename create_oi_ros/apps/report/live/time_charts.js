@@ -19,6 +19,7 @@ export class TimeCharts {
     this.time = 0;
     this.look = 0;  // grows when the colours change
     this.pointers = new Map();
+    this.keys = [];  // of the lines, in the captions: a canvas, and which line
     this.charts = charts.map(chart => this.build(place, chart));
     this.due = false;
     new ResizeObserver(() => this.touch()).observe(place);
@@ -50,14 +51,19 @@ export class TimeCharts {
   }
 
   key(at) {
-    const key = document.createElement('canvas'), ratio = devicePixelRatio || 1;
-    key.className = 'chart-key';
-    key.width = 16 * ratio; key.height = 8 * ratio;
-    const c = key.getContext('2d');
+    const canvas = document.createElement('canvas');
+    canvas.className = 'chart-key';
+    this.keys.push([canvas, at]);
+    this.drawKey(canvas, at);
+    return canvas;
+  }
+
+  drawKey(canvas, at) {
+    const ratio = devicePixelRatio || 1, c = canvas.getContext('2d');
+    canvas.width = 16 * ratio; canvas.height = 8 * ratio;  // clears it, too
     c.scale(ratio, ratio);
     this.pen(c, at);
     c.beginPath(); c.moveTo(0, 4); c.lineTo(16, 4); c.stroke();
-    return key;
   }
 
   pen(c, at) {
@@ -126,6 +132,7 @@ export class TimeCharts {
 
   recolor() {
     this.look += 1;
+    for (const [canvas, at] of this.keys) this.drawKey(canvas, at);
     this.touch();
   }
 

@@ -1,0 +1,61 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What tracks make of frames that were lost or came early."""
+
+from math import sqrt
+
+import pytest
+
+from create_oi_ros.odometry import Geometry
+from create_oi_ros.odometry.tracks import Tracks
+from support.ride import SLOT
+
+SPEED = 0.2
+
+
+@pytest.fixture
+def tracks() -> Tracks:
+    """Return tracks of wheels that run evenly."""
+    tracks = Tracks(Geometry())
+    for _ in range(100):
+        tracks.advance(SLOT, SPEED, SPEED)
+    return tracks
+
+
+def test_a_reading_of_what_came_since_a_lost_one_is_known_by_its_size(tracks: Tracks) -> None:
+    for _ in range(400):
+        tracks.advance(SLOT, SPEED, SPEED)
+    began = tracks.held
+    for _ in range(10):
+        tracks.advance(SLOT, SPEED, SPEED)
+    ended = tracks.held
+    for _ in range(200):
+        tracks.advance(SLOT, SPEED, SPEED)
+    since, before = (round(1000 * (tracks.held[0] - held[0])) for held in (ended, began))
+    assert tracks.since(began, ended, since, 0)
+    assert tracks.since(began, ended, before, 0)
+    assert not tracks.since(began, ended, since - 10, 0)
+    assert not tracks.since(began, ended, before + 10, 0)
+    assert not tracks.since(began, ended, since, 10)  # and it has turned, which nothing lost
+
+
+def test_a_reading_that_is_expected_is_not_taken_for_part_of_one(tracks: Tracks) -> None:
+    held = round(1000 * tracks.held[0])
+    assert not tracks.since((0.0, 0.0), (0.0, 0.0), held, 0)
+
+
+def doubt_of_change(dt: float) -> float:
+    """Return the doubt of the place after a request that came in a frame of this length, m."""
+    tracks = Tracks(Geometry())
+    tracks.rows.p[:] = 0.0  # all else is known
+    tracks.reset()
+    tracks.advance(dt, SPEED, SPEED)
+    for _ in range(150):
+        tracks.advance(SLOT, SPEED, SPEED)
+    return sqrt(tracks.pose_covariance()[0])
+
+
+def test_the_longer_the_frame_the_less_is_known_of_when_its_request_came() -> None:
+    early, even, late = (doubt_of_change(dt) for dt in (0.01, SLOT, 10 * SLOT))
+    assert early <= even < late
+    assert late > SPEED * 10 * SLOT / 12 ** 0.5 / 2 ** 0.5
