@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the robot has felt around it, as points just outside its hull, for costmaps.
+What the robot has felt around it, as points outside its hull, for costmaps.
 
 A point is where the sensor felt something, in the frame of the odometry; seen from the robot it
 moves as the robot does. There are no points where nothing is felt.
@@ -15,8 +15,9 @@ from ..odometry import Estimate
 from ..robot import BODY_RADIUS, BUMPER_BEARING, CLIFF_BEARINGS
 from .goals.hazards import CLIFFS
 
-OUTSIDE = 0.02
-"""Metres outside the hull."""
+OUTSIDE = 0.085
+"""Metres outside the hull. A costmap clears each cell that the robot's footprint touches. So this
+is the diagonal of a cell of 5 cm, and what Nav2 adds to a footprint."""
 AWAY = 0.1
 """Metres by which a robot must move to have left what it felt."""
 LEFT, RIGHT = map(int, (oi.BumpsAndWheelDrops.BUMP_LEFT, oi.BumpsAndWheelDrops.BUMP_RIGHT))

@@ -16,6 +16,7 @@ from .events import EventQueue, Moved, Severity
 from .goals import Code, Ending, Goal, Running
 from .goals.approach import Learned
 from .goals.goal import DockDemo, docked, Enter, Order, Over, View
+from .goals.hazards import AGAIN, FROM_CLIFF, TO_FLOOR
 from .modes import Modes
 from .motion import Velocity, WheelCommands
 from .outbox import Outbox
@@ -26,16 +27,29 @@ from .supervision import Cause, Supervision
 MODE_WAIT = 1.0
 """Seconds that the robot may take to enter its mode before a goal begins."""
 TAKEN_OVER = {
-    StateEvent.STOPPED: (Code.STOPPED, 'stopped: by the service stop, or by low_battery_action'),
+    StateEvent.STOPPED: (Code.STOPPED, 'the service stop was called'),
+    StateEvent.RESTED: (
+        Code.STOPPED, 'the battery is nearly empty (low_battery_action): charge it'),
     StateEvent.DEMO_STARTED: (Code.SUPERSEDED, 'a demo took over'),
-    StateEvent.DEMO_ENDED: (Code.SUPERSEDED, 'the demo was ended by stop_demo'),
+    StateEvent.DEMO_ENDED: (Code.SUPERSEDED, 'the service stop_demo was called'),
     StateEvent.SCRIPT_STARTED: (Code.SUPERSEDED, 'a script took over'),
     StateEvent.SHOW_STARTED: (Code.SUPERSEDED, 'the stored script is being read'),
     StateEvent.MODE_ENTERED: (Code.SUPERSEDED, 'another mode was set'),
-    StateEvent.NO_ANSWER: (Code.LINK, 'the robot no longer answers: check cable and power'),
-    StateEvent.PORT_CLOSED: (Code.LINK, 'the port is gone, or the driver ends'),
+    StateEvent.NO_ANSWER: (
+        Code.LINK, 'the robot no longer answers: check cable and power, the driver keeps trying'),
+    StateEvent.PORT_CLOSED: (
+        Code.LINK, 'the port is gone: check the cable, the driver keeps trying'),
 }
 """What an event means for the goal that it ends."""
+DRIVER_ENDS = Over(Code.LINK, 'the driver ends: start it again')
+MAY_MOVE = (Code.SUPERSEDED, Code.LINK)
+"""Endings after which the robot may still move."""
+ANOTHER_GOAL = Over(
+    Code.SUPERSEDED, 'another goal took over: wait for the first result if both are to be reached')
+COMMANDED = Over(
+    Code.SUPERSEDED, 'a velocity command took over: set the parameter cmd_vel_interrupts to false '
+    'if goals are to win')
+DROPS = (Cause.WHEEL_DROP_LEFT, Cause.WHEEL_DROP_RIGHT, Cause.WHEEL_DROP_CASTER)
 CLIFFS = (Cause.CLIFF_LEFT, Cause.CLIFF_FRONT_LEFT, Cause.CLIFF_FRONT_RIGHT, Cause.CLIFF_RIGHT)
 
 
@@ -69,10 +83,10 @@ class GoalControl:
         running = Running()
         refused = self._refusal(goal, now)
         if refused is not None:
-            self._end(running, refused, now)
+            self._end(running, refused)
             return running
         if self._goal is not None:
-            self._finish(Over(Code.SUPERSEDED, 'another goal took over'), now)
+            self._finish(ANOTHER_GOAL, now)
         self._goal, self._running = goal, running
         self._begun, self._started_at = False, now
         self._mode_before = self._supervision.status.wanted
@@ -97,7 +111,12 @@ class GoalControl:
     def interrupt(self, now: float) -> None:
         """End the goal that runs: a velocity command takes over."""
         if self.active:
-            self._finish(Over(Code.SUPERSEDED, 'a velocity command took over'), now)
+            self._finish(COMMANDED, now)
+
+    def driver_ends(self) -> None:
+        """End the goal that runs."""
+        if self.active:
+            self._conclude(DRIVER_ENDS)
 
     def handled(self, event: StateEvent) -> None:
         """End the goal after an event that has led out of its activities."""
@@ -146,30 +165,41 @@ class GoalControl:
         if why is None and goal.needs_driving:
             self._supervision.commands_paused()  # a goal is as good as a fresh command
             why = self._modes.allow_driving(now)
-        return None if why is None else Over(Code.MODE, why)
+            why = why and f'{why}: {self._advice()}'
+        return Over(Code.MODE, why) if why else None
 
     def _begin(self, goal: Goal, view: View) -> bool:
         """Let a goal begin once the robot follows velocities; False where it has not yet."""
         if goal.needs_driving and not self._supervision.status.can_drive:
             return False
-        self._begun, self._started_at = True, view.now
+        self._started_at = view.now
         over = goal.begin(view)
+        self._begun = over is None
         if over is not None:
             self._finish(over, view.now)
-        return over is None
+        return self._begun
 
     def _wrong_mode(self) -> Over:
         mode = self._supervision.status.actual
         name = 'no known mode' if mode is None else mode.name
-        return Over(Code.MODE, f'robot is in {name}: call set_mode with SAFE first')
+        return Over(Code.MODE, f'robot is in {name}: {self._advice()}')
 
     def _left_mode(self) -> Over:
         """Say what took the robot out of its mode."""
         status = self._supervision.status
-        why = f'the robot left {status.wanted.name}: {status.reason}'
-        if any(cause in CLIFFS for cause in status.causes):
-            return Over(Code.CLIFF, why)
-        return Over(Code.MODE, why)
+        code = Code.CLIFF if self._blames(CLIFFS) else Code.MODE
+        return Over(
+            code, f'robot left {status.wanted.name} ({status.reason}): {self._advice()}')
+
+    def _blames(self, causes: tuple[Cause, ...]) -> bool:
+        """Tell whether one of these took the robot out of its mode."""
+        return any(cause in causes for cause in self._supervision.status.causes)
+
+    def _advice(self) -> str:
+        """Say how a robot that is in no mode to drive is brought to pursue a goal."""
+        if self._blames(DROPS):
+            return TO_FLOOR
+        return FROM_CLIFF if self._blames(CLIFFS) else self._modes.advice(AGAIN)
 
     # What a goal orders.
 
@@ -205,15 +235,22 @@ class GoalControl:
             self._modes.enter(self._mode_before, now)
 
     def _conclude(self, over: Over) -> None:
+        """End the goal that runs, and say how far it has got."""
+        goal, view = self._goal, self._view
         self._goal = None
-        self._end(self._running, over, None)
-
-    def _end(self, running: Running, over: Over, now: float | None) -> None:
-        """Tell who waits how the goal ended."""
-        view = self._view
-        if view is None:
-            running.end(Ending(over.code, over.text))
+        if goal is None or view is None or not self._begun:
+            self._end(self._running, over)
             return
-        seconds = max(0.0, (view.now if now is None else now) - self._started_at)
-        running.end(Ending(
-            over.code, over.text, view.estimate, seconds, docked(view.readings)))
+        seconds = view.now - self._started_at
+        verb = 'ended' if over.code in MAY_MOVE else 'stopped'
+        self._end(self._running, over, how=f'{verb} {goal.way(seconds)}', seconds=seconds)
+
+    def _end(self, running: Running, over: Over, *, how: str = 'not started',
+             seconds: float = 0.0) -> None:
+        """Tell who waits how the goal ended."""
+        text = over.text if over.code is Code.NONE else f'{how}; {over.text}'
+        ending = Ending(over.code, text, seconds=seconds)
+        if self._view is not None:
+            ending = ending._replace(
+                estimate=self._view.estimate, docked=docked(self._view.readings))
+        running.end(ending)

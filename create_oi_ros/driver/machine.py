@@ -243,6 +243,7 @@ class Driver:
         if script is not None:
             self._events.notice(
                 Severity.ERROR, f'the driver ends, but {script}; the script moves the wheels')
+        self.goals.driver_ends()
         self._handle(StateEvent.PORT_CLOSED)
         for command in farewell(mode, self.settings.mode_on_exit):
             self._outbox.send_at_once(command, now)

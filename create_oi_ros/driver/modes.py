@@ -65,8 +65,8 @@ class Modes:
             self._outputs.restore()
 
     def rest(self, now: float) -> None:
-        """Stop, and want Passive from now on."""
-        self._handle(StateEvent.STOPPED)
+        """Stop for an empty battery, and want Passive from now on."""
+        self._handle(StateEvent.RESTED)
         self._supervision.want(oi.Mode.PASSIVE)
         self.enter(oi.Mode.PASSIVE, now)
 
@@ -90,13 +90,16 @@ class Modes:
         if self._state.takes_commands and self._supervision.must_enter_again(now):
             self.enter(self._supervision.status.wanted, now)
 
-    def _advice(self) -> str:
+    def advice(self, again: str = 'let commands pause and send again') -> str:
         """Say how a robot that is in no mode to drive is brought to drive."""
+        causes = self._supervision.status.causes
         if self._supervision.docked:
-            return 'it is on its dock: send the goal undock (dock and undock are actions)'
-        if Cause.CHARGER in self._supervision.status.causes:
-            return "pull the charger's plug, let commands pause and send again"
-        return 'let commands pause and send again, or call set_mode with SAFE'
+            return 'send the goal undock, it is on its dock (dock and undock are actions)'
+        if Cause.CHARGER in causes:
+            return f"pull the charger's plug, {again}"
+        if not causes:
+            return 'call set_mode with SAFE'
+        return f'{again}, or call set_mode with SAFE'
 
     def check_timeout(self, now: float) -> None:
         """End a request whose mode the robot did not report in time."""
@@ -105,13 +108,13 @@ class Modes:
         status = self._supervision.status
         stays = 'does not answer' if status.actual is None else f'stays in {status.actual.name}'
         why = f' ({status.reason})' if status.reason else ''
-        needs = (self._advice() if self._supervision.docked else 'in SAFE it needs all wheels '
+        needs = (self.advice() if self._supervision.docked else 'in SAFE it needs all wheels '
                  'down, no cliff under it and no charger plugged in')
         self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: {needs}')
 
     def allow_driving(self, now: float) -> str | None:
         """
-        Say why a fresh command is not followed; None where it is.
+        Say why a fresh command is not followed, `advice` tells what to do; None where it is.
 
         Where the robot has left the wanted mode, and may enter it again, tell it to.
         """
@@ -121,7 +124,7 @@ class Modes:
         if not self._supervision.may_recover(now):
             why = f' ({status.reason})' if status.reason else ''
             actual = 'no known mode' if status.actual is None else status.actual.name
-            return f'robot is in {actual}{why}; {self._advice()}'
+            return f'robot is in {actual}{why}'
         if not self._outbox.busy:
             self._events.notice(Severity.INFO, f'{status.reason} is gone: entering '
                                 f'{status.wanted.name} again')

@@ -51,6 +51,8 @@ class StateEvent(Enum):
     """The commanded velocity is zero, refused, or too old."""
     STOPPED = auto()
     """A stop was requested: send the speeds again."""
+    RESTED = auto()
+    """The battery is nearly empty, and the user wants the robot to stop then."""
     MODE_LEFT = auto()
     """The robot left the wanted mode by itself: send the speeds again."""
     MODE_ENTERED = auto()
@@ -90,19 +92,19 @@ TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
         _E.VELOCITY: _A.DRIVING, _E.GOAL_STARTED: _A.GOAL,
         _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
     _A.DRIVING: {
-        _E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
-        _E.GOAL_STARTED: _A.GOAL, _E.DEMO_STARTED: _A.DEMO},
+        _E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE,
+        _E.MODE_LEFT: _A.IDLE, _E.GOAL_STARTED: _A.GOAL, _E.DEMO_STARTED: _A.DEMO},
     _A.GOAL: {
-        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
+        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
         _E.DOCKING_STARTED: _A.DOCKING, _E.DEMO_STARTED: _A.DEMO},
     _A.DOCKING: {
-        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.MODE_ENTERED: _A.IDLE,
-        _E.DEMO_ENDED: _A.IDLE, _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT,
-        _E.SHOW_STARTED: _A.SILENCING},
+        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE,
+        _E.MODE_ENTERED: _A.IDLE, _E.DEMO_ENDED: _A.IDLE, _E.DEMO_STARTED: _A.DEMO,
+        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
     _A.DEMO: {
-        _E.STOPPED: _A.IDLE, _E.MODE_LEFT: _A.IDLE, _E.MODE_ENTERED: _A.IDLE,
-        _E.DEMO_ENDED: _A.IDLE, _E.GOAL_STARTED: _A.GOAL, _E.SCRIPT_STARTED: _A.SCRIPT,
-        _E.SHOW_STARTED: _A.SILENCING},
+        _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
+        _E.MODE_ENTERED: _A.IDLE, _E.DEMO_ENDED: _A.IDLE, _E.GOAL_STARTED: _A.GOAL,
+        _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
     _A.SCRIPT: {_E.SCRIPT_ENDED: _A.IDLE},
     _A.SILENCING: {_E.LINE_SILENT: _A.READING, _E.SHOW_ENDED: _A.IDLE},
     _A.READING: {_E.SHOW_ENDED: _A.IDLE},

@@ -54,13 +54,20 @@ class VelocityControl:
             self._supervision.commands_paused()
         elif self._state.owner is Owner.NOBODY:
             self._handle(StateEvent.HALTED)
-        elif why := self._state.drive_refusal or self._modes.allow_driving(now):
+        elif why := self._refusal(now):
             self._handle(StateEvent.HALTED)
             self._report_refusal(why)
         else:
             self._refusal_reported = False
             self._handle(StateEvent.VELOCITY)
         self._send_speeds(now)
+
+    def _refusal(self, now: float) -> str | None:
+        """Say why a command is not followed, and what to do; None where it is."""
+        if self._state.drive_refusal is not None:
+            return self._state.drive_refusal
+        why = self._modes.allow_driving(now)
+        return None if why is None else f'{why}; {self._modes.advice()}'
 
     def _interrupts(self, linear: float, angular: float, now: float) -> bool:
         """End the goal that runs if this command may and would; False where it is ignored."""

@@ -10,7 +10,7 @@ why it could not be reached.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from create_oi_msgs.action import (
     Dock,
@@ -33,8 +33,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from ..driver import goals
-from ..driver.goal_control import GoalControl
 from ..driver.goals import Code, Ending, Goal, Malformed, Progress, Running
+from ..driver.goals.approach import Learned
 from ..driver.goals.motions import Circle, TargetPose
 from ..link.session import Session
 from . import goal_messages, messages
@@ -50,6 +50,20 @@ GONE = 2
 """Looks at the graph, one a second, without a client after which that of a goal has gone."""
 
 
+class Coasts(Protocol):
+    """How a robot coasts, as goals learn it."""
+
+    straight: Learned
+    turning: Learned
+
+
+class Newcomer:
+    """A robot of which nothing is learned yet."""
+
+    def __init__(self) -> None:
+        self.straight, self.turning = Learned(), Learned()
+
+
 @dataclass(frozen=True, kw_only=True)
 class Action:
     """One action."""
@@ -57,7 +71,7 @@ class Action:
     name: str
     type: Any
     about: str
-    goal: Callable[[Any, GoalControl], Goal]
+    goal: Callable[[Any, Coasts], Goal]
     """Turns a request into a goal; Malformed says what is wrong."""
     feedback: Callable[[Any, Progress], None]
     """Fills the feedback."""
@@ -66,42 +80,52 @@ class Action:
 ACTIONS = (
     Action(
         name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
-        goal=lambda goal, control: goals.DriveDistance(
-            goal.distance, goal.max_translation_speed, allowance(goal), control.straight),
+        goal=lambda goal, coasts: goals.DriveDistance(
+            goal.distance, goal.max_translation_speed, allowance(goal), coasts.straight),
         feedback=goal_messages.distance_left),
     Action(
         name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
-        goal=lambda goal, control: goals.RotateAngle(
-            goal.angle, goal.max_rotation_speed, allowance(goal), control.turning),
+        goal=lambda goal, coasts: goals.RotateAngle(
+            goal.angle, goal.max_rotation_speed, allowance(goal), coasts.turning),
         feedback=goal_messages.angle_left),
     Action(
         name='drive_arc', type=DriveArc, about='drive on a circle',
-        goal=lambda goal, control: goals.DriveArc(
+        goal=lambda goal, coasts: goals.DriveArc(
             Circle(goal.angle, goal.radius, goal.translate_direction),
-            goal.max_translation_speed, allowance(goal), control.turning),
+            goal.max_translation_speed, allowance(goal), coasts.turning),
         feedback=goal_messages.angle_left),
     Action(
         name='navigate_to_position', type=NavigateToPosition,
         about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
-        goal=lambda goal, control: goals.NavigateToPosition(
+        goal=lambda goal, coasts: goals.NavigateToPosition(
             place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
-            control.straight, control.turning),
+            coasts.straight, coasts.turning),
         feedback=goal_messages.phase_left),
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there',
-        goal=lambda goal, control: goals.Dock(allowance(goal)),
+        goal=lambda goal, coasts: goals.Dock(allowance(goal)),
         feedback=goal_messages.dock_seen),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
-        goal=lambda goal, control: goals.Undock(allowance(goal), control.straight),
+        goal=lambda goal, coasts: goals.Undock(allowance(goal), coasts.straight),
         feedback=goal_messages.distance_left),
     Action(
         name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
-        goal=lambda goal, control: goals.WallFollow(
+        goal=lambda goal, coasts: goals.WallFollow(
             goal.follow_side, goal_messages.seconds(goal.max_runtime), allowance(goal)),
         feedback=goal_messages.wall_engaged),
 )
 """All actions."""
+
+
+def malformed(name: str, request: Any) -> str:
+    """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
+    action, = (each for each in ACTIONS if each.name == name)
+    try:
+        action.goal(request, Newcomer())
+    except Malformed as error:
+        return str(error)
+    return ''
 
 
 def allowance(goal: Any) -> float:
@@ -159,13 +183,13 @@ class Actions:
             return GoalResponse.ACCEPT
         return check
 
-    def _goal(self, action: Action, request: Any, control: GoalControl) -> Goal:
+    def _goal(self, action: Action, request: Any, coasts: Coasts) -> Goal:
         if action.type is NavigateToPosition:
             frame = request.goal_pose.header.frame_id
             if frame not in ('', self._odom_frame):
                 raise Malformed(f'goal_pose is in frame {frame!r}; allowed: {self._odom_frame!r}, '
                                 'odom_frame, or none')
-        return action.goal(request, control)
+        return action.goal(request, coasts)
 
     def _execute(self, action: Action) -> Callable[[ServerGoalHandle], Any]:
         """Return the coroutine that pursues a goal of an action."""

@@ -1,17 +1,35 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Goals for programs of a few lines: send one, wait, get its result."""
+"""
+Goals for programs of a few lines: send one, wait, get its result.
 
-from types import TracebackType
+Ctrl-C cancels the goal that runs, and ends the program with one line. So rclpy must not handle
+signals: it would shut ROS down before the cancel is sent. Nor may one interrupt rclpy, which might
+not receive anything afterwards: while a goal runs, the handler only notes it.
+"""
+
+import signal
+from threading import current_thread, main_thread
+from types import FrameType, TracebackType
 from typing import Any
 
 import rclpy
 from rclpy.action.client import ActionClient
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
-from .actions import ACTIONS
+from .actions import ACTIONS, malformed
 
 PATIENCE = 10.0
 """Seconds in which a driver must be found."""
+LOOK_EVERY = 0.1
+"""Seconds after which a wait looks whether a signal has come."""
+CANCEL_WAIT = 2.0
+"""Seconds in which a driver must say that it has canceled a goal."""
+INTERRUPTED = 130
+"""Exit code of a program that Ctrl-C has ended, as shells have it."""
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Ctrl-C, and signals that do what it does."""
 TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 
 
@@ -31,9 +49,14 @@ class GoalClient:
         """Take the name of the node."""
         self._name = name
         self._clients: dict[str, ActionClient] = {}
+        self._handlers: dict[signal.Signals, Any] = {}
+        """What handled signals before."""
+        self._waiting = self._interrupted = False
 
     def __enter__(self) -> 'GoalClient':
-        rclpy.init()
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        if current_thread() is main_thread():
+            self._handlers = {number: signal.signal(number, self._on_signal) for number in SIGNALS}
         self.node = rclpy.create_node(self._name)
         return self
 
@@ -41,10 +64,12 @@ class GoalClient:
                  trace: TracebackType | None) -> None:
         for client in self._clients.values():
             client.destroy()
-        context = self.node.context
         self.node.destroy_node()
-        if context.ok():  # Ctrl-C has shut it down already
-            rclpy.shutdown()
+        rclpy.shutdown()
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
+        if kind is KeyboardInterrupt:
+            raise SystemExit(INTERRUPTED) from None
 
     def do(self, name: str, **goal: Any) -> Any:
         """Pursue a goal of the action with this name; return the result, or raise GoalFailed."""
@@ -57,14 +82,49 @@ class GoalClient:
             domain = self.node.context.get_domain_id()
             raise GoalFailed(f'{name}: no driver in ROS domain {domain}; is ROS_DOMAIN_ID that of '
                              'the driver?')
-        handle = self._wait(client.send_goal_async(TYPES[name].Goal(**goal)))
-        if not handle.accepted:
-            raise GoalFailed(f'{name}: malformed and rejected, the log of the driver says why')
-        result = self._wait(handle.get_result_async()).result
+        result = self._pursue(name, client, TYPES[name].Goal(**goal))
         if not result.success:
             raise GoalFailed(f'{name}: {result.message}')
         return result
 
-    def _wait(self, future: Any) -> Any:
-        rclpy.spin_until_future_complete(self.node, future)
+    def _pursue(self, name: str, client: ActionClient, request: Any) -> Any:
+        """Send a goal and wait for its result; Ctrl-C cancels it."""
+        sent = client.send_goal_async(request)
+        try:
+            handle = self._wait(sent)
+            if not handle.accepted:
+                why = malformed(name, request) or 'the log of the driver says why'
+                raise GoalFailed(f'{name}: rejected as malformed; {why}')
+            return self._wait(handle.get_result_async()).result
+        except KeyboardInterrupt:
+            return self._cancel(name, sent)
+
+    def _cancel(self, name: str, sent: Future) -> Any:
+        """Cancel a goal that was sent; return its result."""
+        rclpy.spin_until_future_complete(self.node, sent, timeout_sec=CANCEL_WAIT)
+        if sent.done() and sent.result().accepted:
+            sent.result().cancel_goal_async()
+            asked = sent.result().get_result_async()
+            rclpy.spin_until_future_complete(self.node, asked, timeout_sec=CANCEL_WAIT)
+            if asked.done() and asked.result().result.success:
+                raise KeyboardInterrupt  # too late to cancel this one
+            if asked.done():
+                return asked.result().result
+        raise GoalFailed(f'{name}: canceled, but the driver does not answer') from None
+
+    def _wait(self, future: Future) -> Any:
+        self._waiting = True
+        try:
+            while not future.done():
+                rclpy.spin_once(self.node, timeout_sec=LOOK_EVERY)
+                if self._interrupted:
+                    self._interrupted = False
+                    raise KeyboardInterrupt
+        finally:
+            self._waiting = False
         return future.result()
+
+    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
+        if not self._waiting:
+            raise KeyboardInterrupt
+        self._interrupted = True

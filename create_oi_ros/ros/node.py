@@ -32,7 +32,7 @@ from .actions import Actions
 from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
-from .process import call_on_signal, ros_executor, spin_until
+from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
 from .topic_thread import TopicThread
@@ -210,5 +210,7 @@ def main() -> int:
             spin_until(executor, ended)
         finally:
             node.stop()
+            for _ in range(2):  # a goal that ran gets its result, then that is sent
+                spin_ready(executor)
     return int(ended.result())
 

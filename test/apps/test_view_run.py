@@ -290,7 +290,7 @@ def test_the_robot_docks_when_g_is_pressed_twice(stage, start_view):
     view.type('gg')
     view.sees('dock: under way')
     view.type(' ')
-    view.sees('dock: ended, stopped')
+    view.sees('dock: stopped after')
 
 
 def test_a_key_drives_a_set_way_and_the_result_is_shown(stage, start_view):

@@ -5,11 +5,12 @@ Load and faults for a long time; the node must not grow: `make soak ARGS='[MINUT
 
 One node and one robot run as processes. The line fails at random: unplugged, cut, silent or
 damaged; the robot's battery fails, too. Meanwhile `cmd_vel` arrives at 1 kHz, services are called
-a hundred at a time, one subscriber never reads, and sometimes all cores are busy. The node's
+a hundred at a time, ten goals are sent at once and some canceled, one subscriber never reads, and
+sometimes all cores are busy. The node's
 threads, descriptors and resident memory are measured after the first minute and at the end.
 
 Every minute prints the progress. The exit code is 1 if the sizes differ, the node has ended, a
-wrong value was published, a call was not answered, or the newest command was late.
+wrong value was published, a call or a goal was not answered, or the newest command was late.
 """
 
 import argparse
@@ -26,8 +27,10 @@ from tempfile import TemporaryDirectory
 import time
 from typing import NamedTuple
 
+from create_oi_msgs.action import DriveDistance
 from create_oi_msgs.srv import SetLeds
 from geometry_msgs.msg import Twist, Vector3
+from rclpy.action.client import ActionClient
 from std_srvs.srv import Trigger
 
 from campaign.stage import Stage, staged
@@ -41,6 +44,8 @@ RATE = 1000
 """Velocity commands a second."""
 CALLS = 100
 """Service calls at once."""
+GOALS, WAY = 10, 0.02
+"""Goals at once, and how far each leads, m."""
 QUICKLY = 1.0
 """Seconds within which the robot must follow the newest command after a flood."""
 FAULTS = (
@@ -86,10 +91,13 @@ class Soak:
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
         self._random = Random(7)
-        self._called = self._answered = self._commands = 0
+        self._called = self._answered = self._commands = self._goals = self._results = 0
         self.troubles: list[str] = []
         self._leds = stage.ros.node.create_client(SetLeds, 'set_leds', qos_profile=QUEUE)
         self._stop = stage.ros.node.create_client(Trigger, 'stop', qos_profile=QUEUE)
+        self._drive = ActionClient(
+            stage.ros.node, DriveDistance, 'drive_distance', goal_service_qos_profile=QUEUE,
+            result_service_qos_profile=QUEUE, cancel_service_qos_profile=QUEUE)
 
     def run(self, minutes: float) -> dict[str, object]:
         """Run for so many minutes; return the results."""
@@ -126,6 +134,7 @@ class Soak:
         return {
             'minutes': minutes, 'first': (first or last)._asdict(), 'last': last._asdict(),
             'commands': self._commands, 'calls': self._called, 'answered': self._answered,
+            'goals': self._goals, 'results': self._results,
             'odometry messages': stage.watch.odoms, 'wrong values': stage.watch.wrong,
             'troubles': self.troubles}
 
@@ -135,12 +144,14 @@ class Soak:
         wrong = self._stage.watch.wrong or 'no wrong value'
         return (f'{threads} threads, {descriptors} descriptors, {resident / 1e6:.2f} MB, '
                 f'{self._commands} commands, {self._answered} of {self._called} calls answered, '
+                f'{self._results} results of {self._goals} goals, '
                 f'{wrong}, {len(self.troubles)} troubles')
 
     def _round(self) -> None:
         """Make faults, and one kind of load at random."""
         self._stage.control.tell(f'fault {" ".join(FAULTS)}')
-        self._random.choice((self._flood, self._flood, self._call_services, self._busy))()
+        self._random.choice((
+            self._flood, self._flood, self._call_services, self._pursue_goals, self._busy))()
         if self._random.random() < 0.2:
             self._stage.control.tell('fault off')
             self._newest_wins()
@@ -169,6 +180,19 @@ class Soak:
         self._called += CALLS
         self._stage.until(lambda: all(call.done() for call in calls), 'a hundred replies')
         self._answered += sum(call.done() for call in calls)
+
+    def _pursue_goals(self) -> None:
+        """Send goals, each of which takes over from the one before; cancel the last or not."""
+        sent = [self._drive.send_goal_async(DriveDistance.Goal(
+            distance=self._random.choice((WAY, -WAY)))) for _ in range(GOALS)]
+        self._goals += GOALS
+        self._stage.until(lambda: all(each.done() for each in sent), 'goals that are accepted')
+        handles = [each.result() for each in sent]
+        results = [each.get_result_async() for each in handles if each.accepted]
+        if self._random.random() < 0.5:
+            handles[-1].cancel_goal_async()
+        self._stage.until(lambda: all(each.done() for each in results), 'the results of goals')
+        self._results += len(results)
 
     def _busy(self) -> None:
         """Publish velocities while other processes keep all cores busy."""
@@ -213,6 +237,8 @@ class Soak:
             self.troubles.append(f'resident memory has changed by {grown} bytes')
         if self._answered != self._called:
             self.troubles.append(f'{self._called - self._answered} calls were not answered')
+        if self._results != self._goals:
+            self.troubles.append(f'{self._goals - self._results} goals had no result')
         self.troubles += self._stage.watch.wrong[:5]
 
 

@@ -24,7 +24,9 @@ from rclpy.task import Future
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings
+from create_oi_ros.driver.goals import Code, Malformed
 from create_oi_ros.driver.stopping import WAKE_UP
+from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.model_keeper import ModelKeeper
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.parameter_checks import declare
@@ -153,6 +155,26 @@ def test_a_velocity_drives_within_the_limits_or_not_at_all(node, message):
     desk.loop.run(1.0)
     assert desk.loop.robot.actuators.wheels == (0, 0)
     assert desk.loop.driver.state.answered
+
+
+@pytest.mark.parametrize('action', ACTIONS, ids=lambda each: each.name)
+@settings(max_examples=15)
+@given(st.data())
+def test_a_goal_is_malformed_in_words_or_pursued_by_legal_commands(action, data):
+    request, desk = data.draw(anything(action.type.Goal)), Desk()
+    goals = desk.loop.driver.goals
+    try:
+        goal = action.goal(request, goals)
+    except Malformed as why:
+        assert 'allowed: ' in str(why) or 'is not finite' in str(why)
+        return
+    running = goals.start(goal, desk.loop.now)
+    desk.loop.run(0.5)
+    goals.cancel(running, desk.loop.now)
+    desk.loop.run(0.1)
+    legal_commands(desk.loop.heard)
+    assert running.ending.code in (Code.NONE, Code.TIMEOUT, Code.NO_DOCK, Code.CANCELED)
+    assert desk.loop.robot.actuators.wheels == (0, 0)
 
 
 # Parameters.

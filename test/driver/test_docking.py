@@ -92,6 +92,7 @@ def test_a_dock_that_is_seen_but_not_reached_is_a_timeout():
     loop.body.force(home_base=0)
     ending = pursue(loop, Dock(5.0))
     assert ending.code is Code.TIMEOUT
+    assert 'the Home Base was seen, but not reached in 5 s' in ending.text
 
 
 def test_a_search_is_canceled_and_the_robot_obeys_again():
@@ -227,6 +228,7 @@ def test_a_bump_ends_the_way_from_the_dock():
     loop.body.force(bump_left=1)
     loop.run(0.1)
     assert running.ending.code is Code.BUMP
+    assert running.ending.text.startswith('stopped after 0.0')
 
 
 def test_contacts_that_are_felt_for_ever_are_said():
@@ -250,9 +252,9 @@ def test_a_command_to_a_docked_robot_is_answered_with_undock():
         loop = docked(guesses, mode)
         ending = pursue(loop, distance(0.1))
         assert ending.code is Code.MODE
-        assert 'on its dock: send the goal undock' in ending.text
+        assert 'send the goal undock, it is on its dock' in ending.text
         loop.drive(0.1, 0.0, 0.3)
-        assert 'on its dock: send the goal undock' in said(loop)
+        assert 'send the goal undock, it is on its dock' in said(loop)
     pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
     loop.run(1.0)
     assert 'send the goal undock' in pending.outcome.text

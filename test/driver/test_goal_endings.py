@@ -4,16 +4,78 @@
 
 from dataclasses import replace
 from math import nan
+from re import fullmatch
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import MotionLimits
-from create_oi_ros.driver.goals import Code, Ending, WallFollow
+from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver.battery_watch import BatteryLimits, LowBatteryAction
+from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
+from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.driver.supervision import SETTLING
-from support.goals import angle, distance, ended, FRAME, met, moving, pursue, start, until_ended
+from create_oi_ros.sim.body.config import CENTRE
+from support.goals import (
+    angle,
+    arc,
+    distance,
+    ended,
+    FRAME,
+    met,
+    moving,
+    place,
+    pursue,
+    start,
+    until_ended,
+)
 from support.loop import AT_ONCE, Loop
+
+# What an ending says.
+
+
+@pytest.mark.parametrize(('make', 'says'), [
+    (lambda: distance(3.0), r'after 0\.[1-3]\d m'),
+    (lambda: distance(-3.0), r'after 0\.[1-3]\d m'),
+    (lambda: angle(900), r'after [2-9]\d degrees'),
+    (lambda: angle(-900), r'after [2-9]\d degrees'),
+    (lambda: arc(-200, 0.5), r'after [1-3]\d degrees'),
+    (lambda: place(3.0, 0.0), r'2\.[6-9]\d m from the goal'),
+    (lambda: WallFollow(-1, 60.0, 0.0), r'after 1\.\d s')])
+def test_an_ending_says_how_far_the_robot_has_got(make, says):
+    loop = met()
+    running = moving(loop, make())
+    loop.driver.goals.cancel(running, loop.now)
+    assert fullmatch(f'stopped {says}; canceled', running.ending.text)
+
+
+def test_a_goal_that_ends_before_its_first_step_has_got_nowhere():
+    assert distance(1.0).way(0.0) == 'at the start'
+
+
+def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped():
+    loop = met()
+    first, second = moving(loop), moving(loop)
+    assert first.ending.text.startswith('ended after 0.')
+    assert 'wait for the first result' in first.ending.text
+    loop.driver.drive(0.1, 0.0, loop.now)
+    assert second.ending.text.startswith('ended after 0.')
+    assert 'cmd_vel_interrupts' in second.ending.text
+    loop.body.force(bump_left=1)
+    loop.run(0.1)
+    assert pursue(loop, distance(0.1)).text.startswith('not started; the bumper is pressed')
+    loop.cut = True
+    loop.run(2.0)
+    assert pursue(loop, distance(0.1)).text.startswith('not started; no answer yet')
+
+
+def test_a_goal_that_was_refused_took_no_time():
+    loop = met()
+    pursue(loop, distance(0.1))
+    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.run(0.2)
+    assert pursue(loop, WallFollow(-1, 5.0, 0.0)).seconds == 0
+
 
 # What the robot is.
 
@@ -24,7 +86,36 @@ def test_a_robot_in_passive_says_what_to_do():
     loop.run(0.2)
     ending = pursue(loop, distance(0.1))
     assert ending.code is Code.MODE
-    assert 'robot is in PASSIVE' in ending.text and 'set_mode with SAFE' in ending.text
+    assert ending.text == 'not started; robot is in PASSIVE: call set_mode with SAFE'
+
+
+GOALS = {
+    'drive_distance': lambda: distance(0.03), 'rotate_angle': lambda: angle(10),
+    'drive_arc': lambda: arc(10, 0.2), 'navigate_to_position': lambda: place(0.03, 0.0),
+    'wall_follow': lambda: WallFollow(-1, 0.5, 0.0), 'dock': lambda: Dock(1.0),
+    'undock': lambda: Undock(0.0, Learned())}
+
+
+@pytest.mark.parametrize('make', GOALS.values(), ids=GOALS)
+@pytest.mark.parametrize('mode', [oi.Mode.OFF, oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
+def test_every_goal_ends_in_every_mode(mode, make):
+    loop, goal = met(), make()
+    if mode is oi.Mode.OFF:
+        loop.robot.power(False, loop.now)
+        loop.run(2.0)
+    else:
+        loop.driver.set_mode(mode, loop.now)
+        loop.run(0.2)
+    if mode is oi.Mode.OFF:
+        expected = Code.NO_ROBOT
+    elif isinstance(goal, (Dock, Undock)):
+        expected = Code.NO_DOCK
+    else:
+        expected = Code.MODE if mode is oi.Mode.PASSIVE else Code.NONE
+    assert pursue(loop, goal).code is expected
+    loop.run(0.5)
+    assert loop.robot.mode is mode
+    assert loop.robot.actuators.wheels == (0, 0)
 
 
 def test_passive_ends_a_motion_that_runs():
@@ -125,6 +216,7 @@ def test_a_driver_that_ends_ends_its_goal():
     running = moving(loop)
     loop.driver.shut_down(loop.now)
     assert running.ending.code is Code.LINK
+    assert 'the driver ends' in running.ending.text
     loop.run(0.1)
     assert loop.robot.actuators.wheels == (0, 0)
 
@@ -139,6 +231,25 @@ def test_time_that_is_over_ends_a_goal():
     assert ending.code is Code.TIMEOUT
     assert '1.5 s' in ending.text
     assert ending.seconds == pytest.approx(1.5, abs=0.05)
+
+
+def test_time_that_the_driver_chose_is_said_to_be_twice_what_it_should_take():
+    loop, goal = met(), distance(1.0)
+    running = moving(loop, goal)
+    goal.allowance = 1.5
+    ending = ended(loop, running, within=0.6)
+    assert ending.code is Code.TIMEOUT
+    assert '1.5 s are over, twice what it should take' in ending.text
+
+
+def test_an_empty_battery_ends_a_goal_with_that_reason():
+    loop = Loop(Settings(battery=BatteryLimits(action=LowBatteryAction.STOP)), config=CENTRE)
+    loop.run(1.0)
+    running = moving(loop, distance(9.0))
+    loop.body.force(voltage=11000)
+    ending = until_ended(loop, running)
+    assert ending.code is Code.STOPPED
+    assert 'the battery is nearly empty (low_battery_action): charge it' in ending.text
 
 
 def test_a_goal_of_a_kilometre_has_a_time_and_can_be_canceled():

@@ -84,7 +84,8 @@ def test_safe_mode_itself_may_end_a_way_back_at_a_cliff():
     loop.run(0.1)
     ending = pursue(loop, arc(90, 0.1, direction=-1))
     assert ending.code is Code.CLIFF
-    assert 'the robot left SAFE: cliff left' in ending.text
+    assert 'robot left SAFE (cliff left)' in ending.text
+    assert 'call set_mode with SAFE, then drive backwards' in ending.text
 
 
 @pytest.mark.parametrize('make', [lambda: distance(1.0), lambda: WallFollow(-1, 60.0, 0.0)])
@@ -95,6 +96,18 @@ def test_a_wheel_that_drops_ends_a_motion(make):
     ending = ended(loop, running)
     assert ending.code is Code.WHEEL_DROP
     assert 'put the robot on the floor' in ending.text
+
+
+def test_a_robot_that_was_lifted_says_that_it_must_stand_on_the_floor():
+    loop = met()
+    running = moving(loop)
+    loop.body.lift(True)
+    ended(loop, running)
+    ending = pursue(loop, distance(0.1))
+    assert ending.code is Code.MODE
+    assert 'left wheel dropped' in ending.text
+    assert ending.text.endswith(
+        'put the robot on the floor, wait a second, then send the goal again')
 
 
 def test_a_robot_in_the_air_begins_nothing():

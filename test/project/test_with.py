@@ -11,6 +11,7 @@ not be installed.
 from configparser import ConfigParser
 from functools import cache
 import json
+from math import hypot
 from pathlib import Path
 import re
 import shlex
@@ -25,9 +26,12 @@ import pytest
 import rclpy
 from rclpy.context import Context
 
+from create_oi_ros.driver.contacts import AWAY, OUTSIDE
+from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import diagnostics
+from create_oi_ros.ros.contact_cloud import HEIGHT
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.topics import ODOM, PUBLISHED
+from create_oi_ros.ros.topics import CONTACTS, ODOM, PUBLISHED
 from support.pages import blocks, check_ros2, commands, OURS, ROOT
 
 FILES = ROOT / 'config' / 'with'
@@ -44,6 +48,7 @@ NODES = {
                   '/docking_server'],
 }
 """The nodes that each parameter file is for; it names no others."""
+COSTMAPS = ('/local_costmap/local_costmap', '/global_costmap/global_costmap')
 FOREIGN = {'/scan', '/imu/data', '/cmd_vel_smoothed', '/joy', '/diagnostics_toplevel_state',
            '/robot_description'}
 """Other nodes' topics that files and pages may name: lidar, IMU, Nav2, joy, aggregator, model."""
@@ -122,10 +127,39 @@ def radius_of_body() -> float:
 
 
 def test_the_robot_is_as_wide_as_its_model():
-    for costmap in ('/local_costmap/local_costmap', '/global_costmap/global_costmap'):
+    for costmap in COSTMAPS:
         assert nav2(costmap)['robot_radius'] == radius_of_body()
         assert nav2(costmap)['inflation_layer.inflation_radius'] > radius_of_body()
     assert nav2('/collision_monitor')['body.radius'] == radius_of_body()
+
+
+PADDING = 0.01
+"""Metres in x and y that Nav2 adds to a footprint, unless it is told otherwise."""
+
+
+@pytest.mark.parametrize('costmap', COSTMAPS)
+def test_every_source_of_a_costmap_says_how_high_its_points_may_be(costmap):
+    found = nav2(costmap)
+    for name, layer in ((name, name.removesuffix('.observation_sources')) for name in found
+                        if name.endswith('.observation_sources')):
+        # Nav2's own default is 0: no lidar is as low as that.
+        assert found[f'{layer}.{found[name]}.max_obstacle_height'] > HEIGHT
+
+
+@pytest.mark.parametrize('costmap', COSTMAPS)
+def test_both_costmaps_feel_the_bumper_and_keep_what_it_felt(costmap):
+    found = nav2(costmap)
+    layer = {name.removeprefix('contact_layer.'): value for name, value in found.items()
+             if name.startswith('contact_layer.')}
+    assert layer['observation_sources'] == 'contacts'
+    assert layer['contacts.topic'] == f'/{CONTACTS.name}'
+    assert layer['contacts.data_type'] == CONTACTS.type.__name__
+    assert layer['contacts.marking'] and not layer['contacts.clearing']
+    assert layer['contacts.min_obstacle_height'] < HEIGHT < layer['contacts.max_obstacle_height']
+    # Nav2 clears each cell that the footprint touches, also half of one.
+    cell, far = found['resolution'], BODY_RADIUS + OUTSIDE
+    assert far >= found['robot_radius'] + hypot(PADDING, PADDING) + hypot(cell, cell)
+    assert far + AWAY < layer['contacts.obstacle_max_range']
 
 
 def wheel(speed: float, turn: float) -> float:

@@ -296,7 +296,20 @@ def test_a_goal_ends_when_its_client_has_gone(stage):
     assert ready.robot.body.truth().travelled < 4.0
 
 
+def test_a_client_hears_that_the_driver_ends(ready):
+    sent = ready.moving()
+    ready.node.send(signal.SIGINT)
+    result = sent.result()
+    assert result.error_code == Code.LINK
+    assert 'the driver ends' in result.message
+
+
 # The interfaces, and the documents that name them.
+
+
+def test_every_code_is_explained_in_the_documents():
+    rows = re.findall(r'^\| ([A-Z_]+) \| \S', (ROOT / 'docs' / 'goals.md').read_text(), re.M)
+    assert rows == [code.name for code in Code if code is not Code.NONE]
 
 
 @pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)

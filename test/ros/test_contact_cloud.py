@@ -11,6 +11,7 @@ import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import PointCloud2, PointField
 
+from create_oi_ros.driver.contacts import OUTSIDE
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import scene
@@ -46,7 +47,7 @@ def test_bumps_and_cliffs_are_points_for_a_while(stage):
     robot.body.force(bump_left=1, cliff_right=1)
     stage.ros.until(lambda: clouds[-1].width == 2, 'two points')
     for x, y, z in points(clouds[-1]):
-        assert BODY_RADIUS < hypot(x, y) < BODY_RADIUS + 0.05
+        assert hypot(x, y) == pytest.approx(BODY_RADIUS + OUTSIDE, abs=1e-3)
         assert 0 < z < 0.1
     robot.body.unforce('cliff_right')
     stage.ros.until(lambda: clouds[-1].width == 1, 'one point')

@@ -3,6 +3,8 @@
 """Goals for programs of a few lines, and the example that drives a square by them."""
 
 from functools import partial
+from re import fullmatch
+import signal
 
 import pytest
 
@@ -58,8 +60,9 @@ def test_the_example_ends_with_the_reason_where_something_is_in_the_way(stage):
     ready(stage, parse('start 0 0 0\nwall 0.3 -1 0.3 1', 'wall'))
     example = stage.example('square.py')
     assert example.ended() == 1
-    assert example.output == (
-        'drive_distance: the bumper is pressed in front: drive backwards or turn away\n')
+    assert fullmatch(
+        r'drive_distance: stopped after 0\.\d\d m; the bumper is pressed in front: '
+        r'drive backwards or turn away\n', example.output)
 
 
 def test_a_goal_that_fails_says_why_and_the_next_one_is_done(stage):
@@ -71,9 +74,22 @@ def test_a_goal_that_fails_says_why_and_the_next_one_is_done(stage):
     unknown, malformed, undocked, done = program.printed
     assert unknown.startswith("no action 'fly'; there are drive_distance, ")
     assert malformed == (
-        'drive_distance: malformed and rejected, the log of the driver says why\n')
-    assert undocked == 'undock: the robot is on no dock: there is nothing to leave\n'
+        'drive_distance: rejected as malformed; distance = 5000 m; allowed: -1000 to 1000\n')
+    assert undocked == (
+        'undock: not started; the robot is on no dock: there is nothing to leave\n')
     assert done == 'True\n'
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_cancels_the_goal_and_ends_the_program_with_one_line(stage, number):
+    robot = ready(stage)
+    example = stage.example('square.py')
+    stage.ros.until(lambda: robot.body.truth().speed > 0.05, 'the robot moves')
+    example.send(number)
+    assert example.ended() == 1
+    assert fullmatch(
+        r'drive_distance: stopped after 0\.\d\d m; canceled\n', example.output)
+    stage.ros.until(lambda: robot.create.actuators.wheels == (0, 0), 'the wheels stand')
 
 
 def test_without_a_driver_the_program_ends_with_a_sentence(stage):

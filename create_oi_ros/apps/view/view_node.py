@@ -157,7 +157,7 @@ class ViewNode(Node):
             return
         self.state.call_status = CallStatus(f'{call.name}: under way; space stops it')
         handle.get_result_async().add_done_callback(
-            lambda done: self._show_end(call.name, done.result().result, 'ended'))
+            lambda done: self._show_end(call.name, done.result().result, failed=''))
 
     # What the user is told of both.
 

@@ -12,7 +12,7 @@ from ... import oi
 from ..motion import MotionLimits, Velocity
 from .approach import Learned
 from .goal import DockDemo, docked, Enter, Goal, Order, Over, View
-from .hazards import dropped, Hazards, LIFTED, Stall
+from .hazards import dropped, Hazards, LIFTED, NO_SPEED, Stall
 from .legs import Straight
 from .outcome import Code, Phase, Progress
 
@@ -47,14 +47,14 @@ class Dock(Goal):
 
     def begin(self, view: View) -> Over | None:
         """Start, unless a wheel hangs in the air."""
-        return Over(Code.WHEEL_DROP, LIFTED) if dropped(view.readings) else None
+        return LIFTED if dropped(view.readings) else None
 
     def step(self, view: View) -> Order:
         """Let the demo run until the robot charges."""
         readings = view.readings
         self._look(readings)
         if dropped(readings):
-            return Over(Code.WHEEL_DROP, LIFTED)
+            return LIFTED
         if docked(readings):
             return self._on_contacts(view)
         self._contact = 0.0
@@ -92,7 +92,8 @@ class Dock(Goal):
     def timed_out(self) -> Over:
         """Return how the goal ends when its time is over."""
         if self._seen:
-            return super().timed_out()
+            return Over(Code.TIMEOUT, 'the Home Base was seen, but not reached in '
+                        f'{self.allowance:.0f} s: free the way to it, or allow more time')
         return Over(Code.NO_DOCK, f'no beam of a Home Base was seen in {self.allowance:.0f} s: is '
                     'it plugged in, is the way to it free?')
 
@@ -121,7 +122,7 @@ class Undock(Goal):
             return Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
         limits = view.limits
         if limits.max_wheel_speed <= 0:
-            return Over(Code.STALL, 'max_wheel_speed is 0: the wheels may not turn')
+            return NO_SPEED
         if view.readings.oi_mode is oi.Mode.FULL:
             self._mode = oi.Mode.FULL
         self._leg = self._way(view)
@@ -155,7 +156,8 @@ class Undock(Goal):
             return Velocity()
         if docked(view.readings) and self._mode is oi.Mode.SAFE:
             return self._go_by_full(view, 'docked, the robot does not stay in SAFE')
-        return Over(Code.MODE, f'the robot does not enter {self._mode.name}')
+        return Over(Code.MODE, f'the robot does not enter {self._mode.name}: send the goal again, '
+                    'or pull it off its dock')
 
     def _go_by_full(self, view: View, why: str) -> Order:
         self._by_full = True
@@ -175,7 +177,8 @@ class Undock(Goal):
             return velocity
         by = ', by FULL, now in SAFE again' if self._by_full else ''
         if docked(view.readings):
-            return Over(Code.STALL, 'the robot still feels the contacts of its dock')
+            return Over(Code.STALL, 'the robot still feels the contacts of its dock: if it takes '
+                        'the dock along, lift it off')
         return Over(Code.NONE, f'left the dock{by}')
 
     def _way(self, view: View) -> Straight:
@@ -186,3 +189,7 @@ class Undock(Goal):
     def progress(self) -> Progress:
         """How far the robot still has to go."""
         return Progress(distance=AWAY if self._leg is None else abs(self._leg.distance))
+
+    def way(self, seconds: float) -> str:
+        """Say how far the robot has gone."""
+        return f'after {AWAY - self.progress.distance:.2f} m'

@@ -79,6 +79,7 @@ class Goal(ABC):
         if allowance < 0:
             raise Malformed(f'time_allowance = {allowance:g} s; allowed: 0 or more')
         self.allowance = allowance
+        self._allowed = allowance > 0
 
     @abstractmethod
     def begin(self, view: View) -> Over | None:
@@ -93,9 +94,17 @@ class Goal(ABC):
     def progress(self) -> Progress:
         """How far the goal is."""
 
+    def way(self, seconds: float) -> str:
+        """Say how far the goal has got in so many seconds, as in "stopped after 0.42 m"."""
+        return f'after {seconds:.1f} s'
+
     def timed_out(self) -> Over:
         """Return how the goal ends when its time is over."""
-        return Over(Code.TIMEOUT, f'time_allowance of {self.allowance:.1f} s is over')
+        if self._allowed:
+            return Over(Code.TIMEOUT, f'time_allowance of {self.allowance:.1f} s is over: allow '
+                        'more time, or a higher speed')
+        return Over(Code.TIMEOUT, f'{self.allowance:.1f} s are over, twice what it should take: '
+                    'is something in the way, or do the wheels slip?')
 
 
 def check_number(name: str, value: float, unit: str) -> None:

@@ -20,9 +20,15 @@ AT_LEAST = 2.0
 """Seconds over which it is compared at least."""
 SIDES = {BUMPS: 'in front', int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'on the left',
          int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'on the right'}
-CLIFFS = {'cliff_left': 'left', 'cliff_front_left': 'front left',
-          'cliff_front_right': 'front right', 'cliff_right': 'right'}
-LIFTED = 'a wheel hangs in the air: put the robot on the floor'
+CLIFFS = {'cliff_left': 'on the left', 'cliff_front_left': 'at the front left',
+          'cliff_front_right': 'at the front right', 'cliff_right': 'on the right'}
+FROM_CLIFF = 'call set_mode with SAFE, then drive backwards'
+"""Advice at a cliff, where the robot leaves Safe by itself."""
+AGAIN = 'wait a second, then send the goal again'
+TO_FLOOR = f'put the robot on the floor, {AGAIN}'
+LIFTED = Over(Code.WHEEL_DROP, f'a wheel hangs in the air: {TO_FLOOR}')
+NO_SPEED = Over(
+    Code.STALL, 'max_wheel_speed is 0, so the wheels may not turn: set the parameter above 0')
 
 
 def bumps(readings: oi.Readings) -> int:
@@ -57,7 +63,7 @@ class Hazards:
         """Return why the motion cannot begin; tell which way it leads, neither for a turn."""
         readings = view.readings
         if dropped(readings):
-            return Over(Code.WHEEL_DROP, LIFTED)
+            return LIFTED
         if forward and self._bumper and bumps(readings):
             return _bump(readings)
         if not backward and cliffs(readings):
@@ -68,7 +74,7 @@ class Hazards:
         """Return what ends the motion in this frame; `forward` says where it leads now."""
         readings = view.readings
         if dropped(readings):
-            return Over(Code.WHEEL_DROP, LIFTED)
+            return LIFTED
         cliff = bool(cliffs(readings))
         self._known_cliff = self._known_cliff and cliff
         if cliff and (forward or not self._known_cliff):
@@ -116,4 +122,4 @@ def _bump(readings: oi.Readings) -> Over:
 
 
 def _cliff(readings: oi.Readings) -> Over:
-    return Over(Code.CLIFF, f'cliff {", ".join(cliffs(readings))}: drive backwards')
+    return Over(Code.CLIFF, f'there is no floor {", ".join(cliffs(readings))}: {FROM_CLIFF}')

@@ -22,7 +22,7 @@ from .goal import (
     Over,
     View,
 )
-from .hazards import Hazards, Stall
+from .hazards import Hazards, NO_SPEED, Stall
 from .legs import Arc, Leg, Straight, STRAIGHT_TOLERANCE, Turn
 from .outcome import Code, Phase, Progress
 
@@ -50,7 +50,7 @@ class MotionGoal(Goal):
         """Start here, unless something is in the way."""
         limits = view.limits
         if limits.max_wheel_speed <= 0:
-            return Over(Code.STALL, 'max_wheel_speed is 0: the wheels may not turn')
+            return NO_SPEED
         self._at = view.estimate
         self._slowed = ''.join(self._slower(limits))
         self._legs = self._plan(limits)
@@ -88,6 +88,14 @@ class MotionGoal(Goal):
     def _done(self) -> str:
         """Say what was done."""
 
+    def way(self, seconds: float) -> str:
+        """Say how far the robot has got."""
+        return 'at the start' if self._leg is None else self._went()
+
+    @abstractmethod
+    def _went(self) -> str:
+        """Say how far the robot has got on its first leg or a later one."""
+
     @abstractmethod
     def _slower(self, limits: MotionLimits) -> list[str]:
         """Say which speeds are too fast, and what is used instead."""
@@ -115,6 +123,9 @@ class DriveDistance(MotionGoal):
     def _done(self) -> str:
         return f'drove {self._distance - _left(self._leg).distance:.3f} m'
 
+    def _went(self) -> str:
+        return f'after {abs(self._distance - _left(self._leg).distance):.2f} m'
+
     def _slower(self, limits: MotionLimits) -> list[str]:
         return slower('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
 
@@ -134,6 +145,9 @@ class RotateAngle(MotionGoal):
 
     def _done(self) -> str:
         return f'turned by {_angle(self._angle - _left(self._leg).angle)}'
+
+    def _went(self) -> str:
+        return _after(self._angle - _left(self._leg).angle)
 
     def _slower(self, limits: MotionLimits) -> list[str]:
         return slower('max_rotation_speed', self._speed, fastest_turn(limits), 'rad/s')
@@ -172,6 +186,9 @@ class DriveArc(MotionGoal):
     def _done(self) -> str:
         return (f'turned by {_angle(self._circle.angle - _left(self._leg).angle)} on a radius of '
                 f'{self._circle.radius:g} m')
+
+    def _went(self) -> str:
+        return _after(self._circle.angle - _left(self._leg).angle)
 
     def _slower(self, limits: MotionLimits) -> list[str]:
         radius = self._circle.radius
@@ -220,8 +237,14 @@ class NavigateToPosition(MotionGoal):
         return Turn(self._at, angle, self._turning, self._learned_turning, limits)
 
     def _done(self) -> str:
-        far = hypot(self._place.x - self._at.x, self._place.y - self._at.y)
-        return f'at x {self._at.x:.3f} m, y {self._at.y:.3f} m, {far:.3f} m from the goal'
+        return f'at x {self._at.x:.3f} m, y {self._at.y:.3f} m, {self._far:.3f} m from the goal'
+
+    def _went(self) -> str:
+        return f'{self._far:.2f} m from the goal'
+
+    @property
+    def _far(self) -> float:
+        return hypot(self._place.x - self._at.x, self._place.y - self._at.y)
 
     def _slower(self, limits: MotionLimits) -> list[str]:
         return [
@@ -244,6 +267,10 @@ def slower(name: str, speed: float, most: float, unit: str) -> list[str]:
 def _left(leg: Leg | None) -> Leg:
     assert leg is not None
     return leg
+
+
+def _after(radians: float) -> str:
+    return f'after {abs(degrees(radians)):.0f} degrees'
 
 
 def _angle(radians: float) -> str:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ..motion import Velocity
 from .goal import Goal, Malformed, Order, Over, View
-from .hazards import bumps, Hazards, Stall
+from .hazards import bumps, Hazards, NO_SPEED, Stall
 from .outcome import Code, Phase, Progress
 
 RIGHT = -1
@@ -61,7 +61,7 @@ class WallFollow(Goal):
     def begin(self, view: View) -> Over | None:
         """Start, unless a cliff or a wheel that hangs is in the way."""
         if view.limits.max_wheel_speed <= 0:
-            return Over(Code.STALL, 'max_wheel_speed is 0: the wheels may not turn')
+            return NO_SPEED
         self._begun_at = view.now
         return self._hazards.begin(view, forward=True, backward=False)
 
