@@ -55,8 +55,8 @@ PARTS = {
     'driver/modes': ('driver/test_modes.py', 'driver/test_lost_commands.py',
                      'driver/test_reliability.py', 'driver/test_docking.py'),
     'driver/supervision': (
-        'driver/test_modes.py', 'driver/test_lost_commands.py', 'driver/test_driver.py'),
-    'driver/outbox': ('driver/test_requests.py', 'driver/test_driver.py'),
+        'driver/test_supervision.py', 'driver/test_modes.py', 'driver/test_lost_commands.py'),
+    'driver/outbox': ('driver/test_outbox.py', 'driver/test_requests.py'),
     'driver/requests': ('driver/test_requests.py',),
     'driver/goal_control': ('driver/test_goal_hazards.py', 'driver/test_goal_endings.py',
                             'driver/test_docking.py'),
