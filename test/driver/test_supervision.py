@@ -6,7 +6,14 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver.supervision import (
-    Cause, causes_in, CLEAR_FOR, MOST_TRIES, RETRY_INTERVAL, SETTLING, Supervision)
+    Cause,
+    causes_in,
+    CLEAR_FOR,
+    MOST_TRIES,
+    RETRY_INTERVAL,
+    SETTLING,
+    Supervision,
+)
 
 OFF, PASSIVE, SAFE, FULL = oi.Mode.OFF, oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL
 LITTLE = 1e-6
