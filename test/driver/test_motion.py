@@ -145,6 +145,13 @@ def test_a_stop_ends_motion_at_once_though_acceleration_is_limited() -> None:
     assert wheels.next_drive(8.1) == HALT
 
 
+@pytest.mark.parametrize('velocity', [(0.25, 0.0), (-0.25, 0.0), (0.0, 1.0), (0.0, -1.0)])
+def test_wheels_that_have_not_begun_to_turn_are_not_at_rest(velocity: tuple[float, float]) -> None:
+    wheels = WheelCommands(RAMPED)
+    wheels.command(*velocity, 8.0)
+    assert not wheels.at_rest
+
+
 def test_a_command_after_a_pause_gets_the_acceleration_of_two_slots() -> None:
     assert RAMP_STEP == 2 * SLOT
     wheels = WheelCommands(RAMPED)
