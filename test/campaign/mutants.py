@@ -141,6 +141,8 @@ class Laboratory:
         session.unlink(missing_ok=True)
         self._tool('cosmic-ray', 'init', config, session)
         self._tool('cr-filter-operators', session, config)
+        source = (self._folder / f'create_oi_ros/{part}.py').read_text(encoding='utf-8')
+        drop_bare_stars(session, source.splitlines())
         there_are = keep_sample(session, self._sample, f'{self._seed} {part}')
         self._tool('cosmic-ray', 'exec', config, session)
         mutants = sorted(self._results(session), key=lambda each: (each.line, each.column))
@@ -171,6 +173,20 @@ class Laboratory:
                 result['test_outcome'] != 'survived', ' '.join(added))
 
 
+def drop_bare_stars(session: Path, lines: list[str]) -> None:
+    """Remove the jobs that take the * before keyword-only parameters for a product."""
+    with closing(sqlite3.connect(session)) as file, file:
+        places = file.execute('SELECT job_id, start_pos_row, start_pos_col FROM mutation_specs')
+        remove(file, [job for job, row, column in places
+                      if lines[row - 1][column:].startswith('*,')])
+
+
+def remove(file: sqlite3.Connection, jobs: list[str]) -> None:
+    """Remove jobs, and what came of them."""
+    for table in ('mutation_specs', 'work_results', 'work_items'):
+        file.executemany(f'DELETE FROM {table} WHERE job_id = ?', [(job,) for job in jobs])
+
+
 def keep_sample(session: Path, sample: int | None, seed: str) -> int:
     """Remove all but some jobs from cosmic-ray's file; return how many there were."""
     with closing(sqlite3.connect(session)) as file, file:
@@ -179,9 +195,7 @@ def keep_sample(session: Path, sample: int | None, seed: str) -> int:
             'WHERE job_id NOT IN (SELECT job_id FROM work_results) '
             'ORDER BY operator_name, operator_args, occurrence')]
         if sample is not None and sample < len(jobs):
-            removed = [(job,) for job in Random(seed).sample(jobs, len(jobs) - sample)]
-            for table in ('mutation_specs', 'work_items'):
-                file.executemany(f'DELETE FROM {table} WHERE job_id = ?', removed)
+            remove(file, Random(seed).sample(jobs, len(jobs) - sample))
     return len(jobs)
 
 

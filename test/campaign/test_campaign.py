@@ -16,7 +16,7 @@ import pytest
 
 from campaign import campaign
 from campaign.campaign import Part
-from campaign.mutants import COPIED, keep_sample, Mutant, PARTS, ROOT, Tried
+from campaign.mutants import COPIED, drop_bare_stars, keep_sample, Mutant, PARTS, ROOT, Tried
 from campaign.mutants import main as mutants_main
 
 CHILD = """
@@ -92,11 +92,12 @@ def jobs(path: Path) -> list[str]:
     with closing(sqlite3.connect(path)) as file, file:
         file.executescript(
             'CREATE TABLE work_items (job_id); CREATE TABLE work_results (job_id);'
-            'CREATE TABLE mutation_specs (job_id, operator_name, operator_args, occurrence)')
+            'CREATE TABLE mutation_specs (job_id, operator_name, operator_args, occurrence,'
+            '                             start_pos_row, start_pos_col)')
         for number in sorted(range(10), key=lambda _: random()):
             file.execute('INSERT INTO work_items VALUES (?)', (f'job {number}',))
-            file.execute('INSERT INTO mutation_specs VALUES (?, ?, ?, ?)',
-                         (f'job {number}', 'AddNot', '{}', number))
+            file.execute('INSERT INTO mutation_specs VALUES (?, ?, ?, ?, 1, ?)',
+                         (f'job {number}', 'AddNot', '{}', number, number))
         file.execute("INSERT INTO work_results VALUES ('job 3')")
     return sampled(path)
 
@@ -124,6 +125,13 @@ def test_a_sample_that_is_large_enough_has_all_mutants(tmp_path, sample):
     there = jobs(tmp_path / 'session')
     assert keep_sample(tmp_path / 'session', sample, '19') == 9
     assert sampled(tmp_path / 'session') == there
+
+
+def test_a_star_before_parameters_is_no_product(tmp_path):
+    jobs(tmp_path / 'session')
+    drop_bare_stars(tmp_path / 'session', ['*, a * b*,'])
+    kept = sampled(tmp_path / 'session')
+    assert len(kept) == 7 and not {'job 0', 'job 8'} & set(kept)
 
 
 @pytest.mark.parametrize('sample', ['0', '-3', 'all'])

@@ -7,12 +7,9 @@ from math import pi
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, MotionLimits, Settings
+from create_oi_ros.driver import Driver, Settings
 from create_oi_ros.driver.stopping import DRAIN
 from support.loop import Loop, turn_difference
-
-TIMEOUT = MotionLimits.timeout
-
 
 # Connecting.
 

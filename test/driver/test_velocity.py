@@ -10,6 +10,9 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity, wheel_speeds
+from create_oi_ros.driver.goals import Code
+from create_oi_ros.driver.state import Activity
+from support.goals import met, moving
 from support.loop import Loop, texts
 
 TIMEOUT = MotionLimits.timeout
@@ -152,3 +155,33 @@ def test_stop_and_the_end_of_commands_know_no_acceleration_limit():
         end()
         loop.run(0.02)
         assert requested(loop)[-1] == oi.DriveDirect(right=0, left=0)
+
+
+# Beside a goal.
+
+
+@pytest.mark.parametrize('velocity', [
+    (0.1, 0.0), (0.0, 0.1), (-0.1, 0.0), (0.0, -0.1), (0.1, 0.1), (-0.1, -0.1), (1.0, 1.0)])
+def test_any_velocity_but_zero_takes_over_from_a_goal(velocity):
+    loop = met()
+    running = moving(loop)
+    loop.commands()
+    loop.driver.drive(*velocity, loop.now)
+    assert running.ending.code is Code.SUPERSEDED
+    assert loop.driver.state.activity is Activity.DRIVING
+    loop.turn()
+    halt, first, *_ = requested(loop)
+    assert halt == oi.DriveDirect(right=0, left=0)
+    assert abs(first.right) < 100 and abs(first.left) < 100, 'from rest'
+
+
+@pytest.mark.parametrize(('interrupt', 'velocity'), [
+    (True, (0.0, -0.0)), (False, (0.0, 0.0)), (False, (0.1, 0.0)), (False, (0.0, 0.1))])
+def test_zero_does_not_end_a_goal_and_nothing_does_where_that_is_not_wanted(interrupt, velocity):
+    loop = met(MotionLimits(commands_interrupt=interrupt))
+    running = moving(loop)
+    loop.driver.drive(*velocity, loop.now)
+    loop.run(0.1)
+    assert running.ending is None
+    assert loop.driver.state.activity is Activity.GOAL
+    assert loop.robot.actuators.wheels == (300, 300)
