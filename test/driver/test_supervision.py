@@ -111,6 +111,14 @@ def test_a_mode_that_seems_left_soon_after_it_was_asked_for_is_only_entered_agai
     assert watch.observe(frame(PASSIVE, cliff=1), 8.5), 'a hazard needs no second frame'
 
 
+def test_trying_again_does_not_prolong_the_time_in_which_old_frames_may_come() -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.entering(8.0)
+    watch.entering(9.5)
+    watch.observe(frame(SAFE), 9.6)
+    assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
+
+
 # A robot that missed the command.
 
 
@@ -124,11 +132,30 @@ def test_a_mode_that_the_robot_missed_is_entered_again_after_a_while_and_not_for
         assert not watch.must_enter_again(8.0 * number + RETRY_INTERVAL - LITTLE)
         again = watch.must_enter_again(8.0 * number + RETRY_INTERVAL + LITTLE)
         assert again is (number < MOST_TRIES)
-    assert watch.status.causes == ()
+        if again:
+            watch.observe(frame(PASSIVE), 8.0 * number + RETRY_INTERVAL + LITTLE)
+        assert watch.status.causes == ()
     watch.observe(frame(PASSIVE), 24.0 + RETRY_INTERVAL - LITTLE)
     assert watch.status.causes == ()
     watch.observe(frame(PASSIVE), 24.0 + RETRY_INTERVAL + LITTLE)
     assert watch.status.causes == (Cause.UNKNOWN,)
+
+
+def test_a_mode_that_was_tried_too_often_is_given_up_with_a_cause() -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.observe(frame(PASSIVE, cliff=1), 7.0)
+    assert watch.status.causes == (), 'nobody has asked for it yet'
+    for _ in range(MOST_TRIES + 1):
+        watch.entering(8.0)
+    watch.observe(frame(PASSIVE), 9.0)
+    assert watch.status.causes == (Cause.UNKNOWN,)
+
+
+@pytest.mark.parametrize('mode', [PASSIVE, SAFE, FULL])
+def test_of_a_robot_that_was_told_no_mode_yet_only_full_is_undone(mode: oi.Mode) -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.observe(frame(mode), 8.0)
+    assert watch.must_enter_again(8.0) is (mode is FULL)
 
 
 def test_a_robot_in_its_mode_or_away_is_told_nothing() -> None:
@@ -160,6 +187,8 @@ def test_full_for_safe_is_no_safety_stop_and_is_always_undone(
     watch = entered(wanted)
     assert watch.observe(frame(actual), 16.0)
     assert watch.must_enter_again(16.0) is again
+    watch.commands_paused()
+    assert watch.may_recover(17.0)
 
 
 def test_a_mode_that_was_entered_gives_all_tries_back() -> None:

@@ -185,3 +185,38 @@ def test_zero_does_not_end_a_goal_and_nothing_does_where_that_is_not_wanted(inte
     assert running.ending is None
     assert loop.driver.state.activity is Activity.GOAL
     assert loop.robot.actuators.wheels == (300, 300)
+
+
+# Refused.
+
+
+def test_the_first_refusal_is_reported_and_the_next_ones_are_not():
+    loop = Loop(Settings(mode_on_start=oi.Mode.PASSIVE))
+    loop.run(0.5)
+    loop.drive(0.1, 0.0, 0.5)
+    said, = texts(loop.notices, Severity.WARNING)
+    assert said.startswith('not driving: robot is in PASSIVE')
+
+
+@pytest.mark.parametrize('velocity', [(0.1, 0.0), (0.0, 0.0)])
+def test_a_robot_that_cannot_drive_is_sent_no_speeds(velocity):
+    loop = Loop(Settings(mode_on_start=oi.Mode.PASSIVE))
+    loop.run(0.5)
+    requested(loop)
+    loop.drive(*velocity, 0.5)
+    assert requested(loop) == []
+
+
+def test_a_robot_that_plays_a_script_is_sent_only_the_stops_that_ask_for_its_end(loop):
+    loop.driver.scripts.define(oi.Script(script=oi.WaitTime(time=20).encode()))
+    loop.driver.scripts.play(loop.now, force=False)
+    loop.run(0.2)
+    requested(loop)
+    loop.drive(0.1, 0.0, 0.5)
+    assert set(requested(loop)) == {oi.DriveDirect(right=0, left=0)}
+
+
+def test_one_velocity_that_is_not_finite_is_not_counted_again(loop):
+    loop.driver.drive(0.1, inf, loop.now)
+    loop.drive(0.1, 0.0, 0.1)
+    assert len(texts(loop.notices, Severity.WARNING)) == 1
