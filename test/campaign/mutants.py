@@ -59,7 +59,7 @@ PARTS = {
     'driver/frame_clock': ('driver/test_frame_clock.py',),
     'driver/plausibility': ('driver/test_plausibility.py',),
     'odometry/rounding': ('odometry/test_rounding.py',),
-    'odometry/accumulators': ('odometry/test_tracks.py',),
+    'odometry/accumulators': ('odometry/test_accumulators.py',),
     'odometry/dead_band': ('odometry/test_dead_band.py',),
 }
 """Files of the package, and the tests that must find their mutants."""

@@ -7,6 +7,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, MotionLimits, Settings, Severity
+from create_oi_ros.driver.modes import MODE_TIMEOUT
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.sim.world import shipped
 from support.loop import Loop, texts
@@ -34,7 +35,22 @@ def test_set_mode_says_why_the_robot_did_not_follow(loop):
     pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
     loop.run(1.0)
     assert pending.outcome.ok is False
-    assert 'charger' in pending.outcome.text
+    assert pending.outcome.text.startswith(
+        'robot stays in PASSIVE (charger powered) instead of entering SAFE: ')
+
+
+@pytest.mark.parametrize(('hears', 'said'), [
+    (True, 'robot stays in SAFE instead of entering FULL: '),
+    (False, 'robot does not answer (no robot answers) instead of entering FULL: ')])
+def test_a_mode_that_a_deaf_robot_does_not_enter_is_given_up_after_its_time(loop, hears, said):
+    loop.robot.receive = lambda *_: None
+    loop.cut = not hears
+    pending = loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.run(MODE_TIMEOUT - 0.01)
+    assert pending.outcome is None
+    loop.run(0.02)
+    assert pending.outcome.ok is False
+    assert pending.outcome.text.startswith(said)
 
 
 def test_set_mode_without_a_robot_answers_at_once():

@@ -46,14 +46,15 @@ def turning(right: int, left: int, angle: int = 0, mode: oi.Mode = oi.Mode.SAFE)
 @pytest.mark.parametrize('side', [1, -1])
 def test_an_angle_is_stuck_after_one_turn_that_was_asked_for(side: int) -> None:
     check = TurnCheck(0.25)
-    a_second = degrees(2.0)  # 500 mm/s between wheels 0.25 m apart
-    before, after = 359 / a_second, 2 / a_second
+    degree = 1 / degrees(2.0)  # seconds, at 500 mm/s between wheels 0.25 m apart
     reading = turning(250 * side, -250 * side)
-    assert not check.observe(reading, before) and not check.stuck
-    assert check.observe(reading, after) and check.stuck
-    assert not check.observe(reading, after) and check.stuck, 'it is told once'
-    assert not check.observe(turning(250, -250, angle=1), after) and not check.stuck
-    assert not check.observe(reading, before), 'the turn begins anew'
+    for _ in range(2):
+        assert not check.observe(reading, 0.5 * degree)
+        assert not check.observe(reading, 359.4 * degree) and not check.stuck
+        assert check.observe(reading, 0.2 * degree) and check.stuck
+        assert not check.observe(reading, 0.2 * degree) and check.stuck, 'it is told once'
+        assert not check.observe(turning(250, -250, angle=1), 1.0), 'the turn begins anew'
+        assert not check.stuck
 
 
 def test_turns_to_and_fro_need_not_change_the_angle() -> None:

@@ -147,6 +147,7 @@ def test_a_mode_that_was_tried_too_often_is_given_up_with_a_cause() -> None:
     assert watch.status.causes == (), 'nobody has asked for it yet'
     for _ in range(MOST_TRIES + 1):
         watch.entering(8.0)
+    assert not watch.must_enter_again(9.0)
     watch.observe(frame(PASSIVE), 9.0)
     assert watch.status.causes == (Cause.UNKNOWN,)
 
@@ -220,6 +221,12 @@ def test_a_pause_from_before_the_fall_does_not_count() -> None:
     watch.commands_paused()
     watch.observe(frame(PASSIVE, drops=16), 16.0)
     assert not watch.may_recover(20.0)
+
+
+def test_full_mode_that_nobody_wanted_does_not_clear_the_cause() -> None:
+    watch = fallen()
+    watch.observe(frame(FULL), 17.0)
+    assert watch.status.causes == (Cause.CLIFF_RIGHT,)
 
 
 def test_nothing_is_brought_back_that_was_not_lost_or_is_not_to_be() -> None:
