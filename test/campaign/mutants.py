@@ -55,7 +55,7 @@ PARTS = {
     'driver/modes': ('driver/test_modes.py', 'driver/test_lost_commands.py'),
     'driver/outbox': ('driver/test_outbox.py', 'driver/test_requests.py'),
     'driver/requests': ('driver/test_requests.py',),
-    'driver/goal_control': ('driver/test_goal_hazards.py', 'driver/test_goal_endings.py'),
+    'driver/goal_control': ('driver/test_goal_control.py', 'driver/test_goal_endings.py'),
     'driver/frame_clock': ('driver/test_frame_clock.py',),
     'driver/plausibility': ('driver/test_plausibility.py',),
     'odometry/rounding': ('odometry/test_rounding.py',),
