@@ -69,7 +69,7 @@ class GoalControl:
         running = Running()
         refused = self._refusal(goal, now)
         if refused is not None:
-            self._end(running, refused, now)
+            self._end(running, refused, 0.0)
             return running
         if self._goal is not None:
             self._finish(Over(Code.SUPERSEDED, 'another goal took over'), now)
@@ -206,14 +206,14 @@ class GoalControl:
 
     def _conclude(self, over: Over) -> None:
         self._goal = None
-        self._end(self._running, over, None)
+        ran = 0.0 if self._view is None else self._view.now - self._started_at
+        self._end(self._running, over, max(0.0, ran))
 
-    def _end(self, running: Running, over: Over, now: float | None) -> None:
-        """Tell who waits how the goal ended."""
+    def _end(self, running: Running, over: Over, seconds: float) -> None:
+        """Tell who waits how the goal ended, and how long it ran."""
         view = self._view
         if view is None:
             running.end(Ending(over.code, over.text))
             return
-        seconds = max(0.0, (view.now if now is None else now) - self._started_at)
         running.end(Ending(
             over.code, over.text, view.estimate, seconds, docked(view.readings)))

@@ -171,10 +171,16 @@ def test_a_goal_that_needs_no_wheels_runs_in_passive_and_one_that_does_is_refuse
     passive.run(0.1)
     passive.commands()
     refused = passive.driver.goals.start(Told(AHEAD), passive.now)
-    assert ended(refused)[0] is Code.MODE
+    assert ended(refused)[0] is Code.MODE and refused.ending.seconds == 0
     assert not passive.driver.goals.active
     passive.run(0.2)
     assert sent(passive) == [] and passive.robot.mode is oi.Mode.PASSIVE
+
+
+def test_a_goal_that_is_refused_first_of_all_has_run_for_no_time(passive):
+    refused = passive.driver.goals.start(Told(AHEAD), passive.now)
+    assert ended(refused)[0] is Code.MODE
+    assert refused.ending.seconds == 0
 
 
 def test_a_mode_that_is_lost_ends_a_goal_at_its_next_step(at_once):
@@ -241,3 +247,17 @@ def test_velocities_do_not_end_a_goal_where_they_may_not():
     loop.driver.drive(0.3, 0.0, loop.now)
     loop.run(0.1)
     assert running.ending is None
+
+
+def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives(at_once):
+    goal = Told(DockDemo.PLAY, needs_driving=False)
+    search = at_once.driver.goals.start(goal, at_once.now)
+    while at_once.driver.state.activity is not Activity.DOCKING:
+        at_once.turn()
+    goal.order = DockDemo.GO_ON
+    at_once.run(DOCK_PAUSE + 0.1)
+    running = at_once.driver.goals.start(Told(AHEAD), at_once.now)
+    assert ended(search) == (Code.SUPERSEDED, 'another goal took over')
+    at_once.run(0.3)
+    assert running.ending is None
+    assert at_once.robot.mode is oi.Mode.SAFE and at_once.robot.actuators.wheels == (100, 100)

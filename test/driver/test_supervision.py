@@ -119,6 +119,15 @@ def test_trying_again_does_not_prolong_the_time_in_which_old_frames_may_come() -
     assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
 
 
+def test_a_mode_that_only_seemed_left_is_entered_again_at_most_twice() -> None:
+    watch, tries, now = entered(), 0, 9.0
+    watch.observe(frame(PASSIVE), now)
+    while watch.must_enter_again(now):
+        watch.entering(now)
+        tries, now = tries + 1, now + 1.0
+    assert tries == MOST_TRIES - 1
+
+
 # A robot that missed the command.
 
 
