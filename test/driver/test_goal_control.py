@@ -183,6 +183,14 @@ def test_a_goal_that_is_refused_first_of_all_has_run_for_no_time(passive):
     assert refused.ending.seconds == 0
 
 
+def test_a_goal_that_is_cancelled_before_its_first_frame_has_run_for_no_time(at_once):
+    at_once.now += 0.001
+    running = at_once.driver.goals.start(Told(AHEAD), at_once.now)
+    at_once.driver.goals.cancel(running, at_once.now)
+    assert ended(running) == (Code.CANCELED, 'canceled')
+    assert running.ending.seconds == 0
+
+
 def test_a_mode_that_is_lost_ends_a_goal_at_its_next_step(at_once):
     running = begun(at_once, Told(AHEAD))
     at_once.body.drop(left=True)

@@ -145,6 +145,14 @@ def test_a_stop_ends_motion_at_once_though_acceleration_is_limited() -> None:
     assert wheels.next_drive(8.1) == HALT
 
 
+def test_wheels_are_at_rest_once_they_have_followed_a_command_of_zero() -> None:
+    wheels = commanded(0.25, 0.0)
+    wheels.command(0.0, 0.0, 8.1)
+    assert not wheels.at_rest
+    assert wheels.next_drive(8.1) == HALT
+    assert wheels.at_rest
+
+
 @pytest.mark.parametrize('velocity', [(0.25, 0.0), (-0.25, 0.0), (0.0, 1.0), (0.0, -1.0)])
 def test_wheels_that_have_not_begun_to_turn_are_not_at_rest(velocity: tuple[float, float]) -> None:
     wheels = WheelCommands(RAMPED)

@@ -211,6 +211,23 @@ def test_a_mode_that_was_entered_gives_all_tries_back() -> None:
     assert watch.must_enter_again(13.0)
 
 
+@pytest.mark.parametrize('change', [
+    lambda watch: watch.lost(), lambda watch: watch.want(FULL)], ids=['lost', 'another mode'])
+def test_a_robot_that_came_back_and_another_mode_have_all_tries(change) -> None:
+    watch = entered()
+    watch.entering(9.0)
+    change(watch)
+    tries, now = 0, 20.0
+    watch.entering(now)
+    while True:
+        watch.observe(frame(PASSIVE), now + RETRY_INTERVAL / 2)
+        if not watch.must_enter_again(now + 2 * RETRY_INTERVAL):
+            break
+        now, tries = now + 2 * RETRY_INTERVAL, tries + 1
+        watch.entering(now)
+    assert tries == MOST_TRIES - 1
+
+
 # Coming back.
 
 
