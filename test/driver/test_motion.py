@@ -125,6 +125,17 @@ def test_a_robot_is_told_once_a_slot_but_a_stop_does_not_wait() -> None:
     assert wheels.next_drive(9.5) is None
 
 
+def test_backwards_the_robot_is_told_once_a_slot_too() -> None:
+    wheels = commanded(-0.25, 0.0)
+    wheels.command(-0.125, 0.0, 8.0)
+    assert wheels.next_drive(8.001) is None
+    assert wheels.next_drive(8.1) == straight(-125)
+
+
+def test_a_velocity_of_which_nothing_is_said_is_zero() -> None:
+    assert Velocity() == (0.0, 0.0)
+
+
 def test_one_wheel_alone_waits_for_the_slot_as_well() -> None:
     for turn in (1.0, -1.0):
         wheels = commanded(0.25, 0.0, FREE)
