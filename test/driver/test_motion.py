@@ -11,6 +11,7 @@ from create_oi_ros.driver.motion import (
     RAMP_STEP,
     REPORT_TIMEOUT,
     STOPPED,
+    Velocity,
     WheelCommands,
     without_forward,
 )
