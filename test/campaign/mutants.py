@@ -201,10 +201,9 @@ def keep_sample(session: Path, sample: int | None, seed: str) -> int:
 
 def at_least_one(text: str) -> int:
     """Read a number of mutants."""
-    number = int(text)
-    if number < 1:
-        raise ValueError
-    return number
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f'{text} is no number of mutants; allowed: 1 or more')
+    return int(text)
 
 
 def share(mutants: list[Mutant]) -> float:

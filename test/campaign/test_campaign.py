@@ -139,4 +139,4 @@ def test_a_sample_of_nothing_is_refused(sample, monkeypatch, capsys):
     monkeypatch.setattr(sys, 'argv', ['mutants', '--sample', sample])
     with pytest.raises(SystemExit, match='2'):
         mutants_main()
-    assert 'argument --sample' in capsys.readouterr().err
+    assert f'--sample: {sample} is no number of mutants; allowed: 1' in capsys.readouterr().err
