@@ -18,7 +18,7 @@
 #   make soak            30 minutes under load with faults; ARGS=5: five minutes
 #   make sequences       draw sequences of all that can happen for 10 minutes; ARGS=1: for one
 #   make campaign        all long tests, for some hours, and one table; ARGS=--short: ten minutes
-#   make mutants         try small mistakes in the code; ARGS=dead_man: only in these files
+#   make mutants         try small mistakes in the code; ARGS='--sample 40 driver': 40 of each file
 #   make fuzz            read a million damaged frames; ARGS='20000 7': so many, with a seed
 #   make clean           remove all that was installed, built and measured
 #   make help            print this

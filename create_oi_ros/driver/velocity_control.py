@@ -114,4 +114,5 @@ class VelocityControl:
         more, self._not_finite = self._not_finite - 1, 0
         if more > 0:
             self._events.notice(
-                Severity.WARNING, f'velocities are finite again; {more} more were not')
+                Severity.WARNING,
+                f'velocities are finite again; before, {more} more than the first were not')

@@ -41,7 +41,7 @@ PARTS = (
     Part('faults', 'faults of line, robot and process', ('--times', '10'),
          ('--times', '1', 'cable', 'SIG', 'silence', 'stop')),
     Part('soak', 'load and faults at once', ('30',), ('1',)),
-    Part('mutants', 'mistakes in the code', (), ('oi/steering',)),
+    Part('mutants', 'mistakes in the code', ('--sample', '60'), ('oi/steering',)),
 )
 
 

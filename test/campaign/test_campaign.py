@@ -2,9 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The campaign's table, and what tries the mutants: that failures are seen and nothing is left."""
 
+from contextlib import closing
 from importlib import import_module
 import os
+from pathlib import Path
+from random import random
 import select
+import sqlite3
 import subprocess
 import sys
 
@@ -12,7 +16,8 @@ import pytest
 
 from campaign import campaign
 from campaign.campaign import Part
-from campaign.mutants import COPIED, Mutant, PARTS, ROOT, row
+from campaign.mutants import COPIED, drop_bare_stars, keep_sample, Mutant, PARTS, ROOT, Tried
+from campaign.mutants import main as mutants_main
 
 CHILD = """
 import subprocess, sys
@@ -78,4 +83,60 @@ def test_every_part_can_be_started(part):
 
 def test_the_table_counts_who_survived():
     mutants = [Mutant('AddNot', 1, 2, killed, 'if not a:') for killed in (True, True, False)]
-    assert row('oi/wire', mutants) == ('`oi/wire.py`', '3', '2', '66.7', '1')
+    assert Tried(mutants, 7).row('oi/wire') == ('`oi/wire.py`', '3 of 7', '2', '66.7', '1')
+
+
+def jobs(path: Path) -> list[str]:
+    """Make a file as cosmic-ray does: ten mutants, one of them filtered out already."""
+    path.unlink(missing_ok=True)
+    with closing(sqlite3.connect(path)) as file, file:
+        file.executescript(
+            'CREATE TABLE work_items (job_id); CREATE TABLE work_results (job_id);'
+            'CREATE TABLE mutation_specs (job_id, operator_name, operator_args, occurrence,'
+            '                             start_pos_row, start_pos_col)')
+        for number in sorted(range(10), key=lambda _: random()):
+            file.execute('INSERT INTO work_items VALUES (?)', (f'job {number}',))
+            file.execute('INSERT INTO mutation_specs VALUES (?, ?, ?, ?, 1, ?)',
+                         (f'job {number}', 'AddNot', '{}', number, number))
+        file.execute("INSERT INTO work_results VALUES ('job 3')")
+    return sampled(path)
+
+
+def sampled(path: Path) -> list[str]:
+    """Return which mutants cosmic-ray would try."""
+    with closing(sqlite3.connect(path)) as file:
+        return sorted(job for job, in file.execute(
+            'SELECT job_id FROM work_items JOIN mutation_specs USING (job_id) '
+            'WHERE job_id NOT IN (SELECT job_id FROM work_results)'))
+
+
+def test_a_sample_has_the_same_mutants_each_time_and_says_of_how_many(tmp_path):
+    drawn = []
+    for seed in ('19', '19', '20'):
+        assert len(jobs(tmp_path / 'session')) == 9
+        assert keep_sample(tmp_path / 'session', 4, seed) == 9
+        drawn.append(sampled(tmp_path / 'session'))
+    assert [len(each) for each in drawn] == [4, 4, 4]
+    assert drawn[0] == drawn[1] != drawn[2]
+
+
+@pytest.mark.parametrize('sample', [None, 9, 40])
+def test_a_sample_that_is_large_enough_has_all_mutants(tmp_path, sample):
+    there = jobs(tmp_path / 'session')
+    assert keep_sample(tmp_path / 'session', sample, '19') == 9
+    assert sampled(tmp_path / 'session') == there
+
+
+def test_a_star_before_parameters_is_no_product(tmp_path):
+    jobs(tmp_path / 'session')
+    drop_bare_stars(tmp_path / 'session', ['*, a * b*,'])
+    kept = sampled(tmp_path / 'session')
+    assert len(kept) == 7 and not {'job 0', 'job 8'} & set(kept)
+
+
+@pytest.mark.parametrize('sample', ['0', '-3', 'all'])
+def test_a_sample_of_nothing_is_refused(sample, monkeypatch, capsys):
+    monkeypatch.setattr(sys, 'argv', ['mutants', '--sample', sample])
+    with pytest.raises(SystemExit, match='2'):
+        mutants_main()
+    assert f'--sample: {sample} is no number of mutants; allowed: 1' in capsys.readouterr().err

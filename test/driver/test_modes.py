@@ -7,7 +7,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, MotionLimits, Settings, Severity
-from create_oi_ros.driver.supervision import CLEAR_FOR
+from create_oi_ros.driver.modes import MODE_TIMEOUT
+from create_oi_ros.driver.supervision import CLEAR_FOR, SETTLING
 from create_oi_ros.sim.world import shipped
 from support.loop import Loop, texts
 
@@ -34,7 +35,22 @@ def test_set_mode_says_why_the_robot_did_not_follow(loop):
     pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
     loop.run(1.0)
     assert pending.outcome.ok is False
-    assert 'charger' in pending.outcome.text
+    assert pending.outcome.text.startswith(
+        'robot stays in PASSIVE (charger powered) instead of entering SAFE: ')
+
+
+@pytest.mark.parametrize(('hears', 'said'), [
+    (True, 'robot stays in SAFE instead of entering FULL: '),
+    (False, 'robot does not answer (no robot answers) instead of entering FULL: ')])
+def test_a_mode_that_a_deaf_robot_does_not_enter_is_given_up_after_its_time(loop, hears, said):
+    loop.robot.receive = lambda *_: None
+    loop.cut = not hears
+    pending = loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.run(MODE_TIMEOUT - 0.01)
+    assert pending.outcome is None
+    loop.run(0.02)
+    assert pending.outcome.ok is False
+    assert pending.outcome.text.startswith(said)
 
 
 def test_set_mode_without_a_robot_answers_at_once():
@@ -133,3 +149,70 @@ def test_without_recover_mode_the_mode_stays():
     loop.run(CLEAR_FOR + TIMEOUT + 0.1)
     loop.drive(0.2, 0.0, 1.0)
     assert loop.robot.mode is oi.Mode.PASSIVE
+
+
+# What is sent, byte for byte, and said.
+
+
+@pytest.mark.parametrize(('mode', 'sent'), [
+    (oi.Mode.FULL, [oi.Full(), oi.Leds(bits=oi.LedBits(0), color=7, intensity=8)]),
+    (oi.Mode.PASSIVE, [oi.Start()])])
+def test_leds_are_set_again_in_a_mode_that_has_them_and_only_there(loop, mode, sent):
+    loop.driver.outputs.set_leds(oi.LedBits(0), 7, 8)
+    loop.run(0.1)
+    loop.commands()
+    loop.driver.set_mode(mode, loop.now)
+    loop.run(0.2)
+    assert [each for each in loop.commands()
+            if not isinstance(each, oi.DriveDirect | oi.Stream)] == sent
+
+
+@pytest.mark.parametrize(('leave', 'ends'), [
+    (lambda loop: loop.robot.receive(oi.Start().encode(), loop.now), True),
+    (lambda loop: loop.body.drop(left=True), False)])
+def test_a_demo_is_ended_only_where_nothing_else_can_have_changed_the_mode(loop, leave, ends):
+    loop.run(SETTLING)
+    loop.commands()
+    leave(loop)
+    loop.run(0.1)
+    assert loop.driver.status.actual is oi.Mode.PASSIVE
+    ended = oi.Demo(demo=oi.DemoNumber.ABORT) in loop.commands()
+    assert ended is ends
+
+
+def test_safe_is_not_taken_as_entered_while_the_robot_reports_full(loop):
+    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.run(0.2)
+    loop.robot.receive = lambda *_: None
+    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    loop.run(MODE_TIMEOUT + 0.01)
+    assert pending.outcome.text == (
+        'robot stays in FULL instead of entering SAFE: in SAFE it needs all wheels down, no cliff '
+        'under it and no charger plugged in')
+
+
+@pytest.mark.parametrize(('hazard', 'why'), [
+    ({'internal_charger': 1}, "(charger powered); pull the charger's plug, let commands pause and "
+                              'send again'),
+    ({'cliff_left': 1}, '(cliff left); let commands pause and send again, or call set_mode with '
+                        'SAFE')])
+def test_a_refused_velocity_says_how_to_drive_again(loop, hazard, why):
+    loop.body.force(**hazard)
+    loop.drive(0.1, 0.0, 0.5)
+    last = texts(loop.notices, Severity.WARNING)[-1]
+    assert last == f'not driving: robot is in PASSIVE {why}'
+
+
+def test_on_the_dock_the_way_to_drive_is_a_goal(loop):
+    loop.body.force(home_base=1)
+    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.run(0.3)
+    loop.drive(0.1, 0.0, 0.3)
+    advice = 'it is on its dock: send the goal undock (dock and undock are actions)'
+    last = texts(loop.notices, Severity.WARNING)[-1]
+    assert last == f'not driving: robot is in PASSIVE; {advice}'
+    loop.robot.receive = lambda *_: None
+    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    loop.run(MODE_TIMEOUT + 0.01)
+    assert pending.outcome.text == (
+        f'robot stays in PASSIVE (charger powered) instead of entering SAFE: {advice}')

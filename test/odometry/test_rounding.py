@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a whole number says about the amount behind it."""
 
+from math import exp, sqrt, tau
+
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
@@ -32,7 +34,36 @@ def test_moments_of_a_cut_normal(
     found = cut_normal(low, high)
     assert found[0] == pytest.approx(mean, abs=0.005)
     assert found[1] == pytest.approx(variance, abs=0.002)
-    assert found[2] == pytest.approx(mass, rel=0.02)
+    assert found[2] == pytest.approx(mass, rel=0.02, abs=0)
+
+
+@pytest.mark.parametrize('high', [-30.0, -6.5, -0.5, 0.25, 7.0])
+@pytest.mark.parametrize('width', [1e-6, 1e-5])
+def test_a_narrow_piece_is_flat(high: float, width: float) -> None:
+    mean, variance, mass = cut_normal(high - width, high)
+    assert mean == pytest.approx(high - width / 2, abs=width / 100)
+    assert variance == pytest.approx(width * width / 12, rel=0.01, abs=0)
+    assert mass == pytest.approx(width * exp(-high * high / 2) / sqrt(tau), rel=0.01, abs=0)
+
+
+@pytest.mark.parametrize('side', [1, -1])
+def test_a_tail_without_end_falls_like_an_exponential(side: int) -> None:
+    low, high = sorted((side * 10.0, side * 1e6))
+    mean, variance, mass = cut_normal(low, high)
+    assert mean == pytest.approx(side * 10.098, abs=0.003)
+    assert variance == pytest.approx(0.0095, abs=0.0006)
+    assert mass == pytest.approx(7.62e-24, rel=0.02, abs=0)
+
+
+@pytest.mark.parametrize(('rounding', 'whole', 'ends'), [
+    (Rounding.ROUND, 5, (4.5, 5.5)), (Rounding.ROUND, -5, (-5.5, -4.5)),
+    (Rounding.ROUND, 0, (-0.5, 0.5)),
+    *((rounding, whole, ends) for rounding in (Rounding.CARRY, Rounding.TRUNCATE)
+      for whole, ends in ((5, (5.0, 6.0)), (1, (1.0, 2.0)), (0, (-1.0, 1.0)), (-1, (-2.0, -1.0)),
+                          (-5, (-6.0, -5.0))))])
+def test_an_interval_is_no_wider_than_its_number(
+        rounding: Rounding, whole: int, ends: tuple[float, float]) -> None:
+    assert interval(rounding, whole) == ends
 
 
 @given(st.floats(-50, 50), st.sampled_from(ROUNDINGS))

@@ -24,6 +24,9 @@ SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
     ('Drive velocity=200 radius=in_place_clockwise; Wait Distance distance=9', 2, 'in place'),
     ('Drive velocity=200 radius=straight; Wait Angle angle=90', 2, 'does not turn'),
     ('Drive Direct right=100 left=-100; Wait Angle angle=-90', 2, 'turns counter-clockwise'),
+    ('Drive Direct right=1 left=0; Wait Angle angle=-90', 2, 'turns counter-clockwise'),
+    ('Drive Direct right=1 left=0; Wait Distance distance=-9', 2, 'drives forwards'),
+    ('Drive Direct right=-1 left=0; Wait Distance distance=9', 2, 'drives backwards'),
     ('Drive velocity=200 radius=straight; Wait Time time=5; Start; Wait Distance distance=9',
      4, 'the wheels stand'),
 ])

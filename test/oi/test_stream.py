@@ -149,6 +149,20 @@ def test_finish_returns_frames_after_an_incomplete_one() -> None:
     assert reader.finish() == []
 
 
+def test_finish_finds_a_frame_that_begins_at_the_second_byte_of_an_incomplete_one() -> None:
+    """19 is a header, and the length of a longer list, whose numbers are this frame's bytes."""
+    longer = oi.PacketList([8, 9, 30, 13, 10, 11, 12, 14, 18])
+    shorter = oi.PacketList([29, 30, 13])
+    assert (longer.length, shorter.length) == (19, 8)
+    frame, = (frame for low in range(256)
+              if (frame := shorter.pack_frame([0x900 + low, 0, 0]))[-1] == 10)
+    reader = oi.StreamReader([longer, shorter])
+    reader.feed(b'\x13' + frame)
+    assert reader.next_event() is None
+    assert reader.finish() == [
+        oi.Garbage(b'\x13'), oi.Frame(shorter, frame, oi.Checksum.HARDWARE)]
+
+
 def test_flush_returns_the_bytes_of_no_event() -> None:
     reader = oi.StreamReader([CLIFF])
     reader.feed(b'\7' + GOOD[:5])

@@ -1,0 +1,271 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What becomes of a goal's orders, byte for byte, and how each thing that ends a goal ends it."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Activity, MotionLimits, Settings
+from create_oi_ros.driver.demos import DOCK_PAUSE
+from create_oi_ros.driver.goal_control import MODE_WAIT
+from create_oi_ros.driver.goals import Code, Goal, Progress, Running
+from create_oi_ros.driver.goals.goal import DockDemo, Enter, Order, Over, View
+from create_oi_ros.driver.motion import Velocity
+from support.loop import AT_ONCE, Loop, STEP
+
+HALT = oi.DriveDirect(right=0, left=0)
+END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
+SEEK = oi.Demo(demo=oi.DemoNumber.COVER_AND_DOCK)
+DONE = Over(Code.NONE, 'done')
+
+
+class Told(Goal):
+    """A goal that orders what it is told to."""
+
+    def __init__(self, order: Order, *, allowance: float = 0.0, needs_driving: bool = True,
+                 over: Over | None = None) -> None:
+        super().__init__(allowance)
+        self.order, self.needs_driving, self._over = order, needs_driving, over
+        self.views: list[View] = []
+        self.begun = 0
+
+    def begin(self, view: View) -> Over | None:
+        """Count how often the goal begins."""
+        self.begun += 1
+        return self._over
+
+    def step(self, view: View) -> Order:
+        """Order it."""
+        self.views.append(view)
+        return self.order
+
+    @property
+    def progress(self) -> Progress:
+        """Tell how many steps were taken."""
+        return Progress(distance=len(self.views))
+
+
+AHEAD = Velocity(0.1, 0.0)
+
+
+def sent(loop: Loop) -> list[oi.Command]:
+    """Return what the robot was told since the last time, but for requests of packets."""
+    return [each for each in loop.commands() if not isinstance(each, oi.Stream)]
+
+
+def begun(loop: Loop, goal: Goal) -> Running:
+    """Start a goal and let it take some steps."""
+    running = loop.driver.goals.start(goal, loop.now)
+    loop.run(0.1)
+    return running
+
+
+def ended(running: Running) -> tuple[Code, str]:
+    """Return how a goal ended: the reason, without how far it got and what to do."""
+    assert running.ending is not None
+    return running.ending.code, running.ending.text.rpartition('; ')[2].partition(':')[0]
+
+
+@pytest.fixture
+def passive() -> Loop:
+    """Return a robot in Passive mode and its driver."""
+    loop = Loop(Settings(mode_on_start=oi.Mode.PASSIVE, limits=AT_ONCE))
+    loop.run(0.5)
+    loop.commands()
+    return loop
+
+
+def test_a_velocity_that_a_goal_orders_is_sent_and_a_goal_that_is_over_stops(at_once):
+    goal = Told(AHEAD)
+    running = begun(at_once, goal)
+    assert goal.begun == 1
+    assert sent(at_once)[-1] == oi.DriveDirect(right=100, left=100)
+    assert running.ending is None and running.progress.distance == len(goal.views) > 3
+    assert at_once.driver.goals.active
+    goal.order = DONE
+    at_once.run(2 * oi.SLOT)
+    assert sent(at_once)[0] == HALT
+    assert ended(running) == (Code.NONE, 'done')
+    assert running.ending.seconds == pytest.approx(0.1, abs=2.5 * oi.SLOT)
+    assert running.ending.estimate in [moved.estimate for moved in at_once.moved[-3:]]
+    assert not at_once.driver.goals.active
+    assert at_once.driver.state.activity is Activity.IDLE
+
+
+def test_a_goal_that_is_over_when_it_begins_takes_no_step(at_once):
+    goal = Told(AHEAD, over=DONE)
+    running = begun(at_once, goal)
+    assert ended(running) == (Code.NONE, 'done')
+    assert goal.views == []
+    assert set(sent(at_once)) == {HALT}
+
+
+@pytest.mark.parametrize(('end', 'code', 'text'), [
+    (lambda goals, *each: goals.cancel(*each), Code.CANCELED, 'canceled'),
+    (lambda goals, *each: goals.abandon(*each), Code.STOPPED, 'its client has gone')])
+def test_only_the_goal_that_runs_can_be_ended_by_its_client(at_once, end, code, text):
+    goals = at_once.driver.goals
+    first = begun(at_once, Told(AHEAD))
+    second = begun(at_once, Told(AHEAD))
+    assert ended(first) == (Code.SUPERSEDED, 'another goal took over')
+    sent(at_once)
+    end(goals, first, at_once.now)
+    at_once.run(0.1)
+    assert second.ending is None and HALT not in sent(at_once)
+    end(goals, second, at_once.now)
+    at_once.turn()
+    assert ended(second) == (code, text)
+    assert sent(at_once)[0] == HALT
+    at_once.run(0.1)
+    sent(at_once)
+    end(goals, second, at_once.now)
+    at_once.run(0.1)
+    assert sent(at_once) == [], 'a goal that has ended is not ended again'
+
+
+def test_a_goal_ends_when_its_time_is_over_and_not_before(at_once):
+    running = at_once.driver.goals.start(Told(AHEAD, allowance=0.5), at_once.now)
+    at_once.run(0.5 - STEP)
+    assert running.ending is None
+    at_once.run(2 * oi.SLOT)
+    assert ended(running) == (Code.TIMEOUT, 'time_allowance of 0.5 s is over')
+    assert HALT in sent(at_once)
+    endless = begun(at_once, Told(AHEAD))
+    at_once.run(2.0)
+    assert endless.ending is None
+
+
+def test_a_goal_waits_for_its_mode_and_then_has_all_its_time(loop):
+    loop.run(2.0)
+    loop.robot.receive(oi.Start().encode(), loop.now)
+    loop.run(1.5)
+    hear, loop.robot.receive = loop.robot.receive, lambda *_: None
+    running = loop.driver.goals.start(goal := Told(AHEAD, allowance=0.5), loop.now)
+    loop.run(0.3)
+    assert goal.begun == 0
+    loop.robot.receive = hear
+    hear(oi.Safe().encode(), loop.now)  # only now the robot takes what it was sent
+    loop.run(0.45)
+    assert running.ending is None and goal.begun == 1
+    loop.run(0.5)
+    assert ended(running)[0] is Code.TIMEOUT
+
+
+def test_a_goal_whose_mode_does_not_come_is_given_up(loop):
+    loop.run(2.0)
+    loop.robot.receive(oi.Start().encode(), loop.now)
+    loop.run(1.5)
+    loop.robot.receive = lambda *_: None
+    running = loop.driver.goals.start(goal := Told(AHEAD), loop.now)
+    loop.run(MODE_WAIT - 0.01)
+    assert running.ending is None
+    loop.run(0.03)
+    assert ended(running) == (Code.MODE, 'robot is in PASSIVE')
+    assert goal.begun == 0
+
+
+def test_a_goal_that_needs_no_wheels_runs_in_passive_and_one_that_does_is_refused(passive):
+    waiting = begun(passive, Told(DockDemo.GO_ON, needs_driving=False))
+    assert waiting.ending is None and waiting.progress.distance > 3
+    passive.driver.goals.cancel(waiting, passive.now)
+    passive.run(0.1)
+    passive.commands()
+    refused = passive.driver.goals.start(Told(AHEAD), passive.now)
+    assert ended(refused)[0] is Code.MODE and refused.ending.seconds == 0
+    assert not passive.driver.goals.active
+    passive.run(0.2)
+    assert sent(passive) == [] and passive.robot.mode is oi.Mode.PASSIVE
+
+
+def test_a_goal_that_is_refused_first_of_all_has_run_for_no_time(passive):
+    refused = passive.driver.goals.start(Told(AHEAD), passive.now)
+    assert ended(refused)[0] is Code.MODE
+    assert refused.ending.seconds == 0
+
+
+def test_a_goal_that_is_cancelled_before_its_first_frame_has_run_for_no_time(at_once):
+    at_once.now += 0.001
+    running = at_once.driver.goals.start(Told(AHEAD), at_once.now)
+    at_once.driver.goals.cancel(running, at_once.now)
+    assert ended(running) == (Code.CANCELED, 'canceled')
+    assert running.ending.seconds == 0
+
+
+def test_a_mode_that_is_lost_ends_a_goal_at_its_next_step(at_once):
+    running = begun(at_once, Told(AHEAD))
+    at_once.body.drop(left=True)
+    at_once.run(0.1)
+    assert ended(running) == (Code.MODE, 'robot left SAFE (left wheel dropped)')
+
+
+def test_a_goal_that_enters_a_mode_stands_meanwhile(at_once):
+    goal = Told(AHEAD)
+    running = begun(at_once, goal)
+    sent(at_once)
+    goal.order = Enter(oi.Mode.FULL, 'because')
+    at_once.run(2 * oi.SLOT)
+    told = sent(at_once)
+    assert told.index(oi.Full()) > told.index(HALT)
+    goal.order = Velocity(0.0, 0.0)
+    at_once.run(0.2)
+    assert at_once.robot.mode is oi.Mode.FULL and running.ending is None
+    assert any(notice.text == 'because' for notice in at_once.notices)
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
+def test_a_search_for_the_dock_that_is_ended_stops_the_robot_and_brings_its_mode_back(
+        at_once, mode):
+    at_once.driver.set_mode(mode, at_once.now)
+    at_once.run(0.3)
+    goal = Told(DockDemo.PLAY, needs_driving=False)
+    running = at_once.driver.goals.start(goal, at_once.now)
+    while at_once.driver.state.activity is not Activity.DOCKING:
+        at_once.turn()
+    goal.order = DockDemo.GO_ON
+    at_once.run(DOCK_PAUSE + 0.1)
+    assert SEEK in sent(at_once)
+    assert at_once.robot.demo is oi.DemoNumber.COVER_AND_DOCK
+    at_once.driver.goals.cancel(running, at_once.now)
+    at_once.run(0.1)
+    told = sent(at_once)
+    assert told[:2] == [HALT, END_DEMO]
+    assert at_once.robot.demo is None and at_once.robot.mode is mode
+    assert at_once.driver.status.wanted is mode
+
+
+def test_a_dock_that_was_found_leaves_the_robot_as_it_is(at_once):
+    goal = Told(DockDemo.PLAY, needs_driving=False)
+    running = at_once.driver.goals.start(goal, at_once.now)
+    while at_once.driver.state.activity is not Activity.DOCKING:
+        at_once.turn()
+    goal.order = DockDemo.GO_ON
+    at_once.run(DOCK_PAUSE + 0.1)
+    sent(at_once)
+    goal.order = DONE
+    at_once.run(0.1)
+    assert ended(running)[0] is Code.NONE
+    assert END_DEMO not in sent(at_once)
+    assert at_once.robot.mode is oi.Mode.PASSIVE
+
+
+def test_velocities_do_not_end_a_goal_where_they_may_not():
+    loop = Loop(Settings(limits=MotionLimits(commands_interrupt=False)))
+    loop.run(0.3)
+    running = begun(loop, Told(AHEAD))
+    loop.driver.drive(0.3, 0.0, loop.now)
+    loop.run(0.1)
+    assert running.ending is None
+
+
+def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives(at_once):
+    goal = Told(DockDemo.PLAY, needs_driving=False)
+    search = at_once.driver.goals.start(goal, at_once.now)
+    while at_once.driver.state.activity is not Activity.DOCKING:
+        at_once.turn()
+    goal.order = DockDemo.GO_ON
+    at_once.run(DOCK_PAUSE + 0.1)
+    running = at_once.driver.goals.start(Told(AHEAD), at_once.now)
+    assert ended(search) == (Code.SUPERSEDED, 'another goal took over')
+    at_once.run(0.3)
+    assert running.ending is None
+    assert at_once.robot.mode is oi.Mode.SAFE and at_once.robot.actuators.wheels == (100, 100)

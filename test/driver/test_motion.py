@@ -1,0 +1,240 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which bytes velocity commands become, figure by figure; times are binary fractions, so exact."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits, wheel_speeds
+from create_oi_ros.driver.motion import (
+    next_speeds,
+    RAMP_STEP,
+    REPORT_TIMEOUT,
+    STOPPED,
+    Velocity,
+    WheelCommands,
+    without_forward,
+)
+from create_oi_ros.oi.steering import WheelSpeeds
+from support.loop import AT_ONCE
+
+FREE = MotionLimits(
+    wheel_separation=0.25, linear_acceleration=0.0, angular_acceleration=0.0)
+RAMPED = MotionLimits(wheel_separation=0.25, linear_acceleration=1.0, angular_acceleration=4.0)
+HALT = oi.DriveDirect(right=0, left=0)
+SLOT = 0.015
+
+
+def commanded(linear: float, angular: float, limits: MotionLimits = AT_ONCE) -> WheelCommands:
+    """Return wheels that a velocity was commanded to at second 8, and have been told."""
+    wheels = WheelCommands(limits)
+    assert wheels.command(linear, angular, 8.0) == bool(linear or angular)
+    wheels.next_drive(8.0)
+    return wheels
+
+
+def straight(speed: int) -> oi.DriveDirect:
+    """Return the command for both wheels, mm/s."""
+    return oi.DriveDirect(right=speed, left=speed)
+
+
+# From velocities to wheels.
+
+
+@pytest.mark.parametrize(('linear', 'angular', 'right', 'left'), [
+    (0.25, 0.0, 250, 250), (-0.25, 0.0, -250, -250), (0.0, 1.0, 125, -125), (0.0, -1.0, -125, 125),
+    (0.25, 1.0, 375, 125), (-0.25, 1.0, -125, -375), (0.25, 2.0, 500, 0), (0.0, 0.0, 0, 0),
+    (0.5, 0.0, 500, 500), (1.0, 0.0, 500, 500), (0.5, 4.0, 500, 0), (0.5, -4.0, 0, 500),
+    (-1.0, 8.0, 0, -500), (1e308, 0.0, 500, 500), (5e-324, 0.0, 0, 0)])
+def test_a_velocity_becomes_wheel_speeds_and_one_that_is_too_fast_keeps_its_curve(
+        linear: float, angular: float, right: float, left: float) -> None:
+    assert wheel_speeds(linear, angular, FREE) == pytest.approx((right, left), abs=1e-9)
+
+
+def test_the_default_limits_are_those_of_the_pages() -> None:
+    limits = MotionLimits()
+    assert (limits.wheel_separation, limits.max_wheel_speed, limits.timeout) == (0.258, 0.5, 0.5)
+    assert (limits.linear_acceleration, limits.angular_acceleration) == (1.0, 4.0)
+    assert (limits.bump_stop, limits.commands_interrupt) == (False, True)
+
+
+@pytest.mark.parametrize(('wanted', 'after'), [
+    ((500, 500), (31.25, 31.25)), ((-500, -500), (-31.25, -31.25)),
+    ((200, -200), (15.625, -15.625)), ((-200, 200), (-15.625, 15.625)),
+    ((500, 250), (31.25 * 4 / 3, 31.25 * 2 / 3)), ((30, 30), (30, 30)), ((15, -15), (15, -15)),
+    ((0, 0), (0, 0))])
+def test_wheels_are_accelerated_by_the_tighter_limit_and_the_curve_is_kept(
+        wanted: tuple[float, float], after: tuple[float, float]) -> None:
+    found = next_speeds(STOPPED, WheelSpeeds(*wanted), 1 / 32, RAMPED)
+    assert found == pytest.approx(after)
+
+
+def test_wheels_are_slowed_from_the_speeds_that_they_have() -> None:
+    found = next_speeds(WheelSpeeds(300, 100), WheelSpeeds(100, 100), 1 / 32, RAMPED)
+    assert found == pytest.approx((268.75, 100)), 'by turning: 800 mm/s, of 4 rad/s²'
+    found = next_speeds(WheelSpeeds(300, 300), STOPPED, 1 / 32, RAMPED)
+    assert found == pytest.approx((268.75, 268.75))
+
+
+@pytest.mark.parametrize(('linear', 'angular', 'after'), [
+    (0.0, 4.0, (15.625, -15.625)), (1.0, 0.0, (200, -200))])
+def test_without_one_limit_the_other_holds(
+        linear: float, angular: float, after: tuple[float, float]) -> None:
+    limits = MotionLimits(
+        wheel_separation=0.25, linear_acceleration=linear, angular_acceleration=angular)
+    assert next_speeds(STOPPED, WheelSpeeds(200, -200), 1 / 32, limits) == pytest.approx(after)
+
+
+@pytest.mark.parametrize(('speeds', 'left_of_it'), [
+    ((200, 200), (0, 0)), ((300, 100), (100, -100)), ((200, -200), (200, -200)),
+    ((-200, -200), (-200, -200)), ((-100, -300), (-100, -300)), ((100, -300), (100, -300)),
+    ((1, 1), (0, 0)), ((1, 0), (0.5, -0.5))])
+def test_what_drives_forward_is_left_out_and_what_turns_or_backs_is_kept(
+        speeds: tuple[float, float], left_of_it: tuple[float, float]) -> None:
+    assert without_forward(WheelSpeeds(*speeds)) == left_of_it
+
+
+# Commands, one after the other.
+
+
+def test_nobody_commands_anything_before_the_first_command() -> None:
+    wheels = WheelCommands(AT_ONCE)
+    assert wheels.at_rest and wheels.expired(0.0)
+    assert wheels.missed == 0 and not wheels.blocked
+    assert wheels.next_drive(0.0) == HALT, 'the wheels may have turned before'
+    assert wheels.next_drive(1.0) is None
+
+
+def test_a_command_holds_for_its_time_and_no_longer() -> None:
+    wheels = commanded(0.25, 0.0)
+    assert not wheels.expired(8.0) and not wheels.expired(8.5)
+    assert wheels.expired(8.5 + 1e-6)
+    wheels.command(0.25, 0.0, 8.5)
+    assert not wheels.expired(9.0)
+
+
+def test_a_robot_is_told_once_a_slot_but_a_stop_does_not_wait() -> None:
+    wheels = commanded(0.25, 0.0)
+    wheels.command(0.125, 0.0, 8.0)
+    assert wheels.next_drive(8.0 + SLOT * 0.95) is None
+    assert wheels.next_drive(8.0 + SLOT * 1.01) == straight(125)
+    assert wheels.next_drive(9.0) is None, 'nothing new'
+    wheels.command(0.25, 0.0, 9.0)
+    assert wheels.next_drive(9.0) == straight(250)
+    wheels.stop()
+    assert wheels.next_drive(9.001) == HALT
+    assert wheels.next_drive(9.5) is None
+
+
+def test_backwards_the_robot_is_told_once_a_slot_too() -> None:
+    wheels = commanded(-0.25, 0.0)
+    wheels.command(-0.125, 0.0, 8.0)
+    assert wheels.next_drive(8.001) is None
+    assert wheels.next_drive(8.1) == straight(-125)
+
+
+def test_a_velocity_of_which_nothing_is_said_is_zero() -> None:
+    assert Velocity() == (0.0, 0.0)
+
+
+def test_one_wheel_alone_waits_for_the_slot_as_well() -> None:
+    for turn in (1.0, -1.0):
+        wheels = commanded(0.25, 0.0, FREE)
+        wheels.command(0.125, turn, 8.0)
+        assert wheels.next_drive(8.001) is None
+        assert wheels.next_drive(8.1) == oi.DriveDirect(
+            right=round(125 + 125 * turn), left=round(125 - 125 * turn))
+
+
+def test_a_stop_ends_motion_at_once_though_acceleration_is_limited() -> None:
+    wheels = commanded(0.5, 0.0, RAMPED)
+    assert not wheels.at_rest
+    assert wheels.next_drive(8.0 + SLOT * 1.01) is not None
+    wheels.command(0.0, 0.0, 8.1)
+    assert not wheels.at_rest, 'a command of zero slows down'
+    wheels.stop()
+    assert wheels.at_rest
+    assert wheels.next_drive(8.1) == HALT
+
+
+def test_wheels_are_at_rest_once_they_have_followed_a_command_of_zero() -> None:
+    wheels = commanded(0.25, 0.0)
+    wheels.command(0.0, 0.0, 8.1)
+    assert not wheels.at_rest
+    assert wheels.next_drive(8.1) == HALT
+    assert wheels.at_rest
+
+
+@pytest.mark.parametrize('velocity', [(0.25, 0.0), (-0.25, 0.0), (0.0, 1.0), (0.0, -1.0)])
+def test_wheels_that_have_not_begun_to_turn_are_not_at_rest(velocity: tuple[float, float]) -> None:
+    wheels = WheelCommands(RAMPED)
+    wheels.command(*velocity, 8.0)
+    assert not wheels.at_rest
+
+
+def test_a_command_after_a_pause_gets_the_acceleration_of_two_slots() -> None:
+    assert RAMP_STEP == 2 * SLOT
+    wheels = WheelCommands(RAMPED)
+    wheels.command(0.5, 0.0, 8.0)
+    assert wheels.next_drive(8.0) == straight(30)
+    assert wheels.next_drive(8.02) == straight(50)
+    assert wheels.next_drive(9.0) == straight(80)
+
+
+def test_wheels_that_wait_for_their_slot_go_on_being_accelerated() -> None:
+    wheels = WheelCommands(RAMPED)
+    wheels.command(0.5, 0.0, 8.0)
+    assert wheels.next_drive(8.0) == straight(30)
+    assert wheels.next_drive(8.01) is None
+    assert wheels.next_drive(8.02) == straight(50)
+
+
+@pytest.mark.parametrize(('blocked', 'bump_stop', 'told'), [
+    (False, False, 100), (True, False, 100), (False, True, 100), (True, True, 0)])
+def test_a_pressed_bumper_lets_nothing_drive_forward_where_that_is_asked_for(
+        blocked: bool, bump_stop: bool, told: int) -> None:
+    wheels = WheelCommands(MotionLimits(
+        linear_acceleration=0.0, angular_acceleration=0.0, bump_stop=bump_stop))
+    wheels.blocked = blocked
+    wheels.command(0.1, 0.0, 8.0)
+    assert wheels.next_drive(8.0) == straight(told)
+    wheels.command(-0.1, 0.0, 9.0)
+    assert wheels.next_drive(9.0) == straight(-100)
+
+
+# What the robot reports.
+
+
+def test_speeds_that_the_robot_did_not_take_in_time_are_sent_again() -> None:
+    assert REPORT_TIMEOUT == pytest.approx(0.15)
+    wheels = commanded(0.25, 0.0)
+    wheels.reported(0, 0, 8.1499)
+    assert wheels.next_drive(8.1499) is None and wheels.missed == 0, 'it may still come'
+    wheels.reported(0, 0, 8.1501)
+    assert wheels.missed == 1
+    assert wheels.next_drive(8.16) == straight(250)
+    wheels.reported(250, 0, 8.17)
+    wheels.reported(250, 0, 8.4)
+    assert wheels.missed == 2
+    wheels.reported(0, 0, 8.6)
+    assert wheels.missed == 2, 'nothing was sent since'
+    wheels.next_drive(8.7)
+    wheels.reported(250, 250, 8.71)
+    assert wheels.missed == 0
+    assert wheels.next_drive(9.0) is None
+
+
+def test_a_stop_that_the_robot_did_not_take_is_sent_again() -> None:
+    wheels = commanded(0.25, 0.0)
+    wheels.stop()
+    assert wheels.next_drive(8.1) == HALT
+    wheels.reported(250, 250, 8.2)
+    assert wheels.next_drive(8.2) is None
+    wheels.reported(250, 250, 8.3)
+    assert wheels.next_drive(8.3) == HALT
+
+
+def test_what_was_sent_and_is_forgotten_is_sent_again() -> None:
+    wheels = commanded(0.25, 0.0)
+    wheels.forget_sent()
+    assert wheels.next_drive(9.0) == straight(250)

@@ -1,0 +1,105 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which bytes leave when; times are binary fractions, so exact."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver.outbox import LOST, MODE_PAUSE, Outbox
+
+HALT = oi.DriveDirect(right=0, left=0)
+OFF = oi.LowSideDrivers(bits=oi.DriverBits(0))
+
+
+def released(outbox: Outbox, now: float) -> bytes:
+    """Return what leaves now."""
+    outbox.release(now)
+    return outbox.take_ready()
+
+
+def test_commands_leave_in_order_and_once() -> None:
+    outbox = Outbox()
+    assert not outbox.busy and released(outbox, 0.0) == b''
+    outbox.send(OFF)
+    outbox.send_raw(bytes(3))
+    assert outbox.busy and outbox.take_ready() == b'', 'nothing leaves before its time'
+    assert released(outbox, 8.0) == OFF.encode() + bytes(3)
+    assert not outbox.busy and released(outbox, 9.0) == b''
+
+
+@pytest.mark.parametrize('mode', [oi.Start, oi.Safe, oi.Full])
+def test_after_a_mode_the_robot_has_time_to_enter_it(mode: type[oi.Command]) -> None:
+    assert MODE_PAUSE == 0.02
+    outbox = Outbox()
+    outbox.send(mode())
+    outbox.send(OFF)
+    assert released(outbox, 8.0) == mode().encode()
+    assert released(outbox, 8.019) == b''
+    assert outbox.busy
+    assert released(outbox, 8.0201) == OFF.encode()
+
+
+def test_a_pause_that_was_asked_for_is_kept_unless_the_mode_needs_a_longer_one() -> None:
+    for command, asked, pause in ((OFF, 0.5, 0.5), (oi.Safe(), 0.5, 0.5), (oi.Safe(), 0.01, 0.02)):
+        outbox = Outbox()
+        outbox.request(command, 'done', pause=asked)
+        outbox.send(OFF)
+        assert released(outbox, 8.0) == command.encode()
+        assert released(outbox, 8.0 + pause - 0.001) == b''
+        assert released(outbox, 8.0 + pause + 0.001) == OFF.encode()
+        outbox.send(oi.Demo(demo=oi.DemoNumber.COVER), pause=0.25)
+        outbox.send(OFF)
+        assert len(released(outbox, 9.0)) == 2
+        assert released(outbox, 9.125) == b''
+        assert released(outbox, 9.25) == OFF.encode()
+
+
+def test_a_stop_overtakes_all_that_waits() -> None:
+    outbox = Outbox()
+    outbox.send(oi.Safe())
+    outbox.send(OFF)
+    assert released(outbox, 8.0) == oi.Safe().encode()
+    outbox.send_at_once(HALT, 8.001)
+    assert released(outbox, 8.002) == HALT.encode()
+    assert released(outbox, 8.019) == b'', 'the pause after the mode goes on'
+    assert released(outbox, 8.021) == OFF.encode()
+
+
+def test_a_request_ends_when_its_bytes_are_written_and_not_before() -> None:
+    outbox = Outbox()
+    first, second = outbox.request(OFF, 'off'), outbox.request(oi.Safe(), 'safe', pause=1.0)
+    third = outbox.request(OFF, 'later')
+    outbox.confirm()
+    assert first.outcome is None
+    outbox.release(8.0)
+    assert first.outcome is second.outcome is None
+    outbox.confirm()
+    assert first.outcome == (True, 'off', b'') and second.outcome == (True, 'safe', b'')
+    assert third.outcome is None
+
+
+def test_what_was_not_written_is_lost_and_never_leaves() -> None:
+    outbox = Outbox()
+    written = outbox.request(OFF, 'off')
+    outbox.release(8.0)
+    outbox.confirm()
+    ready, queued = outbox.request(oi.Safe(), 'safe', pause=9.0), outbox.request(OFF, 'off')
+    outbox.send(OFF)
+    outbox.release(8.5)
+    outbox.clear()
+    assert written.outcome == (True, 'off', b'')
+    assert ready.outcome == queued.outcome == (False, LOST, b'')
+    assert not outbox.busy and released(outbox, 30.0) == b''
+    outbox.confirm()
+    outbox.send(oi.Safe(), pause=9.0)
+    outbox.release(40.0)
+    outbox.clear()
+    outbox.send(OFF)
+    assert released(outbox, 40.1) == OFF.encode(), 'another robot owes no pause'
+
+
+def test_a_command_that_is_out_of_range_is_not_queued() -> None:
+    outbox = Outbox()
+    with pytest.raises(ValueError, match='right'):
+        outbox.send(oi.DriveDirect(right=501, left=0))
+    assert not outbox.busy

@@ -1,0 +1,273 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""When a mode may be entered again, to the edges of its times; fractions are binary, so exact."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver.supervision import (
+    Cause,
+    causes_in,
+    CLEAR_FOR,
+    MOST_TRIES,
+    RETRY_INTERVAL,
+    SETTLING,
+    Supervision,
+)
+
+OFF, PASSIVE, SAFE, FULL = oi.Mode.OFF, oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL
+LITTLE = 1e-6
+
+
+def frame(mode: oi.Mode, *, drops: int = 0, cliff: int = 0, charger: int = 0) -> oi.Readings:
+    """Return the readings that supervision needs."""
+    return oi.Readings({
+        'oi_mode': mode, 'bumps_and_wheel_drops': drops, 'cliff_left': 0, 'cliff_front_left': 0,
+        'cliff_front_right': 0, 'cliff_right': cliff, 'charging_sources': charger})
+
+
+def entered(wanted: oi.Mode = SAFE, *, recover: bool = True) -> Supervision:
+    """Return the supervision of a robot that entered its mode at second 8."""
+    watch = Supervision(wanted, recover=recover)
+    watch.entering(8.0)
+    assert not watch.observe(frame(wanted), 8.0)
+    return watch
+
+
+def fallen(at: float = 16.0, *, recover: bool = True) -> Supervision:
+    """Return the supervision of a robot that fell to Passive at a cliff that is gone since."""
+    watch = entered(recover=recover)
+    assert watch.observe(frame(PASSIVE, cliff=1), at)
+    return watch
+
+
+# What takes the robot out of its mode.
+
+
+@pytest.mark.parametrize(('name', 'value', 'cause'), [
+    ('cliff_left', 1, Cause.CLIFF_LEFT), ('cliff_front_left', 1, Cause.CLIFF_FRONT_LEFT),
+    ('cliff_front_right', 1, Cause.CLIFF_FRONT_RIGHT), ('cliff_right', 1, Cause.CLIFF_RIGHT),
+    ('bumps_and_wheel_drops', 8, Cause.WHEEL_DROP_LEFT),
+    ('bumps_and_wheel_drops', 4, Cause.WHEEL_DROP_RIGHT),
+    ('bumps_and_wheel_drops', 16, Cause.WHEEL_DROP_CASTER),
+    ('charging_sources', 1, Cause.CHARGER), ('charging_sources', 2, Cause.CHARGER)])
+def test_each_hazard_is_named_alone(name: str, value: int, cause: Cause) -> None:
+    readings = oi.Readings({
+        'bumps_and_wheel_drops': 3, 'cliff_left': 0, 'cliff_front_left': 0,
+        'cliff_front_right': 0, 'cliff_right': 0, 'charging_sources': 0, name: value})
+    assert causes_in(readings) == (cause,)
+
+
+@pytest.mark.parametrize(('sources', 'docked'), [(0, False), (1, False), (2, True), (3, True)])
+def test_only_the_contacts_of_a_home_base_are_a_dock(sources: int, docked: bool) -> None:
+    watch = entered()
+    assert not watch.docked
+    watch.observe(frame(SAFE, charger=sources), 9.0)
+    assert watch.docked is docked
+
+
+@pytest.mark.parametrize(('mode', 'cause'), [(OFF, Cause.POWER), (PASSIVE, Cause.UNKNOWN)])
+def test_a_mode_that_was_left_without_a_hazard_has_a_cause_all_the_same(
+        mode: oi.Mode, cause: Cause) -> None:
+    watch = entered()
+    assert watch.observe(frame(mode), 16.0)
+    assert watch.status.causes == (cause,)
+    assert watch.status.reason == cause.value
+    assert not watch.status.can_drive
+    assert not watch.observe(frame(mode), 16.5), 'it is told once'
+
+
+def test_a_hazard_that_was_over_in_the_frame_that_left_is_the_cause() -> None:
+    watch = entered()
+    assert not watch.observe(frame(SAFE, drops=4), 16.0)
+    assert watch.observe(frame(PASSIVE), 16.1)
+    assert watch.status.causes == (Cause.WHEEL_DROP_RIGHT,)
+
+
+def test_a_cause_is_over_when_the_mode_is_back_or_another_is_wanted() -> None:
+    watch = fallen()
+    assert not watch.observe(frame(SAFE), 17.0)
+    assert watch.status.causes == () and watch.status.can_drive
+    watch = fallen()
+    watch.want(FULL)
+    assert watch.status.causes == () and watch.status.wanted is FULL
+    watch = fallen()
+    watch.lost()
+    assert (watch.status.actual, watch.status.wanted, watch.status.causes) == (None, SAFE, ())
+    assert watch.status.reason == 'no robot answers'
+
+
+# A frame from before the mode was entered.
+
+
+def test_a_mode_that_seems_left_soon_after_it_was_asked_for_is_only_entered_again() -> None:
+    watch = entered()
+    assert not watch.observe(frame(PASSIVE), 8.0 + SETTLING)
+    assert watch.status.causes == ()
+    assert watch.must_enter_again(8.0 + SETTLING)
+    watch = entered()
+    assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
+    watch = entered()
+    assert watch.observe(frame(PASSIVE, cliff=1), 8.5), 'a hazard needs no second frame'
+
+
+def test_trying_again_does_not_prolong_the_time_in_which_old_frames_may_come() -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.entering(8.0)
+    watch.entering(9.5)
+    watch.observe(frame(SAFE), 9.6)
+    assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
+
+
+def test_a_mode_that_only_seemed_left_is_entered_again_at_most_twice() -> None:
+    watch, tries, now = entered(), 0, 9.0
+    watch.observe(frame(PASSIVE), now)
+    while watch.must_enter_again(now):
+        watch.entering(now)
+        tries, now = tries + 1, now + 1.0
+    assert tries == MOST_TRIES - 1
+
+
+# A robot that missed the command.
+
+
+def test_a_mode_that_the_robot_missed_is_entered_again_after_a_while_and_not_for_ever() -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.observe(frame(PASSIVE), 1.0)
+    assert not watch.must_enter_again(2.0), 'nobody has asked for it yet'
+    for number in range(1, MOST_TRIES + 1):
+        watch.entering(8.0 * number)
+        watch.observe(frame(PASSIVE), 8.0 * number + RETRY_INTERVAL / 2)
+        assert not watch.must_enter_again(8.0 * number + RETRY_INTERVAL - LITTLE)
+        again = watch.must_enter_again(8.0 * number + RETRY_INTERVAL + LITTLE)
+        assert again is (number < MOST_TRIES)
+        if again:
+            watch.observe(frame(PASSIVE), 8.0 * number + RETRY_INTERVAL + LITTLE)
+        assert watch.status.causes == ()
+    watch.observe(frame(PASSIVE), 24.0 + RETRY_INTERVAL - LITTLE)
+    assert watch.status.causes == ()
+    watch.observe(frame(PASSIVE), 24.0 + RETRY_INTERVAL + LITTLE)
+    assert watch.status.causes == (Cause.UNKNOWN,)
+
+
+def test_a_mode_that_was_tried_too_often_is_given_up_with_a_cause() -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.observe(frame(PASSIVE, cliff=1), 7.0)
+    assert watch.status.causes == (), 'nobody has asked for it yet'
+    for _ in range(MOST_TRIES + 1):
+        watch.entering(8.0)
+    assert not watch.must_enter_again(9.0)
+    watch.observe(frame(PASSIVE), 9.0)
+    assert watch.status.causes == (Cause.UNKNOWN,)
+
+
+@pytest.mark.parametrize('mode', [PASSIVE, SAFE, FULL])
+def test_of_a_robot_that_was_told_no_mode_yet_only_full_is_undone(mode: oi.Mode) -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.observe(frame(mode), 8.0)
+    assert watch.must_enter_again(8.0) is (mode is FULL)
+
+
+def test_a_robot_in_its_mode_or_away_is_told_nothing() -> None:
+    watch = entered()
+    assert not watch.must_enter_again(100.0)
+    watch.lost()
+    assert not watch.must_enter_again(100.0)
+
+
+def test_the_times_to_wait_are_those_of_the_pages() -> None:
+    assert (RETRY_INTERVAL, MOST_TRIES, SETTLING, CLEAR_FOR) == (0.2, 3, 2.0, 1.0)
+
+
+def test_a_hazard_ends_the_tries_at_the_first_one() -> None:
+    watch = Supervision(SAFE, recover=True)
+    watch.entering(8.0)
+    watch.observe(frame(PASSIVE, charger=1), 8.0 + RETRY_INTERVAL - LITTLE)
+    assert watch.status.causes == ()
+    watch.observe(frame(PASSIVE, charger=1), 8.0 + RETRY_INTERVAL + LITTLE)
+    assert watch.status.causes == (Cause.CHARGER,)
+    assert not watch.must_enter_again(9.0)
+
+
+@pytest.mark.parametrize(('wanted', 'actual', 'again'), [
+    (SAFE, FULL, True), (FULL, SAFE, True), (PASSIVE, SAFE, False), (PASSIVE, FULL, False),
+    (SAFE, PASSIVE, False), (FULL, OFF, False)])
+def test_full_for_safe_is_no_safety_stop_and_is_always_undone(
+        wanted: oi.Mode, actual: oi.Mode, again: bool) -> None:
+    watch = entered(wanted)
+    assert watch.observe(frame(actual), 16.0)
+    assert watch.must_enter_again(16.0) is again
+    watch.commands_paused()
+    assert watch.may_recover(17.0)
+
+
+def test_a_mode_that_was_entered_gives_all_tries_back() -> None:
+    watch = Supervision(SAFE, recover=True)
+    for number in range(MOST_TRIES):
+        watch.entering(8.0 + number)
+    watch.observe(frame(SAFE), 12.0)
+    watch.entering(12.5)
+    watch.observe(frame(PASSIVE), 12.6)
+    assert watch.must_enter_again(13.0)
+
+
+@pytest.mark.parametrize('change', [
+    lambda watch: watch.lost(), lambda watch: watch.want(FULL)], ids=['lost', 'another mode'])
+def test_a_robot_that_came_back_and_another_mode_have_all_tries(change) -> None:
+    watch = entered()
+    watch.entering(9.0)
+    change(watch)
+    tries, now = 0, 20.0
+    watch.entering(now)
+    while True:
+        watch.observe(frame(PASSIVE), now + RETRY_INTERVAL / 2)
+        if not watch.must_enter_again(now + 2 * RETRY_INTERVAL):
+            break
+        now, tries = now + 2 * RETRY_INTERVAL, tries + 1
+        watch.entering(now)
+    assert tries == MOST_TRIES - 1
+
+
+# Coming back.
+
+
+def test_the_mode_comes_back_a_second_after_the_hazard_and_after_a_pause_of_commands() -> None:
+    watch = fallen(16.0)
+    assert not watch.may_recover(20.0), 'commands go on'
+    watch.commands_paused()
+    assert not watch.may_recover(17.0 - LITTLE)
+    assert watch.may_recover(17.0)
+    watch.observe(frame(PASSIVE, cliff=1), 18.0)
+    assert not watch.may_recover(18.5)
+    assert watch.may_recover(19.0)
+
+
+def test_a_pause_from_before_the_fall_does_not_count() -> None:
+    watch = entered()
+    watch.commands_paused()
+    watch.observe(frame(PASSIVE, drops=16), 16.0)
+    assert not watch.may_recover(20.0)
+
+
+def test_full_mode_that_nobody_wanted_does_not_clear_the_cause() -> None:
+    watch = fallen()
+    watch.observe(frame(FULL), 17.0)
+    assert watch.status.causes == (Cause.CLIFF_RIGHT,)
+
+
+def test_nothing_is_brought_back_that_was_not_lost_or_is_not_to_be() -> None:
+    watch = fallen(recover=False)
+    watch.commands_paused()
+    assert not watch.may_recover(20.0)
+    watch = fallen()
+    watch.commands_paused()
+    watch.observe(frame(SAFE), 20.0)
+    assert not watch.may_recover(21.0)
+    watch = fallen()
+    watch.commands_paused()
+    watch.lost()
+    assert not watch.may_recover(21.0)
+    watch = Supervision(SAFE, recover=True)
+    watch.commands_paused()
+    watch.observe(frame(PASSIVE), 8.0)
+    assert not watch.may_recover(21.0), 'it has not been in that mode'
