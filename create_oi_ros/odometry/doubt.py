@@ -73,6 +73,7 @@ class Doubt:
         others = Assumptions.all()
         others.means[:, OUTSIDE] = rows.means[0, OUTSIDE]
         others.p[:, OUTSIDE, OUTSIDE] = rows.p[0, OUTSIDE, OUTSIDE]
+        others.rates[:] = rows.rates[0]
         accumulators.empty(others)
         rows.join(others, REBORN)
         rows.readings = 0
