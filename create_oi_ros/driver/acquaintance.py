@@ -49,7 +49,8 @@ def described(robot: Knowledge) -> str:
     """Say in a line what is known of a robot."""
     rounding, sign = robot.likeliest
     right, left = robot.right_gain.value, robot.left_gain.value
+    overshoot = f' and overshoot by {100 * robot.overshoot:.0f} %' if robot.overshoot else ''
     return (f'fractions are {FRACTIONS[rounding]}, encoders take the sign of {SIGNS[sign]}, '
             f'wheels run at {right:.3f} (right) and {left:.3f} (left) of the speed asked, '
-            f'{MM_PER_M * robot.delay(QUICK).value:.0f} ms late at {QUICK} m/s; a frame lasts '
-            f'{MM_PER_M * robot.frame_period.value:.2f} ms')
+            f'{MM_PER_M * robot.delay(QUICK).value:.0f} ms late at {QUICK} m/s{overshoot}; a '
+            f'frame lasts {MM_PER_M * robot.frame_period.value:.2f} ms')

@@ -4,8 +4,8 @@
 
 from ..robot import Rounding
 from .estimate import Estimate, Geometry, Increment
-from .knowledge import Knowledge, Known, SignSource
+from .knowledge import Family, Knowledge, Known, SignSource
 from .odometry import Odometry
 
-__all__ = ['Estimate', 'Geometry', 'Increment', 'Knowledge', 'Known', 'Odometry', 'Rounding',
-           'SignSource']
+__all__ = ['Estimate', 'Family', 'Geometry', 'Increment', 'Knowledge', 'Known', 'Odometry',
+           'Rounding', 'SignSource']

@@ -12,6 +12,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..robot import Rounding
 from . import states as s
@@ -23,10 +24,14 @@ SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, T
 LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
 LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
 """How much likelier than the rest these are before the first reading; reported of real robots."""
+LIKELY_SPRING = 0.5
+"""The same of a spring, beside each of the other responses: none was seen on a first Create."""
 IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
 """Weights below which a track is given up, and below which it has no share in the estimate."""
 CLEAR, LEAST_WEIGHT = 5.0, 2e-6
 """Doubt of the best track from which on no other is given up, and the weight that others keep."""
+NEAR = 0.02
+"""Part of the weight of the better of two responses up to which the other one is kept."""
 YOUNG, OLD = 30, 120
 """Readings from which on only one track of each kind is kept, and none for the sake of variety."""
 LEAST = 4.0
@@ -39,28 +44,35 @@ class Assumptions:
 
     roundings: list[Rounding]
     signs: Signs
+    springs: NDArray[np.bool_]
+    """Whether wheels overshoot."""
     weights: Array
     doubt: Array
     """What process noise is multiplied by, as innovations have it."""
     means: Array
     p: Array
     """Covariances, a matrix a track."""
+    rates: Array
+    """How fast the speeds of springs change, m/s², right and left; part of no covariance."""
     readings: int = 0
 
     @classmethod
     def all(cls) -> 'Assumptions':
         """Assume anything that is plausible of a robot that nobody knows."""
         kinds = list(product(Rounding, SIGNS, s.RESPONSES))
+        springs = np.array([response is s.SPRING for _, _, response in kinds])
         weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN.get(sign, 1.0)
                             for rounding, sign, _ in kinds])
+        weights[springs] *= LIKELY_SPRING
         means, p = np.zeros((len(kinds), s.SIZE)), np.zeros((len(kinds), s.SIZE, s.SIZE))
         for row, (_, _, response) in enumerate(kinds):
             for index, prior in (s.COMMON | response).items():
                 means[row, index], p[row, index, index] = prior.mean, prior.spread ** 2
         signs = Signs(np.array([kind for _, (kind, _), _ in kinds]),
                       np.array([late for _, (_, late), _ in kinds]))
-        return cls([rounding for rounding, _, _ in kinds], signs, weights / weights.sum(),
-                   np.ones(len(kinds)), means, p)
+        return cls([rounding for rounding, _, _ in kinds], signs, springs,
+                   weights / weights.sum(), np.ones(len(kinds)), means, p,
+                   np.zeros((len(kinds), 2)))
 
     def shares(self) -> Array:
         """Return what each track contributes to the estimate."""
@@ -78,18 +90,31 @@ class Assumptions:
         self.readings += 1
         order = [int(i) for i in np.argsort(-weights) if weights[i] > IMPLAUSIBLE]
         if self.readings > YOUNG:
-            kinds: dict[Any, int] = {}
-            for i in order:
-                kind = self.roundings[i], int(self.signs.kinds[i]), bool(self.signs.late[i])
-                kinds.setdefault(kind, i)
-            order = list(kinds.values())
-        self._select(order)
+            order = self._best_of_each(order)
+        self.keep(order)
+
+    def _best_of_each(self, order: list[int]) -> list[int]:
+        """Return the best track of each rounding and sign; its other response if it comes near."""
+        kept: list[int] = []
+        best: dict[Any, dict[bool, int]] = {}
+        for i in order:
+            of_sign = best.setdefault(
+                (self.roundings[i], int(self.signs.kinds[i]), bool(self.signs.late[i])), {})
+            spring = bool(self.springs[i])
+            if spring not in of_sign and all(
+                    self.weights[i] >= NEAR * self.weights[other] for other in of_sign.values()):
+                of_sign[spring] = i
+                kept.append(i)
+        return kept
 
     def bound(self) -> None:
         """Keep all unknowns where they can be."""
         for index, prior in (s.COMMON | s.RESPONSES[0]).items():
             values = self.means[:, index]
             np.clip(values, prior.low, prior.high, out=values)
+        damping = s.SPRING[s.DAMPING]
+        values = self.means[:, s.DAMPING]
+        values[self.springs] = np.clip(values[self.springs], damping.low, damping.high)
 
     def join(self, others: 'Assumptions', weight: float) -> None:
         """Try others beside these, which have this weight together."""
@@ -99,7 +124,8 @@ class Assumptions:
         self.signs = Signs(*map(both, self.signs, others.signs))
         self.weights = both(self.weights * (1 - weight), others.weights * weight)
         self.doubt, self.means = both(self.doubt, others.doubt), both(self.means, others.means)
-        self.p = both(self.p, others.p)
+        self.p, self.rates = both(self.p, others.p), both(self.rates, others.rates)
+        self.springs = np.concatenate([self.springs, others.springs])
 
     def clear(self, index: int, mean: float = 0.0, variance: float | Array = 0.0) -> None:
         """Set what all tracks believe of a state, whatever they have learned."""
@@ -115,8 +141,10 @@ class Assumptions:
         self.p -= column[:, :, None] * column[:, None, :] / variance[:, :, None]
         self.clear(index, value)
 
-    def _select(self, order: list[int]) -> None:
+    def keep(self, order: list[int]) -> None:
+        """Keep these tracks, in this order."""
         self.roundings = [self.roundings[i] for i in order]
         self.signs = Signs(self.signs.kinds[order], self.signs.late[order])
         self.weights = self.weights[order] / self.weights[order].sum()
         self.doubt, self.means, self.p = self.doubt[order], self.means[order], self.p[order]
+        self.springs, self.rates = self.springs[order], self.rates[order]

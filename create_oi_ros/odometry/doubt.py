@@ -21,7 +21,7 @@ SURPRISE, LEFT = 3.0, 2.0
 HASTE, FADING, LEAST_DOUBT, MOST_DOUBT = 0.3, 0.96, 0.3, 1e4
 """How fast doubt follows the innovations, by which power it fades at each reading, and between
 what it stays."""
-LOST, ENOUGH, PAUSE, REBORN = 30.0, 12, 40, 1e-2
+LOST, ENOUGH, PAUSE, REBORN = 4.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
 UNSEEN, ODD = 0.2, 4.0
@@ -73,6 +73,8 @@ class Doubt:
         others = Assumptions.all()
         others.means[:, OUTSIDE] = rows.means[0, OUTSIDE]
         others.p[:, OUTSIDE, OUTSIDE] = rows.p[0, OUTSIDE, OUTSIDE]
+        others.rates[:] = rows.rates[0]
         accumulators.empty(others)
+        rows.doubt[:] = 1.0  # else what the readings say would count for nothing
         rows.join(others, REBORN)
         rows.readings = 0

@@ -9,10 +9,10 @@ so that knowledge of another robot is unlearned.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import Enum
 from itertools import product
-from math import exp, log
+from math import exp, log, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,6 +38,15 @@ class SignSource(Enum):
     """The request once its dead time is over; zero counts as forwards."""
     REQUEST = 'request'
     """The request at once; zero counts as forwards."""
+
+
+class Family(Enum):
+    """How a wheel follows a step of its request."""
+
+    LAG = 'lag'
+    """The rest of the way shrinks by a part, or at a bounded rate."""
+    SPRING = 'spring'
+    """It overshoots."""
 
 
 class Known(NamedTuple):
@@ -76,6 +85,7 @@ class Knowledge:
     rounding: Mapping[Rounding, float]
     """Probabilities."""
     encoder_sign: Mapping[SignSource, float]
+    response: Mapping[Family, float]
     right_gain: Known
     """Speed of the right wheel over the speed asked, at high speeds."""
     left_gain: Known
@@ -83,15 +93,18 @@ class Knowledge:
     """m/s that the right wheel adds to any speed."""
     left_offset: Known
     time_constant: Known
-    """Seconds in which 63 % of a change of speed are done, at 76 mm/s."""
+    """Seconds by which a wheel comes late to a new speed, at 76 mm/s: a lag has done 63 % by then.
+    """
     slow_part: Known
     """Part of the time constant that comes on top at 50 mm/s and below."""
     fast_part: Known
     """Part of the time constant that is missing at 500 mm/s."""
     dead_time: Known
     """Seconds until a wheel begins to follow a request."""
-    inverse_acceleration: Known
-    """s²/m; 0: nothing bounds a wheel's acceleration but its time constant."""
+    inverse_acceleration: Known | None = None
+    """s²/m; 0: nothing bounds a wheel's acceleration but its time constant. None: a spring."""
+    damping: Known | None = None
+    """Damping ratio of a spring, 1: it just does not overshoot. None: a lag."""
     braking: Known
     """How many times as fast a wheel brakes as it speeds up."""
     separation_factor: Known
@@ -112,6 +125,23 @@ class Knowledge:
                 max(self.encoder_sign, key=self.encoder_sign.__getitem__))
 
     @property
+    def family(self) -> Family:
+        """The kind of response that is believed in most; all numbers belong to it."""
+        return max(self.response, key=self.response.__getitem__)
+
+    @property
+    def numbers(self) -> 'dict[str, Number]':
+        """The numbers that such wheels have."""
+        return NUMBERS[self.family]
+
+    @property
+    def overshoot(self) -> float:
+        """By which part of a step a wheel overshoots."""
+        if self.damping is None:
+            return 0.0
+        return exp(-pi * self.damping.value / (1 - self.damping.value ** 2) ** 0.5)
+
+    @property
     def certain(self) -> bool:
         """Whether the robot is known as well as a minute of mixed driving can teach."""
         rounding, sign = self.likeliest
@@ -126,8 +156,10 @@ class Knowledge:
             1 + slow * self.slow_part.value - fast * self.fast_part.value)
         rates = {'time_constant': part, 'slow_part': lag * slow, 'fast_part': -lag * fast,
                  'dead_time': 1.0, 'inverse_acceleration': speed / 2}
-        row = np.array([rates.get(name, 0.0) for name in NUMBERS])
-        value = lag * part + self.dead_time.value + self.inverse_acceleration.value * speed / 2
+        row = np.array([rates.get(name, 0.0) for name in self.numbers])
+        value = lag * part + self.dead_time.value
+        if self.inverse_acceleration is not None:
+            value += self.inverse_acceleration.value * speed / 2
         return Known(value, float(row @ _covariance(self) @ row) ** 0.5)
 
 
@@ -138,11 +170,12 @@ class Number(NamedTuple):
     of_state: Callable[[float], float]
     to_state: Callable[[float], float]
     is_logarithm: bool = False
+    of_spring: bool = False
 
     @property
     def range(self) -> tuple[float, float]:
         """The least and the greatest value."""
-        prior = ANY[self.state]
+        prior = (s.SPRING if self.of_spring else ANY)[self.state]
         return self.of_state(prior.low), self.of_state(prior.high)
 
 
@@ -152,7 +185,7 @@ def _same(value: float) -> float:
 
 ANY = s.COMMON | s.RESPONSES[0]
 """What a state may be."""
-NUMBERS = {
+OF_LAG = {
     'right_gain': Number(s.GAIN_RIGHT, _same, _same),
     'left_gain': Number(s.GAIN_LEFT, _same, _same),
     'right_offset': Number(s.OFFSET_RIGHT, _same, _same),
@@ -165,22 +198,32 @@ NUMBERS = {
     'braking': Number(s.BRAKING, exp, log, is_logarithm=True),
     'separation_factor': Number(s.SEPARATION, lambda x: 1 + x, lambda x: x - 1),
 }
-"""The numbers that states hold, in the order of `Knowledge`."""
-STATES = [number.state for number in NUMBERS.values()]
-assert [each.name for each in fields(Knowledge) if each.name in NUMBERS] == list(NUMBERS)
+DAMPING = Number(s.DAMPING, _same, _same, of_spring=True)
+OF_SPRING = {'damping' if number.state == DAMPING.state else name:
+             DAMPING if number.state == DAMPING.state else number
+             for name, number in OF_LAG.items()}
+NUMBERS = {Family.LAG: OF_LAG, Family.SPRING: OF_SPRING}
+"""The numbers that states hold, in one order; a damping takes the place of an acceleration."""
+STATES = [number.state for number in OF_LAG.values()]
 
 
 def learned(rows: Assumptions, band: DeadBand) -> Knowledge:
     """Return what the tracks know of the robot."""
-    weights = rows.weights / rows.weights.sum()
+    whole = rows.weights / rows.weights.sum()
+    families = [Family.SPRING if spring else Family.LAG for spring in rows.springs]
+    response = _summed(families, whole)
+    likeliest = max(response, key=response.__getitem__)
+    weights = whole * [family is likeliest for family in families]
+    weights /= weights.sum()
     mean = weights @ rows.means[:, STATES]
     off = rows.means[:, STATES] - mean
     p = np.einsum('t,tij->ij', weights, rows.p[:, STATES][:, :, STATES])
     p = p + np.einsum('t,ti,tj->ij', weights, off, off)
     return numbers(mean, p, {
-        'rounding': _summed(rows.roundings, weights),
+        'rounding': _summed(rows.roundings, whole),
         'encoder_sign': _summed([SOURCES[int(kind), bool(late)]
-                                 for kind, late in zip(*rows.signs)], weights),
+                                 for kind, late in zip(*rows.signs)], whole),
+        'response': response,
         'dead_band': (band.stands, band.moves), 'readings': rows.readings})
 
 
@@ -189,12 +232,14 @@ def numbers(mean: Array, p: Array, rest: Mapping[str, Any]) -> Knowledge:
     spread = np.sqrt(np.maximum(np.diag(p), 1e-16))
     r = np.clip(p / np.outer(spread, spread), -1.0, 1.0)
     found: dict[str, Any] = {}
-    for (name, number), value, deviation in zip(NUMBERS.items(), mean.tolist(), spread.tolist()):
+    response: Mapping[Family, float] = rest['response']
+    wanted = NUMBERS[max(response, key=response.__getitem__)]
+    for (name, number), value, deviation in zip(wanted.items(), mean.tolist(), spread.tolist()):
         value = number.of_state(value)
         found[name] = Known(value, deviation * value if number.is_logarithm else deviation)
     return Knowledge(
         **found, **rest,
-        correlations=tuple(tuple(r[i, :i].tolist()) for i in range(1, len(NUMBERS))))
+        correlations=tuple(tuple(r[i, :i].tolist()) for i in range(1, len(STATES))))
 
 
 def _summed(kinds: list[Any], weights: Array) -> dict[Any, float]:
@@ -215,22 +260,24 @@ def known(knowledge: Knowledge) -> Assumptions:
     means, p = np.zeros(s.SIZE), np.zeros((s.SIZE, s.SIZE))
     for index, prior in ANY.items():
         means[index] = prior.mean
-    for name, number in NUMBERS.items():
+    for name, number in knowledge.numbers.items():
         means[number.state] = number.to_state(getattr(knowledge, name).value)
     p[np.ix_(STATES, STATES)] = STALE ** 2 * _covariance(knowledge)
     p[STATES, STATES] += LEAST ** 2
     signs = Signs(np.array([kind for _, (kind, _) in kinds]),
                   np.array([late for _, (_, late) in kinds]))
-    rows = Assumptions([rounding for rounding, _ in kinds], signs, weights / weights.sum(),
-                       np.ones(len(kinds)), np.tile(means, (len(kinds), 1)),
-                       np.tile(p, (len(kinds), 1, 1)))
+    springs = np.full(len(kinds), knowledge.family is Family.SPRING)
+    rows = Assumptions([rounding for rounding, _ in kinds], signs, springs,
+                       weights / weights.sum(), np.ones(len(kinds)),
+                       np.tile(means, (len(kinds), 1)), np.tile(p, (len(kinds), 1, 1)),
+                       np.zeros((len(kinds), 2)))
     rows.join(Assumptions.all(), UNKNOWN)
     return rows
 
 
 def _covariance(knowledge: Knowledge) -> Array:
     """Return the covariance of the states that hold the numbers."""
-    r = np.eye(len(NUMBERS))
+    r = np.eye(len(STATES))
     for i, row in enumerate(knowledge.correlations, 1):
         r[i, :i] = r[:i, i] = row
     values, vectors = np.linalg.eigh(r)
@@ -238,6 +285,6 @@ def _covariance(knowledge: Knowledge) -> Array:
     spread = np.array([
         deviation / value if number.is_logarithm else deviation
         for number, (value, deviation) in (
-            (number, getattr(knowledge, name)) for name, number in NUMBERS.items())])
+            (number, getattr(knowledge, name)) for name, number in knowledge.numbers.items())])
     covariance: Array = r * np.outer(spread, spread)
     return covariance

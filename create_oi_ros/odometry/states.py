@@ -18,10 +18,13 @@ MM, DEGREE = MILLI, radians(1)
  BRAKING, SEPARATION, MOVES_RIGHT, MOVES_LEFT, SPEED_RIGHT, SPEED_LEFT, X, Y, YAW, DISTANCE,
  ANGLE) = range(20)
 SIZE = 20
+DAMPING = RAMP
+"""Of a spring, in the place of the acceleration's bound, which a spring does not have."""
 UNKNOWNS = 15
 """The states that have a copy of the wheels."""
 POSE = (X, Y, YAW)
 MOVES = (MOVES_RIGHT, MOVES_LEFT)
+SPEEDS = (SPEED_RIGHT, SPEED_LEFT)
 
 
 class Prior(NamedTuple):
@@ -46,6 +49,11 @@ COMMON = {
     MOVES_RIGHT: Prior(1.0, 0.0, -0.2, 1.2),
     MOVES_LEFT: Prior(1.0, 0.0, -0.2, 1.2),
 }
+SPRING = {
+    LAG: Prior(0.07, 0.05, 0.004, 0.6), SLOW_LAG: Prior(0.25, 0.25, -0.1, 0.8),
+    FAST_LAG: Prior(0.2, 0.3, -0.1, 0.95), DAMPING: Prior(0.5, 0.15, 0.15, 0.95),
+    DEAD_TIME: Prior(0.08, 0.05, 0.0, 0.25)}
+"""Wheels that overshoot."""
 RESPONSES = (
     {LAG: Prior(0.12, 0.08, 0.004, 0.6), SLOW_LAG: Prior(0.25, 0.25, -0.1, 0.8),
      FAST_LAG: Prior(0.2, 0.3, -0.1, 0.95), RAMP: Prior(0.1, 0.2, 0.0, 4.0)},
@@ -53,5 +61,7 @@ RESPONSES = (
      FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(0.7, 0.5, 0.0, 4.0)},
     {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.3, -0.1, 0.8),
      FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
+    SPRING,
 )
-"""Lags that decay, and constant accelerations (as 1 / a, s²/m); each can become the other."""
+"""Lags that decay and constant accelerations (as 1 / a, s²/m), which can become each other, and
+springs."""

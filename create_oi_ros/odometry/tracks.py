@@ -41,7 +41,7 @@ SWIFT = 0.3
 """Seconds in which most wheels have followed a request."""
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
-SPEEDS = (s.SPEED_RIGHT, s.SPEED_LEFT)
+SPEEDS = s.SPEEDS
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
 Held = tuple[float, float]
@@ -55,7 +55,7 @@ class Tracks:
         self.geometry = geometry
         self.scales = geometry.linear_scale, geometry.angular_scale
         self.rows = Assumptions.all() if robot is None else known(robot)
-        self.wheels = WheelModel(self.rows.signs, FASTEST)
+        self.wheels = WheelModel(FASTEST)
         self.band = DeadBand() if robot is None else DeadBand(*robot.dead_band)
         self.doubt = Doubt()
         self._idle = 0.0
@@ -187,6 +187,7 @@ class Tracks:
         self._close()
         for index, speed in zip(SPEEDS, (0.0, 0.0) if free else self.requests):
             self.rows.clear(index, speed, RESTLESS ** 2)
+        self.rows.rates[:] = 0.0
         self.wheels.free = free
         self._wild |= free
         self._spread()
@@ -254,8 +255,7 @@ class Tracks:
     def _spread(self) -> None:
         """Make the copies of the wheels anew."""
         variances = np.einsum('tii->ti', self.rows.p)[:, :s.UNKNOWNS]
-        self.wheels.spread(self.rows.means, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)),
-                           self.rows.signs)
+        self.wheels.spread(self.rows, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)))
         self._shares = self.rows.shares()
         self._roundings = {
             each for each, share in zip(self.rows.roundings, self._shares) if share}
@@ -303,6 +303,7 @@ class Tracks:
         means[:, s.POSE] = w.poses[:, :, 0].T
         means[:, s.DISTANCE:] += w.counts[:, :, 0].T
         means[:, SPEEDS] = w.speed[:, :, 0].T
+        self.rows.rates = w.rates
         self._forget()
 
     # Readings.

@@ -6,20 +6,23 @@ How both wheels follow what is asked, for many tracks and copies of them at once
 A wheel runs to its goal (gain times request, and an offset) after a dead time, by an exponential
 lag whose acceleration is bounded: with a time constant T and an acceleration a, the way E to the
 goal shrinks at the rate min(E / T, a). T near zero is a constant acceleration, 1/a = 0 a first
-order lag. A change of request dv then costs dv (dead time + T + |dv| / 2a) of travel.
+order lag. A change of request dv then costs dv (dead time + T + |dv| / 2a) of travel. The wheels
+of some tracks are springs instead (`springs`).
 
 Arrays have the axes (wheel, track, copy), right first; copy 0 is the track's own belief, the
 others are off by one standard deviation in one unknown each.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..robot import FIRMWARE_SEPARATION
 from . import states as s
 from .request_history import Array, RECENT, RequestHistory
+from .springs import Springs
 
 SLOWEST, MIDDLE, FASTEST = 0.05, 0.076, 0.5
 """m/s between which a lag depends on the speed, as one over it: by one part below the middle, by
@@ -30,8 +33,8 @@ ARRIVED = 3e-4
 """m/s from its goal at which a wheel is there."""
 LEAST_PART = 0.05
 """What is left of a lag at any speed."""
-SHORTEST_LAG = 0.004
-"""Seconds."""
+SHORTEST_LAG, LEAST_RAMP = 0.004, 1e-6
+"""Seconds, and s²/m."""
 OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 1)])
 """Which of a track's two dead times a copy has."""
 NONE, LAST, UPWARD = range(3)
@@ -47,11 +50,19 @@ class Signs(NamedTuple):
     """Whether a request's sign waits for the dead time."""
 
 
+class Rows(Protocol):
+    """What a wheel model takes from the tracks."""
+
+    signs: Signs
+    springs: NDArray[np.bool_]
+    means: Array
+    rates: Array
+
+
 class WheelModel:
     """The copies of all tracks' wheels, and what they have done since the last reading."""
 
-    def __init__(self, signs: Signs, slowest: float) -> None:
-        self.signs = signs
+    def __init__(self, slowest: float) -> None:
         self.requests = RequestHistory()
         self.free = False
         """Whether wheels keep their speed, whatever is asked."""
@@ -59,9 +70,9 @@ class WheelModel:
         """Requests below this may not move a wheel, m/s (`dead_band`)."""
         self._fastest = 0.0, 0.0
 
-    def spread(self, means: Array, steps: Array, signs: Signs) -> None:
-        """Make copies from the tracks' means (track, state), off by these steps each."""
-        self.signs = signs
+    def spread(self, rows: Rows, steps: Array) -> None:
+        """Make copies from the tracks' means, off by these steps each."""
+        self.signs, means = rows.signs, rows.means
         copies = np.repeat(means[:, None, :], s.UNKNOWNS + 1, axis=1)
         which = np.arange(s.UNKNOWNS)
         copies[:, which + 1, which] += steps
@@ -79,8 +90,17 @@ class WheelModel:
         self.settled, self.standing, self.farthest = False, False, np.inf
         """Whether all wheels run at their goals, whether these are zero, and how far the farthest
         is from its own, m/s."""
+        self._springs = Springs(rows.springs, rows.rates, copies)
+        self._ramp[rows.springs] = LEAST_RAMP
         self._before = self._sums()
         self._goal: Array | None = None
+
+    @property
+    def rates(self) -> Array:
+        """How fast the speeds of springs change, m/s²; axes (track, wheel)."""
+        rates = np.zeros((self.speed.shape[1], 2))
+        rates[self._springs.which] = self._springs.rate[:, :, 0].T
+        return rates
 
     def _take_unknowns(self, copies: Array) -> None:
         self._gain = copies[s.GAIN_RIGHT:s.GAIN_LEFT + 1]
@@ -89,7 +109,7 @@ class WheelModel:
         self._base_lag = copies[s.LAG]
         self._slow_lag, self._fast_lag = copies[s.SLOW_LAG], copies[s.FAST_LAG]
         self._dead_times = np.maximum(copies[s.DEAD_TIME][:, [0, s.DEAD_TIME + 1]], 0.0)
-        self._ramp = np.maximum(copies[s.RAMP], 1e-6)
+        self._ramp = np.maximum(copies[s.RAMP], LEAST_RAMP)
         self._braking = np.exp(copies[s.BRAKING])
         self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
         self._lag_of: tuple[float, float] | None = None
@@ -152,16 +172,29 @@ class WheelModel:
         way = goal - self.speed
         far = np.abs(way)
         self.farthest = float(far.max())
-        if (way * self.speed).min() < 0 or (far * self._ramp > self._lag).any():
+        springs, before = self._springs, self.speed
+        if springs.only:
+            self.speed, travel = springs.roll(goal, way, before, h)
+        elif (way * before).min() < 0 or (far * self._ramp > self._lag).any():
             travel = self._follow_bounded(goal, way, far, h)
         else:
             self.speed = goal - way * self._decay
             travel = goal * h - way * self._gone
-        if not recent and self.farthest < ARRIVED:
-            travel += (goal - self.speed) * -self._lag
-            self.speed, self.settled = goal.copy(), True
-            self.standing = not self.speed.any()
+        if springs.some and not springs.only:
+            which = springs.which
+            self.speed[:, which], travel[:, which] = springs.roll(
+                goal[:, which], way[:, which], before[:, which], h)
+        if not recent and self.farthest < ARRIVED and not (springs.some and springs.swinging):
+            self._settle(goal, travel)
         return travel
+
+    def _settle(self, goal: Array, travel: Array) -> None:
+        """Put wheels at their goals; add the travel that this costs."""
+        travel += (goal - self.speed) * -self._lag
+        if self._springs.some:
+            travel[:, self._springs.which] += self._springs.stop()
+        self.speed, self.settled = goal.copy(), True
+        self.standing = not self.speed.any()
 
     def _goals(self, asked: Array) -> Array:
         """Return the speeds at which wheels settle that are asked for these."""
@@ -196,6 +229,8 @@ class WheelModel:
             self._decay_of = h
             self._decay = np.exp(-h / self._lag)
             self._gone = (1 - self._decay) * self._lag
+            if self._springs.some:
+                self._springs.prepare(self._lag[:, self._springs.which], h)
 
     def _counted(self, travel: Array, before: Array, h: float, means: Array | None) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""

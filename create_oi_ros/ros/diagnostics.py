@@ -19,7 +19,6 @@ from sensor_msgs.msg import BatteryState
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
 from ..odometry import Known
-from ..odometry.knowledge import NUMBERS
 from . import messages
 from .parameters import Parameters
 from .serialized import filling
@@ -179,11 +178,12 @@ def odometry(name: str, health: Health) -> DiagnosticStatus:
         return status(f'{name}: odometry', OK, 'nothing learned yet', {})
     message = 'knows this robot' if robot.certain else 'learns this robot: drive and turn'
     numbers = {key.replace('_', ' '): _number(getattr(robot, key))
-               for key in (*NUMBERS, 'frame_period')}
+               for key in (*robot.numbers, 'frame_period')}
     stands, moves = robot.dead_band
     return status(f'{name}: odometry', OK, message, {
         'rounding': _likely(robot.rounding), 'encoder sign': _likely(robot.encoder_sign),
-        **numbers, 'slowest speed that moves (m/s)': f'{stands:.4f} to {moves:.4f}',
+        'response': _likely(robot.response), **numbers,
+        'slowest speed that moves (m/s)': f'{stands:.4f} to {moves:.4f}',
         'readings': robot.readings})
 
 

@@ -16,9 +16,9 @@ from typing import Any, TypeVar
 import yaml
 
 from ..driver.frame_clock import LONGEST, SHORTEST
-from ..odometry import Knowledge, Known, Rounding, SignSource
+from ..odometry import Family, Knowledge, Known, Rounding, SignSource
 from ..odometry.dead_band import FASTEST, SLOWEST
-from ..odometry.knowledge import NUMBERS
+from ..odometry.knowledge import NUMBERS, STATES
 from .whole_file import write_whole
 
 FORMAT = 1
@@ -60,7 +60,9 @@ def text_of(knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -
     content: dict[str, object] = {
         'format': FORMAT, **({} if verdict is None else {'verdict': dict(verdict)}),
         'rounding': _weights(knowledge.rounding), 'encoder_sign': _weights(knowledge.encoder_sign),
-        **{name: _number(getattr(knowledge, name)) for name in (*NUMBERS, 'frame_period')},
+        'response': _weights(knowledge.response),
+        **{name: _number(getattr(knowledge, name))
+           for name in (*knowledge.numbers, 'frame_period')},
         'dead_band': {'stands': _short(knowledge.dead_band[0]),
                       'moves': _short(knowledge.dead_band[1])},
         'readings': knowledge.readings,
@@ -80,11 +82,14 @@ def parsed(text: str) -> Knowledge:
     if content['format'] != FORMAT:
         raise ValueError(f"format {content['format']!r} is not known; it must be {FORMAT}")
     period = _known(content, 'frame_period', SHORTEST, LONGEST)
+    response = (_probabilities(content, 'response', Family) if 'response' in content
+                else {Family.LAG: 1.0})  # older files know of no other
     numbers: dict[str, Any] = {
-        name: _known(content, name, *number.range) for name, number in NUMBERS.items()}
+        name: _known(content, name, *number.range)
+        for name, number in NUMBERS[max(response, key=response.__getitem__)].items()}
     return Knowledge(
         rounding=_probabilities(content, 'rounding', Rounding),
-        encoder_sign=_probabilities(content, 'encoder_sign', SignSource),
+        encoder_sign=_probabilities(content, 'encoder_sign', SignSource), response=response,
         **numbers,
         dead_band=_band(_field(content, 'dead_band', dict)),
         correlations=_correlations(_field(content, 'correlations', list)), frame_period=period)
@@ -147,7 +152,7 @@ def _band(band: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def _correlations(rows: list[Any]) -> tuple[tuple[float, ...], ...]:
-    wanted = len(NUMBERS) - 1
+    wanted = len(STATES) - 1
     if [len(row) if isinstance(row, list) else None for row in rows] != [*range(1, wanted + 1)]:
         raise ValueError(f'correlations must be {wanted} rows of 1 to {wanted} numbers')
     return tuple(tuple(_real(each, 'correlations', -1.0, 1.0) for each in row) for row in rows)

@@ -17,10 +17,11 @@ from create_oi_ros.apps.check.moves import creep, duration, Move, Reads, Segment
 from create_oi_ros.apps.check.notebook import Notebook, Page
 from create_oi_ros.apps.check.runner import Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_wheels
-from create_oi_ros.odometry import Rounding, SignSource
+from create_oi_ros.odometry import Family, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE
+from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from support.loop import Loop
 from support.simulator import taught
 
@@ -64,13 +65,18 @@ def ahead(speed: int, seconds: float, reads: Reads = Reads.END) -> Move:
     return Move((Segment(seconds, speed, speed),), reads)
 
 
-@pytest.fixture(scope='module')
-def found() -> tuple[Floor, Conclusion]:
-    """Return what the whole program finds of the most likely robot."""
-    floor = Floor()
+def checked(config: BodyConfig = CENTRE) -> tuple[Floor, Conclusion]:
+    """Return what the whole program finds of a robot."""
+    floor = Floor(config=config)
     pages = [floor.made(move) for step in STEPS for move in step.moves]
     period = floor.loop.driver.health(floor.loop.now).frame_period
     return floor, conclude(pages, (0.009, 0.01), period)
+
+
+@pytest.fixture(scope='module')
+def found() -> tuple[Floor, Conclusion]:
+    """Return what is found of the most likely robot."""
+    return checked()
 
 
 def test_the_program_takes_less_than_five_minutes():
@@ -95,6 +101,19 @@ def test_the_wheels_of_the_likeliest_robot_are_found(found):
     assert known.dead_time.value == pytest.approx(0.045, abs=0.01)
     assert known.separation_factor.value == pytest.approx(0.262 / 0.258, abs=0.01)
     assert known.certain
+
+
+def test_wheels_that_overshoot_are_found():
+    config = replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
+                     overshoot=0.3)
+    floor, conclusion = checked(config)
+    findings = of_wheels(conclusion, floor.loop.driver.health(floor.loop.now))
+    assert 'second order: overshoots by' in '\n'.join(lines(findings))
+    known = parsed(text_of(conclusion.knowledge))
+    assert known.family is Family.SPRING
+    assert known.overshoot == pytest.approx(0.3, abs=0.05)
+    late = 2 * 0.358 * 0.06 + config.dead_time  # 0.358 is the damping of such an overshoot
+    assert known.delay(0.2).value == pytest.approx(late, abs=0.01)
 
 
 def test_the_verdict_is_words_and_a_model(found):

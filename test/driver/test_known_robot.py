@@ -10,9 +10,10 @@ from random import Random
 import pytest
 
 from create_oi_ros.driver import Settings
-from create_oi_ros.odometry import Knowledge, Rounding, SignSource
+from create_oi_ros.odometry import Family, Knowledge, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
+from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from support.loop import Loop
 
 Wish = tuple[float, float, float]
@@ -105,6 +106,24 @@ def test_knowledge_makes_the_start_of_an_unusual_robot_right():
     assert yaw < 0.5
     assert place < 0.003
     assert yaw < errors(robot(Rounding.CARRY, unusual), wishes)[0] / 2
+
+
+def test_wheels_that_overshoot_are_known_as_such():
+    config = replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
+                     overshoot=0.3)
+    loop = robot(config=config)
+    known = taught(loop)
+    assert known.family is Family.SPRING
+    assert known.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
+    assert known.overshoot == pytest.approx(0.3, abs=0.1)
+    late = 2 * 0.358 * 0.06 + config.dead_time  # 0.358 is the damping of such an overshoot
+    assert known.delay(0.2).value == pytest.approx(late, abs=0.01)
+    line, = [notice.text for notice in loop.notices if 'knows this robot' in notice.text]
+    assert 'late at 0.2 m/s and overshoot by' in line
+    yaw, place = errors(robot(config=config, known=known), [
+        (0.3, 0.0, 2.0), (-0.3, 0.0, 2.0), (0.0, 1.5, 2.0), (0.0, 0.0, 1.0), (0.0, -1.5, 2.0)])
+    assert yaw < 1.5
+    assert place < 0.015
 
 
 def test_a_known_robot_is_not_announced_again(centre):

@@ -8,7 +8,6 @@ from math import radians
 import pytest
 
 from create_oi_ros.odometry import Geometry, Odometry, SignSource, states
-from create_oi_ros.odometry.knowledge import NUMBERS
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign, IDEAL
@@ -25,11 +24,11 @@ REVERSALS = [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (-0.2, 0.2), (0
     (replace(CENTRE, encoder_sign=EncoderSign.TRUE, response=Response.RAMP, braking=2.0), 10),
     (replace(CENTRE, encoder_sign=EncoderSign.COMMAND, dead_time=0.12, right_speed_gain=0.96), 10),
     (replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.05),
-             overshoot=0.3, dead_time=0.1), 25)],
+             overshoot=0.3, dead_time=0.1), 6)],
     ids=['the centre', 'true signs, hard brakes', 'signs of the command', 'overshoot'])
 def test_any_wheels_are_followed(
         config: BodyConfig, most: float, rounding: Rounding) -> None:
-    """Also those that no track describes, as ones that overshoot: yaw does not run away."""
+    """Also those that swing back when they stop, which their encoders count forwards."""
     ride = Ride(rounding, config=config)
     for right, left in REVERSALS * 7:
         ride.go(2.1, right, left)
@@ -112,18 +111,22 @@ def test_reset_begins_at_the_origin_and_keeps_what_was_learned() -> None:
     assert estimate.y == pytest.approx(0.0, abs=0.005)
 
 
-def test_a_robot_that_is_another_one_for_good_is_learned_again() -> None:
+@pytest.mark.parametrize(('rounding', 'config', 'is_learned'), [
+    (Rounding.TRUNCATE, replace(CENTRE, response=Response.RAMP, wheel_acceleration=0.4,
+                                encoder_sign=EncoderSign.COMMAND), SignSource.REQUEST),
+    (Rounding.CARRY, replace(CENTRE, encoder_sign=EncoderSign.TRUE), SignSource.MOTION)],
+    ids=['ramps', 'true signs'])
+def test_a_robot_that_is_another_one_for_good_is_learned_again(
+        rounding: Rounding, config: BodyConfig, is_learned: SignSource) -> None:
     """Nobody told the odometry: its model explains nothing any more, so it tries all again."""
     ride = Ride(config=CENTRE)
     for right, left in REVERSALS * 10:
         ride.go(2.1, right, left)
-    other = replace(CENTRE, response=Response.RAMP, wheel_acceleration=0.4,
-                    encoder_sign=EncoderSign.COMMAND)
-    ride.body = Body(World(), config=other)
+    ride.body = Body(World(), rounding=rounding, config=config)
     for right, left in REVERSALS * 6:
         ride.go(2.1, right, left)
     assert ride.odometry.knowledge is not None
-    assert ride.odometry.knowledge.likeliest == (Rounding.TRUNCATE, SignSource.REQUEST)
+    assert ride.odometry.knowledge.likeliest == (rounding, is_learned)
     ride.begin()
     for right, left in REVERSALS * 3:
         ride.go(2.1, right, left)
@@ -156,7 +159,7 @@ def test_what_one_odometry_has_learned_another_can_start_with() -> None:
     assert robot is not None
     assert robot.certain
     assert robot.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
-    for name, number in NUMBERS.items():
+    for name, number in robot.numbers.items():
         least, most = number.range
         assert least <= getattr(robot, name).value <= most
     doubt = []

@@ -10,8 +10,8 @@ import pytest
 from std_srvs.srv import Trigger
 import yaml
 
-from create_oi_ros.odometry import Known, Odometry
-from create_oi_ros.odometry.knowledge import learned, NUMBERS
+from create_oi_ros.odometry import Family, Known, Odometry
+from create_oi_ros.odometry.knowledge import learned
 from create_oi_ros.ros.odometry_model import parsed, read, text_of, write
 from support.ros import Scene, scene
 
@@ -29,7 +29,8 @@ def test_a_file_says_what_was_written(tmp_path):
     assert after is not None
     assert after.rounding == pytest.approx(before.rounding)
     assert after.encoder_sign == pytest.approx(before.encoder_sign)
-    for name in (*NUMBERS, 'frame_period'):
+    assert after.response == pytest.approx(before.response)
+    for name in (*before.numbers, 'frame_period'):
         assert getattr(after, name) == pytest.approx(getattr(before, name))
     assert after.dead_band == pytest.approx(before.dead_band)
     for row, other in zip(after.correlations, before.correlations, strict=True):
@@ -44,6 +45,45 @@ def test_an_odometry_that_starts_with_a_file_knows_what_it_says():
     known = learned(tracks.rows, tracks.band)
     assert known.right_gain.value == pytest.approx(1.03, abs=1e-3)
     assert known.likeliest[0].value == 'round'
+
+
+def spring() -> dict:
+    """Return the content of a file of wheels that overshoot."""
+    model = yaml.safe_load(anything())
+    del model['inverse_acceleration']
+    return model | {'response': {'lag': 0.1, 'spring': 0.9},
+                    'damping': {'value': 0.4, 'deviation': 0.01}}
+
+
+def test_wheels_that_overshoot_have_a_damping_instead_of_a_limited_acceleration():
+    known = parsed(yaml.safe_dump(spring()))
+    assert known.family is Family.SPRING
+    assert known.inverse_acceleration is None
+    assert known.overshoot == pytest.approx(0.254, abs=0.001)
+    tracks = Odometry(window=1.0, robot=known).tracks
+    assert tracks.rows.springs[:15].all()
+    again = parsed(text_of(learned(tracks.rows, tracks.band)))
+    assert again.damping is not None
+    assert again.damping.value == pytest.approx(0.4, abs=1e-3)
+    assert again.damping.deviation == pytest.approx(0.015, rel=0.1)  # it may have changed
+    assert again.response[Family.SPRING] > 0.99
+
+
+def test_a_file_from_before_wheels_could_overshoot_is_read():
+    model = yaml.safe_load(anything())
+    del model['response']
+    known = parsed(yaml.safe_dump(model))
+    assert known.response == {Family.LAG: 1.0}
+    assert known.damping is None
+
+
+@pytest.mark.parametrize(('change', 'said'), [
+    ({'damping': {'value': 1.5, 'deviation': 0.1}}, 'value is 1.5; allowed: 0.15 to 0.95'),
+    ({'response': {'ramp': 1.0}}, "'ramp' is unknown; allowed: lag, spring"),
+    ({'response': {'lag': 1.0}}, 'inverse_acceleration is missing')])
+def test_what_wheels_that_overshoot_cannot_have_is_named(change, said):
+    with pytest.raises(ValueError, match=said):
+        parsed(yaml.safe_dump(spring() | change))
 
 
 def test_no_file_yet_is_no_fault(tmp_path):

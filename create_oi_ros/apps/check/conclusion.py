@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """From all that was written down to what is known of the robot."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import exp
+from math import exp, hypot, pi
 
 import numpy as np
 
-from ...odometry import Knowledge, Known, Rounding, SignSource
+from ...odometry import Family, Knowledge, Known, SignSource
 from ...odometry import states as s
 from ...odometry.knowledge import ANY, numbers, STATES
 from ...odometry.wheel_model import lag_parts
@@ -17,7 +17,7 @@ from .fit import Fit, fit
 from .fractions import roundings
 from .moves import Reads
 from .notebook import Page
-from .trial_wheels import Array, Family, Kind, KNOTS
+from .trial_wheels import Array, Kind, KNOTS
 
 ROUGH = {s.LAG: 0.005, s.SLOW_LAG: 0.05, s.FAST_LAG: 0.05, s.DEAD_TIME: 0.004, s.RAMP: 0.02,
          s.BRAKING: 0.03, s.GAIN_RIGHT: 0.001, s.GAIN_LEFT: 0.001, s.SEPARATION: 0.001}
@@ -48,8 +48,7 @@ class Conclusion:
     @property
     def family_probability(self) -> float:
         """How likely the family of the response is the right one."""
-        family = self.wheels.start.family
-        return _probability(self.fits, lambda each: each.start.family is family)
+        return self.knowledge.response[self.wheels.start.family]
 
 
 QUICK = 0.3
@@ -63,9 +62,10 @@ def conclude(pages: Sequence[Page], band: tuple[float, float], period: Known) ->
     telling = [page for page in pages if page.move.reads is not Reads.EVERY]
     fits = fit(telling, likeliest, period.value)
     signs = {source: _probability(fits, partial(_has_sign, source)) for source in SignSource}
-    lag = min((each for each in fits if each.start.family is Family.LAG),
-              key=lambda each: each.cost)
-    return Conclusion(fits, _knowledge(lag, rounding, signs, band, period, len(telling)))
+    response = {family: _probability(fits, partial(_is_of, family)) for family in Family}
+    return Conclusion(fits, _knowledge(fits[0], {
+        'rounding': rounding, 'encoder_sign': signs, 'response': response, 'dead_band': band,
+        'frame_period': period, 'readings': len(telling)}))
 
 
 def time_constant(kind: Array, speed: float) -> float:
@@ -76,6 +76,10 @@ def time_constant(kind: Array, speed: float) -> float:
 
 def _has_sign(source: SignSource, found: Fit) -> bool:
     return found.sign.value == source.value
+
+
+def _is_of(family: Family, found: Fit) -> bool:
+    return found.start.family is family
 
 
 def _probability(fits: Sequence[Fit], wanted: Callable[[Fit], bool]) -> float:
@@ -89,32 +93,34 @@ def _probability(fits: Sequence[Fit], wanted: Callable[[Fit], bool]) -> float:
     return 1 / (1 + exp(min((best[True] - best[False]) / excess, 700)))
 
 
-def _states(kind: Array) -> Array:
+def _states(kind: Array, family: Family) -> Array:
     """Return the numbers of a kind as the odometry's states have them."""
     found = np.zeros(s.SIZE)
     found[[s.GAIN_RIGHT, s.GAIN_LEFT]] = kind[[Kind.RIGHT_GAIN, Kind.LEFT_GAIN]]
     found[[s.OFFSET_RIGHT, s.OFFSET_LEFT]] = kind[[Kind.RIGHT_OFFSET, Kind.LEFT_OFFSET]]
     found[s.DEAD_TIME], found[s.RAMP] = kind[Kind.DEAD_TIME], kind[Kind.BOUND]
+    late = 1.0
+    if family is Family.SPRING:
+        found[s.DAMPING] = -kind[Kind.BOUND] / hypot(pi, kind[Kind.BOUND])
+        late = 2 * found[s.DAMPING]  # in units of one over the natural frequency
     found[s.BRAKING], found[s.SEPARATION] = kind[Kind.BRAKING], kind[Kind.SEPARATION]
     slow, middle, quick = (time_constant(kind, speed) for speed in np.exp(KNOTS))
     _, missing = lag_parts(float(np.exp(KNOTS[-1])))
-    found[s.LAG], found[s.SLOW_LAG] = middle, slow / middle - 1
+    found[s.LAG], found[s.SLOW_LAG] = late * middle, slow / middle - 1
     found[s.FAST_LAG] = (1 - quick / middle) / missing
     return found
 
 
-def _knowledge(wheels: Fit, rounding: dict[Rounding, float], signs: dict[SignSource, float],
-               band: tuple[float, float], period: Known, readings: int) -> Knowledge:
+def _knowledge(wheels: Fit, rest: Mapping[str, object]) -> Knowledge:
     """Return what the odometry can start with."""
-    kind = wheels.kind
-    mean = _states(kind)
-    slopes = np.column_stack([(_states(kind + step) - mean) / SMALL_STEP
+    kind, family = wheels.kind, wheels.start.family
+    mean = _states(kind, family)
+    slopes = np.column_stack([(_states(kind + step, family) - mean) / SMALL_STEP
                               for step in SMALL_STEP * np.eye(len(Kind))])
     p = wheels.excess * slopes @ wheels.covariance @ slopes.T
     for state, spread in ROUGH.items():
         p[state, state] += spread ** 2
+    priors = ANY | (s.SPRING if family is Family.SPRING else {})
     for state in STATES:
-        mean[state] = min(max(mean[state], ANY[state].low), ANY[state].high)
-    return numbers(mean[STATES], p[np.ix_(STATES, STATES)], {
-        'rounding': rounding, 'encoder_sign': signs, 'dead_band': band, 'frame_period': period,
-        'readings': readings})
+        mean[state] = min(max(mean[state], priors[state].low), priors[state].high)
+    return numbers(mean[STATES], p[np.ix_(STATES, STATES)], rest)

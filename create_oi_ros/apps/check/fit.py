@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...odometry import Rounding
+from ...odometry import Family, Rounding
 from ...robot import MILLI
 from .notebook import Page
-from .trial_wheels import Array, Family, Kind, Sign, simulate
+from .trial_wheels import Array, Kind, Sign, simulate
 from .windows import Windows, windows
 
 

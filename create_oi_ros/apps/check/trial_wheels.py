@@ -14,6 +14,8 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from ...odometry import Family
+
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 KNOTS = np.log([0.05, 0.076, 0.3])
@@ -21,13 +23,6 @@ KNOTS = np.log([0.05, 0.076, 0.3])
 its logarithm is linear in that of the speed."""
 EDGE = 0.005
 """m/s below which an offset fades."""
-
-
-class Family(Enum):
-    """The kind of an answer to a step."""
-
-    LAG = 'lag'
-    SPRING = 'spring'
 
 
 class Kind(IntEnum):

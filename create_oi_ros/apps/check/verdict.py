@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from ... import oi
 from ...driver import Health
-from ...odometry import Knowledge, Known, Rounding, SignSource
+from ...odometry import Family, Knowledge, Known, Rounding, SignSource
 from ...robot import FIRMWARE_SEPARATION, MM_PER_M
 from .conclusion import Conclusion, QUICK, time_constant
-from .trial_wheels import Family, Kind
+from .trial_wheels import Kind
 
 SLOW = 0.076
 """m/s."""
