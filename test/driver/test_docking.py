@@ -231,6 +231,18 @@ def test_a_bump_ends_the_way_from_the_dock():
     assert running.ending.text.startswith('stopped after 0.0')
 
 
+def test_a_dock_that_presses_the_bumper_again_does_not_end_it():
+    """A robot that has just docked still settles when it is told to leave."""
+    loop = docked()
+    running = start(loop, undock())
+    loop.run(0.1)
+    for pressed in (0, 1):
+        loop.body.force(seconds=0.1, bump_left=pressed, bump_right=pressed)
+        loop.run(0.1)
+    until_ended(loop, running)
+    assert running.ending.code is Code.NONE, running.ending.text
+
+
 def test_contacts_that_are_felt_for_ever_are_said():
     loop = docked(mode=oi.Mode.FULL)
     loop.body.force(home_base=1)

@@ -131,6 +131,8 @@ class Undock(Goal):
 
     def step(self, view: View) -> Order:
         """Enter a mode that lets the robot go, and drive backwards."""
+        if docked(view.readings):
+            self._hazards = Hazards()  # the dock may press the bumper, and let it go, and press it
         over = self._hazards.check(view, forward=False)
         if over is not None:
             return over
