@@ -208,7 +208,7 @@ def test_on_the_dock_the_way_to_drive_is_a_goal(loop):
     loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
     loop.run(0.3)
     loop.drive(0.1, 0.0, 0.3)
-    advice = 'it is on its dock: send the goal undock (dock and undock are actions)'
+    advice = 'send the goal undock, it is on its dock (dock and undock are actions)'
     last = texts(loop.notices, Severity.WARNING)[-1]
     assert last == f'not driving: robot is in PASSIVE; {advice}'
     loop.robot.receive = lambda *_: None

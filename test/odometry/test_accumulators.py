@@ -23,8 +23,8 @@ def believed(distance: float = 0.0, angle: float = 0.0, *, spread: float = 1e-6)
     """Return a track of each rounding that believes these, in m and rad."""
     rows = Assumptions.all()
     order = [rows.roundings.index(kind) for kind in KINDS]
-    rows = Assumptions(list(KINDS), rows.signs, rows.weights[order], rows.doubt[order],
-                       rows.means[order], rows.p[order])
+    rows = Assumptions(list(KINDS), rows.signs, rows.springs[order], rows.weights[order],
+                       rows.doubt[order], rows.means[order], rows.p[order], rows.rates[order])
     rows.clear(D, distance, spread ** 2)
     rows.clear(A, angle, spread ** 2)
     return rows
