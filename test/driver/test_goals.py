@@ -36,9 +36,7 @@ def test_a_distance_is_driven(rounding, metres):
 @pytest.mark.parametrize('turn', [90, -180, 10, 720])
 def test_an_angle_is_turned(rounding, turn):
     went, turned = reach(met(rounding=rounding), angle(turn))
-    # At its first turn a robot that carries fractions may look like one that cuts them off.
-    slack = 2.5 if rounding is Rounding.CARRY else 1.5
-    assert turned == pytest.approx(turn, abs=slack + 0.003 * abs(turn))
+    assert turned == pytest.approx(turn, abs=1.5 + 0.003 * abs(turn))
     assert abs(went) < 0.005
 
 
