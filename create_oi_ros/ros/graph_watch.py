@@ -36,6 +36,7 @@ class GraphWatch:
         self.publishers: tuple[str, ...] = ()
         """Nodes that publish `cmd_vel` with the right type, sorted."""
         self._were_unnamed = False
+        """Whether a publisher had no name at the last look."""
 
     def check(self) -> None:
         """Look at the graph, and warn of new mistakes; called once a second."""
@@ -68,7 +69,7 @@ class GraphWatch:
                 f'{stamped}, or change the publisher')
 
     def _duplicate_names(self) -> set[str]:
-        names = [f'{namespace.rstrip("/")}/{name}'
+        names = [full_name(namespace, name)
                  for name, namespace in self._node.get_node_names_and_namespaces()]
         return {name for name in names if names.count(name) > 1}
 
@@ -77,7 +78,12 @@ def node_name(endpoint: TopicEndpointInfo) -> str:
     """Return the full name of the node of a publisher, as people know it."""
     if endpoint.node_name == UNNAMED:
         return 'a program without a node name'
-    return f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'
+    return full_name(endpoint.node_namespace, endpoint.node_name)
+
+
+def full_name(namespace: str, name: str) -> str:
+    """Return the name of a node with its namespace."""
+    return f'{namespace.rstrip("/")}/{name}'
 
 
 def names_of_publishers(node: Node, topic: str) -> set[str]:
