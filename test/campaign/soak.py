@@ -6,8 +6,8 @@ Load and faults for a long time; the node must not grow: `make soak ARGS='[MINUT
 One node and one robot run as processes. The line fails at random: unplugged, cut, silent or
 damaged; the robot's battery fails, too. Meanwhile `cmd_vel` arrives at 1 kHz, services are called
 a hundred at a time, ten goals are sent at once and some canceled, one subscriber never reads, and
-sometimes all cores are busy. The node's
-threads, descriptors and resident memory are measured after the first minute and at the end.
+sometimes all cores are busy. The node's threads, descriptors and resident memory are measured
+after the first minute and at the end.
 
 Every minute prints the progress. The exit code is 1 if the sizes differ, the node has ended, a
 wrong value was published, a call or a goal was not answered, or the newest command was late.

@@ -6,7 +6,7 @@ from contextlib import closing
 from importlib import import_module
 import os
 from pathlib import Path
-from random import random
+from random import Random
 import select
 import sqlite3
 import subprocess
@@ -19,6 +19,8 @@ from campaign.campaign import Part
 from campaign.mutants import COPIED, drop_bare_stars, keep_sample, Mutant, PARTS, ROOT, Tried
 from campaign.mutants import main as mutants_main
 
+ORDERS = Random(1)
+"""Draws the order in which cosmic-ray's file has the mutants: another one each time."""
 CHILD = """
 import subprocess, sys
 def test_that_leaves_a_process_behind():
@@ -94,7 +96,7 @@ def jobs(path: Path) -> list[str]:
             'CREATE TABLE work_items (job_id); CREATE TABLE work_results (job_id);'
             'CREATE TABLE mutation_specs (job_id, operator_name, operator_args, occurrence,'
             '                             start_pos_row, start_pos_col)')
-        for number in sorted(range(10), key=lambda _: random()):
+        for number in ORDERS.sample(range(10), 10):
             file.execute('INSERT INTO work_items VALUES (?)', (f'job {number}',))
             file.execute('INSERT INTO mutation_specs VALUES (?, ?, ?, ?, 1, ?)',
                          (f'job {number}', 'AddNot', '{}', number, number))

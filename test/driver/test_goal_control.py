@@ -60,6 +60,17 @@ def begun(loop: Loop, goal: Goal) -> Running:
     return running
 
 
+def searching(loop: Loop) -> tuple[Told, Running]:
+    """Let a goal search for the dock until the robot does."""
+    goal = Told(DockDemo.PLAY, needs_driving=False)
+    running = loop.driver.goals.start(goal, loop.now)
+    while loop.driver.state.activity is not Activity.DOCKING:
+        loop.turn()
+    goal.order = DockDemo.GO_ON
+    loop.run(DOCK_PAUSE + 0.1)
+    return goal, running
+
+
 def ended(running: Running) -> tuple[Code, str]:
     """Return how a goal ended: the reason, without how far it got and what to do."""
     assert running.ending is not None
@@ -217,12 +228,7 @@ def test_a_search_for_the_dock_that_is_ended_stops_the_robot_and_brings_its_mode
         at_once, mode):
     at_once.driver.set_mode(mode, at_once.now)
     at_once.run(0.3)
-    goal = Told(DockDemo.PLAY, needs_driving=False)
-    running = at_once.driver.goals.start(goal, at_once.now)
-    while at_once.driver.state.activity is not Activity.DOCKING:
-        at_once.turn()
-    goal.order = DockDemo.GO_ON
-    at_once.run(DOCK_PAUSE + 0.1)
+    goal, running = searching(at_once)
     assert SEEK in sent(at_once)
     assert at_once.robot.demo is oi.DemoNumber.COVER_AND_DOCK
     at_once.driver.goals.cancel(running, at_once.now)
@@ -234,12 +240,7 @@ def test_a_search_for_the_dock_that_is_ended_stops_the_robot_and_brings_its_mode
 
 
 def test_a_dock_that_was_found_leaves_the_robot_as_it_is(at_once):
-    goal = Told(DockDemo.PLAY, needs_driving=False)
-    running = at_once.driver.goals.start(goal, at_once.now)
-    while at_once.driver.state.activity is not Activity.DOCKING:
-        at_once.turn()
-    goal.order = DockDemo.GO_ON
-    at_once.run(DOCK_PAUSE + 0.1)
+    goal, running = searching(at_once)
     sent(at_once)
     goal.order = DONE
     at_once.run(0.1)
@@ -258,12 +259,7 @@ def test_velocities_do_not_end_a_goal_where_they_may_not():
 
 
 def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives(at_once):
-    goal = Told(DockDemo.PLAY, needs_driving=False)
-    search = at_once.driver.goals.start(goal, at_once.now)
-    while at_once.driver.state.activity is not Activity.DOCKING:
-        at_once.turn()
-    goal.order = DockDemo.GO_ON
-    at_once.run(DOCK_PAUSE + 0.1)
+    _, search = searching(at_once)
     running = at_once.driver.goals.start(Told(AHEAD), at_once.now)
     assert ended(search) == (Code.SUPERSEDED, 'another goal took over')
     at_once.run(0.3)
