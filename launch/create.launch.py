@@ -34,7 +34,7 @@ SHARE = get_package_share_directory('create_oi_ros')
 ARGUMENTS = {
     'port': ('/dev/ttyUSB0', 'serial device of the robot, or a pyserial URL'),
     'simulated': ('false', 'true: simulate the robot, on a pseudo terminal'),
-    'world': ('room', 'world of the simulated robot'),
+    'world': ('apartment', 'world of the simulated robot'),
     'namespace': ('', 'namespace of all nodes and topics'),
     'frame_prefix': ('', 'put before every frame, such as robot1/'),
     'capture': ('', 'file to write every byte of the serial line to'),

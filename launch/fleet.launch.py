@@ -38,7 +38,8 @@ def generate_launch_description():
     """Declare the arguments and start the robots."""
     return LaunchDescription([
         DeclareLaunchArgument('count', default_value='2', description='number of robots'),
-        DeclareLaunchArgument('world', default_value='room', description='world of each robot'),
+        DeclareLaunchArgument('world', default_value='apartment',
+                              description='world of each robot'),
         DeclareLaunchArgument('description', default_value='true',
                               description='true: publish models (robot_state_publisher)'),
         OpaqueFunction(function=robots)])

@@ -3,6 +3,7 @@
 """`create_run` as a user sees it: one command, a robot that can be driven, a clean end."""
 
 from contextlib import closing
+from math import dist
 from pathlib import Path
 import re
 import signal
@@ -20,7 +21,7 @@ from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import children_of, Listener, Program, scene, TIMEOUT
 from support.screen import terminals
-from support.web import ADDRESS, PageClient
+from support.web import ADDRESS, PageClient, ready
 
 
 @pytest.fixture
@@ -72,6 +73,10 @@ def test_capture_is_passed_on_to_the_node(stage):
 def test_a_missing_port_is_reported_and_run_continues(stage):
     run = stage.program('create_run', '--port', str(stage.folder / 'nothing'))
     stage.ros.until(lambda: 'does not exist' in run.output and 'NO ROBOT' in run.output)
+    # The page of a real robot is for this computer only, if nothing else is asked for.
+    stage.ros.until(lambda: ADDRESS.search(run.output))
+    assert ADDRESS.search(run.output)[1].startswith('http://127.0.0.1:')
+    assert 'token' not in run.output
     run.send(signal.SIGINT)
     assert run.ended() == 0
 
@@ -184,19 +189,24 @@ def test_a_terminal_shows_one_line_that_changes_in_place(stage):
         assert run.output.endswith('\n')
 
 
-def test_its_page_shows_the_robot_and_the_room(stage):
-    run = stage.program('create_run', '--world', 'room')
+def test_a_telephone_sees_and_drives_the_robot_in_its_apartment(stage):
+    run = stage.program('create_run')
     stage.ros.until(lambda: ADDRESS.search(run.output))
-    with closing(PageClient(ADDRESS.search(run.output)[1])) as page:
-        page.until(lambda: page.known.get('true_pose') and page.known.get('mode'))
+    _, port, token = re.search(r'open (http://\S+:(\d+)/)\?token=(\S+) in', run.output).groups()
+    with closing(PageClient(f'http://127.0.0.1:{port}/', token=token)) as page:
+        ready(page)
+        page.until(lambda: page.known.get('true_pose'))
         assert page.known['room']['walls']
+        before = page.known['true_pose'][:2]
+        page.drive(0.2, 0.0, lambda: dist(before, page.known['true_pose'][:2]) > 0.1)
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
 
 
-def test_its_page_is_for_telephones_when_asked(stage):
-    run = stage.program('create_run', '--world', 'empty', '--host', '0.0.0.0')
-    stage.ros.until(lambda: '/?token=' in run.output)
+def test_its_page_is_for_this_computer_only_when_asked(stage):
+    run = stage.program('create_run', '--world', 'empty', '--host', '127.0.0.1')
+    stage.ros.until(lambda: ADDRESS.search(run.output))
+    assert re.fullmatch(r'http://127\.0\.0\.1:\d+/', ADDRESS.search(run.output)[1])
     run.send(signal.SIGINT)
     assert run.ended() == 0

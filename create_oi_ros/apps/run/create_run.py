@@ -3,7 +3,9 @@
 """
 `create_run`: a robot, its node and its web page, with a status line every second.
 
-Without `--port` the robot is a simulated one on a pseudo terminal.
+Without `--port` the robot is a simulated one on a pseudo terminal. Telephones in the network may
+open its page, too, with a token. The page of a real robot is for this computer only, without
+`--host`.
 """
 
 import argparse
@@ -28,6 +30,10 @@ from ...ros.simulated_run import run_domain, run_folder
 from ...ros.topics import LATCHED
 from ...ros.user_errors import check_environment
 from .status import RobotStatus, show, status_line
+
+WORLD = 'apartment'
+"""World of the simulated robot, if nothing else is asked for."""
+EVERY_NETWORK = '0.0.0.0'
 
 
 class StatusNode(Node):
@@ -73,7 +79,8 @@ def introduction(port: str, simulated: bool) -> str:
         lines += ['Watch a topic, or drive by keyboard:', '    ros2 topic echo /bumper',
                   '    ros2 run create_oi_ros create_view']
     lines += ['Or see and drive it in a browser, at the address that is printed below.',
-              'Telephones in your network can open it, too, when you add --host 0.0.0.0.']
+              'Telephones in your network can open it, too'
+              + ('.' if simulated else f', when you add --host {EVERY_NETWORK}.')]
     return '\n'.join([*lines, 'Ctrl-C stops the robot and everything here.'])
 
 
@@ -92,12 +99,13 @@ def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
     """Return the arguments; those that contradict each other end the program."""
     parser = argparse.ArgumentParser(prog='create_run', description=__doc__)
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
-    parser.add_argument('--world', help='world of the simulated robot (default: room)')
+    parser.add_argument('--world', help=f'world of the simulated robot (default: {WORLD})')
     parser.add_argument('--capture', metavar='FILE', help=(
         'write every byte of the serial line to FILE, to be sent with a bug report'))
     parser.add_argument('--host', help=(
-        'address on which the web page is served (default: for this computer only); 0.0.0.0: '
-        'also for telephones in your network, with a token'))
+        'address on which the web page is served; '
+        f'{EVERY_NETWORK}: also for telephones in your network, with a token (default for a '
+        'simulated robot); 127.0.0.1: for this computer only (default for a real one)'))
     options = parser.parse_args(given)
     for name, value in vars(options).items():
         if value == '':
@@ -111,8 +119,10 @@ def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
 def _start(children: Children, port: str, options: argparse.Namespace) -> None:
     page = [] if options.host is None else ['--host', options.host]
     if options.port is None:
+        # A simulated robot hurts nobody, so the network may try it, with the token.
+        page = page or ['--host', EVERY_NETWORK]
         control = f'{port}.control'
-        children.start('create_sim', '--link', port, '--world', options.world or 'room',
+        children.start('create_sim', '--link', port, '--world', options.world or WORLD,
                        '--control', control)
         page += ['--control', control]
     children.start('create_web', *page)
