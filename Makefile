@@ -8,6 +8,7 @@
 #   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
 #   make test            build, lint and run every test; ARGS='FILE -k NAME' runs some of them
 #   make build           the same as make
+#   make coverage        every test, measuring the whole package; a floor for each of its rooms
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
 #   make bench           measure speed and cost: fifteen minutes, on a quiet machine
@@ -24,20 +25,21 @@
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences campaign mutants docs lint clean
+.PHONY: help run demo test coverage build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences campaign mutants docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
 READY := .venv/ready
 BUILT := install/built
 MUTANTS := build/mutants/ready
-EVERY_TEST := python -m pytest --cov --cov-report= -n 2 --dist loadfile --max-worker-restart 0 && python tools/coverage_floors.py
+EVERY_TEST := python -m pytest --cov-report= -n 2 --dist loadfile --max-worker-restart 0
 ENTER := source ./env.sh &&
 
 help: ; @sed -n 's/^#   make/make/p' Makefile
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
-test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(EVERY_TEST))
+test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(EVERY_TEST) --cov && python tools/coverage_floors.py)
+coverage: build ; @$(ENTER) $(EVERY_TEST) --cov=create_oi_ros && python tools/coverage_floors.py --whole
 build: $(BUILT)
 bench: build ; @$(ENTER) python bench/everything.py $(ARGS)
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)

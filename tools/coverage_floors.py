@@ -1,13 +1,15 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Compare the coverage of each room with its floor: `python tools/coverage_floors.py`.
+Compare the coverage of each room with its floor: `python tools/coverage_floors.py [--whole]`.
 
 `make test` runs this last; it reads `.coverage`. The floors are in pyproject.toml, under
 `[tool.coverage-floors]`. The exit code is 1 if a room is below its floor. A floor may only rise:
-the table shows where it can.
+the table shows where it can. `make test` measures the rooms under `[tool.coverage.run]`;
+`--whole`, of `make coverage`, compares all.
 """
 
+from argparse import ArgumentParser
 from io import StringIO
 from math import floor
 from pathlib import Path
@@ -39,9 +41,12 @@ class Room(NamedTuple):
         return f'raise the floor to {reached:g}' if reached > self.floor else ''
 
 
-def floors(project: Path = PROJECT) -> dict[str, float]:
-    """Return the floor of each measured room, in per cent."""
-    return tomllib.loads(project.read_text('utf-8'))['tool']['coverage-floors']
+def floors(*, whole: bool) -> dict[str, float]:
+    """Return the floor of each room, in per cent: of all, or of those of `make test`."""
+    settings = tomllib.loads(PROJECT.read_text('utf-8'))['tool']
+    usual = settings['coverage']['run']['source']
+    return {name: lowest for name, lowest in settings['coverage-floors'].items()
+            if whole or name in usual}
 
 
 def room(coverage: Coverage, name: str, lowest: float) -> Room:
@@ -52,7 +57,7 @@ def room(coverage: Coverage, name: str, lowest: float) -> Room:
 
 
 def table(rooms: list[Room]) -> str:
-    """Return the table that `make test` prints last."""
+    """Return the table that is printed last."""
     lines = [('coverage, lines and branches', '%', 'floor', ''),
              *((each.name, f'{each.covered:.2f}', f'{each.floor:g}', each.verdict)
                for each in rooms)]
@@ -63,9 +68,12 @@ def table(rooms: list[Room]) -> str:
 
 def main() -> int:
     """Print the table, after the lines that are missing in rooms below their floor."""
+    parser = ArgumentParser(description='Compare the coverage of each room with its floor.')
+    parser.add_argument('--whole', action='store_true', help='all rooms of the package')
+    whole = parser.parse_args().whole
     coverage = Coverage()
     coverage.load()
-    rooms = [room(coverage, name, lowest) for name, lowest in floors().items()]
+    rooms = [room(coverage, name, lowest) for name, lowest in floors(whole=whole).items()]
     low = [each for each in rooms if each.covered < each.floor]
     for each in low:
         print(each.missing)

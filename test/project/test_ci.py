@@ -29,7 +29,8 @@ VALUE = re.compile(r'\$\{\{ matrix\.(\w+) \}\}')
 def commands(job: dict[str, Any]) -> list[str]:
     """Return the commands of a job, with each value of its matrix."""
     lines = [line.strip() for step in job['steps'] for line in step.get('run', '').splitlines()]
-    return [filled for line in lines for filled in variants(line, job['strategy']['matrix'])]
+    matrix = job.get('strategy', {}).get('matrix', {})
+    return [filled for line in lines for filled in variants(line, matrix)]
 
 
 def variants(line: str, matrix: dict[str, list[str]]) -> list[str]:
