@@ -98,6 +98,11 @@ class GoalControl:
         """Whether a goal runs."""
         return self._goal is not None
 
+    @property
+    def wants_reading(self) -> bool:
+        """Whether the goal that runs cannot go on before the robot says how far it went."""
+        return self._goal is not None and self._goal.wants_reading
+
     def cancel(self, running: Running, now: float) -> None:
         """End this goal, if it still runs."""
         if running is self._running and self.active:

@@ -284,6 +284,8 @@ class Driver:
         readings = moved.readings
         self._wheels.blocked = bool(int(readings.bumps_and_wheel_drops) & BUMPS)
         self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
+        if self.goals.wants_reading:
+            self._tracking.odometry.hurry()
         if self._modes.observe(readings, now):
             self._velocity.report_next_refusal()
         drives = self.status.can_drive

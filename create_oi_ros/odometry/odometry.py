@@ -112,6 +112,10 @@ class Odometry:
         if not self.window:
             self._discard = True
 
+    def hurry(self) -> None:
+        """Ask for the next reading soon."""
+        self._plan.hurry()
+
     def update(self, increment: Increment) -> Estimate:
         """Take one frame in."""
         if not self.window:

@@ -67,7 +67,7 @@ class ReadingPlan:
         self._asked = ANSWER + 1
 
     def hurry(self) -> None:
-        """Ask soon: what the robot does has changed for a reason of its own."""
+        """Ask soon: what the robot did is not sure, and somebody needs to know."""
         self._age = max(self._age, UNSETTLED * self.window)
 
     def step(self, dt: float, *, steady: bool, tracks: Tracks) -> bool:

@@ -183,12 +183,73 @@ def test_a_longer_rest_of_the_way_is_crept_by_the_odometry():
 
 
 def test_it_corrects_three_times_at_most():
-    begun, corrections, before = stopped(0.0), 0, 0.0
-    while (speed := begun.step(at(0.01))) is not None:
+    begun, left, corrections, before = stopped(0.0), 0.01, 0, 0.0
+    while (speed := begun.step(at(left))) is not None:
         corrections += bool(speed and not before)
+        if before and not speed:
+            left = -left  # each leads too far
         before = speed
     assert corrections == 3
     assert begun.correcting
+
+
+@pytest.mark.parametrize(('way', 'sign'), [(0.01, 1), (0.01, -1), (0.1, 1)])
+def test_a_correction_that_moves_nothing_is_none_and_the_next_is_faster(way, sign):
+    begun, told, before = stopped(0.0), [], 0.0
+    left = at(sign * way)
+    while (speed := begun.step(left)) is not None:
+        if speed and not before:
+            told.append(speed)
+        before = speed
+        # The odometry believes that creeping moves the robot until a reading says that it does not.
+        left = at(sign * (0.0 if speed and way > 0.02 else way), sign * 0.03 if speed else 0.0)
+    assert told == pytest.approx(
+        [sign * speed for speed in (0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.08, 0.08)])
+
+
+def test_a_push_teaches_how_far_pushes_lead():
+    learned = Learned()
+    learned.pushed(0.01, 0.02)
+    gain = 0.5 ** 2 / (0.5 ** 2 + 0.1 ** 2)
+    assert learned.push == pytest.approx(1 + gain)
+    before, learned_variance = learned.push, 0.5 ** 2 * (1 - gain) + 0.1 ** 2
+    learned.pushed(0.002, 0.001)
+    gain = learned_variance / (learned_variance + 0.5 ** 2)
+    assert learned.push == pytest.approx(before + gain * (before / 2 - before))
+
+
+@pytest.mark.parametrize(('way', 'push'), [(0.1, 3.0), (-0.1, 0.3)])
+def test_a_push_that_cannot_be_is_not_believed(way, push):
+    learned = Learned()
+    for _ in range(50):
+        learned.pushed(0.01, way)
+    assert learned.push == pytest.approx(push, abs=0.001)
+
+
+@pytest.mark.parametrize('sign', [1, -1])
+def test_a_push_that_led_too_far_makes_the_next_one_shorter(sign):
+    learned = Learned()
+    begun = stopped(0.0, learned=learned)
+    frames_until_moving(begun, at(sign * 0.015))
+    while begun.step(at(sign * 0.015, dt=0.01)):
+        pass
+    told = [begun.step(at(-sign * 0.015, dt=0.01, measured=True)) for _ in range(200)]
+    assert told.count(-sign * 0.03) == round(50 / learned.push)
+    expected = Learned()
+    expected.pushed(0.015, 0.03)
+    assert learned.push == pytest.approx(expected.push)
+
+
+def test_it_wants_a_reading_once_the_robot_rests_and_until_one_comes():
+    begun = approach()
+    begun.step(at(1.0))
+    assert not begun.wants_reading
+    begun.step(at(0.0))
+    wants = []
+    for frame in range(30):
+        begun.step(at(0.0, dt=0.01, measured=frame == 20))
+        wants.append(begun.wants_reading)
+    assert (wants.index(True), wants[19], wants[20:]) == (15, True, 10 * [False])
 
 
 def test_wheels_that_do_not_move_are_told_to_creep_faster_each_time():

@@ -31,7 +31,8 @@ LAST = 0.05
 """Metres before the end in which the robot no longer speeds up."""
 STUCK, FASTER = 0.7, 0.01
 """Seconds of creeping without motion after which a wheel creeps faster, and m/s by which."""
-FASTEST_CREEP = 0.08
+FASTEST_CREEP, UNMOVED = 0.08, 0.25
+"""m/s at most, and the part of a correction below which it moved nothing: the next is faster."""
 STANDING = 0.004
 """m/s below which a wheel counts as standing."""
 SETTLE, BLEND, LATEST = 0.15, 0.25, 1.4
@@ -40,6 +41,10 @@ and after which none is waited for."""
 NUDGE = 0.02
 """Metres up to which a correction is a push of a set length: its way is its speed times its
 length, whatever the coast."""
+PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
+"""How the way of a push differs from its speed times its length, in part: standard deviation from
+robot to robot, and from push to push; and metres by which one is measured wrongly."""
+LEAST_PUSH, MOST_PUSH = 0.3, 3.0
 CORRECTIONS = 3
 """How often the robot creeps on or back at most."""
 
@@ -51,6 +56,16 @@ class Learned:
         self.coast = COAST
         """Seconds of its speed that the robot travels on after a stop."""
         self._variance = SPREAD ** 2
+        self.push = 1.0
+        """The way of a push over its speed times its length."""
+        self._push_variance = PUSH_SPREAD ** 2
+
+    def pushed(self, asked: float, way: float) -> None:
+        """Learn from a push that was to lead a way `asked`, m, and led another."""
+        gain = self._push_variance / (self._push_variance + (PUSH_NOISE / asked) ** 2)
+        ratio = max(LEAST_PUSH, min(MOST_PUSH, way / asked * self.push))
+        self.push += gain * (ratio - self.push)
+        self._push_variance = self._push_variance * (1 - gain) + PUSH_DRIFT ** 2
 
     def stopped(self, pace: float, way: float) -> None:
         """Learn from a stop at a pace, m/s, after which the robot still travelled a way, m."""
@@ -96,6 +111,10 @@ class Approach:
         self._corrections = 0
         self._nudge: float | None = None
         """Seconds of a push that are left; None: the robot is not pushed."""
+        self._corrected = 0.0
+        """The way that the last correction was to lead, m; 0 before the first."""
+        self._by_push = False
+        """Whether that correction was a push."""
         self._standing = False
         """Whether the wheels were told to stand."""
         self._stood = self._crept = 0.0
@@ -107,7 +126,12 @@ class Approach:
     @property
     def correcting(self) -> bool:
         """Whether the robot creeps on or back, after a stop."""
-        return self._corrections > 0
+        return self._corrected > 0
+
+    @property
+    def wants_reading(self) -> bool:
+        """Whether the robot stands, and only a reading can tell where."""
+        return self._standing and self._stood > SETTLE and self._confirmed == inf
 
     def seconds(self, way: float) -> float:
         """Return how long a way takes at most, about."""
@@ -143,7 +167,7 @@ class Approach:
         stuck = self._speed == self._creep and pace < STANDING
         self._crept = self._crept + at.dt if stuck else 0.0
         if self._crept > STUCK:
-            self._crept, self._creep = 0.0, min(self._creep + FASTER, FASTEST_CREEP, self._top)
+            self._crept, self._creep = 0.0, self._faster()
         return self._speed
 
     def _stand(self) -> float:
@@ -169,15 +193,34 @@ class Approach:
         if abs(at.left) <= self._tolerance or self._corrections >= CORRECTIONS:
             return None
         self._corrections += 1
-        self._standing, self._sign, self._crept = False, copysign(1.0, at.left), 0.0
-        if abs(at.left) < NUDGE:
-            self._nudge = abs(at.left) / self._creep
+        self._correct(at.left)
         return 0.0
 
+    def _correct(self, left: float) -> None:
+        """Begin to creep on, or back."""
+        self._standing, self._sign, self._crept = False, copysign(1.0, left), 0.0
+        self._corrected, self._by_push = abs(left), abs(left) < NUDGE
+        if self._by_push:
+            self._nudge = abs(left) / self._creep / self._learned.push
+
     def _learn(self, left: float) -> None:
-        """Learn how far the robot coasted."""
+        """Learn from the motion that has ended how far the robot coasts, and what moves it."""
+        if self.correcting:
+            self._learn_from_correction(self._corrected - left * self._sign)
         if self._stopped is not None:
             place, pace = self._stopped
             if pace > CREEP / 2:
                 self._learned.stopped(pace, (place - left) * self._sign)
         self._stopped = None
+
+    def _learn_from_correction(self, went: float) -> None:
+        """Learn from a correction that led a way, m; creep faster where it has moved nothing."""
+        if went < UNMOVED * self._corrected and self._creep < self._faster():
+            self._creep = self._faster()
+            self._corrections -= 1  # it was none
+        elif self._by_push:
+            self._learned.pushed(self._corrected, went)
+
+    def _faster(self) -> float:
+        """Return the next speed to creep at."""
+        return min(self._creep + FASTER, FASTEST_CREEP, self._top)

@@ -94,6 +94,11 @@ class Goal(ABC):
     def progress(self) -> Progress:
         """How far the goal is."""
 
+    @property
+    def wants_reading(self) -> bool:
+        """Whether the robot should be asked soon how far it went."""
+        return False
+
     def way(self, seconds: float) -> str:
         """Say how far the goal has got in so many seconds, as in "stopped after 0.42 m"."""
         return f'after {seconds:.1f} s'

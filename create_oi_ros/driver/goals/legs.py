@@ -60,6 +60,11 @@ class Leg(ABC):
         return self._approach.seconds(self._left)
 
     @property
+    def wants_reading(self) -> bool:
+        """Whether the robot stands, and only a reading can tell where."""
+        return self._approach.wants_reading
+
+    @property
     def distance(self) -> float:
         """Metres that are left, signed."""
         return 0.0

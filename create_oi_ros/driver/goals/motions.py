@@ -80,6 +80,11 @@ class MotionGoal(Goal):
             return Progress()
         return Progress(abs(self._leg.distance), abs(self._leg.angle), self._phase)
 
+    @property
+    def wants_reading(self) -> bool:
+        """Whether the present leg cannot tell whether it is at its end."""
+        return self._leg is not None and self._leg.wants_reading
+
     @abstractmethod
     def _plan(self, limits: MotionLimits) -> Legs:
         """Yield the legs, each made where the robot is when its turn comes."""
