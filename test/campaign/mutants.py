@@ -25,6 +25,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import NamedTuple
 
+from campaign.mutant_parts import PARTS
 from support.tables import markdown_table
 
 ROOT = Path(__file__).parents[2]
@@ -35,34 +36,6 @@ SLOWER, LEAST_LIMIT = 5.0, 5.0
 never ends, and counts as killed."""
 LEAST = 0.9
 """Share of the mutants of a part that must be killed."""
-PARTS = {
-    'link/dead_man': ('link/test_dead_man.py',),
-    'link/dead_man_process': ('link/test_dead_man.py',),
-    'oi/stream': ('oi/test_stream.py', 'oi/test_stream_limits.py'),
-    'oi/steering': ('oi/test_steering.py',),
-    'oi/script': ('oi/test_commands.py', 'oi/test_text.py', 'oi/test_stream.py'),
-    'oi/script_motion': ('oi/test_script_motion.py',),
-    'oi/wire': ('oi/test_commands.py', 'oi/test_packets.py', 'oi/test_text.py'),
-    'oi/declaration': ('oi/test_commands.py', 'oi/test_text.py'),
-    'oi/commands': ('oi/test_commands.py',),
-    'oi/packets': ('oi/test_packets.py', 'oi/test_stream.py'),
-    'oi/readings': ('oi/test_packets.py', 'oi/test_stream.py'),
-    'oi/codes': ('oi/test_commands.py', 'oi/test_packets.py'),
-    'driver/motion': ('driver/test_motion.py', 'driver/test_velocity.py'),
-    'driver/velocity_control': ('driver/test_velocity.py', 'driver/test_modes.py'),
-    'driver/supervision': ('driver/test_supervision.py', 'driver/test_modes.py'),
-    'driver/state': ('driver/test_state.py',),
-    'driver/modes': ('driver/test_modes.py', 'driver/test_lost_commands.py'),
-    'driver/outbox': ('driver/test_outbox.py', 'driver/test_requests.py'),
-    'driver/requests': ('driver/test_requests.py',),
-    'driver/goal_control': ('driver/test_goal_control.py', 'driver/test_goal_endings.py'),
-    'driver/frame_clock': ('driver/test_frame_clock.py',),
-    'driver/plausibility': ('driver/test_plausibility.py',),
-    'odometry/rounding': ('odometry/test_rounding.py',),
-    'odometry/accumulators': ('odometry/test_accumulators.py',),
-    'odometry/dead_band': ('odometry/test_dead_band.py',),
-}
-"""Files of the package, and the tests that must find their mutants."""
 OTHER_OPERATORS = r'core/ReplaceBinaryOperator_\w+_(Mod|Pow|FloorDiv|RShift|LShift|BitXor|BitAnd)'
 """Of the operators that can replace one, +, -, * and / are enough."""
 ANNOTATIONS = r'core/ReplaceBinaryOperator_(BitOr_\w+|\w+_BitOr)'

@@ -16,7 +16,8 @@ import pytest
 
 from campaign import campaign
 from campaign.campaign import Part
-from campaign.mutants import COPIED, drop_bare_stars, keep_sample, Mutant, PARTS, ROOT, Tried
+from campaign.mutant_parts import NO_MUTANTS, PARTS, ROOMS
+from campaign.mutants import COPIED, drop_bare_stars, keep_sample, Mutant, ROOT, Tried
 from campaign.mutants import main as mutants_main
 
 ORDERS = Random(1)
@@ -76,6 +77,13 @@ def test_mutants_are_made_of_files_that_exist_and_tried_by_tests_that_exist():
     for part, tests in PARTS.items():
         assert (ROOT / 'create_oi_ros' / f'{part}.py').is_file()
         assert all((ROOT / 'test' / test).is_file() for test in tests)
+
+
+def test_no_file_of_the_rooms_is_forgotten():
+    package = ROOT / 'create_oi_ros'
+    files = {path.relative_to(package).with_suffix('').as_posix() for room in ROOMS
+             for path in (package / room).glob('[!_]*.py')}
+    assert {each for each in PARTS if not each.startswith('link/')} | NO_MUTANTS == files
 
 
 @pytest.mark.parametrize('part', campaign.PARTS, ids=lambda part: part.name)

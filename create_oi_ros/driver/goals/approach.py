@@ -94,8 +94,8 @@ class Approach:
         self._sign = 0.0
         """Which way to go; 0 before the first step."""
         self._corrections = 0
-        self._nudge = 0.0
-        """Seconds of a push that are left."""
+        self._nudge: float | None = None
+        """Seconds of a push that are left; None: the robot is not pushed."""
         self._standing = False
         """Whether the wheels were told to stand."""
         self._stood = self._crept = 0.0
@@ -123,8 +123,8 @@ class Approach:
             self._sign = copysign(1.0, at.left)
         if self._standing:
             return self._settle(at)
-        if self._nudge > 0:
-            return self._push(at.dt)
+        if self._nudge is not None:
+            return self._push(self._nudge, at.dt)
         ahead, pace = at.left * self._sign, max(0.0, at.speed * self._sign)
         coast = pace * self._learned.coast
         if ahead <= coast:
@@ -148,12 +148,15 @@ class Approach:
 
     def _stand(self) -> float:
         self._standing, self._stood, self._speed = True, 0.0, 0.0
-        self._confirmed = inf
+        self._confirmed, self._nudge = inf, None
         return 0.0
 
-    def _push(self, dt: float) -> float:
-        self._nudge -= dt
-        return self._sign * self._creep if self._nudge > -dt / 2 else self._stand()
+    def _push(self, left: float, dt: float) -> float:
+        """Push for another frame, unless less than half of one is left."""
+        if left <= dt / 2:
+            return self._stand()
+        self._nudge = left - dt
+        return self._sign * self._creep
 
     def _settle(self, at: Remaining) -> float | None:
         """Wait until the robot stands and its place is known; then arrive, or go on."""
@@ -167,7 +170,8 @@ class Approach:
             return None
         self._corrections += 1
         self._standing, self._sign, self._crept = False, copysign(1.0, at.left), 0.0
-        self._nudge = abs(at.left) / self._creep if abs(at.left) < NUDGE else 0.0
+        if abs(at.left) < NUDGE:
+            self._nudge = abs(at.left) / self._creep
         return 0.0
 
     def _learn(self, left: float) -> None:

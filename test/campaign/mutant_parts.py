@@ -1,0 +1,98 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The files whose mutants are tried, and the tests that must find them, the quickest first.
+
+`test_campaign.py` checks that no file of the rooms below is forgotten.
+"""
+
+ROOMS = 'oi', 'driver', 'driver/goals', 'odometry'
+"""Rooms of which every file is tried."""
+NO_MUTANTS = {'driver/health'}
+"""Files that decide and calculate nothing."""
+GOALS = 'driver/goals'
+TEXT = 'oi/test_commands.py', 'oi/test_text.py'
+BYTES = 'oi/test_commands.py', 'oi/test_packets.py', 'oi/test_text.py'
+FRAMES = 'oi/test_packets.py', 'oi/test_stream.py'
+LINE = ('driver/test_line_watch.py', 'driver/test_calling.py', 'driver/test_lost_commands.py',
+        'driver/test_reliability.py')
+MACHINE = ('driver/test_driver.py', 'driver/test_velocity.py', 'driver/test_modes.py',
+           'driver/test_lost_commands.py', 'driver/test_reliability.py',
+           'driver/test_requests.py', 'driver/test_script_requests.py')
+SCRIPTS = ('driver/test_script_speeds.py', 'driver/test_script_requests.py',
+           'driver/test_script_odometry.py')
+BATTERY = 'driver/test_battery.py', 'driver/test_reliability.py'
+TRACKS = ('odometry/test_tracks.py', 'odometry/test_knowledge.py', 'odometry/test_assumptions.py',
+          'odometry/test_wheel_model.py', 'odometry/test_odometry.py')
+PARTS = {
+    'link/dead_man': ('link/test_dead_man.py',),
+    'link/dead_man_process': ('link/test_dead_man.py',),
+    'oi/stream': ('oi/test_stream_limits.py', 'oi/test_stream.py'),
+    'oi/steering': ('oi/test_steering.py',),
+    'oi/script': ('oi/test_commands.py', 'oi/test_text.py', 'oi/test_stream.py'),
+    'oi/script_motion': ('oi/test_script_motion.py',),
+    'oi/wire': BYTES,
+    'oi/declaration': TEXT,
+    'oi/commands': ('oi/test_commands.py',),
+    'oi/packets': FRAMES,
+    'oi/readings': FRAMES,
+    'oi/codes': ('oi/test_commands.py', 'oi/test_packets.py'),
+    'driver/motion': ('driver/test_motion.py', 'driver/test_velocity.py'),
+    'driver/velocity_control': ('driver/test_velocity.py', 'driver/test_modes.py'),
+    'driver/supervision': ('driver/test_supervision.py', 'driver/test_modes.py'),
+    'driver/state': ('driver/test_state.py',),
+    'driver/modes': ('driver/test_modes.py', 'driver/test_lost_commands.py'),
+    'driver/outbox': ('driver/test_outbox.py', 'driver/test_requests.py'),
+    'driver/requests': ('driver/test_requests.py',),
+    'driver/goal_control': ('driver/test_goal_control.py', 'driver/test_goal_endings.py'),
+    'driver/frame_clock': ('driver/test_frame_clock.py',),
+    'driver/plausibility': ('driver/test_plausibility.py',),
+    'driver/machine': MACHINE,
+    'driver/connection': LINE,
+    'driver/stopping': ('driver/test_driver.py', 'driver/test_reliability.py',
+                        'driver/test_cut_commands.py'),
+    'driver/tracking': ('driver/test_driver.py', 'driver/test_silence.py',
+                        'driver/test_reliability.py'),
+    'driver/command_watch': ('driver/test_line_watch.py',),
+    'driver/frame_budget': ('driver/test_line_watch.py',),
+    'driver/baud_search': ('driver/test_line_watch.py',),
+    'driver/stream_plan': ('driver/test_line_watch.py',),
+    'driver/script_control': SCRIPTS,
+    'driver/script_speeds': ('driver/test_script_speeds.py',),
+    'driver/outputs': ('driver/test_requests.py',),
+    'driver/demos': ('driver/test_requests.py', 'driver/test_modes.py'),
+    'driver/pending': ('driver/test_pending.py', 'driver/test_requests.py'),
+    'driver/events': ('driver/test_driver.py',),
+    'driver/settings': ('driver/test_driver.py', 'driver/test_modes.py'),
+    'driver/battery_watch': BATTERY,
+    'driver/battery_guard': BATTERY,
+    'driver/charge_watch': ('driver/test_battery.py',),
+    'driver/acquaintance': ('driver/test_known_robot.py',),
+    'driver/contacts': ('driver/test_contacts.py',),
+    f'{GOALS}/approach': ('driver/test_approach.py',),
+    f'{GOALS}/legs': ('driver/test_legs.py',),
+    f'{GOALS}/hazards': ('driver/test_hazards.py',),
+    f'{GOALS}/wall_following': ('driver/test_hazards.py',),
+    f'{GOALS}/docking': ('driver/test_docking.py',),
+    f'{GOALS}/motions': ('driver/test_goals.py', 'driver/test_goal_endings.py'),
+    f'{GOALS}/goal': ('driver/test_goal_endings.py', 'driver/test_goals.py'),
+    f'{GOALS}/outcome': ('driver/test_goal_control.py', 'driver/test_goal_endings.py'),
+    'odometry/rounding': ('odometry/test_rounding.py',),
+    'odometry/accumulators': ('odometry/test_accumulators.py',),
+    'odometry/dead_band': ('odometry/test_dead_band.py',),
+    'odometry/assumptions': TRACKS,
+    'odometry/doubt': TRACKS,
+    'odometry/estimate': TRACKS,
+    'odometry/knowledge': TRACKS,
+    'odometry/noise': TRACKS,
+    'odometry/obedience': ('odometry/test_disturbed_odometry.py',),
+    'odometry/odometry': ('odometry/test_odometry.py', 'odometry/test_disturbed_odometry.py'),
+    'odometry/plain': ('odometry/test_odometry.py',),
+    'odometry/reading_plan': TRACKS,
+    'odometry/request_history': TRACKS,
+    'odometry/springs': TRACKS,
+    'odometry/states': TRACKS,
+    'odometry/tracks': TRACKS,
+    'odometry/wheel_model': TRACKS,
+}
+"""By file of the package."""

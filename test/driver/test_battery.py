@@ -1,0 +1,144 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From the battery's voltage to its level, and a dock that does not charge, to the second."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import BatteryLevel, BatteryLimits
+from create_oi_ros.driver.battery_watch import BatteryWatch
+from create_oi_ros.driver.charge_watch import ChargeWatch
+from create_oi_ros.driver.events import EventQueue
+from create_oi_ros.driver.outbox import Outbox
+from create_oi_ros.driver.supervision import Supervision
+from support.views import QUIET
+
+FINE, LOW, EMPTY = BatteryLevel
+LIMITS = BatteryLimits(low=13.5, empty=12.5)
+
+
+def readings(millivolts: int, sources: int = 0) -> oi.Readings:
+    """Return what a frame says of the battery."""
+    return oi.Readings({'voltage': millivolts, 'charging_sources': sources})
+
+
+def test_a_level_is_reached_after_five_seconds_and_told_once():
+    watch = BatteryWatch(LIMITS)
+    seen = [(watch.observe(readings(13500), now), watch.level)
+            for now in (1.0, 5.99, 6.0, 7.0)]
+    assert seen == [(False, FINE), (False, FINE), (True, LOW), (False, LOW)]
+    seen = [(watch.observe(readings(12500), now), watch.level) for now in (8.0, 12.99, 13.0, 14.0)]
+    assert seen == [(False, LOW), (False, LOW), (True, EMPTY), (False, EMPTY)]
+
+
+def test_a_battery_is_better_again_above_its_limit_and_a_bit():
+    watch = BatteryWatch(LIMITS)
+    for now in (0.0, 5.0):
+        watch.observe(readings(12400), now)
+    assert watch.level is EMPTY
+    for millivolts, level in ((12800, EMPTY), (12801, LOW), (13800, LOW), (13801, FINE)):
+        assert not watch.observe(readings(millivolts), 6.0)
+        assert watch.level is level
+    assert not watch.observe(readings(13501), 99.0)
+    assert not watch.observe(readings(13501), 999.0)
+    assert watch.level is FINE
+
+
+def test_a_dip_that_ends_before_begins_anew():
+    watch = BatteryWatch(LIMITS)
+    for now, millivolts in ((0.0, 13000), (4.0, 14000), (4.5, 13000), (9.4, 13000)):
+        assert not watch.observe(readings(millivolts), now)
+    assert watch.observe(readings(13000), 9.5)
+
+
+def test_a_battery_that_is_charged_is_fine():
+    watch = BatteryWatch(LIMITS)
+    for now in (0.0, 5.0):
+        watch.observe(readings(12000), now)
+    for sources in (1, 2):
+        watch.observe(readings(12000, sources), 6.0)
+        assert watch.level is FINE
+    assert not watch.observe(readings(12000), 6.5)
+
+
+def test_frames_without_a_voltage_say_nothing():
+    watch = BatteryWatch(LIMITS)
+    assert not watch.observe(oi.Readings({'voltage': 1}), 0.0)
+    assert not watch.observe(oi.Readings({'charging_sources': 0}), 99.0)
+    assert not watch.observe(readings(13000), 100.0)
+
+
+def test_limits_that_are_the_wrong_way_round_both_count():
+    watch = BatteryWatch(BatteryLimits(low=12.0, empty=13.0))
+    watch.observe(readings(12900), 0.0)
+    assert watch.observe(readings(12900), 5.0)
+    assert watch.level is EMPTY
+
+
+# A dock that does not charge.
+
+
+class Dock:
+    """A robot on its dock, in Passive, and who watches it."""
+
+    def __init__(self, *, reset: bool) -> None:
+        self.outbox, self.events = Outbox(), EventQueue()
+        self.supervision = Supervision(oi.Mode.PASSIVE, recover=False)
+        self.watch = ChargeWatch(self.supervision, self.outbox, self.events, reset=reset)
+
+    def said(self, now: float, state: int = 0, *, docked: bool = True,
+             mode: oi.Mode = oi.Mode.PASSIVE) -> str:
+        """Take a frame in; return what was said."""
+        frame = oi.Readings({
+            **QUIET, 'oi_mode': int(mode), 'charging_state': state,
+            'charging_sources': 2 if docked else 0})
+        self.supervision.observe(frame, now)
+        self.watch.observe(frame, now)
+        return ' '.join(event.text for event in iter(self.events.next, None))
+
+    def sent(self, now: float) -> bytes:
+        """Return what is sent to the robot."""
+        self.outbox.release(now)
+        return self.outbox.take_ready()
+
+
+@pytest.mark.parametrize('state', [oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT])
+def test_a_robot_that_does_not_charge_for_five_seconds_is_reported_once(state):
+    dock = Dock(reset=False)
+    assert [dock.said(now, state) for now in (1.0, 5.9)] == ['', '']
+    assert dock.said(6.0, state) == (
+        f'the robot is on its dock and does not charge (state {state.name}): clean the contacts, '
+        'or set reset_when_not_charging, which restarts it')
+    assert dock.said(99.0, state) == ''
+    assert dock.sent(99.0) == b''
+    dock.said(100.0, state, docked=False)
+    assert dock.said(101.0, state) == ''
+    assert dock.said(106.0, state) != ''
+
+
+@pytest.mark.parametrize('state', [1, 2, 3, 4])
+def test_a_robot_that_charges_begins_anew(state):
+    dock = Dock(reset=False)
+    assert dock.said(0.0) == dock.said(4.0, state) == dock.said(6.0) == dock.said(10.9) == ''
+    assert dock.said(11.0) != ''
+
+
+def test_only_passive_is_waited_in():
+    dock = Dock(reset=False)
+    assert dock.said(0.0) == dock.said(4.0, mode=oi.Mode.SAFE) == dock.said(6.0) == ''
+    dock.supervision.want(oi.Mode.SAFE)
+    assert dock.said(50.0) == ''
+    dock.supervision.want(oi.Mode.PASSIVE)
+    assert dock.said(60.0) == dock.said(64.9) == ''
+    assert dock.said(65.0) != ''
+
+
+def test_a_robot_that_may_be_restarted_is_restarted_once():
+    dock = Dock(reset=True)
+    dock.said(0.0)
+    assert 'restarting it (opcode 7)' in dock.said(5.0)
+    assert dock.sent(5.0) == bytes([7])
+    assert dock.said(6.0) == dock.said(10.9) == ''
+    assert 'even after a restart: are the contacts clean' in dock.said(11.0)
+    assert dock.said(99.0) == ''
+    assert dock.sent(99.0) == b''

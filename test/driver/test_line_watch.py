@@ -1,0 +1,275 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What tells how well the line works: counts, limits and times, each to the last one."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import Severity
+from create_oi_ros.driver.baud_search import BaudSearch
+from create_oi_ros.driver.command_watch import CommandNews, CommandWatch
+from create_oi_ros.driver.frame_budget import FrameBudget, too_slow
+from create_oi_ros.driver.stream_plan import StreamPlan
+
+ONE, OTHER = (7, 8), (7, 9)
+SUSPECT, IGNORES, AGAIN = CommandNews.SUSPECT, CommandNews.IGNORES, CommandNews.OBEYS_AGAIN
+
+# Whether the robot takes commands.
+
+
+def test_speeds_that_are_not_taken_are_news_at_the_fourth_and_the_fourteenth():
+    watch = CommandWatch()
+    news = [watch.check(missed, 0.0) for missed in range(20)]
+    assert news == 4 * [None] + [SUSPECT] + 9 * [None] + [IGNORES] + 5 * [None]
+    assert watch.ignores
+    assert [watch.check(missed, 0.0) for missed in (5, 1, 0, 0)] == [None, None, AGAIN, None]
+    assert not watch.ignores
+
+
+def test_a_robot_that_was_only_suspected_obeys_again_when_it_misses_nothing():
+    watch = CommandWatch()
+    assert [watch.check(missed, 0.0) for missed in (4, 3, 0)] == [SUSPECT, None, AGAIN]
+
+
+def test_a_list_that_does_not_come_is_news_after_a_while():
+    watch = CommandWatch()
+    watch.seen(ONE)
+    watch.asked(OTHER, 1.0)
+    news = [watch.check(0, now) for now in (1.6, 1.65, 2.5, 2.55, 9.0)]
+    assert news == [None, SUSPECT, None, IGNORES, None]
+    watch.seen(OTHER)
+    assert watch.check(0, 9.1) is AGAIN
+
+
+def test_the_list_that_comes_already_is_not_waited_for():
+    watch = CommandWatch()
+    watch.asked(ONE, 0.0)  # no frame has come yet
+    watch.seen(ONE)
+    watch.asked(ONE, 1.0)
+    assert watch.check(0, 99.0) is None
+
+
+def test_the_first_list_that_did_not_come_counts_not_the_last():
+    watch = CommandWatch()
+    watch.seen(ONE)
+    watch.asked(OTHER, 0.0)
+    watch.asked(OTHER, 0.5)
+    watch.seen(ONE)
+    assert watch.check(0, 0.65) is SUSPECT
+
+
+def test_a_suspected_robot_is_believed_when_the_next_list_is_new():
+    watch = CommandWatch()
+    watch.seen(ONE)
+    watch.asked(OTHER, 0.0)
+    assert watch.check(0, 0.7) is SUSPECT
+    watch.seen(OTHER)
+    watch.asked(ONE, 1.0)
+    assert watch.check(0, 1.031) is None
+    assert watch.check(0, 1.03) is AGAIN
+
+
+def test_a_restart_forgets_all():
+    watch = CommandWatch()
+    watch.seen(ONE)
+    watch.asked(OTHER, 0.0)
+    assert watch.check(0, 9.0) is IGNORES
+    watch.restart()
+    assert (watch.check(0, 9.0), watch.ignores) == (None, False)
+    watch.asked(OTHER, 9.0)
+    assert watch.check(0, 99.0) is None
+
+
+# Whether frames arrive.
+
+
+def seconds(budget: FrameBudget, begin: float, frames: int, size: int = 30, more: int = 0,
+            baud: int = 57600, fits: bool = True) -> bool:
+    """Let frames come for four seconds; return whether a problem began or ended."""
+    for _ in range(frames):
+        budget.add_bytes(size)
+        budget.add_frame(size)
+    budget.add_bytes(more)
+    assert not budget.check(baud, begin + 2.9, fits=fits)
+    return budget.check(baud, begin + 3.0, fits=fits)
+
+
+def test_fewer_than_four_fifths_are_a_problem_until_nine_tenths_come():
+    budget, now = FrameBudget(), 0.0
+    assert not budget.check(57600, now, fits=True)
+    for frames, news, problem in ((160, False, False), (159, True, True), (159, False, True),
+                                  (179, False, True), (180, True, False)):
+        assert seconds(budget, now, frames) == news
+        assert bool(budget.problem) == problem
+        now += 3.0
+
+
+def test_no_frames_at_all_are_silence_and_no_problem_of_this_kind():
+    budget = FrameBudget()
+    budget.check(57600, 0.0, fits=True)
+    assert not seconds(budget, 0.0, 0, more=500)
+    assert budget.problem is None
+
+
+@pytest.mark.parametrize(('more', 'fits', 'damaged'), [
+    (2710, True, True), (2690, True, False), (2710, False, False)])
+def test_bytes_that_came_though_frames_did_not_were_damaged(more, fits, damaged):
+    """Half of the frames came whole, 3000 bytes; 95 % of the bytes are 5700."""
+    budget = FrameBudget()
+    budget.check(57600, 0.0, fits=True)
+    assert seconds(budget, 0.0, 100, more=more, fits=fits)
+    assert ('the others are damaged' in budget.problem) == damaged
+    assert budget.problem.startswith('' if damaged else 'frame budget exceeded: ')
+    assert 'only 33 of 67 frames a second arrive' in budget.problem
+
+
+@pytest.mark.parametrize(('baud', 'advice'), [
+    (19200, 'baud: use 57600 baud, and look at'), (57600, 'baud: look at')])
+def test_a_slow_line_says_its_numbers_and_what_to_do(baud, advice):
+    budget = FrameBudget()
+    budget.check(baud, 0.0, fits=True)
+    seconds(budget, 0.0, 100, baud=baud)
+    assert ('a frame of 30 bytes every 15 ms is 2000 bytes/s, and 1000 came at '
+            f'{baud} {advice} adapter, network and cable') in budget.problem
+
+
+def test_each_window_counts_anew_and_a_restart_begins_one():
+    budget = FrameBudget()
+    budget.check(57600, 0.0, fits=True)
+    seconds(budget, 0.0, 200)
+    assert seconds(budget, 3.0, 100)
+    budget.restart()
+    assert not budget.check(57600, 90.0, fits=True)
+    assert seconds(budget, 90.0, 200)
+
+
+def test_why_a_line_is_silent():
+    longest = oi.PacketList([6]).budget(57600)
+    budget = FrameBudget()
+    for size, why in ((longest.size, 'off, asleep'), (1, f'{longest.size + 1} bytes came')):
+        budget.add_bytes(size)
+        assert why in budget.why_silent(longest, 57600)
+    budget.add_frame(5)
+    assert budget.since_frame == 0
+    assert 'off, asleep' in budget.why_silent(longest, 57600)
+    budget.add_bytes(999)
+    budget.restart()
+    assert 'off, asleep' in budget.why_silent(longest, 57600)
+    slow = oi.PacketList([6]).budget(19200)
+    assert budget.why_silent(slow, 19200) == (
+        'frame budget exceeded: 19200 baud carries 28 bytes in 15 ms, and longer frames are cut')
+    assert too_slow(longest, 57600) is None
+    assert too_slow(slow, 19200) == (
+        '19200 baud is too slow: a frame of 56 bytes does not fit into 15 ms; use 19200 or more')
+
+
+# At which rate the robot is.
+
+
+def test_the_likely_rates_come_again_before_each_of_the_others():
+    search = BaudSearch(0)
+    assert [search.next_baud() for _ in range(9)] == [
+        57600, 19200, 115200, 57600, 19200, 38400, 57600, 19200, 28800]
+    assert search.baud == 28800
+    search.restart()
+    assert [search.next_baud() for _ in range(7)] == [
+        28800, 57600, 19200, 115200, 28800, 57600, 19200]
+
+
+@pytest.mark.parametrize(('baud', 'at', 'hint'), [
+    (0, '57600 and 19200', False), (38400, '38400', True)])
+def test_after_three_calls_it_says_once_that_nobody_answers(baud, at, hint):
+    search = BaudSearch(baud)
+    search.next_baud()
+    search.next_baud()
+    assert search.notice() is None
+    search.next_baud()
+    severity, text = search.notice()
+    assert severity is Severity.ERROR
+    assert text.startswith(f'no answer at {at} baud: is the robot on')
+    assert ('`baud: 0` tries other rates' in text) == hint
+    search.next_baud()
+    assert search.notice() is None
+    search.restart()
+    assert search.notice() is None
+    for _ in range(3):
+        search.next_baud()
+    assert search.notice() is not None
+
+
+def test_bytes_that_are_no_frames_are_shown_once_there_are_enough():
+    for sizes, other in (((63,), False), ((64,), True), ((32, 32), True), ((1, 200), True)):
+        search = BaudSearch(57600)
+        for _ in range(3):
+            search.next_baud()
+        for size in sizes:
+            search.add_garbage(bytes(range(size)))
+        text = search.notice().text
+        assert ('not like a Create at 57600 baud (it sent 0 ' in text) == other
+    assert '(it sent 0 0 1 2 3 4 5 6 7 8 9 10 ...)' in text
+    search.restart()
+    for _ in range(3):
+        search.next_baud()
+    assert search.notice().text.startswith('no answer')
+
+
+# Which packets are asked for.
+
+
+def test_motion_is_asked_for_one_slot_and_the_usual_list_follows():
+    plan = StreamPlan(57600)
+    full, short = plan.full.ids, plan.short.ids
+    assert plan.next_stream(0.0, motion_due=False).packets == full
+    assert plan.next_stream(0.0149, motion_due=False) is None
+    assert plan.next_stream(0.015, motion_due=True) is None
+    assert plan.next_stream(0.015, motion_due=False).packets == short
+    assert plan.next_stream(1.0, motion_due=False) is None
+    assert plan.next_stream(1.0, motion_due=True).packets == full
+    plan.restart()
+    assert plan.next_stream(1.0, motion_due=False).packets == full
+
+
+def test_on_a_slow_line_the_rest_comes_in_turns():
+    plan = StreamPlan(19200)
+    asked = [plan.next_stream(slot * 0.015, motion_due=slot == 4).packets for slot in range(14)]
+    assert asked[0] == asked[4] == plan.full.ids == (7, 9, 10, 11, 12, 35, 41, 42, 19, 20)
+    rest = asked[1:4] + asked[5:]
+    parts = list(dict.fromkeys(rest))
+    assert rest == (3 * parts)[:len(rest)]
+    assert plan.short.ids == parts[0]
+    named = {number for part in parts for number in part}
+    assert named == set(StreamPlan(57600).full.ids) - {19, 20}
+    for part in parts:
+        assert part[:8] == (7, 9, 10, 11, 12, 35, 41, 42)
+        assert oi.PacketList(part).budget(19200).fits
+    for part, following in zip(parts, parts[1:]):
+        assert not oi.PacketList([*part, following[8]]).budget(19200).fits
+
+
+@pytest.mark.parametrize('baud', [19200, 57600, 115200])
+def test_a_list_for_scripts_tells_the_last_drive_and_what_has_room(baud):
+    plan = StreamPlan(baud)
+    assert plan.marker.ids == (7, 9, 10, 11, 12, 35, 41, 42)
+    assert {39, 40} <= set(plan.script.ids)
+    assert set(plan.marker.ids) <= set(plan.script.ids)
+    assert (8 in plan.script.ids) == (baud > 19200)
+    assert not {19, 20} & set(plan.script.ids)
+    assert plan.budget == plan.full.budget(baud)
+    assert {plan.short, plan.full, plan.marker, plan.script} <= set(plan.lists)
+
+
+@pytest.mark.parametrize('baud', [19200, 57600])
+def test_frames_of_every_list_that_is_asked_for_may_come(baud):
+    plan = StreamPlan(baud)
+    for slot in range(12):
+        stream = plan.next_stream(slot * 0.015, motion_due=slot % 5 == 0)
+        assert stream is None or oi.PacketList(stream.packets) in plan.lists
+
+
+def test_another_rate_is_planned_for_from_the_start():
+    plan = StreamPlan(57600)
+    plan.next_stream(0.0, motion_due=False)
+    plan.tune(19200)
+    assert plan.baud == 19200
+    assert plan.next_stream(0.0, motion_due=False).packets == plan.full.ids
+    assert plan.lists == StreamPlan(19200).lists

@@ -1,0 +1,59 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which packets tell the wheel speeds of a script, and how fast they say the wheels run."""
+
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver.script_speeds import ScriptSpeeds
+from create_oi_ros.oi.script import build_script
+
+DIRECT = oi.DriveDirect(right=100, left=-100)
+DRIVE = oi.Drive(velocity=200, radius=oi.Radius.STRAIGHT)
+REPORTED = {'requested_right_velocity': 300, 'requested_left_velocity': -150,
+            'requested_velocity': 200, 'requested_radius': 500}
+
+
+def speeds(*commands: oi.Command, cleared: bool = True) -> ScriptSpeeds:
+    """Return what follows a script of these commands."""
+    return ScriptSpeeds(build_script(commands), 0.25, cleared=cleared)
+
+
+def test_a_script_of_one_kind_of_drive_is_followed_by_its_packets():
+    assert speeds(DIRECT).speeds(oi.Readings(REPORTED)) == (0.3, -0.15)
+    right, left = speeds(DRIVE).speeds(oi.Readings(REPORTED))
+    assert (right, left) == pytest.approx((0.25, 0.15))  # 125 mm beside the middle, of 500
+
+
+def test_a_script_without_wheels_keeps_the_last_speeds():
+    assert speeds(oi.WaitTime(time=1)).speeds(oi.Readings(REPORTED)) == (0.3, -0.15)
+
+
+def test_a_drive_that_was_not_reported_yet_stands():
+    direct = {name: REPORTED[name] for name in list(REPORTED)[:3]}
+    assert speeds(DRIVE).speeds(oi.Readings(direct)) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize('sign', [1, -1])
+def test_no_wheel_is_faster_than_it_can_be(sign):
+    fast = oi.Readings({**REPORTED, 'requested_velocity': sign * 500})
+    assert speeds(DRIVE).speeds(fast) == pytest.approx((sign * 0.5, sign * 0.375))
+    turned = oi.Readings({**REPORTED, 'requested_velocity': sign * 500,
+                          'requested_radius': -500})
+    assert speeds(DRIVE).speeds(turned) == pytest.approx((sign * 0.375, sign * 0.5))
+
+
+@pytest.mark.parametrize(('commands', 'known'), [
+    ((DIRECT,), True), ((DRIVE,), True), ((), True), ((DRIVE, DIRECT), False),
+    ((DRIVE, oi.Script(script=b'')), False)])
+def test_speeds_are_known_of_a_script_that_uses_one_kind_of_drive(commands, known):
+    assert speeds(*commands).known == known
+    assert not speeds(*commands, cleared=False).known
+    assert not ScriptSpeeds(None, 0.25, cleared=True).known
+
+
+@pytest.mark.parametrize(('commands', 'resets'), [
+    ((DRIVE, oi.WaitDistance(distance=9)), True), ((DIRECT, oi.WaitAngle(angle=9)), True),
+    ((DRIVE, oi.WaitTime(time=9)), False), ((DRIVE, DIRECT, oi.WaitAngle(angle=9)), False)])
+def test_waits_for_a_way_reset_what_is_counted(commands, resets):
+    assert speeds(*commands).resets_accumulators == resets

@@ -1,0 +1,96 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What wheels were asked some moments ago: sums over requests and their signs."""
+
+import numpy as np
+import pytest
+
+from create_oi_ros.odometry.request_history import RequestHistory
+
+NEITHER = False, False
+
+
+def asked(*requests: tuple[float, float, float]) -> RequestHistory:
+    """Return what was asked: right, left, and for how many seconds."""
+    history = RequestHistory()
+    for right, left, seconds in requests:
+        history.ask(right, left, NEITHER)
+        history.step(seconds)
+    return history
+
+
+def means(history: RequestHistory, since: float, until: float) -> np.ndarray:
+    """Return mean speeds, kept signs and upward signs between two moments, seconds ago."""
+    first, last = np.moveaxis(history.sums(np.array([since, until])), -1, 0)
+    return (last - first) / (since - until)
+
+
+def test_means_over_a_window_are_those_of_the_requests_in_it():
+    history = asked((0.2, 0.1, 0.125), (-0.1, 0.0, 0.125))
+    assert means(history, 0.125, 0.0).tolist() == [[-0.1, 0.0], [-1, 1], [-1, 1]]
+    assert means(history, 0.25, 0.125) == pytest.approx(np.array([[0.2, 0.1], [1, 1], [1, 1]]))
+    assert means(history, 0.1875, 0.0625) == pytest.approx(
+        np.array([[0.05, 0.05], [0, 1], [0, 1]]))
+    # Before the first request nothing was asked; a zero counts as forwards.
+    assert means(history, 0.375, 0.125) == pytest.approx(
+        np.array([[0.1, 0.05], [1, 1], [1, 1]]))
+
+
+def test_a_zero_keeps_the_sign_before_it_and_counts_as_up():
+    history = asked((-0.2, 0.2, 0.1), (0.0, 0.0, 0.1))
+    kept, up = (each[:, 0, 0].tolist() for each in history.signs)
+    assert (kept, up) == ([-1, 1], [1, 1])
+    assert means(history, 0.1, 0.0).tolist() == [[0, 0], [-1, 1], [1, 1]]
+    assert means(history, 0.2, 0.1) == pytest.approx(np.array([[-0.2, 0.2], [-1, 1], [-1, 1]]))
+
+
+def test_a_request_too_slow_to_move_a_wheel_has_a_sign_but_no_speed():
+    history = RequestHistory()
+    assert history.ask(-0.01, 0.2, (True, False)).tolist() == [0, 0.2]
+    assert (history.asked, history.speeds.tolist()) == ((-0.01, 0.2), [0, 0.2])
+    history.step(0.1)
+    assert means(history, 0.1, 0.0) == pytest.approx(np.array([[0, 0.2], [-1, 1], [-1, 1]]))
+
+
+def test_a_change_is_told_in_speed_as_it_moves_the_wheels():
+    history = asked((0.2, 0.1, 0.1))
+    assert history.ask(-0.1, 0.3, NEITHER) == pytest.approx([-0.3, 0.2])
+
+
+def test_a_request_that_never_moved_a_wheel_stands_from_its_beginning():
+    history = asked((0.2, 0.1, 0.1), (0.01, 0.1, 0.05))
+    history.stand(0)
+    assert history.speeds.tolist() == [0, 0.1]
+    assert means(history, 0.05, 0.0).tolist()[0] == pytest.approx([0, 0.1])
+    assert means(history, 0.15, 0.05).tolist()[0] == pytest.approx([0.2, 0.1])
+
+
+def test_what_was_asked_long_ago_is_forgotten_but_not_what_still_matters():
+    history = asked(*((speed / 100, 0.0, 0.05) for speed in range(1, 40)))
+    assert len(history._times) < 12
+    # The request of 1.6 s was for 0.33 m/s, and it is 1.95 s now.
+    assert means(history, 0.35, 0.3)[0, 0] == pytest.approx(0.33)
+    late = asked((0.2, 0.1, 0.36))
+    late.ask(0.3, 0.1, NEITHER)
+    late.step(0.01)
+    assert len(late._times) == 2
+    assert means(late, 0.3, 0.01)[0] == pytest.approx([0.2, 0.1])
+
+
+def test_age_is_that_of_the_last_change():
+    history = asked((0.2, 0.1, 0.1), (0.3, 0.1, 0.05))
+    assert history.age == pytest.approx(0.05)
+    history.settle()
+    assert history.age == np.inf
+    assert history.speeds.tolist() == [0.3, 0.1]
+    history.step(0.1)
+    assert means(history, 0.3, 0.0) == pytest.approx(np.array([[0.3, 0.1], [1, 1], [1, 1]]))
+
+
+@pytest.mark.parametrize(('requests', 'same'), [
+    (((0.2, 0.1, 0.1),), [1, 1]), (((0.2, -0.1, 0.1),), None),
+    (((0.2, -0.1, 0.5), (0.3, -0.2, 0.1)), [1, -1]), (((0.2, -0.1, 0.5), (0.0, 0.0, 0.1)), None),
+    (((0.2, 0.1, 0.5), (0.0, 0.0, 0.1)), [1, 1])])
+def test_where_all_kinds_of_sign_are_the_same_lately_there_is_one(requests, same):
+    one = asked(*requests).one_sign
+    assert (one if one is None else one[:, 0, 0].tolist()) == same
