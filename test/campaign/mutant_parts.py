@@ -16,14 +16,14 @@ BYTES = 'oi/test_commands.py', 'oi/test_packets.py', 'oi/test_text.py'
 FRAMES = 'oi/test_packets.py', 'oi/test_stream.py'
 LINE = ('driver/test_line_watch.py', 'driver/test_calling.py', 'driver/test_lost_commands.py',
         'driver/test_reliability.py')
-MACHINE = ('driver/test_driver.py', 'driver/test_velocity.py', 'driver/test_modes.py',
-           'driver/test_lost_commands.py', 'driver/test_reliability.py',
-           'driver/test_requests.py', 'driver/test_script_requests.py')
+MACHINE = ('driver/test_velocity.py', 'driver/test_modes.py', 'driver/test_lost_commands.py',
+           'driver/test_reliability.py', 'driver/test_requests.py',
+           'driver/test_script_requests.py')
 SCRIPTS = ('driver/test_script_speeds.py', 'driver/test_script_requests.py',
            'driver/test_script_odometry.py')
 BATTERY = 'driver/test_battery.py', 'driver/test_reliability.py'
 TRACKS = ('odometry/test_tracks.py', 'odometry/test_knowledge.py', 'odometry/test_assumptions.py',
-          'odometry/test_wheel_model.py', 'odometry/test_odometry.py')
+          'odometry/test_wheel_model.py')
 PARTS = {
     'link/dead_man': ('link/test_dead_man.py',),
     'link/dead_man_process': ('link/test_dead_man.py',),
@@ -84,14 +84,14 @@ PARTS = {
     'odometry/doubt': TRACKS,
     'odometry/estimate': TRACKS,
     'odometry/knowledge': TRACKS,
-    'odometry/noise': TRACKS,
-    'odometry/obedience': ('odometry/test_disturbed_odometry.py',),
-    'odometry/odometry': ('odometry/test_odometry.py', 'odometry/test_disturbed_odometry.py'),
-    'odometry/plain': ('odometry/test_odometry.py',),
-    'odometry/reading_plan': TRACKS,
-    'odometry/request_history': TRACKS,
+    'odometry/noise': ('odometry/test_noise.py',),
+    'odometry/obedience': ('odometry/test_obedience.py',),
+    'odometry/odometry': ('odometry/test_disturbed_odometry.py',),
+    'odometry/plain': ('odometry/test_plain.py',),
+    'odometry/reading_plan': ('odometry/test_reading_plan.py',),
+    'odometry/request_history': ('odometry/test_request_history.py',),
     'odometry/springs': TRACKS,
-    'odometry/states': TRACKS,
+    'odometry/states': ('odometry/test_states.py',),
     'odometry/tracks': TRACKS,
     'odometry/wheel_model': TRACKS,
 }
