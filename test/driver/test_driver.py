@@ -85,8 +85,9 @@ def test_a_robot_that_drives_is_stopped_when_the_driver_connects():
     assert loop.body.truth().speed == 0
 
 
-def test_without_a_port_a_stop_and_the_end_send_nothing():
+def test_without_a_port_nothing_is_counted_and_a_stop_and_the_end_send_nothing():
     driver = Driver()
+    assert set(vars(driver.counts).values()) == {0}
     assert driver.status.reason == 'no robot answers'
     assert driver.stop(0.0).outcome.ok is False
     driver.shut_down(0.1)
