@@ -16,8 +16,7 @@ BYTES = 'oi/test_commands.py', 'oi/test_packets.py', 'oi/test_text.py'
 FRAMES = 'oi/test_packets.py', 'oi/test_stream.py'
 LINE = ('driver/test_line_watch.py', 'driver/test_calling.py', 'driver/test_lost_commands.py',
         'driver/test_reliability.py')
-MACHINE = ('driver/test_velocity.py', 'driver/test_modes.py', 'driver/test_lost_commands.py',
-           'driver/test_reliability.py', 'driver/test_requests.py',
+MACHINE = ('driver/test_modes.py', 'driver/test_lost_commands.py', 'driver/test_reliability.py',
            'driver/test_script_requests.py')
 SCRIPTS = ('driver/test_script_speeds.py', 'driver/test_script_requests.py',
            'driver/test_script_odometry.py')
@@ -49,10 +48,8 @@ PARTS = {
     'driver/plausibility': ('driver/test_plausibility.py',),
     'driver/machine': MACHINE,
     'driver/connection': LINE,
-    'driver/stopping': ('driver/test_driver.py', 'driver/test_reliability.py',
-                        'driver/test_cut_commands.py'),
-    'driver/tracking': ('driver/test_driver.py', 'driver/test_silence.py',
-                        'driver/test_reliability.py'),
+    'driver/stopping': ('driver/test_reliability.py', 'driver/test_cut_commands.py'),
+    'driver/tracking': ('driver/test_reliability.py',),
     'driver/command_watch': ('driver/test_line_watch.py',),
     'driver/frame_budget': ('driver/test_line_watch.py',),
     'driver/baud_search': ('driver/test_line_watch.py',),

@@ -311,7 +311,8 @@ def test_a_declaration_is_a_value_that_cannot_be_changed() -> None:
 
 
 def test_numbers_that_fit_their_bytes_are_told_from_others() -> None:
-    for code, low, high in (('b', -128, 127), ('B', 0, 255), ('h', -BIG, BIG - 1), ('H', 0, 65535)):
+    for code, low, high in (
+            ('b', -128, 127), ('B', 0, 255), ('h', -BIG, BIG - 1), ('H', 0, 65535)):
         wire = Wire(code, 0, 1)
         assert wire.limits == (low, high)
         assert wire.fits(low) and wire.fits(high)
