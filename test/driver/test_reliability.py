@@ -9,7 +9,6 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, LowBatteryAction, Settings, Severity
 from create_oi_ros.driver.battery_watch import SETTLE
-from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT
 from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, JumpCheck, SLACK
 from create_oi_ros.driver.stopping import LAST_WORDS
 from create_oi_ros.driver.stream_plan import ALL
@@ -149,13 +148,6 @@ def test_a_short_dip_is_no_low_battery():
     loop.run(SETTLE)
     assert loop.driver.health(loop.now).battery is BatteryLevel.FINE
     assert not said(loop, Severity.WARNING, 'battery')
-
-
-def test_speech_is_remembered_within_bounds():
-    search = BaudSearch(0)
-    for _ in range(1000):
-        search.add_garbage(bytes(500))
-    assert len(search._garbage) <= 2 * GARBAGE_LIMIT
 
 
 # A driver that was stopped.
