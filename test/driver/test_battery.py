@@ -44,6 +44,15 @@ def test_a_battery_is_better_again_above_its_limit_and_a_bit():
     assert watch.level is FINE
 
 
+def test_the_higher_limit_counts_to_the_last_millivolt():
+    """Voltages next to it: as few as one above it say that all is well."""
+    for millivolts, level in ((13501, FINE), (13500, LOW)):
+        watch = BatteryWatch(LIMITS)
+        for now in (0.0, 5.0, 10.0):
+            watch.observe(readings(millivolts), now)
+        assert watch.level is level
+
+
 def test_a_dip_that_ends_before_begins_anew():
     watch = BatteryWatch(LIMITS)
     for now, millivolts in ((0.0, 13000), (4.0, 14000), (4.5, 13000), (9.4, 13000)):
