@@ -70,7 +70,7 @@ PARTS = {
     f'{GOALS}/legs': ('driver/test_legs.py',),
     f'{GOALS}/hazards': ('driver/test_hazards.py',),
     f'{GOALS}/wall_following': ('driver/test_hazards.py',),
-    f'{GOALS}/docking': ('driver/test_docking.py',),
+    f'{GOALS}/docking': ('driver/test_dock_steps.py',),
     f'{GOALS}/motions': ('driver/test_goals.py', 'driver/test_goal_endings.py'),
     f'{GOALS}/goal': ('driver/test_goal_endings.py', 'driver/test_goals.py'),
     f'{GOALS}/outcome': ('driver/test_goal_control.py', 'driver/test_goal_endings.py'),
@@ -89,7 +89,7 @@ PARTS = {
     'odometry/request_history': ('odometry/test_request_history.py',),
     'odometry/springs': TRACKS,
     'odometry/states': ('odometry/test_states.py',),
-    'odometry/tracks': TRACKS,
+    'odometry/tracks': ('odometry/test_track_sums.py', *TRACKS),
     'odometry/wheel_model': TRACKS,
 }
 """By file of the package."""

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Odometry that believes what the robot reports, by sums done by hand."""
 
+from dataclasses import replace
 from math import cos, radians, sin
 
 import numpy as np
@@ -79,3 +80,8 @@ def test_a_robot_that_nobody_calibrated_is_as_it_was_built_and_begins_at_the_ori
     covariance = np.array(Estimate().pose_covariance).reshape(3, 3)
     assert (covariance == 1e-9 * np.eye(3)).all()
     assert Estimate().twist_covariance == (1e-6, 1e-6)
+
+
+def test_a_frame_says_nothing_that_it_does_not_say():
+    assert Increment(0.1, 0.0, 0.0, True)[4:] == (None, None, False, False)
+    assert hash(GEOMETRY) == hash(replace(GEOMETRY))
