@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the driver does when something is wrong with line or robot, in memory."""
 
+from re import fullmatch
 from struct import calcsize
 
 import pytest
@@ -14,7 +15,7 @@ from create_oi_ros.driver.stopping import LAST_WORDS
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.robot import Rounding
-from support.loop import Loop, said
+from support.loop import Loop, said, texts
 
 # Last words.
 
@@ -124,6 +125,8 @@ def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
     loop = drained(LowBatteryAction.NONE)
     assert loop.driver.health(loop.now).battery is BatteryLevel.EMPTY
     assert said(loop, Severity.WARNING, 'battery') in (1, 2)
+    for text in texts(loop.notices, Severity.WARNING):
+        assert fullmatch(r'battery (low|nearly empty) \(1[0-4]\.\d V\): charge it', text)
     assert loop.robot.mode is oi.Mode.SAFE
 
 
