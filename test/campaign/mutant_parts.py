@@ -18,7 +18,7 @@ LINE = ('driver/test_line_watch.py', 'driver/test_calling.py', 'driver/test_lost
         'driver/test_reliability.py')
 MACHINE = ('driver/test_modes.py', 'driver/test_lost_commands.py', 'driver/test_reliability.py',
            'driver/test_script_requests.py')
-SCRIPTS = ('driver/test_script_speeds.py', 'driver/test_script_requests.py',
+SCRIPTS = ('driver/test_script_steps.py', 'driver/test_script_requests.py',
            'driver/test_script_odometry.py')
 BATTERY = 'driver/test_battery.py', 'driver/test_reliability.py'
 TRACKS = ('odometry/test_tracks.py', 'odometry/test_knowledge.py', 'odometry/test_assumptions.py',
@@ -60,7 +60,7 @@ PARTS = {
     'driver/demos': ('driver/test_requests.py', 'driver/test_modes.py'),
     'driver/pending': ('driver/test_pending.py', 'driver/test_requests.py'),
     'driver/events': ('driver/test_driver.py',),
-    'driver/settings': ('driver/test_driver.py', 'driver/test_modes.py'),
+    'driver/settings': ('driver/test_driver.py',),
     'driver/battery_watch': BATTERY,
     'driver/battery_guard': BATTERY,
     'driver/charge_watch': ('driver/test_battery.py',),

@@ -32,6 +32,15 @@ def test_mode_on_start_is_entered(mode):
     assert loop.robot.mode is mode
 
 
+def test_settings_that_are_not_given_are_those_of_the_documents():
+    settings = Settings()
+    assert (settings.baud, settings.odometry_window) == (57600, 1.0)
+    assert (settings.mode_on_start, settings.mode_on_exit) == (oi.Mode.SAFE, oi.Mode.PASSIVE)
+    assert (settings.recover_mode, settings.reset_when_not_charging) == (True, False)
+    with pytest.raises(AttributeError):
+        settings.baud = 19200
+
+
 def test_the_list_of_packets_fits_the_slot_at_57600_baud():
     driver = Driver()
     for packets in driver.plan.lists:
