@@ -48,7 +48,7 @@ PARTS = {
     'driver/plausibility': ('driver/test_plausibility.py',),
     'driver/machine': MACHINE,
     'driver/connection': ('driver/test_connection.py', *LINE),
-    'driver/stopping': ('driver/test_reliability.py', 'driver/test_cut_commands.py'),
+    'driver/stopping': ('driver/test_stopping.py',),
     'driver/tracking': ('driver/test_tracking.py',),
     'driver/command_watch': ('driver/test_line_watch.py',),
     'driver/frame_budget': ('driver/test_line_watch.py',),
