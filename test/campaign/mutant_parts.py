@@ -14,12 +14,9 @@ GOALS = 'driver/goals'
 TEXT = 'oi/test_commands.py', 'oi/test_text.py'
 BYTES = 'oi/test_commands.py', 'oi/test_packets.py', 'oi/test_text.py'
 FRAMES = 'oi/test_packets.py', 'oi/test_stream.py'
-LINE = ('driver/test_line_watch.py', 'driver/test_calling.py', 'driver/test_lost_commands.py',
-        'driver/test_reliability.py')
-MACHINE = ('driver/test_modes.py', 'driver/test_lost_commands.py', 'driver/test_reliability.py',
-           'driver/test_script_requests.py')
-SCRIPTS = ('driver/test_script_steps.py', 'driver/test_script_requests.py',
-           'driver/test_script_odometry.py')
+MACHINE = ('driver/test_connection.py', 'driver/test_script_steps.py', 'driver/test_modes.py',
+           'driver/test_lost_commands.py', 'driver/test_reliability.py')
+SCRIPTS = ('driver/test_script_steps.py', 'driver/test_script_requests.py')
 BATTERY = 'driver/test_battery.py', 'driver/test_reliability.py'
 TRACKS = ('odometry/test_tracks.py', 'odometry/test_knowledge.py', 'odometry/test_assumptions.py',
           'odometry/test_wheel_model.py', 'odometry/test_wheel_sums.py')
@@ -47,7 +44,7 @@ PARTS = {
     'driver/frame_clock': ('driver/test_frame_clock.py',),
     'driver/plausibility': ('driver/test_plausibility.py',),
     'driver/machine': MACHINE,
-    'driver/connection': ('driver/test_connection.py', *LINE),
+    'driver/connection': ('driver/test_connection.py', 'driver/test_calling.py'),
     'driver/stopping': ('driver/test_stopping.py',),
     'driver/tracking': ('driver/test_tracking.py',),
     'driver/command_watch': ('driver/test_line_watch.py',),
@@ -57,7 +54,7 @@ PARTS = {
     'driver/script_control': SCRIPTS,
     'driver/script_speeds': ('driver/test_script_speeds.py',),
     'driver/outputs': ('driver/test_requests.py',),
-    'driver/demos': ('driver/test_requests.py', 'driver/test_modes.py'),
+    'driver/demos': ('driver/test_demo_steps.py',),
     'driver/pending': ('driver/test_pending.py', 'driver/test_requests.py'),
     'driver/events': ('driver/test_driver.py',),
     'driver/settings': ('driver/test_driver.py',),
@@ -72,8 +69,8 @@ PARTS = {
     f'{GOALS}/wall_following': ('driver/test_hazards.py',),
     f'{GOALS}/docking': ('driver/test_dock_steps.py',),
     f'{GOALS}/motions': ('driver/test_motion_steps.py',),
-    f'{GOALS}/goal': ('driver/test_motion_steps.py', 'driver/test_goal_endings.py'),
-    f'{GOALS}/outcome': ('driver/test_goal_control.py', 'driver/test_goal_endings.py'),
+    f'{GOALS}/goal': ('driver/test_motion_steps.py',),
+    f'{GOALS}/outcome': ('driver/test_goal_control.py',),
     'odometry/rounding': ('odometry/test_rounding.py',),
     'odometry/accumulators': ('odometry/test_accumulators.py',),
     'odometry/dead_band': ('odometry/test_dead_band.py',),

@@ -147,6 +147,20 @@ def test_a_bumper_that_is_pressed_keeps_a_motion_from_leading_ahead(goal, ends):
     assert (over is not None) == ends
 
 
+@pytest.mark.parametrize(('goal', 'ends'), [
+    (distance(1.0), True), (distance(-0.5), False), (angle(9), True), (arc(9, 0.5), True),
+    (arc(9, 0.5, direction=-1), False), (place(1.0, 0.0), True)])
+def test_a_cliff_keeps_a_motion_from_beginning_unless_it_leads_back(goal, ends):
+    over = goal.begin(at(cliff_left=1))
+    assert (over is not None) == ends
+
+
+def test_an_arc_may_be_as_long_as_a_distance():
+    arc(180, 318.0)
+    with pytest.raises(Malformed, match='length of the arc = 1002'):
+        arc(180, 319.0)
+
+
 def test_a_leg_that_leads_ahead_ends_at_a_bumper_that_was_pressed():
     goal = begun(distance(1.0))
     assert goal.step(at(bumps_and_wheel_drops=1)).code is Code.BUMP

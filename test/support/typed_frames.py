@@ -23,10 +23,11 @@ def polled(driver: Driver, *times: float) -> bytes:
     return sent
 
 
-def heard(driver: Driver, now: float, packets: oi.PacketList | None = None) -> None:
-    """Let a frame come, of a robot in Safe that stands; by default with all packets."""
+def heard(driver: Driver, now: float, packets: oi.PacketList | None = None,
+          mode: oi.Mode = oi.Mode.SAFE) -> None:
+    """Let a frame come, of a robot that stands; by default in Safe, with all packets."""
     packets = packets or driver.plan.full
-    values = [int(name == 'oi_mode') * int(oi.Mode.SAFE) for name in packets.names]
+    values = [int(name == 'oi_mode') * int(mode) for name in packets.names]
     driver.receive(packets.pack_frame(values), now)
 
 
