@@ -151,3 +151,9 @@ def test_a_robot_that_may_be_restarted_is_restarted_once():
     assert 'even after a restart: are the contacts clean' in dock.said(11.0)
     assert dock.said(99.0) == ''
     assert dock.sent(99.0) == b''
+
+
+def test_a_frame_that_comes_late_is_late_enough():
+    dock = Dock(reset=False)
+    assert dock.said(0.0) == ''
+    assert dock.said(5.3) != ''

@@ -54,7 +54,7 @@ def test_the_first_list_that_did_not_come_counts_not_the_last():
     watch.seen(ONE)
     watch.asked(OTHER, 0.0)
     watch.asked(OTHER, 0.5)
-    watch.seen(ONE)
+    watch.seen((*ONE,))  # the same numbers in another tuple
     assert watch.check(0, 0.65) is SUSPECT
 
 
@@ -216,9 +216,10 @@ def test_bytes_that_are_no_frames_are_shown_once_there_are_enough():
 
 def test_speech_is_remembered_within_bounds():
     search = BaudSearch(0)
-    for _ in range(1000):
-        search.add_garbage(bytes(500))
-    assert len(search._garbage) <= 2 * GARBAGE_LIMIT
+    for size in (40, 500):
+        for _ in range(1000):
+            search.add_garbage(bytes(size))
+        assert len(search._garbage) <= 2 * GARBAGE_LIMIT
 
 
 # Which packets are asked for.

@@ -8,7 +8,7 @@ from math import atan2, pi
 import pytest
 
 from create_oi_ros.driver.goals import Code, Malformed, Phase
-from create_oi_ros.driver.goals.goal import check_amount, check_positive, Over
+from create_oi_ros.driver.goals.goal import check_amount, check_positive, docked, Over
 from create_oi_ros.odometry import Estimate
 from support.goals import angle, arc, distance, place
 from support.views import LIMITS, view
@@ -153,6 +153,18 @@ def test_a_bumper_that_is_pressed_keeps_a_motion_from_leading_ahead(goal, ends):
 def test_a_cliff_keeps_a_motion_from_beginning_unless_it_leads_back(goal, ends):
     over = goal.begin(at(cliff_left=1))
     assert (over is not None) == ends
+
+
+def test_a_thousand_turns_are_the_most():
+    angle(359999)
+    with pytest.raises(Malformed, match='allowed: -6283.19 to 6283.19'):
+        angle(360001)
+
+
+def test_a_robot_without_a_dock_sensor_is_on_no_dock():
+    assert not docked(view().readings)
+    assert not docked(view(charging_sources=1).readings)
+    assert docked(view(charging_sources=3).readings)
 
 
 def test_an_arc_may_be_as_long_as_a_distance():

@@ -11,7 +11,7 @@ import pytest
 from create_oi_ros.odometry import Family, Knowledge, Known, SignSource, states
 from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.dead_band import DeadBand
-from create_oi_ros.odometry.knowledge import known, learned, SIGNS, STATES
+from create_oi_ros.odometry.knowledge import known, learned, PERIOD, SIGNS, STATES
 from create_oi_ros.odometry.wheel_model import UPWARD
 from create_oi_ros.robot import Rounding
 
@@ -152,3 +152,8 @@ def test_every_number_has_the_range_of_its_state() -> None:
     for numbers in (lag, spring):
         for number in numbers.values():
             assert number.to_state(number.of_state(0.3)) == pytest.approx(0.3)
+
+
+def test_slots_of_15_and_15_625_ms_were_seen() -> None:
+    assert PERIOD.value == 0.015
+    assert PERIOD.value + 3 * PERIOD.deviation > 0.015625 > PERIOD.value + PERIOD.deviation

@@ -103,6 +103,11 @@ def test_brakes_may_be_quicker():
                 0.1 + 0.3 * exp(-H / quick), 0.4 - 0.3 * exp(-H / 0.08)])
 
 
+def test_a_wheel_that_starts_to_run_does_not_brake():
+    made = asked(wheels({s.BRAKING: log(2), s.RAMP: 2.0}), 0.3, -0.3, H)
+    assert speeds(made) == pytest.approx([0.5 * H, -0.5 * H])
+
+
 def test_a_request_reaches_wheels_after_the_dead_time():
     made = asked(wheels({s.DEAD_TIME: 0.05}), 0.3, 0.3, H)
     assert speeds(made) == [0.0, 0.0]
