@@ -6,7 +6,7 @@ from math import cos, exp, hypot, pi, radians, sin
 
 import pytest
 
-from create_oi_ros.odometry import Estimate, Geometry, Odometry
+from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
 
 DT = 0.02
 GEOMETRY = Geometry(wheel_separation=0.25, wheel_radius=0.04)
@@ -66,7 +66,7 @@ def test_a_correction_of_the_place_is_blended_in(far, went, step, way):
 
 @pytest.mark.parametrize(('askew', 'hasty', 'free', 'turned', 'step'), [
     (0.5, 0.0, False, 0.0, 0.5 * PART), (4.9, 9.0, True, 0.0, 0.18), (40.0, 0.0, False, 0.0, 0.18),
-    (40.0, 0.01, False, 0.0, 40 * 0.0), (40.0, 0.0, True, 0.02, 40 * 0.0)])
+    (40.0, 0.01, False, 0.0, 0.0), (40.0, 0.0, True, 0.02, 0.0), (5.1, 0.01, False, 0.0, 0.0)])
 @pytest.mark.parametrize('sign', [1, -1])
 def test_a_correction_of_the_heading_is_blended_in(askew, hasty, free, turned, step, sign):
     """By 9 degrees a second; as fast as a robot turns where it may have turned unseen."""
@@ -114,3 +114,23 @@ def test_a_reset_keeps_the_wheels_and_puts_all_else_to_the_origin():
     made.reset()
     assert made.estimate == Estimate(right_wheel=1.0, left_wheel=2.0)
     assert made._goal == pytest.approx((0.0, 0.0, 0.0))
+
+
+def test_without_a_window_every_frame_carries_a_reading():
+    assert Odometry().window == 0.0 and Odometry().reading_due
+
+
+def test_a_robot_that_turned_drives_where_it_looks():
+    made = Odometry(GEOMETRY, window=1.0)
+    for right, left, frames in ((0.1, -0.1, 100), (0.0, 0.0, 50), (0.2, 0.2, 100)):
+        for _ in range(frames):
+            made.update(Increment(0.015, right, left, driven=True))
+    assert made.estimate.yaw > 0.8
+    assert made.estimate.linear == pytest.approx(0.2, abs=0.005)
+    assert made.estimate.y > 0.8 * made.estimate.x > 0
+
+
+def test_haste_ends_with_time():
+    made = odometry((0.0, 0.0, 0.0), hasty=1.0)
+    made.update(Increment(DT, 0.0, 0.0, driven=True))
+    assert made._hasty == pytest.approx(1.0 - DT)
