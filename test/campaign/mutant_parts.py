@@ -70,7 +70,7 @@ PARTS = {
     f'{GOALS}/docking': ('driver/test_dock_steps.py',),
     f'{GOALS}/motions': ('driver/test_motion_steps.py',),
     f'{GOALS}/goal': ('driver/test_motion_steps.py',),
-    f'{GOALS}/outcome': ('driver/test_goal_control.py',),
+    f'{GOALS}/outcome': ('driver/test_motion_steps.py', 'driver/test_goal_control.py'),
     'odometry/rounding': ('odometry/test_rounding.py',),
     'odometry/accumulators': ('odometry/test_accumulators.py',),
     'odometry/dead_band': ('odometry/test_dead_band.py',),

@@ -4,7 +4,7 @@
 
 import pytest
 
-from create_oi_ros.driver import Activity, Driver, Settings, Severity
+from create_oi_ros.driver import Activity, Driver, MotionLimits, Settings, Severity
 from create_oi_ros.driver.stopping import HALT, WAKE_UP
 from support.typed_frames import answered, BEGIN, called, heard, LAST, notices, polled
 
@@ -91,3 +91,24 @@ def test_a_rate_that_is_too_slow_is_said_once(baud, slow):
         driver.connected(BEGIN)
         driver.disconnected('cable out')
     assert sum(f'{baud} baud is too slow' in text for _, text in notices(driver)) == slow
+
+
+def test_a_driver_that_ends_stops_the_robot_and_says_no_more():
+    driver = answered()
+    driver.shut_down(LAST + 0.1)
+    assert driver.data_to_send() == (
+        HALT.encode() + bytes([144, 0, 0, 0]) + bytes([150, 0]) + bytes([128]))
+    assert driver.state.activity is Activity.CLOSED
+    driver.shut_down(LAST + 0.2)
+    assert polled(driver, LAST + 9.0) == b''
+
+
+def test_a_robot_that_touches_nothing_is_not_blocked():
+    driver = Driver(Settings(limits=MotionLimits(
+        bump_stop=True, linear_acceleration=0.0, angular_acceleration=0.0)))
+    driver.connected(BEGIN)
+    for slot in range(1, 20):
+        heard(driver, BEGIN + slot * 0.015)
+        polled(driver, BEGIN + slot * 0.015)
+    driver.drive(0.2, 0.0, LAST + 0.02)
+    assert bytes([145, 0, 200, 0, 200]) in polled(driver, LAST + 0.02)

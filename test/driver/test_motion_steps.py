@@ -7,7 +7,7 @@ from math import atan2, pi
 
 import pytest
 
-from create_oi_ros.driver.goals import Code, Malformed, Phase
+from create_oi_ros.driver.goals import Code, Ending, Malformed, Phase, Progress
 from create_oi_ros.driver.goals.goal import check_amount, check_positive, docked, Over
 from create_oi_ros.odometry import Estimate
 from support.goals import angle, arc, distance, place
@@ -192,3 +192,12 @@ def test_limits_are_allowed_themselves():
     check_positive('speed', 0.5, 'm/s')
     with pytest.raises(Malformed, match='speed = 0 m/s; allowed: above 0'):
         check_positive('speed', 0.0, 'm/s')
+
+
+def test_endings_have_the_numbers_of_the_actions_and_say_nothing_by_default():
+    assert [code.name for code in sorted(Code)] == [
+        'NONE', 'TIMEOUT', 'BUMP', 'CLIFF', 'WHEEL_DROP', 'STALL', 'MODE', 'NO_ROBOT', 'LINK',
+        'NO_DOCK', 'SUPERSEDED', 'STOPPED', 'CANCELED']
+    assert [int(code) for code in sorted(Code)] == list(range(13))
+    assert Progress() == (0.0, 0.0, None, 0)
+    assert Ending(Code.NONE, '')[2:] == (Estimate(), 0.0, False)
