@@ -148,7 +148,7 @@ def test_a_bumper_that_is_pressed_keeps_a_motion_from_leading_ahead(goal, ends):
 
 
 @pytest.mark.parametrize(('goal', 'ends'), [
-    (distance(1.0), True), (distance(-0.5), False), (angle(9), True), (arc(9, 0.5), True),
+    (distance(0.5), True), (distance(-0.5), False), (angle(9), True), (arc(9, 0.5), True),
     (arc(9, 0.5, direction=-1), False), (place(1.0, 0.0), True)])
 def test_a_cliff_keeps_a_motion_from_beginning_unless_it_leads_back(goal, ends):
     over = goal.begin(at(cliff_left=1))
