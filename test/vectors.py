@@ -143,36 +143,16 @@ SCRIPTS: list[tuple[str, list[oi.Command], bytes]] = [
 ]
 """The manual's example scripts (Script Commands): name, commands, bytes."""
 
+_ANY, _STARTED, _ACTUATE = 'off passive safe full', 'passive safe full', 'safe full'
 MODES: dict[int, tuple[str, str]] = {
-    128: ('off passive safe full', 'passive'),
-    129: ('passive safe full', ''),
-    130: ('passive safe full', 'safe'),
-    131: ('passive safe full', 'safe'),
-    132: ('passive safe full', 'full'),
-    134: ('passive safe full', 'passive'),
-    135: ('passive safe full', 'passive'),
-    136: ('passive safe full', 'passive'),
-    137: ('safe full', ''),
-    138: ('safe full', ''),
-    139: ('safe full', ''),
-    140: ('passive safe full', ''),
-    141: ('safe full', ''),
-    142: ('passive safe full', ''),
-    143: ('passive safe full', 'passive'),
-    144: ('safe full', ''),
-    145: ('safe full', ''),
-    147: ('safe full', ''),
-    148: ('passive safe full', ''),
-    149: ('passive safe full', ''),
-    150: ('passive safe full', ''),
-    151: ('safe full', ''),
-    152: ('passive safe full', ''),
-    153: ('passive safe full', ''),
-    154: ('passive safe full', ''),
-    155: ('passive safe full', ''),
-    156: ('passive safe full', ''),
-    157: ('passive safe full', ''),
-    158: ('passive safe full', ''),
+    128: (_ANY, 'passive'), 129: (_STARTED, ''), 130: (_STARTED, 'safe'), 131: (_STARTED, 'safe'),
+    132: (_STARTED, 'full'), 134: (_STARTED, 'passive'), 135: (_STARTED, 'passive'),
+    136: (_STARTED, 'passive'), 137: (_ACTUATE, ''), 138: (_ACTUATE, ''), 139: (_ACTUATE, ''),
+    140: (_STARTED, ''), 141: (_ACTUATE, ''), 142: (_STARTED, ''), 143: (_STARTED, 'passive'),
+    144: (_ACTUATE, ''), 145: (_ACTUATE, ''), 147: (_ACTUATE, ''), 148: (_STARTED, ''),
+    149: (_STARTED, ''), 150: (_STARTED, ''), 151: (_ACTUATE, ''), 152: (_STARTED, ''),
+    153: (_STARTED, ''), 154: (_STARTED, ''), 155: (_STARTED, ''), 156: (_STARTED, ''),
+    157: (_STARTED, ''), 158: (_STARTED, ''),
 }
 """By opcode: `Available in modes` and `Changes mode to` (empty: No Change).
 

@@ -3,18 +3,21 @@
 """
 All long tests, one after the other, and one table: `make campaign ARGS='[--short] [PART ...]'`.
 
-It takes some hours; `--short` takes about ten minutes and shows whether everything works. What a
-part prints is in log/campaign. A part that fails does not end the others; the exit code is 1 then.
+It takes a night; `--short` takes about ten minutes and shows whether everything works. What a
+part prints is in log/campaign. A part that fails, or takes far longer than it should, does not end
+the others; the exit code is 1 then.
 """
 
 import argparse
 from collections.abc import Sequence
+import os
 from pathlib import Path
 import subprocess
 import sys
 from time import monotonic
 from typing import NamedTuple
 
+from support.processes import kill_marked
 from support.tables import markdown_table
 
 ROOT = Path(__file__).parents[2]
@@ -22,6 +25,8 @@ LOGS = ROOT / 'log/campaign'
 HEAD = ('part', 'what is tried', 'result', 'minutes', '')
 LAST_LINES = 20
 """Of the log of a part that failed."""
+MARK = 'CREATE_OI_CAMPAIGN_PART'
+"""Environment variable by which all processes of a part are found."""
 
 
 class Part(NamedTuple):
@@ -32,16 +37,18 @@ class Part(NamedTuple):
     options: tuple[str, ...]
     short: tuple[str, ...]
     """Options for a try that takes one to three minutes."""
+    most: float
+    """Minutes after which it is ended: it hangs."""
 
 
 PARTS = (
-    Part('end', "every order of a driver's end", ('3',), ('2',)),
-    Part('sequences', 'any sequence of events', ('10',), ('0.5',)),
-    Part('fuzz', 'damaged frames', ('1000000',), ('20000',)),
+    Part('end', "every order of a driver's end", ('3',), ('2',), 10),
+    Part('sequences', 'any sequence of events', ('10',), ('0.5',), 30),
+    Part('fuzz', 'damaged frames', ('1000000',), ('20000',), 20),
     Part('faults', 'faults of line, robot and process', ('--times', '10'),
-         ('--times', '1', 'cable', 'SIG', 'silence', 'stop')),
-    Part('soak', 'load and faults at once', ('30',), ('1',)),
-    Part('mutants', 'mistakes in the code', ('--sample', '60'), ('oi/steering',)),
+         ('--times', '1', 'cable', 'SIG', 'silence', 'stop'), 180),
+    Part('soak', 'load and faults at once', ('30',), ('1',), 60),
+    Part('mutants', 'mistakes in the code', ('--sample', '40'), ('oi/steering',), 420),
 )
 
 
@@ -64,10 +71,18 @@ def attempt(part: Part, options: Sequence[str]) -> Tried:
     """Run a part to its end."""
     log, begun = LOGS / f'{part.name}.log', monotonic()
     print(f'{part.name}: {part.tries} ...', flush=True)
+    mark = f'{os.getpid()}.{part.name}'
     with log.open('w', encoding='utf-8') as out:
-        code = subprocess.run(
-            [sys.executable, str(ROOT / 'test'), part.name, *options], check=False,
-            stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT).returncode
+        try:
+            code = subprocess.run(
+                [sys.executable, str(ROOT / 'test'), part.name, *options], check=False,
+                timeout=60 * part.most, env={**os.environ, MARK: mark},
+                stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT).returncode
+        except subprocess.TimeoutExpired:
+            code = 1
+            out.write(f'\nended after {part.most:g} min: it hangs\n')
+        finally:
+            kill_marked(f'{MARK}={mark}')
     lines = [line for line in log.read_text(encoding='utf-8').splitlines() if line.strip()]
     if code:
         print(*lines[-LAST_LINES:], sep='\n', flush=True)

@@ -14,16 +14,12 @@ GOALS = 'driver/goals'
 TEXT = 'oi/test_commands.py', 'oi/test_text.py'
 BYTES = 'oi/test_commands.py', 'oi/test_packets.py', 'oi/test_text.py'
 FRAMES = 'oi/test_packets.py', 'oi/test_stream.py'
-LINE = ('driver/test_line_watch.py', 'driver/test_calling.py', 'driver/test_lost_commands.py',
-        'driver/test_reliability.py')
-MACHINE = ('driver/test_driver.py', 'driver/test_velocity.py', 'driver/test_modes.py',
-           'driver/test_lost_commands.py', 'driver/test_reliability.py',
-           'driver/test_requests.py', 'driver/test_script_requests.py')
-SCRIPTS = ('driver/test_script_speeds.py', 'driver/test_script_requests.py',
-           'driver/test_script_odometry.py')
+MACHINE = ('driver/test_connection.py', 'driver/test_script_steps.py', 'driver/test_modes.py',
+           'driver/test_lost_commands.py', 'driver/test_reliability.py')
+SCRIPTS = ('driver/test_script_steps.py', 'driver/test_script_requests.py')
 BATTERY = 'driver/test_battery.py', 'driver/test_reliability.py'
 TRACKS = ('odometry/test_tracks.py', 'odometry/test_knowledge.py', 'odometry/test_assumptions.py',
-          'odometry/test_wheel_model.py', 'odometry/test_odometry.py')
+          'odometry/test_wheel_model.py', 'odometry/test_wheel_sums.py')
 PARTS = {
     'link/dead_man': ('link/test_dead_man.py',),
     'link/dead_man_process': ('link/test_dead_man.py',),
@@ -48,11 +44,9 @@ PARTS = {
     'driver/frame_clock': ('driver/test_frame_clock.py',),
     'driver/plausibility': ('driver/test_plausibility.py',),
     'driver/machine': MACHINE,
-    'driver/connection': LINE,
-    'driver/stopping': ('driver/test_driver.py', 'driver/test_reliability.py',
-                        'driver/test_cut_commands.py'),
-    'driver/tracking': ('driver/test_driver.py', 'driver/test_silence.py',
-                        'driver/test_reliability.py'),
+    'driver/connection': ('driver/test_connection.py', 'driver/test_calling.py'),
+    'driver/stopping': ('driver/test_stopping.py',),
+    'driver/tracking': ('driver/test_tracking.py',),
     'driver/command_watch': ('driver/test_line_watch.py',),
     'driver/frame_budget': ('driver/test_line_watch.py',),
     'driver/baud_search': ('driver/test_line_watch.py',),
@@ -60,10 +54,10 @@ PARTS = {
     'driver/script_control': SCRIPTS,
     'driver/script_speeds': ('driver/test_script_speeds.py',),
     'driver/outputs': ('driver/test_requests.py',),
-    'driver/demos': ('driver/test_requests.py', 'driver/test_modes.py'),
+    'driver/demos': ('driver/test_demo_steps.py',),
     'driver/pending': ('driver/test_pending.py', 'driver/test_requests.py'),
     'driver/events': ('driver/test_driver.py',),
-    'driver/settings': ('driver/test_driver.py', 'driver/test_modes.py'),
+    'driver/settings': ('driver/test_driver.py',),
     'driver/battery_watch': BATTERY,
     'driver/battery_guard': BATTERY,
     'driver/charge_watch': ('driver/test_battery.py',),
@@ -73,26 +67,26 @@ PARTS = {
     f'{GOALS}/legs': ('driver/test_legs.py',),
     f'{GOALS}/hazards': ('driver/test_hazards.py',),
     f'{GOALS}/wall_following': ('driver/test_hazards.py',),
-    f'{GOALS}/docking': ('driver/test_docking.py',),
-    f'{GOALS}/motions': ('driver/test_goals.py', 'driver/test_goal_endings.py'),
-    f'{GOALS}/goal': ('driver/test_goal_endings.py', 'driver/test_goals.py'),
-    f'{GOALS}/outcome': ('driver/test_goal_control.py', 'driver/test_goal_endings.py'),
+    f'{GOALS}/docking': ('driver/test_dock_steps.py',),
+    f'{GOALS}/motions': ('driver/test_motion_steps.py',),
+    f'{GOALS}/goal': ('driver/test_motion_steps.py',),
+    f'{GOALS}/outcome': ('driver/test_motion_steps.py', 'driver/test_goal_control.py'),
     'odometry/rounding': ('odometry/test_rounding.py',),
     'odometry/accumulators': ('odometry/test_accumulators.py',),
     'odometry/dead_band': ('odometry/test_dead_band.py',),
-    'odometry/assumptions': TRACKS,
-    'odometry/doubt': TRACKS,
-    'odometry/estimate': TRACKS,
-    'odometry/knowledge': TRACKS,
-    'odometry/noise': TRACKS,
-    'odometry/obedience': ('odometry/test_disturbed_odometry.py',),
-    'odometry/odometry': ('odometry/test_odometry.py', 'odometry/test_disturbed_odometry.py'),
-    'odometry/plain': ('odometry/test_odometry.py',),
-    'odometry/reading_plan': TRACKS,
-    'odometry/request_history': TRACKS,
+    'odometry/assumptions': ('odometry/test_assumptions.py',),
+    'odometry/doubt': ('odometry/test_doubt.py',),
+    'odometry/estimate': ('odometry/test_plain.py',),
+    'odometry/knowledge': ('odometry/test_knowledge.py',),
+    'odometry/noise': ('odometry/test_noise.py',),
+    'odometry/obedience': ('odometry/test_obedience.py',),
+    'odometry/odometry': ('odometry/test_following.py', 'odometry/test_disturbed_odometry.py'),
+    'odometry/plain': ('odometry/test_plain.py',),
+    'odometry/reading_plan': ('odometry/test_reading_plan.py',),
+    'odometry/request_history': ('odometry/test_request_history.py',),
     'odometry/springs': TRACKS,
-    'odometry/states': TRACKS,
-    'odometry/tracks': TRACKS,
+    'odometry/states': ('odometry/test_states.py',),
+    'odometry/tracks': ('odometry/test_track_sums.py', *TRACKS),
     'odometry/wheel_model': TRACKS,
 }
 """By file of the package."""

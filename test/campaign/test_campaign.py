@@ -39,7 +39,8 @@ def test_a_part_that_fails_is_in_the_table_and_does_not_end_the_others(
         tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(campaign, 'LOGS', tmp_path / 'log')
     monkeypatch.setattr(campaign, 'PARTS', (
-        Part('end', 'nonsense', (), ('nonsense',)), Part('fuzz', 'frames', (), ('40', '7'))))
+        Part('end', 'nonsense', (), ('nonsense',), 1),
+        Part('fuzz', 'frames', (), ('40', '7'), 1)))
     monkeypatch.setattr(sys, 'argv', ['campaign', '--short'])
     assert campaign.main() == 1
     *_, failed, passed = capsys.readouterr().out.strip().splitlines()
@@ -47,6 +48,12 @@ def test_a_part_that_fails_is_in_the_table_and_does_not_end_the_others(
     assert passed.startswith('| fuzz | frames | 40 frames, seed 7: ')
     assert passed.endswith(' | ok |')
     assert 'nonsense' in (tmp_path / 'log/end.log').read_text()
+
+
+def test_a_part_that_hangs_is_ended_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(campaign, 'LOGS', tmp_path)
+    tried = campaign.attempt(Part('sequences', 'for ever', (), (), 0.01), ['999'])
+    assert (tried.ok, tried.said) == (False, 'ended after 0.01 min: it hangs')
 
 
 @pytest.mark.parametrize(('passes', 'hangs', 'code'), [

@@ -124,6 +124,19 @@ def test_a_robot_that_still_moves_does_not_rest():
         40, abs=1)
 
 
+def test_a_robot_that_moves_fast_does_not_rest():
+    begun = stopped(0.0)
+    for _ in range(200):
+        assert begun.step(at(0.0, 0.3, dt=0.01, measured=True)) == 0.0
+
+
+def test_which_way_it_is_corrected_is_where_the_end_lies():
+    for left in (0.05, -0.05):
+        begun = stopped(0.0)
+        frames_until_moving(begun, at(left))
+        assert begun.step(at(left)) == (0.03 if left > 0 else -0.03)
+
+
 def test_a_stop_teaches_the_coast():
     learned = Learned()
     learned.stopped(0.3, 0.06)

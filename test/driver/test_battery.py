@@ -44,6 +44,15 @@ def test_a_battery_is_better_again_above_its_limit_and_a_bit():
     assert watch.level is FINE
 
 
+def test_the_higher_limit_counts_to_the_last_millivolt():
+    """Voltages next to it: as few as one above it say that all is well."""
+    for millivolts, level in ((13501, FINE), (13500, LOW)):
+        watch = BatteryWatch(LIMITS)
+        for now in (0.0, 5.0, 10.0):
+            watch.observe(readings(millivolts), now)
+        assert watch.level is level
+
+
 def test_a_dip_that_ends_before_begins_anew():
     watch = BatteryWatch(LIMITS)
     for now, millivolts in ((0.0, 13000), (4.0, 14000), (4.5, 13000), (9.4, 13000)):
@@ -142,3 +151,9 @@ def test_a_robot_that_may_be_restarted_is_restarted_once():
     assert 'even after a restart: are the contacts clean' in dock.said(11.0)
     assert dock.said(99.0) == ''
     assert dock.sent(99.0) == b''
+
+
+def test_a_frame_that_comes_late_is_late_enough():
+    dock = Dock(reset=False)
+    assert dock.said(0.0) == ''
+    assert dock.said(5.3) != ''

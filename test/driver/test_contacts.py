@@ -81,3 +81,9 @@ def test_frames_that_lack_a_sensor_say_nothing_of_it():
     contacts = Contacts()
     contacts.update(oi.Readings({'bumps_and_wheel_drops': 1}), HERE, 0.0, PERSISTENCE)
     assert len(contacts.points(HERE)) == 1
+
+
+def test_both_halves_of_the_bumper_have_points_at_the_same_angle():
+    (ahead, left), (also_ahead, right) = (
+        frame(Contacts(), bumps_and_wheel_drops=half)[0] for half in (2, 1))
+    assert (ahead, left) == pytest.approx((also_ahead, -right))

@@ -32,6 +32,15 @@ def test_mode_on_start_is_entered(mode):
     assert loop.robot.mode is mode
 
 
+def test_settings_that_are_not_given_are_those_of_the_documents():
+    settings = Settings()
+    assert (settings.baud, settings.odometry_window) == (57600, 1.0)
+    assert (settings.mode_on_start, settings.mode_on_exit) == (oi.Mode.SAFE, oi.Mode.PASSIVE)
+    assert (settings.recover_mode, settings.reset_when_not_charging) == (True, False)
+    with pytest.raises(AttributeError):
+        settings.baud = 19200
+
+
 def test_the_list_of_packets_fits_the_slot_at_57600_baud():
     driver = Driver()
     for packets in driver.plan.lists:
@@ -85,8 +94,9 @@ def test_a_robot_that_drives_is_stopped_when_the_driver_connects():
     assert loop.body.truth().speed == 0
 
 
-def test_without_a_port_a_stop_and_the_end_send_nothing():
+def test_without_a_port_nothing_is_counted_and_a_stop_and_the_end_send_nothing():
     driver = Driver()
+    assert set(vars(driver.counts).values()) == {0}
     assert driver.status.reason == 'no robot answers'
     assert driver.stop(0.0).outcome.ok is False
     driver.shut_down(0.1)

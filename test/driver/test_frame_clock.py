@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.driver.frame_clock import FrameClock, LEAST_STEP
+from create_oi_ros.odometry import Known
 from create_oi_ros.oi import SLOT
 
 WIRE = 0.01
@@ -124,3 +125,72 @@ def test_late_frames_are_told_from_lost_ones_by_the_next_frame():
     lost.stamp(106 * SLOT, 0.0)
     assert late.found_lost == 0.0 and lost.found_lost == pytest.approx(5 * SLOT)
     assert not late.undecided and not lost.undecided
+
+
+def test_the_length_of_a_slot_is_believed_as_far_as_it_was_seen():
+    """The earliest of 32 frames count. After 40 slots they say as much as the manual does."""
+    clock = FrameClock(Known(0.015, 0.0003))
+    for slot in range(1, 64):
+        clock.stamp(slot * 0.0152, 0.0)
+        assert clock.known_period == (0.015, 0.0003)
+    for slots in (32, 64, 96):
+        clock.stamp((slots + 32) * 0.0152, 0.0)
+        part = slots ** 2 / (slots ** 2 + 40 ** 2)
+        assert clock.known_period == pytest.approx(
+            (0.015 + part * 0.0002, 0.0003 * (1 - part) ** 0.5))
+        for slot in range(slots + 33, slots + 64):
+            clock.stamp(slot * 0.0152, 0.0)
+
+
+@pytest.mark.parametrize(('slot', 'believed'), [(0.0140, 0.0147), (0.0170, 0.0160)])
+def test_a_length_that_no_robot_has_is_not_believed(slot, believed):
+    clock = FrameClock()
+    for number in range(1, 400):
+        clock.stamp(number * slot, 0.0)
+    assert clock.period == believed
+
+
+def test_a_length_is_not_known_better_than_clocks_are():
+    clock = FrameClock(Known(0.015, 1e-9))
+    assert clock.known_period == (0.015, 1e-6)
+
+
+def test_what_was_learned_outlives_a_restart():
+    clock = FrameClock()
+    for slot in range(1, 300):
+        clock.stamp(slot * 0.0152, 0.0)
+    before = clock.known_period
+    clock.restart()
+    assert clock.known_period == before
+    for slot in range(1, 60):
+        clock.stamp(slot * 0.0152, 0.0)
+    assert clock.known_period == before
+
+
+def test_garbage_is_no_gap_before_the_next_frame_has_come():
+    clock = FrameClock()
+    clock.stamp(0.0, 0.0)
+    clock.suspect()
+    assert not clock.gap
+    clock.stamp(SLOT, 0.0)
+    assert clock.gap
+
+
+@pytest.mark.parametrize(('frames', 'passed'), [(0.4, 1), (0.6, 2), (2.4, 3), (9.0, 3)])
+def test_garbage_stands_for_frames_as_far_as_there_was_time_for_them(frames, passed):
+    clock = FrameClock()
+    for slot in range(1, 50):
+        clock.stamp(slot * SLOT, 0.0)
+    clock.suspect(frames)
+    _, dt = clock.stamp((49 + 3) * SLOT, 0.0)
+    assert dt == pytest.approx(passed * SLOT)
+
+
+def test_a_frame_that_was_lost_without_a_trace_is_noticed_when_sixteen_are_late():
+    clock, durations = FrameClock(), []
+    for slot in range(1, 49):
+        clock.stamp(slot * SLOT, 0.0)
+    clock.suspect()
+    for slot in range(50, 80):
+        durations.append(round(clock.stamp(slot * SLOT, 0.0)[1] / SLOT))
+    assert durations == 15 * [1] + [2] + 14 * [1]

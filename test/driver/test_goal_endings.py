@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals that do not reach their end: each code, what it says, and that the wheels stand then."""
 
-from dataclasses import replace
 from math import nan
 from re import fullmatch
 
@@ -29,7 +28,7 @@ from support.goals import (
     start,
     until_ended,
 )
-from support.loop import AT_ONCE, Loop
+from support.loop import Loop
 
 # What an ending says.
 
@@ -382,30 +381,3 @@ def test_an_ending_is_told_to_who_asks_before_and_after():
     assert [each.code for each in heard] == [Code.NONE] * 2
     running.end(Ending(Code.BUMP, 'too late'))
     assert running.ending.code is Code.NONE
-
-
-# The bumper holds back commands.
-
-
-def test_with_bump_stop_no_command_drives_further_into_an_obstacle():
-    loop = met(replace(AT_ONCE, bump_stop=True))
-    loop.drive(0.2, 0.0, 0.5)
-    loop.body.force(bump_left=1)
-    loop.drive(0.2, 0.5, 0.3)
-    right, left = loop.robot.actuators.wheels
-    assert right == -left > 0, 'it may turn away'
-    loop.drive(-0.1, 0.0, 0.3)
-    assert loop.robot.actuators.wheels == (-100, -100)
-    loop.drive(-0.1, 0.5, 0.3)
-    right, left = loop.robot.actuators.wheels
-    assert right + left == pytest.approx(-200, abs=2)
-    loop.body.unforce()
-    loop.drive(0.2, 0.0, 0.3)
-    assert loop.robot.actuators.wheels == (200, 200)
-
-
-def test_without_bump_stop_the_bumper_holds_nothing_back():
-    loop = met()
-    loop.body.force(bump_left=1)
-    loop.drive(0.2, 0.0, 0.5)
-    assert loop.robot.actuators.wheels == (200, 200)

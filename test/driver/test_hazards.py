@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What ends a motion, frame by frame: the bumper, a cliff, a wheel in the air, a stall."""
 
+from dataclasses import replace
+
 import pytest
 
 from create_oi_ros import oi
@@ -10,7 +12,7 @@ from create_oi_ros.driver.goals.goal import Over
 from create_oi_ros.driver.goals.hazards import Hazards, Stall
 from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
-from support.views import view
+from support.views import LIMITS, view
 
 BUMP = {'bumps_and_wheel_drops': int(oi.BumpsAndWheelDrops.BUMP_LEFT)}
 CLIFF = {'cliff_front_right': 1}
@@ -183,6 +185,14 @@ def test_it_ends_after_its_time():
     assert told[-1] == Over(Code.NONE, 'followed for 2 s')
 
 
+def test_its_time_begins_with_it():
+    goal = WallFollow(-1, 2.0, 0.0)
+    goal.begin(view(now=70.0))
+    assert goal.progress.phase is Phase.SEARCHING
+    assert goal.step(view(now=71.9, estimate=Estimate(linear=0.15))) == Velocity(0.15, 0.0)
+    assert goal.step(view(now=72.0, estimate=Estimate(linear=0.15))).code is Code.NONE
+
+
 def test_how_long_it_takes_and_may_take():
     assert WallFollow(-1, 7.0, 0.0).allowance == 14.0
     assert WallFollow(-1, 7.0, 3.0).allowance == 3.0
@@ -204,3 +214,5 @@ def test_a_cliff_ends_it_unless_it_drives_backwards():
 def test_it_begins_neither_at_a_cliff_nor_with_wheels_that_may_not_turn():
     assert WallFollow(-1, 7.0, 0.0).begin(view(**CLIFF)).code is Code.CLIFF
     assert WallFollow(-1, 7.0, 0.0).begin(view(**BUMP)) is None
+    stands = view(limits=replace(LIMITS, max_wheel_speed=0.0))
+    assert WallFollow(-1, 7.0, 0.0).begin(stands).code is Code.STALL

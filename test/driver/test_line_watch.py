@@ -6,7 +6,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Severity
-from create_oi_ros.driver.baud_search import BaudSearch
+from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT
 from create_oi_ros.driver.command_watch import CommandNews, CommandWatch
 from create_oi_ros.driver.frame_budget import FrameBudget, too_slow
 from create_oi_ros.driver.stream_plan import StreamPlan
@@ -35,7 +35,7 @@ def test_a_list_that_does_not_come_is_news_after_a_while():
     watch = CommandWatch()
     watch.seen(ONE)
     watch.asked(OTHER, 1.0)
-    news = [watch.check(0, now) for now in (1.6, 1.65, 2.5, 2.55, 9.0)]
+    news = [watch.check(0, now) for now in (1.59, 1.61, 2.49, 2.51, 9.0)]
     assert news == [None, SUSPECT, None, IGNORES, None]
     watch.seen(OTHER)
     assert watch.check(0, 9.1) is AGAIN
@@ -54,7 +54,7 @@ def test_the_first_list_that_did_not_come_counts_not_the_last():
     watch.seen(ONE)
     watch.asked(OTHER, 0.0)
     watch.asked(OTHER, 0.5)
-    watch.seen(ONE)
+    watch.seen((*ONE,))  # the same numbers in another tuple
     assert watch.check(0, 0.65) is SUSPECT
 
 
@@ -66,7 +66,7 @@ def test_a_suspected_robot_is_believed_when_the_next_list_is_new():
     watch.seen(OTHER)
     watch.asked(ONE, 1.0)
     assert watch.check(0, 1.031) is None
-    assert watch.check(0, 1.03) is AGAIN
+    assert watch.check(0, 1.029) is AGAIN
 
 
 def test_a_restart_forgets_all():
@@ -97,8 +97,8 @@ def seconds(budget: FrameBudget, begin: float, frames: int, size: int = 30, more
 def test_fewer_than_four_fifths_are_a_problem_until_nine_tenths_come():
     budget, now = FrameBudget(), 0.0
     assert not budget.check(57600, now, fits=True)
-    for frames, news, problem in ((160, False, False), (159, True, True), (159, False, True),
-                                  (179, False, True), (180, True, False)):
+    for frames, news, problem in ((161, False, False), (159, True, True), (159, False, True),
+                                  (179, False, True), (181, True, False)):
         assert seconds(budget, now, frames) == news
         assert bool(budget.problem) == problem
         now += 3.0
@@ -191,9 +191,10 @@ def test_after_three_calls_it_says_once_that_nobody_answers(baud, at, hint):
     search.next_baud()
     assert search.notice() is None
     search.restart()
-    assert search.notice() is None
-    for _ in range(3):
+    for _ in range(2):
         search.next_baud()
+        assert search.notice() is None
+    search.next_baud()
     assert search.notice() is not None
 
 
@@ -211,6 +212,14 @@ def test_bytes_that_are_no_frames_are_shown_once_there_are_enough():
     for _ in range(3):
         search.next_baud()
     assert search.notice().text.startswith('no answer')
+
+
+def test_speech_is_remembered_within_bounds():
+    search = BaudSearch(0)
+    for size in (40, 500):
+        for _ in range(1000):
+            search.add_garbage(bytes(size))
+        assert len(search._garbage) <= 2 * GARBAGE_LIMIT
 
 
 # Which packets are asked for.
@@ -231,7 +240,7 @@ def test_motion_is_asked_for_one_slot_and_the_usual_list_follows():
 
 def test_on_a_slow_line_the_rest_comes_in_turns():
     plan = StreamPlan(19200)
-    asked = [plan.next_stream(slot * 0.015, motion_due=slot == 4).packets for slot in range(14)]
+    asked = [plan.next_stream(slot * 0.0151, motion_due=slot == 4).packets for slot in range(14)]
     assert asked[0] == asked[4] == plan.full.ids == (7, 9, 10, 11, 12, 35, 41, 42, 19, 20)
     rest = asked[1:4] + asked[5:]
     parts = list(dict.fromkeys(rest))
@@ -262,7 +271,7 @@ def test_a_list_for_scripts_tells_the_last_drive_and_what_has_room(baud):
 def test_frames_of_every_list_that_is_asked_for_may_come(baud):
     plan = StreamPlan(baud)
     for slot in range(12):
-        stream = plan.next_stream(slot * 0.015, motion_due=slot % 5 == 0)
+        stream = plan.next_stream(slot * 0.0151, motion_due=slot % 5 == 0)
         assert stream is None or oi.PacketList(stream.packets) in plan.lists
 
 

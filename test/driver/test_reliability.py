@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the driver does when something is wrong with line or robot, in memory."""
 
+from re import fullmatch
 from struct import calcsize
 
 import pytest
@@ -9,13 +10,12 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, LowBatteryAction, Settings, Severity
 from create_oi_ros.driver.battery_watch import SETTLE
-from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT
 from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, JumpCheck, SLACK
 from create_oi_ros.driver.stopping import LAST_WORDS
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.robot import Rounding
-from support.loop import Loop, said
+from support.loop import Loop, said, texts
 
 # Last words.
 
@@ -125,6 +125,8 @@ def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
     loop = drained(LowBatteryAction.NONE)
     assert loop.driver.health(loop.now).battery is BatteryLevel.EMPTY
     assert said(loop, Severity.WARNING, 'battery') in (1, 2)
+    for text in texts(loop.notices, Severity.WARNING):
+        assert fullmatch(r'battery (low|nearly empty) \(1[0-4]\.\d V\): charge it', text)
     assert loop.robot.mode is oi.Mode.SAFE
 
 
@@ -149,13 +151,6 @@ def test_a_short_dip_is_no_low_battery():
     loop.run(SETTLE)
     assert loop.driver.health(loop.now).battery is BatteryLevel.FINE
     assert not said(loop, Severity.WARNING, 'battery')
-
-
-def test_speech_is_remembered_within_bounds():
-    search = BaudSearch(0)
-    for _ in range(1000):
-        search.add_garbage(bytes(500))
-    assert len(search._garbage) <= 2 * GARBAGE_LIMIT
 
 
 # A driver that was stopped.

@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.script_speeds import ScriptSpeeds
+from create_oi_ros.driver.script_speeds import CLEARED, ScriptSpeeds
 from create_oi_ros.oi.script import build_script
 
 DIRECT = oi.DriveDirect(right=100, left=-100)
@@ -57,3 +57,7 @@ def test_speeds_are_known_of_a_script_that_uses_one_kind_of_drive(commands, know
     ((DRIVE, oi.WaitTime(time=9)), False), ((DRIVE, DIRECT, oi.WaitAngle(angle=9)), False)])
 def test_waits_for_a_way_reset_what_is_counted(commands, resets):
     assert speeds(*commands).resets_accumulators == resets
+
+
+def test_what_is_sent_before_a_script_moves_nothing_and_clears_the_last_drive():
+    assert CLEARED.encode() == bytes([137, 0, 0, 128, 0])

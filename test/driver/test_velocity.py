@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Velocity commands, byte for byte: followed, limited, refused, too old."""
 
+from dataclasses import replace
 from math import inf, nan
 
 from hypothesis import given
@@ -13,7 +14,7 @@ from create_oi_ros.driver import MotionLimits, Settings, Severity, wheel_speeds
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.driver.state import Activity
 from support.goals import met, moving
-from support.loop import Loop, texts
+from support.loop import AT_ONCE, Loop, texts
 
 TIMEOUT = MotionLimits.timeout
 
@@ -223,3 +224,27 @@ def test_the_first_velocity_that_is_not_finite_is_not_counted_again(loop, count,
         loop.driver.drive(0.1, inf, loop.now)
     loop.drive(0.1, 0.0, 0.1)
     assert texts(loop.notices, Severity.WARNING)[1:] == more
+
+
+def test_with_bump_stop_no_command_drives_further_into_an_obstacle():
+    loop = met(replace(AT_ONCE, bump_stop=True))
+    loop.drive(0.2, 0.0, 0.5)
+    loop.body.force(bump_left=1)
+    loop.drive(0.2, 0.5, 0.3)
+    right, left = loop.robot.actuators.wheels
+    assert right == -left > 0, 'it may turn away'
+    loop.drive(-0.1, 0.0, 0.3)
+    assert loop.robot.actuators.wheels == (-100, -100)
+    loop.drive(-0.1, 0.5, 0.3)
+    right, left = loop.robot.actuators.wheels
+    assert right + left == pytest.approx(-200, abs=2)
+    loop.body.unforce()
+    loop.drive(0.2, 0.0, 0.3)
+    assert loop.robot.actuators.wheels == (200, 200)
+
+
+def test_without_bump_stop_the_bumper_holds_nothing_back():
+    loop = met()
+    loop.body.force(bump_left=1)
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.robot.actuators.wheels == (200, 200)

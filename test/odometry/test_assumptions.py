@@ -2,10 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which of the things that may be assumed of a robot are kept."""
 
+from math import exp
+
 import numpy as np
 import pytest
 
+from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions, NEAR, SIGNS, YOUNG
+from create_oi_ros.odometry.wheel_model import LAST
 from create_oi_ros.robot import Rounding
 
 
@@ -29,3 +33,135 @@ def test_all_are_kept_of_a_robot_that_is_new() -> None:
     before = len(rows.roundings)
     rows.weigh(np.zeros(before))
     assert len(rows.roundings) == before
+
+
+def of_two(*, weights: tuple[float, float] = (0.5, 0.5)) -> Assumptions:
+    """Return tracks of two kinds, with weights, and numbers of their own."""
+    rows = Assumptions.all()
+    rows.keep([0, len(s.RESPONSES)])
+    rows.weights = np.array(weights)
+    rows.means = np.arange(2.0 * s.SIZE).reshape(2, s.SIZE)
+    return rows
+
+
+def test_what_was_reported_of_real_robots_is_likelier_at_first() -> None:
+    rows = Assumptions.all()
+    truncates = np.array([2.0 if each is Rounding.TRUNCATE else 1.0 for each in rows.roundings])
+    sign = np.array([{(LAST, True): 4.0, (LAST, False): 2.0}.get((int(kind), bool(late)), 1.0)
+                     for kind, late in zip(*rows.signs)])
+    expected = truncates * sign * np.where(rows.springs, 0.5, 1.0)
+    assert rows.weights == pytest.approx(expected / expected.sum())
+    assert len(expected) == 3 * 5 * 4
+    assert (rows.doubt == 1).all() and not rows.rates.any() and rows.readings == 0
+    for row, spring in enumerate(rows.springs):
+        response = s.RESPONSES[row % 4]
+        assert (response is s.SPRING) == spring
+        for index, prior in (s.COMMON | response).items():
+            assert rows.means[row, index] == prior.mean
+            assert rows.p[row, index, index] == prior.spread ** 2
+    assert np.count_nonzero(rows.p) == sum(
+        bool(prior.spread) for response in s.RESPONSES
+        for prior in (s.COMMON | response).values()) * 15
+
+
+def test_a_track_of_no_weight_has_no_share() -> None:
+    assert of_two(weights=(1 - 9e-5, 9e-5)).shares().tolist() == [1.0, 0.0]
+    assert of_two(weights=(0.9, 0.3)).shares() == pytest.approx([0.75, 0.25])
+    assert of_two(weights=(1 - 1.1e-4, 1.1e-4)).shares()[1] > 0
+
+
+@pytest.mark.parametrize(('logs', 'first'), [
+    ((-1.0, -2.0), 1 / (1 + exp(-1))), ((7.0, 4.0), 1 / (1 + exp(-3))),
+    ((-1.0, -99.0), 1 / (1 + exp(-4)))])
+def test_a_reading_weighs_tracks_but_one_alone_decides_nothing(logs, first) -> None:
+    rows = of_two()
+    rows.weigh(np.array(logs))
+    assert rows.weights == pytest.approx([first, 1 - first])
+    assert rows.readings == 1
+
+
+def test_the_best_track_comes_first_with_all_that_belongs_to_it() -> None:
+    rows = of_two()
+    rows.doubt, rows.rates = np.array([1.0, 2.0]), np.array([[1.0, 2.0], [3.0, 4.0]])
+    rows.p[1, 0, 0] = 7.0
+    rows.weigh(np.array([-1.0, 0.0]))
+    assert rows.weights[0] > rows.weights[1]
+    assert rows.means[:, 0].tolist() == [s.SIZE, 0]
+    assert (rows.doubt.tolist(), rows.rates[0].tolist()) == ([2.0, 1.0], [3.0, 4.0])
+    assert rows.p[0, 0, 0] == 7.0
+
+
+@pytest.mark.parametrize(('doubt', 'readings', 'kept'), [
+    (5.1, 119, 2), (4.9, 119, 1), (5.1, 120, 1)])
+def test_an_implausible_track_is_given_up_unless_the_best_one_explains_little(
+        doubt, readings, kept) -> None:
+    rows = of_two(weights=(1.0, 5e-7))
+    rows.doubt[:] = doubt
+    rows.readings = readings
+    rows.weigh(np.zeros(2))
+    assert len(rows.weights) == kept
+    if kept == 2:
+        assert rows.weights[1] == pytest.approx(2e-6, rel=1e-4)
+    assert len(of_two(weights=(1.0, 2e-6)).weights) == 2
+
+
+@pytest.mark.parametrize(('readings', 'kept'), [(29, 4), (30, 1)])
+def test_of_one_kind_only_the_best_response_is_kept_once_a_robot_is_not_new(
+        readings, kept) -> None:
+    rows = Assumptions.all()
+    rows.keep([0, 1, 2, 3])
+    rows.weights = np.array([0.1, 0.9, 0.2, 0.001])
+    rows.readings = readings
+    rows.weigh(np.zeros(4))
+    assert len(rows.weights) == kept
+    assert rows.means[0, s.RAMP] == s.RESPONSES[1][s.RAMP].mean
+
+
+def test_a_state_that_becomes_known_teaches_the_others_what_they_share_with_it() -> None:
+    rows = of_two()
+    a, b = s.MOVES_RIGHT, s.SPEED_RIGHT
+    rows.means[:, a], rows.means[:, b] = 0.5, 0.2
+    rows.p[:, a, a], rows.p[:, b, b] = 0.25, 0.04
+    rows.p[:, a, b] = rows.p[:, b, a] = 0.08
+    rows.settle(a, 1)
+    assert rows.means[:, [a, b]] == pytest.approx(np.array([[1.0, 0.36]] * 2))
+    assert rows.p[:, b, b] == pytest.approx([0.04 - 0.08 ** 2 / 0.25] * 2)
+    assert not rows.p[:, a].any() and not rows.p[:, :, a].any()
+
+
+def test_a_state_that_is_set_shares_nothing_with_others() -> None:
+    rows = of_two()
+    rows.p[:] = 1.0
+    rows.clear(3, 0.5, 4.0)
+    assert (rows.means[:, 3] == 0.5).all()
+    expected = np.ones((s.SIZE, s.SIZE))
+    expected[3], expected[:, 3] = 0.0, 0.0
+    expected[3, 3] = 4.0
+    assert (rows.p == expected).all()
+
+
+def test_unknowns_stay_where_they_can_be() -> None:
+    rows = Assumptions.all()
+    for far, end in ((-9.0, 'low'), (9.0, 'high')):
+        rows.means[:] = far
+        rows.bound()
+        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
+            found = rows.means[~rows.springs][:, index]
+            assert (found == getattr(prior, end)).all()
+        damping = rows.means[rows.springs][:, s.DAMPING]
+        assert (damping == getattr(s.SPRING[s.DAMPING], end)).all()
+        assert (rows.means[:, s.X] == far).all()
+
+
+def test_others_are_tried_beside_with_a_weight_of_their_own() -> None:
+    rows, others = of_two(), Assumptions.all()
+    others.doubt[:] = 3.0
+    rows.join(others, 0.1)
+    assert rows.weights[:2] == pytest.approx([0.45, 0.45])
+    assert rows.weights[2:] == pytest.approx(0.1 * others.weights)
+    for mine in (rows.roundings, rows.signs.kinds, rows.signs.late, rows.springs, rows.doubt,
+                 rows.means, rows.p, rows.rates):
+        assert len(mine) == 62
+    assert rows.doubt.tolist() == 2 * [1.0] + 60 * [3.0]
+    assert rows.roundings[2:] == others.roundings
+    assert (rows.springs[2:] == others.springs).all()

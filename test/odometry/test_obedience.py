@@ -58,7 +58,7 @@ def test_an_angle_frees_wheels_or_binds_them(tracks, slack, way, before, sign):
     turn = sign * 0.4 / FIRMWARE_SEPARATION * 57.29578
     most = slack + way * DEGREES_PER_METRE
     for more, free in ((most - 1, BOUND), (most + 1, FREE)):
-        expected = went(tracks, (sign * 0.2, -sign * 0.2, 1.0))
+        expected = went(tracks, *(4 * [(sign * 0.2, -sign * 0.2, 0.25)]))
         assert judged(expected, tracks, 0, round(turn + more), before) == free
         expected = went(tracks, (sign * 0.2, -sign * 0.2, 1.0))
         assert judged(expected, tracks, 0, round(turn - more), before) == free

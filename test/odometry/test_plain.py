@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Odometry that believes what the robot reports, by sums done by hand."""
 
+from dataclasses import replace
 from math import cos, radians, sin
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from create_oi_ros.odometry import Estimate, Geometry, Increment
 from create_oi_ros.odometry.plain import PlainOdometry
+from create_oi_ros.robot import WHEEL_RADIUS, WHEEL_SEPARATION
 
 GEOMETRY = Geometry(wheel_separation=0.25, wheel_radius=0.03, linear_scale=1.1, angular_scale=0.9)
 P = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, -0.7], [0.5, -0.7, 2.0]])
@@ -66,3 +68,20 @@ def test_between_readings_it_stays_and_time_adds_up():
         assert odometry.after(BEFORE, lacking) is BEFORE
     assert odometry.after(BEFORE, frame(100)).linear == pytest.approx(0.11 / 2.0)
     assert odometry.after(BEFORE, frame(100)).linear == pytest.approx(0.11 / 0.5)
+
+
+def test_a_robot_that_nobody_calibrated_is_as_it_was_built_and_begins_at_the_origin():
+    geometry = Geometry()
+    assert (geometry.wheel_separation, geometry.wheel_radius) == (WHEEL_SEPARATION, WHEEL_RADIUS)
+    assert (geometry.linear_scale, geometry.angular_scale) == (1.0, 1.0)
+    assert 0 < geometry.slip < 0.002
+    numbers = [value for value in Estimate() if not isinstance(value, tuple)]
+    assert not any(numbers) and len(numbers) == 9
+    covariance = np.array(Estimate().pose_covariance).reshape(3, 3)
+    assert (covariance == 1e-9 * np.eye(3)).all()
+    assert Estimate().twist_covariance == (1e-6, 1e-6)
+
+
+def test_a_frame_says_nothing_that_it_does_not_say():
+    assert Increment(0.1, 0.0, 0.0, True)[4:] == (None, None, False, False)
+    assert hash(GEOMETRY) == hash(replace(GEOMETRY))

@@ -40,7 +40,7 @@ def test_a_zero_keeps_the_sign_before_it_and_counts_as_up():
     history = asked((-0.2, 0.2, 0.1), (0.0, 0.0, 0.1))
     kept, up = (each[:, 0, 0].tolist() for each in history.signs)
     assert (kept, up) == ([-1, 1], [1, 1])
-    assert means(history, 0.1, 0.0).tolist() == [[0, 0], [-1, 1], [1, 1]]
+    assert means(history, 0.1, 0.0) == pytest.approx(np.array([[0, 0], [-1, 1], [1, 1]]))
     assert means(history, 0.2, 0.1) == pytest.approx(np.array([[-0.2, 0.2], [-1, 1], [-1, 1]]))
 
 

@@ -34,3 +34,18 @@ def test_lags_may_become_each_other():
     lags = s.RESPONSES[:3]
     for index in lags[0]:
         assert len({(lag[index].low, lag[index].high) for lag in lags}) == 1
+
+
+def test_springs_have_the_ranges_of_lags_where_they_mean_the_same():
+    for index in (s.LAG, s.SLOW_LAG, s.FAST_LAG):
+        lag, spring = s.RESPONSES[0][index], s.SPRING[index]
+        assert (lag.low, lag.high) == (spring.low, spring.high)
+    dead_time, spring = s.COMMON[s.DEAD_TIME], s.SPRING[s.DEAD_TIME]
+    assert (dead_time.low, dead_time.high) == (spring.low, spring.high)
+
+
+def test_wheels_are_believed_to_be_as_built_and_to_err_to_both_sides_alike():
+    for index, mean in ((s.BRAKING, 0.0), (s.SEPARATION, 0.0)):
+        assert (s.COMMON[index].mean, s.COMMON[index].low) == (mean, -s.COMMON[index].high)
+    for index, mean in ((s.GAIN_LEFT, 1.0), (s.OFFSET_LEFT, 0.0), (s.MOVES_LEFT, 1.0)):
+        assert s.COMMON[index].mean == mean

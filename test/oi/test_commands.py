@@ -301,3 +301,23 @@ def test_a_name_that_no_packet_has_is_refused() -> None:
             make()
     with pytest.raises(ValueError, match=r"packets = 'wall'; allowed: a list, such as \['wall'\]"):
         oi.QueryList(packets='wall')
+
+
+def test_a_declaration_is_a_value_that_cannot_be_changed() -> None:
+    wire = Wire('b', -1, 9)
+    with pytest.raises(AttributeError):
+        wire.low = 0  # type: ignore[misc]
+    assert hash(wire) == hash(Wire('b', -1, 9))
+
+
+def test_numbers_that_fit_their_bytes_are_told_from_others() -> None:
+    for code, low, high in (
+            ('b', -128, 127), ('B', 0, 255), ('h', -BIG, BIG - 1), ('H', 0, 65535)):
+        wire = Wire(code, 0, 1)
+        assert wire.limits == (low, high)
+        assert wire.fits(low) and wire.fits(high)
+        assert not wire.fits(low - 1) and not wire.fits(high + 1) and not wire.fits(0.5)
+
+
+def test_all_notes_of_the_manual_sound_and_no_others() -> None:
+    assert list(oi.SOUNDING) == sorted(vectors.NOTES)

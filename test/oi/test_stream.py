@@ -12,7 +12,6 @@ import pytest
 from campaign.fuzz import fuzz
 from create_oi_ros import oi
 from create_oi_ros.oi.stream import GARBAGE_AT_ONCE, readable, SWITCH_AFTER
-from create_oi_ros.oi.tools.list_finder import ListFinder, lists_in
 from support.oi_strategies import commands, frames, packet_lists
 import vectors
 
@@ -376,27 +375,3 @@ def test_a_reader_yields_what_is_ready_and_goes_on_later() -> None:
     robot.feed(bytes([0, 0, 0]))
     assert list(robot) == [oi.Drive(velocity=0, radius=0)]
     assert list(robot) == []
-
-
-@given(packet_lists().flatmap(lambda packets: st.tuples(
-    st.just(packets), st.lists(frames(packets), min_size=1, max_size=3))))
-def test_a_list_is_found_in_its_frames(drawn: tuple[oi.PacketList, list[bytes]]) -> None:
-    packets, data = drawn
-    assert lists_in(b''.join(data)) == [packets]
-
-
-def test_lists_are_found_behind_noise_and_however_the_bytes_are_split() -> None:
-    other = oi.PacketList(['distance', 1])
-    data = b'\x13\xff\x13\0' + GOOD + b'\x13\5\x1d' + other.pack_frame([19] * 11) + b'\x13\5\x1d'
-    assert lists_in(data) == [CLIFF, other]
-    finder = ListFinder()
-    ready = b''.join(map(finder.feed, bytewise(data)))
-    assert ready + finder.finish() == data
-    assert list(finder.lists) == [CLIFF, other]
-
-
-@pytest.mark.parametrize('data', [
-    b'', b'\x13', b'\x13\5\xff', GOOD[:-1], GOOD[:-1] + b'\0',
-    b'\x13\2\7\0\7\0', b'\x13\1\7\0', b'\x13\0\xed'])
-def test_no_list_is_found_where_no_frame_is(data: bytes) -> None:
-    assert lists_in(data) == []
