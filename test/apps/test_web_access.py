@@ -11,6 +11,7 @@ import pytest
 from create_oi_ros.apps.web.access import Access, BURST, host_of, is_loopback, MessageBudget, RATE
 from create_oi_ros.apps.web.driver_seat import DriverSeat, HOLD, OLDEST_VIEW, Refused
 from create_oi_ros.driver.goals.goal import Velocity
+from support.source import PACKAGE, ROOT
 
 AHEAD = Velocity(0.2, 0.0)
 
@@ -155,3 +156,11 @@ def test_whatever_happens_nobody_drives_longer_than_a_command_holds(steps):
                 getattr(seat, other)(viewer)
         assert seat.driving == (seat.velocity != Velocity())
         assert not seat.driving or seat.viewer is not None
+
+
+def test_the_page_puts_every_text_in_as_text():
+    scripts = [path.read_text('utf-8') for path in (
+        ROOT / PACKAGE / 'apps' / 'web' / 'page').glob('*.js')]
+    assert len(scripts) > 5
+    for word in ('innerHTML', 'outerHTML', 'insertAdjacentHTML', 'document.write', 'eval('):
+        assert not any(word in script for script in scripts)

@@ -214,7 +214,7 @@ def test_a_correction_that_moves_nothing_is_none_and_the_next_is_faster(way, sig
         if speed and not before:
             told.append(speed)
         before = speed
-        # The odometry believes that creeping moves the robot until a reading says that it does not.
+        # The odometry believes that creeping moves the robot until a reading says otherwise.
         left = at(sign * (0.0 if speed and way > 0.02 else way), sign * 0.03 if speed else 0.0)
     assert told == pytest.approx(
         [sign * speed for speed in (0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.08, 0.08)])
