@@ -35,7 +35,9 @@ BLURRED, SOON = 2.0, 0.4
 this part of a window."""
 TELLING, SPARE = 1.0, 3.0
 """Windows after a reading from which on to ask when the answer tells much; windows to wait longer
-for such a moment."""
+for such a moment once the robot is known."""
+FORESEEN = 0.5
+"""How well a robot must be known for such moments to be foreseen."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
 SETTLED = 0.45
@@ -106,15 +108,14 @@ class ReadingPlan:
         return in_vain
 
     def _is_time(self, dt: float, tracks: Tracks) -> bool:
-        """Tell whether to ask now: when it tells much, or after patience."""
+        """Tell whether to ask now: when the answer tells much, or after patience."""
         patience = self._patience(tracks)
         if (tracks.is_free or tracks.rests or tracks.blur > BLURRED
-                or tracks.roundings == {Rounding.CARRY}):
+                or tracks.known < FORESEEN or tracks.roundings == {Rounding.CARRY}):
             return self._age >= patience
-        if self._age < TELLING * self.window:
-            return False
-        return (self._age >= patience + SPARE * self.window
-                or tracks.tells(self._latency * dt))
+        if self._age >= patience + SPARE * self.window * tracks.known:
+            return True
+        return self._age >= TELLING * self.window and tracks.tells(self._latency * dt)
 
     def _patience(self, tracks: Tracks) -> float:
         """
