@@ -25,6 +25,7 @@ def turning(rounding: Rounding, vague: float) -> Tracks:
     tracks.read(180, 10)
     rows = tracks.rows
     rows.roundings[:] = [rounding] * len(rows.roundings)
+    rows.readings = 100
     rows.p[:] = 0.0
     rows.p[:, s.ANGLE, s.ANGLE] = (vague * s.DEGREE) ** 2
     tracks.reset()
