@@ -5,8 +5,10 @@ When to ask the robot for distance and angle.
 
 Each reading may cost what is below a whole unit, and one that falls into a change of speed tells
 least. So the robot is asked about once a window, when its wheels have had time to follow, and less
-often while nothing changes. As long as its rounding is unknown, it is also asked in some frames in
-a row at moments at which the roundings would answer differently.
+often while nothing changes. A robot that loses fractions is best asked when its whole degrees are
+about to change: then the answer tells on which side of the prediction it is. As long as its
+rounding is unknown, it is also asked in some frames in a row at moments at which the roundings
+would answer differently.
 """
 
 from ..robot import Rounding
@@ -31,6 +33,11 @@ STRETCH = 2.0
 BLURRED, SOON = 2.0, 0.4
 """Doubt of what the accumulators hold, degrees or twice as many mm, from which on to ask after
 this part of a window."""
+TELLING, SPARE = 1.0, 3.0
+"""Windows after a reading from which on to ask when the answer tells much; windows to wait longer
+for such a moment once the robot is known."""
+FORESEEN = 0.5
+"""How well a robot must be known for such moments to be foreseen."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
 SETTLED = 0.45
@@ -54,6 +61,9 @@ class ReadingPlan:
         self._age = self._steady = self._probed = 0.0
         self._probe = self._readings = 0
         self._asked = ANSWER + 1
+        self._alone, self._latency = False, 1
+        """Whether the last question was no part of a probe; frames from such a one to its answer.
+        """
 
     @property
     def pending(self) -> bool:
@@ -64,11 +74,13 @@ class ReadingPlan:
         """Note that a reading has come."""
         self._age = 0.0
         self._readings += 1
+        if self._alone and self.pending:
+            self._latency = max(1, self._asked)
         self._asked = ANSWER + 1
 
     def hurry(self) -> None:
         """Ask soon: what the robot did is not sure, and somebody needs to know."""
-        self._age = max(self._age, UNSETTLED * self.window)
+        self._age = max(self._age, (UNSETTLED + SPARE) * self.window)
 
     def step(self, dt: float, *, steady: bool, tracks: Tracks) -> bool:
         """
@@ -87,13 +99,23 @@ class ReadingPlan:
         elif self.pending:
             self.due = False
         elif self._worth_a_probe(dt, tracks):
-            self._probe, self._probed = PROBE, 0.0
+            self._probe, self._probed, self._alone = PROBE, 0.0, False
             self.due = True
         else:
-            self.due = self._age >= self._patience(tracks)
+            self.due = self._alone = self._is_time(dt, tracks)
         if self.due:
             self._asked = 0
         return in_vain
+
+    def _is_time(self, dt: float, tracks: Tracks) -> bool:
+        """Tell whether to ask now: when the answer tells much, or after patience."""
+        patience = self._patience(tracks)
+        if (tracks.is_free or tracks.rests or tracks.blur > BLURRED
+                or tracks.known < FORESEEN or tracks.roundings == {Rounding.CARRY}):
+            return self._age >= patience
+        if self._age >= patience + SPARE * self.window * tracks.known:
+            return True
+        return self._age >= TELLING * self.window and tracks.tells(self._latency * dt)
 
     def _patience(self, tracks: Tracks) -> float:
         """

@@ -22,6 +22,7 @@ from .doubt import Doubt
 from .estimate import Geometry
 from .knowledge import Knowledge, known
 from .request_history import Array
+from .rounding import interval
 from .states import DEGREE, MM
 from .wheel_model import WheelModel
 
@@ -35,6 +36,9 @@ CURVED = 0.2
 """Part of what unknowns are believed to do that is not in proportion to them."""
 FAMILIAR, PUZZLED = 60, 5.0
 """Readings after which a robot is known, unless the best track has this doubt."""
+VAGUE, OPEN = 0.1, 0.5
+"""Least standard deviation of an angle, degrees, of which a reading may tell something, and how
+many of them it may be from where another whole number begins."""
 NEAR = 0.002
 """m/s from its goal at which a wheel's speed is known well enough to tell roundings apart."""
 SWIFT = 0.3
@@ -64,6 +68,8 @@ class Tracks:
         """Mean pose where these began, and how fast it changed there."""
         self.blur = 0.0
         """Standard deviation of what the accumulators hold, 2 mm or degrees, when last looked."""
+        self._vague = 0.0
+        """The same of the angle alone, degrees."""
         self._wild, self._window = False, 0.0
         self._noisy = np.zeros((2, 1))
         """Whether wheels were free since the last reading, and its age, seconds."""
@@ -119,8 +125,22 @@ class Tracks:
     def held(self) -> Held:
         """What the accumulators are believed to hold."""
         self._catch_up()
-        distance, angle = self.rows.means[0, s.DISTANCE:] + self.wheels.counts[:, 0, 0]
-        return float(distance), float(angle)
+        distance, angle = self.wheels.best_counts
+        return (float(self.rows.means[0, s.DISTANCE]) + distance,
+                float(self.rows.means[0, s.ANGLE]) + angle)
+
+    def tells(self, ahead: float) -> bool:
+        """
+        Tell whether nobody knows which angle a robot that loses fractions will report.
+
+        It will so many seconds from now. A degree that is certain would tell nothing.
+        """
+        if self._vague < VAGUE:
+            return False
+        angle = float(self.rows.means[0, s.ANGLE]) + self.wheels.best_counts[1]
+        angle = abs(angle + self.rates[1] * (self._idle + ahead)) / DEGREE
+        ends = interval(self.rows.roundings[0], int(angle))
+        return min(abs(end - angle) for end in ends) < OPEN * self._vague
 
     def goals(self, right: float, left: float) -> tuple[float, float]:
         """Return the speeds at which the wheels settle when they are asked for these, m/s."""
@@ -147,7 +167,8 @@ class Tracks:
         f, q = self._transition(BEST)[0, s.X:], self._noise(BEST)[0, s.X:, s.X:]
         p = f @ self.rows.p[0] @ f.T + q
         blur = np.sqrt(np.diag(p)[3:])
-        self.blur = float(max(blur[0] / MM / 2, blur[1] / DEGREE))
+        self._vague = float(blur[1]) / DEGREE
+        self.blur = max(float(blur[0]) / MM / 2, self._vague)
         p = p[:3, :3] + (off * self._shares) @ off.T
         return tuple(((p + p.T) / 2).ravel().tolist())
 
@@ -167,11 +188,11 @@ class Tracks:
         Where frames were lost, nobody knows when within that time the requests came.
         """
         if (right, left) != self.requests:
-            if dt > LATE:
+            if lost := dt > LATE:
                 dt /= 2
                 self._roll(dt)
             change = self._ask(right, left)
-            if dt > LATE / 2:
+            if lost:
                 self._unsure += (change * dt) ** 2 / 3
         self._roll(dt)
 

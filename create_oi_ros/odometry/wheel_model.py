@@ -121,6 +121,12 @@ class WheelModel:
         right, left = self._rolled
         return np.stack([(right + left) / 2, (right - left) / self.track_width])
 
+    @property
+    def best_counts(self) -> tuple[float, float]:
+        """The same of the first track alone."""
+        right, left = self._rolled[:, 0, 0].tolist()
+        return (right + left) / 2, (right - left) / float(self.track_width[0, 0])
+
     def ask(self, right: float, left: float, stands: Sequence[bool]) -> Array:
         """Take other requests, of which some may not move; return by how much they changed."""
         self.settled = self.standing = False

@@ -1,0 +1,86 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""At which moments the robot is asked for distance and angle."""
+
+from math import degrees
+
+import pytest
+
+from create_oi_ros.odometry import Geometry
+from create_oi_ros.odometry import states as s
+from create_oi_ros.odometry.reading_plan import ReadingPlan
+from create_oi_ros.odometry.tracks import Tracks
+from create_oi_ros.robot import Rounding
+from support.ride import SLOT
+
+RIGHT, FAST, LEFT = 0.06, 0.12, 0.04
+"""m/s of turns, of 0.07 and 0.27 degrees a frame."""
+
+
+def turning(rounding: Rounding, vague: float) -> Tracks:
+    """Return tracks that turn slowly; nothing but the angle is unknown, by so many degrees."""
+    tracks = Tracks(Geometry())
+    for _ in range(200):
+        tracks.advance(SLOT, RIGHT, LEFT)
+    tracks.read(180, 10)
+    rows = tracks.rows
+    rows.roundings[:] = [rounding] * len(rows.roundings)
+    rows.readings = 100
+    rows.p[:] = 0.0
+    rows.p[:, s.ANGLE, s.ANGLE] = (vague * s.DEGREE) ** 2
+    tracks.reset()
+    tracks.pose_covariance()
+    return tracks
+
+
+@pytest.mark.parametrize(('rounding', 'edge'), [(Rounding.TRUNCATE, 0.0), (Rounding.ROUND, 0.5)])
+def test_a_reading_tells_much_where_another_whole_degree_begins(
+        rounding: Rounding, edge: float) -> None:
+    tracks = turning(rounding, 0.3)
+    told = set()
+    for _ in range(150):
+        tracks.advance(SLOT, RIGHT, LEFT)
+        angle = degrees(tracks.held[1])
+        way = abs((angle - edge + 0.5) % 1 - 0.5)  # to the nearest edge
+        if angle > 1 and abs(way - 0.15) > 0.01:
+            told.add(tracks.tells(0.0))
+            assert tracks.tells(0.0) == (way < 0.15)
+    assert told == {True, False}
+
+
+def test_the_first_degree_of_a_robot_that_cuts_off_has_no_edge_at_zero() -> None:
+    tracks = turning(Rounding.TRUNCATE, 0.3)
+    assert abs(degrees(tracks.held[1])) < 0.1
+    assert not tracks.tells(0.0)
+
+
+def test_a_prediction_that_is_sure_needs_no_moment() -> None:
+    tracks = turning(Rounding.TRUNCATE, 0.05)
+    assert not any(tracks.tells(ahead * SLOT) for ahead in range(100))
+
+
+def test_the_moment_is_that_of_the_answer() -> None:
+    tracks, later = turning(Rounding.TRUNCATE, 0.3), []
+    expected = [tracks.tells(frames * SLOT) for frames in range(1, 60)]
+    for _ in expected:
+        tracks.advance(SLOT, RIGHT, LEFT)
+        later.append(tracks.tells(0.0))
+    assert sum(a != b for a, b in zip(expected, later)) <= 2  # at edges, to a frame
+
+
+@pytest.mark.parametrize('latency', [1, 2, 3])
+def test_a_slow_line_is_asked_as_much_earlier(latency: int) -> None:
+    """What is asked for is answered near an edge, however many frames later."""
+    tracks, plan, ways = turning(Rounding.TRUNCATE, 0.3), ReadingPlan(1.0), []
+    tracks.advance(SLOT, FAST, LEFT)
+    coming = [False] * latency
+    for _ in range(1500):
+        tracks.advance(SLOT, FAST, LEFT)
+        plan.step(SLOT, steady=True, tracks=tracks)
+        if coming.pop(0):
+            plan.came()
+            angle = degrees(tracks.held[1])
+            ways.append(abs((angle + 0.5) % 1 - 0.5))
+        coming.append(plan.due)
+    assert len(ways) > 10
+    assert max(ways[2:]) < 0.16
