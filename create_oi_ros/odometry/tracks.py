@@ -188,11 +188,11 @@ class Tracks:
         Where frames were lost, nobody knows when within that time the requests came.
         """
         if (right, left) != self.requests:
-            if lost := dt > LATE:
+            if dt > LATE:
                 dt /= 2
                 self._roll(dt)
             change = self._ask(right, left)
-            if lost:
+            if dt > LATE / 2:
                 self._unsure += (change * dt) ** 2 / 3
         self._roll(dt)
 
