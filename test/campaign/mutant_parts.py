@@ -17,7 +17,7 @@ FRAMES = 'oi/test_packets.py', 'oi/test_stream.py'
 MACHINE = ('driver/test_connection.py', 'driver/test_script_steps.py', 'driver/test_modes.py',
            'driver/test_lost_commands.py', 'driver/test_reliability.py')
 SCRIPTS = ('driver/test_script_steps.py', 'driver/test_script_requests.py')
-BATTERY = 'driver/test_battery.py', 'driver/test_reliability.py'
+BATTERY = 'driver/test_battery_watch.py', 'driver/test_reliability.py'
 TRACKS = ('odometry/test_tracks.py', 'odometry/test_knowledge.py', 'odometry/test_assumptions.py',
           'odometry/test_wheel_model.py', 'odometry/test_wheel_sums.py')
 PARTS = {
@@ -60,7 +60,7 @@ PARTS = {
     'driver/settings': ('driver/test_driver.py',),
     'driver/battery_watch': BATTERY,
     'driver/battery_guard': BATTERY,
-    'driver/charge_watch': ('driver/test_battery.py',),
+    'driver/charge_watch': ('driver/test_battery_watch.py',),
     'driver/acquaintance': ('driver/test_known_robot.py',),
     'driver/contacts': ('driver/test_contacts.py',),
     f'{GOALS}/approach': ('driver/test_approach.py',),
