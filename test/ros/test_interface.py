@@ -3,6 +3,7 @@
 """Every topic and service as a user sees it: through ROS, with the node as a process."""
 
 import signal
+from statistics import median
 
 from create_oi_msgs.msg import (
     Buttons,
@@ -219,6 +220,13 @@ def test_without_a_robot_every_service_answers_with_what_to_do(stage):
         assert reply.success == (service.name == 'reset_odometry'), service.name
 
 
+def typical_rate(heard: list) -> float:
+    """Return messages a second by their stamps; those that a busy computer loses count little."""
+    stamps = [-messages.age(message.header.stamp, 0) for message in heard]
+    stretch = min(3, len(stamps) - 1)
+    return stretch / median(later - earlier for earlier, later in zip(stamps, stamps[stretch:]))
+
+
 def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready):
     """The QoS is that of rviz2 and Nav2 (best effort or reliable) and of a late recorder."""
     listen = ready.ros.listen
@@ -229,9 +237,7 @@ def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready
     statuses = listen(DiagnosticArray, '/diagnostics')
     ready.ros.until(lambda: len(batteries) >= 3 and len(statuses) >= 3)
     for heard, expected in ((odom, 66.7), (joints, 66.7), (walls, 20), (batteries, 1)):
-        stamps = [messages.age(message.header.stamp, 0) for message in heard]
-        rate = (len(stamps) - 1) / (stamps[0] - stamps[-1])
-        assert rate == pytest.approx(expected, rel=0.1)
+        assert typical_rate(heard) == pytest.approx(expected, rel=0.1)
     assert len(frames) > 100
     assert not volatile
     names = {status.name for status in statuses[-1].status}
