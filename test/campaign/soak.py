@@ -262,9 +262,11 @@ def frozen_subscriber(domain: int) -> Iterator[None]:
         [sys.executable, '-c', SUBSCRIBER], stdout=subprocess.PIPE,
         env={**os.environ, 'ROS_DOMAIN_ID': str(domain)})
     assert subscriber.stdout is not None
-    assert subscriber.stdout.readline() == b'received\n'
-    subscriber.send_signal(signal.SIGSTOP)
     try:
+        # The middleware may print lines of its own before.
+        if b'received\n' not in subscriber.stdout:
+            raise ChildProcessError('the subscriber ended before it received odom')
+        subscriber.send_signal(signal.SIGSTOP)
         yield
     finally:
         subscriber.kill()
