@@ -34,6 +34,9 @@ from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.services import SERVICES, Services
 from support.anything import anything
 from support.loop import Loop
+from support.measuring import UNMEASURED
+
+pytestmark = UNMEASURED
 
 PATIENCE = 3.0
 """Seconds of the robot within which every service answers."""

@@ -4,6 +4,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
 from math import degrees, hypot
 from random import Random
 
@@ -15,6 +16,9 @@ from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from support.loop import Loop
+from support.measuring import UNMEASURED
+
+pytestmark = UNMEASURED
 
 Wish = tuple[float, float, float]
 """m/s, rad/s, seconds."""
@@ -64,13 +68,14 @@ def errors(loop: Loop, wishes: Iterable[Wish]) -> tuple[float, float]:
             hypot(estimate.x - truth.pose.x, estimate.y - truth.pose.y))
 
 
-@pytest.fixture(scope='module')
-def centre() -> Knowledge:
+@cache
+def centre_robot() -> Knowledge:
     """Return what is learned of the most likely robot."""
     return taught(robot())
 
 
-def test_a_robot_is_known_after_two_minutes(centre):
+def test_a_robot_is_known_after_two_minutes():
+    centre = centre_robot()
     assert centre.certain
     assert centre.likeliest == (Rounding.TRUNCATE, SignSource.DRIVE)
     assert centre.right_gain.value == pytest.approx(1.0, abs=0.01)
@@ -91,7 +96,8 @@ def test_its_acquaintance_is_made_once_in_one_line():
 
 @pytest.mark.parametrize('wishes', [
     [(0.2, 0.4, 12.0)], [(0.3, 0.0, 3.0), (-0.3, 0.0, 3.0), (0.0, 1.5, 3.0), (0.0, -1.5, 3.0)]])
-def test_the_first_12_seconds_with_a_known_robot_are_right(centre, wishes):
+def test_the_first_12_seconds_with_a_known_robot_are_right(wishes):
+    centre = centre_robot()
     yaw, place = errors(robot(known=centre), wishes)
     assert yaw < 1.5  # each reading that is cut off may hide a degree
     assert place < 0.015
@@ -126,7 +132,8 @@ def test_wheels_that_overshoot_are_known_as_such():
     assert place < 0.015
 
 
-def test_a_known_robot_is_not_announced_again(centre):
+def test_a_known_robot_is_not_announced_again():
+    centre = centre_robot()
     loop = robot(known=centre)
     taught(loop)
     assert not [notice for notice in loop.notices if 'robot now' in notice.text]
@@ -135,7 +142,8 @@ def test_a_known_robot_is_not_announced_again(centre):
 @pytest.mark.parametrize(('rounding', 'sign', 'is_learned'), [
     (Rounding.CARRY, EncoderSign.DRIVE, (Rounding.CARRY, SignSource.DRIVE)),
     (Rounding.TRUNCATE, EncoderSign.TRUE, (Rounding.TRUNCATE, SignSource.MOTION))])
-def test_knowledge_of_another_robot_is_unlearned(centre, rounding, sign, is_learned):
+def test_knowledge_of_another_robot_is_unlearned(rounding, sign, is_learned):
+    centre = centre_robot()
     other = replace(CENTRE, encoder_sign=sign, right_speed_gain=1.04)
     loop = robot(rounding, other, known=centre)
     known = taught(loop)
@@ -148,7 +156,8 @@ def test_nothing_is_known_before_the_first_reading():
     assert Loop().driver.health(100.0).robot is None
 
 
-def test_the_length_of_a_frame_survives_a_silence(centre):
+def test_the_length_of_a_frame_survives_a_silence():
+    centre = centre_robot()
     period = replace(centre, frame_period=centre.frame_period._replace(value=0.0154))
     loop = robot(known=period)
     loop.cut = True

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the robot is after a script, during which nobody can ask it."""
 
+from functools import cache
 from math import cos, degrees, hypot, sin, sqrt
 
 import pytest
@@ -25,12 +26,19 @@ MIXED = ('Drive Direct right=200 left=100; Wait Time time=20; '
 LESSON = ((0.2, 0.3), (0.1, -0.7), (0.0, 0.0), (-0.2, 0.2), (0.3, 0.4), (0.0, 0.5), (0.0, 0.0))
 
 
-def learned(rounding: Rounding) -> Loop:
+@cache
+def lessons(rounding: Rounding) -> Loop:
     """Return a driver after a minute and a half of driving by steps, as scripts drive."""
     loop = Loop(Settings(odometry_window=1.0, limits=AT_ONCE), rounding=rounding)
     loop.run(0.3)
     for linear, angular in LESSON * 8:
         loop.drive(linear, angular, 1.5)
+    return loop
+
+
+def learned(rounding: Rounding) -> Loop:
+    """Return a driver that knows its robot. Tests share it: each one plays and comes to rest."""
+    loop = lessons(rounding)
     loop.run(1.0)
     # Readings still correct where the lessons ended; with a new origin they correct the script.
     loop.driver.reset_odometry()
@@ -97,7 +105,8 @@ def test_while_a_script_plays_distance_and_angle_are_not_read() -> None:
 
 
 def test_a_script_that_is_refused_leaves_the_stream_as_it_is() -> None:
-    loop = learned(Rounding.TRUNCATE)
+    loop = Loop()
+    loop.run(0.3)
     loop.commands()
     assert loop.driver.scripts.play(loop.now, force=False).outcome.ok is False
     loop.run(0.1)

@@ -13,7 +13,10 @@ from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign, IDEAL
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from create_oi_ros.sim.world import World
+from support.measuring import UNMEASURED
 from support.ride import Ride, ROUNDINGS, SLOT
+
+pytestmark = UNMEASURED
 
 REVERSALS = [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (-0.2, 0.2), (0.25, 0.3)]
 
