@@ -194,3 +194,14 @@ def test_a_frame_that_was_lost_without_a_trace_is_noticed_when_sixteen_are_late(
     for slot in range(50, 80):
         durations.append(round(clock.stamp(slot * SLOT, 0.0)[1] / SLOT))
     assert durations == 15 * [1] + [2] + 14 * [1]
+
+
+def test_what_was_seen_just_before_a_lost_frame_does_not_tell_the_length_of_a_slot():
+    clock = FrameClock()
+    for slot in range(1, 130):
+        delay = 0.0 if slot == 30 else 0.001
+        if slot == 40:
+            clock.suspect()
+        else:
+            clock.stamp(slot * SLOT + delay, 0.0)
+    assert clock.known_period.value == pytest.approx(SLOT, abs=1e-7)
