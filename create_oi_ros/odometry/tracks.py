@@ -46,6 +46,8 @@ SWIFT = 0.3
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
 SPEEDS = s.SPEEDS
+SAME = np.eye(s.SIZE)[None]
+"""The transition of states that stay as they are."""
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
 Held = tuple[float, float]
@@ -289,7 +291,7 @@ class Tracks:
     def _transition(self, tracks: slice) -> Array:
         """Return the transition of the states since the copies were made, a matrix a track."""
         w, start = self.wheels, self._start[tracks]
-        f = np.tile(np.eye(s.SIZE), (len(start), 1, 1))
+        f = np.repeat(SAME, len(start), axis=0)
         ends = np.concatenate([w.speed, w.poses, w.counts])[:, tracks].transpose(1, 0, 2)
         f[:, s.SPEED_RIGHT:, :s.UNKNOWNS] = (
             ends[:, :, 1:] - ends[:, :, :1]) / w.steps[tracks, None]
