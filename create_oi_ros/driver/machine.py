@@ -159,12 +159,13 @@ class Driver:
 
     def next_event(self) -> DriverEvent | None:
         """Remove and return what has happened, oldest first."""
-        event = self._events.next()
-        status = self._supervision.status
-        if event is None and status is not self._reported_status:
-            before, self._reported_status = self._reported_status, status
-            return ModeChanged(status) if status != before else None
-        return event
+        if self._events:
+            return self._events.popleft()
+        before, status = self._reported_status, self._supervision.status
+        if status is before:
+            return None
+        self._reported_status = status
+        return ModeChanged(status) if status != before else None
 
     # What is known.
 
@@ -262,7 +263,7 @@ class Driver:
         if self.scripts.ended(frame.packets):
             self._after_script()
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
-        self._events.add(moved)
+        self._events.append(moved)
         self._unchecked.append((taken, moved))
 
     def _found(self, now: float) -> None:

@@ -17,6 +17,7 @@ ANGLE_STUCK = (
     'the angle does not change though the robot was told to turn: are the wheels blocked, or does '
     'odometry_window: 0 hide slow turns? Some firmware before 3.4.1 is reported to send a '
     'constant 0')
+requested_speeds = oi.Readings.numbers('requested_right_velocity', 'requested_left_velocity')
 
 
 class JumpCheck:
@@ -49,10 +50,10 @@ class TurnCheck:
 
     def observe(self, readings: oi.Readings, dt: float) -> bool:
         """Take a frame in, `dt` seconds after the last; True when it has just become stuck."""
+        right, left = requested_speeds(readings)
         if readings.has('angle') and readings.angle:
             self._requested, self.stuck = 0.0, False
-        elif readings.oi_mode in oi.ACTUATE:
-            right, left = readings.requested_right_velocity, readings.requested_left_velocity
+        elif right != left and readings.oi_mode in oi.ACTUATE:
             self._requested += degrees((right - left) / MM_PER_M / self._separation) * dt
         before, self.stuck = self.stuck, abs(self._requested) > TURN_LIMIT
         return self.stuck and not before

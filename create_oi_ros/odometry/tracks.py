@@ -93,7 +93,7 @@ class Tracks:
 
         One that carries fractions loses none by being asked.
         """
-        if self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED:
+        if self._carries or self.rows.doubt[0] > PUZZLED:
             return 0.0
         return min(1.0, self.rows.readings / FAMILIAR)
 
@@ -234,7 +234,7 @@ class Tracks:
         if not self._idle:
             self._note_motion()
         self._idle += dt
-        if self._idle > self._stride and (self.wheels.free or not self.wheels.settled):
+        if (not self.wheels.settled or self.wheels.free) and self._idle > self._stride:
             self._catch_up()
 
     @property
@@ -282,6 +282,7 @@ class Tracks:
         self._shares = self.rows.shares()
         self._roundings = {
             each for each, share in zip(self.rows.roundings, self._shares) if share}
+        self._carries = self._roundings == {Rounding.CARRY}
         self._start = self.rows.means[:, s.POSE].copy()
 
     def _forget(self) -> None:
