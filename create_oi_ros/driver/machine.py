@@ -35,6 +35,7 @@ from .pending import done, Pending, refused
 from .plausibility import ANGLE_STUCK, TurnCheck
 from .requests import Requests
 from .script_control import ScriptControl
+from .script_speeds import requested_speeds
 from .settings import Settings
 from .state import Activity, State, StateEvent
 from .stopping import END_DEMO, farewell, HALT
@@ -180,6 +181,11 @@ class Driver:
         return self._connection.baud
 
     @property
+    def busy(self) -> bool:
+        """Whether commands wait to be made ready by `poll`."""
+        return self._outbox.busy
+
+    @property
     def plan(self) -> StreamPlan:
         """The lists of packets that the robot is asked to stream."""
         return self._connection.plan
@@ -291,8 +297,8 @@ class Driver:
             self._velocity.report_next_refusal()
         drives = self.status.can_drive
         if drives and self.state.takes_commands:
-            self._wheels.reported(
-                readings.requested_right_velocity, readings.requested_left_velocity, now)
+            right, left = requested_speeds(readings)
+            self._wheels.reported(right, left, now)
         if self._connection.check_line(self._wheels.missed if drives else 0, now):
             self._send_again()
         self._modes.retry(now)
