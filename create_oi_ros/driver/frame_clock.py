@@ -110,11 +110,13 @@ class FrameClock:
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
         sent = arrival - wire_time
-        self.found_lost = self._decide(arrival, sent) if self._absent else 0.0
+        self.found_lost = 0.0
+        if self._absent and self._arrival is not None:
+            self.found_lost = self._decide(arrival - self._arrival, sent)
         passed = 1 + self._frames_missing(arrival)
         self._arrival = arrival
         self._slot += passed
-        wrong = self._slots_early(sent) if self._suspicious > 0 else 0
+        wrong = self._slots_early(sent) if self._suspicious > 0 and self._late else 0
         self._slot += wrong
         self._sent.append((self._slot, sent))
         self._late.append(sent - self._slot * self.period)
@@ -123,7 +125,7 @@ class FrameClock:
         if late:
             self._recount(late)
         self._frames += 1
-        if self._frames % BLOCK == 0:
+        if self._frames % BLOCK == 0 and len(self._sent) >= BLOCK:
             self._learn_period()
         stamp = self._slot * self.period + min(self._late)
         self._stamp = max(stamp, self._stamp + LEAST_STEP)
@@ -136,15 +138,14 @@ class FrameClock:
         self._owed -= duration
         return duration
 
-    def _decide(self, arrival: float, sent: float) -> float:
+    def _decide(self, since: float, sent: float) -> float:
         """
         Tell by the next frame what became of absent ones; return the seconds of lost ones.
 
-        Late frames come together. After lost ones frames come in time.
+        `since`: seconds between the arrivals of that frame and of the one before. Late frames
+        come together. After lost ones frames come in time.
         """
-        if self._arrival is None:
-            return 0.0
-        if arrival - self._arrival < TOGETHER * self.period:
+        if since < TOGETHER * self.period:
             self._absent -= 1
             return 0.0
         late = sent - (self._slot + 1) * self.period - min(self._late)
@@ -168,8 +169,6 @@ class FrameClock:
 
     def _slots_early(self, sent: float) -> int:
         """Return by how many slots a frame is early (negative): no line is faster than ever."""
-        if not self._late:
-            return 0
         early = sent - self._slot * self.period - min(self._late)
         return min(0, round(early / self.period))
 
@@ -203,8 +202,6 @@ class FrameClock:
 
     def _learn_period(self) -> None:
         """Take the slope of the lower envelope, little of it while it is short."""
-        if len(self._sent) < BLOCK:
-            return
         period = self.period
         block = islice(self._sent, len(self._sent) - BLOCK, None)
         self._earliest.append(min(block, key=lambda frame: frame[1] - frame[0] * period))
