@@ -119,7 +119,7 @@ class Connection:
             self._search.add_garbage(rest.data)
         notice = self._search.notice()
         if notice is not None:
-            self._events.add(notice)
+            self._events.append(notice)
         self._call(now, StateEvent.NO_ANSWER)
 
     def check_standstill(self, now: float) -> None:

@@ -26,6 +26,8 @@ BEARINGS = {
     **dict(zip(CLIFFS, CLIFF_BEARINGS)), 'virtual wall': 0}
 """Degrees to the left at which each sensor looks."""
 SIDES = ('bump left', 'bump right')
+FEELERS = ('bumps_and_wheel_drops', *CLIFFS, 'virtual_wall')
+feelers = oi.Readings.numbers(*FEELERS)
 
 
 class Hit(NamedTuple):
@@ -42,6 +44,8 @@ class Hit(NamedTuple):
 
 def felt(readings: oi.Readings) -> list[str]:
     """Return the sensors that feel something now."""
+    if readings.has(*FEELERS) and not any(feelers(readings)):
+        return []  # as in most frames
     bits = int(readings.bumps_and_wheel_drops)
     found = [name for name in CLIFFS if readings.has(name) and getattr(readings, name)]
     if bits & LEFT and bits & RIGHT:
@@ -64,7 +68,10 @@ class Contacts:
     def update(self, readings: oi.Readings, at: Estimate, stamp: float,
                persistence: float) -> None:
         """Take a frame in; what is no longer felt is kept for `persistence` seconds."""
-        for name in felt(readings):
+        found = felt(readings)
+        if not found and not self._hits:
+            return
+        for name in found:
             self._hits[name] = _hit(name, at, stamp)
         if 'bump front' in self._hits and self._hits['bump front'].stamp == stamp:
             for side in SIDES:  # one half is pressed a moment before the other
@@ -76,6 +83,8 @@ class Contacts:
 
     def points(self, at: Estimate) -> tuple[tuple[float, float], ...]:
         """Return the points, m, forward and to the left of a robot that is here."""
+        if not self._hits:
+            return ()
         c, s = cos(at.yaw), sin(at.yaw)
         return tuple((c * (hit.x - at.x) + s * (hit.y - at.y),
                       c * (hit.y - at.y) - s * (hit.x - at.x)) for hit in self._hits.values())

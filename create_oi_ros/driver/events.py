@@ -46,23 +46,12 @@ class ModeChanged(NamedTuple):
 DriverEvent = Notice | Moved | ModeChanged
 
 
-class EventQueue:
+class EventQueue(deque[DriverEvent]):
     """Events on their way to whoever uses the driver, oldest first."""
-
-    def __init__(self) -> None:
-        self._events: deque[DriverEvent] = deque()
-
-    def add(self, event: DriverEvent) -> None:
-        """Append an event."""
-        self._events.append(event)
 
     def notice(self, severity: Severity, text: str) -> None:
         """Append a notice."""
-        self._events.append(Notice(severity, text))
-
-    def next(self) -> DriverEvent | None:
-        """Remove and return the oldest event; None where there is none."""
-        return self._events.popleft() if self._events else None
+        self.append(Notice(severity, text))
 
 
 @dataclass

@@ -50,6 +50,8 @@ class FrameClock:
         """Share of what was seen in the period."""
         self._sent: deque[tuple[int, float]] = deque(maxlen=WINDOW)
         """Slot and earliest possible moment of each frame."""
+        self._late: deque[float] = deque(maxlen=WINDOW)
+        """How late each of them was by its slot, up to a constant."""
         self._earliest: deque[tuple[int, float]] = deque(maxlen=BLOCKS)
         self._frames = 0
         self._slot = 0
@@ -75,6 +77,7 @@ class FrameClock:
         """Forget where the robot's slots lie: it was away. How long they are stays."""
         self._first, self._part = self.known_period, 0.0
         self._sent.clear()
+        self._late.clear()
         self._earliest.clear()
         self._arrival = None
         self._suspicious = self._frames = self._absent = 0
@@ -106,18 +109,25 @@ class FrameClock:
 
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
-        self.found_lost = self._decide(arrival, arrival - wire_time)
+        sent = arrival - wire_time
+        self.found_lost = 0.0
+        if self._absent and self._arrival is not None:
+            self.found_lost = self._decide(arrival - self._arrival, sent)
         passed = 1 + self._frames_missing(arrival)
         self._arrival = arrival
         self._slot += passed
-        wrong = self._slots_early(arrival - wire_time)
+        wrong = self._slots_early(sent) if self._suspicious > 0 and self._late else 0
         self._slot += wrong
-        self._sent.append((self._slot, arrival - wire_time))
-        late = self._slots_late()
+        self._sent.append((self._slot, sent))
+        self._late.append(sent - self._slot * self.period)
+        self._suspicious -= 1
+        late = self._slots_late() if self._suspicious >= 0 else 0
         if late:
             self._recount(late)
-        self._learn_period()
-        stamp = self._slot * self.period + min(self._lateness(0, len(self._sent)))
+        self._frames += 1
+        if self._frames % BLOCK == 0 and len(self._sent) >= BLOCK:
+            self._learn_period()
+        stamp = self._slot * self.period + min(self._late)
         self._stamp = max(stamp, self._stamp + LEAST_STEP)
         return self._stamp, self._duration(passed + wrong + late)
 
@@ -128,18 +138,17 @@ class FrameClock:
         self._owed -= duration
         return duration
 
-    def _decide(self, arrival: float, sent: float) -> float:
+    def _decide(self, since: float, sent: float) -> float:
         """
         Tell by the next frame what became of absent ones; return the seconds of lost ones.
 
-        Late frames come together. After lost ones frames come in time.
+        `since`: seconds between the arrivals of that frame and of the one before. Late frames
+        come together. After lost ones frames come in time.
         """
-        if not self._absent or self._arrival is None:
-            return 0.0
-        if arrival - self._arrival < TOGETHER * self.period:
+        if since < TOGETHER * self.period:
             self._absent -= 1
             return 0.0
-        late = sent - (self._slot + 1) * self.period - min(self._lateness(0, len(self._sent)))
+        late = sent - (self._slot + 1) * self.period - min(self._late)
         lost = max(0, min(self._absent, round(late / self.period)))
         self._absent = 0
         self._slot += lost
@@ -160,14 +169,12 @@ class FrameClock:
 
     def _slots_early(self, sent: float) -> int:
         """Return by how many slots a frame is early (negative): no line is faster than ever."""
-        if self._suspicious <= 0 or not self._sent:
-            return 0
-        earliest = min(self._lateness(0, len(self._sent)))
-        return min(0, round((sent - self._slot * self.period - earliest) / self.period))
+        early = sent - self._slot * self.period - min(self._late)
+        return min(0, round(early / self.period))
 
-    def _lateness(self, begin: int, end: int) -> list[float]:
-        """Return how late frames were by their slots, up to a constant."""
-        return [sent - slot * self.period for slot, sent in islice(self._sent, begin, end)]
+    def _count_late(self) -> None:
+        """Work out again how late frames were, by other slots or a slot of another length."""
+        self._late = deque((sent - slot * self.period for slot, sent in self._sent), WINDOW)
 
     def _slots_late(self) -> int:
         """
@@ -176,12 +183,11 @@ class FrameClock:
         One late frame is the line's delay; when none comes in time any more, and there was a
         sign of it, frames are missing. Without a sign a line may just have become slower.
         """
-        self._suspicious -= 1
         older = len(self._sent) - RECENT
-        if older < RECENT or self._suspicious < 0 or self._absent:
+        if older < RECENT or self._absent:
             return 0  # the earliest of a few frames may be a late one
-        recent = min(self._lateness(older, len(self._sent)))
-        return round((recent - min(self._lateness(0, older))) / self.period)
+        recent = min(islice(self._late, older, None))
+        return round((recent - min(islice(self._late, older))) / self.period)
 
     def _recount(self, slots: int) -> None:
         """Put the recent frames into other slots."""
@@ -190,14 +196,12 @@ class FrameClock:
         recent = [(slot + slots, sent) for slot, sent in islice(self._sent, older, None)]
         self._sent.clear()
         self._sent.extend(recent)
+        self._count_late()
         while self._earliest and self._earliest[-1][0] > self._slot - slots - 2 * RECENT:
             self._earliest.pop()
 
     def _learn_period(self) -> None:
         """Take the slope of the lower envelope, little of it while it is short."""
-        self._frames += 1
-        if self._frames % BLOCK or len(self._sent) < BLOCK:
-            return
         period = self.period
         block = islice(self._sent, len(self._sent) - BLOCK, None)
         self._earliest.append(min(block, key=lambda frame: frame[1] - frame[0] * period))
@@ -209,3 +213,4 @@ class FrameClock:
             self._part = slots ** 2 / (slots ** 2 + (UNEVEN / deviation) ** 2)
             period = known + self._part * (slope - known)
             self.period = min(LONGEST, max(SHORTEST, period))
+            self._count_late()

@@ -75,7 +75,9 @@ class GoalControl:
         self._running = Running()
         self._begun = False
         self._started_at = 0.0
-        self._view: View | None = None
+        self._moved: Moved | None = None
+        """The newest frame."""
+        self._seen_at = 0.0
         self._mode_before = oi.Mode.SAFE
 
     def start(self, goal: Goal, now: float) -> Running:
@@ -135,16 +137,16 @@ class GoalControl:
 
     def see(self, moved: Moved, dt: float, *, measured: bool, now: float) -> None:
         """Pursue the goal in a new frame."""
-        self._view = View(
-            now, dt, moved.estimate, moved.readings, measured, self._wheels.limits)
+        self._moved, self._seen_at = moved, now
         if self._goal is None:
             return
-        if not self._begun and not self._begin(self._goal, self._view):
+        view = View(now, dt, moved.estimate, moved.readings, measured, self._wheels.limits)
+        if not self._begun and not self._begin(self._goal, view):
             return
         if self._goal.needs_driving and not self._supervision.status.can_drive:
             self._finish(self._wrong_mode(), now)
             return
-        order = self._goal.step(self._view)
+        order = self._goal.step(view)
         self._running.progress = self._goal.progress
         self._obey(order, now)
 
@@ -241,12 +243,11 @@ class GoalControl:
 
     def _conclude(self, over: Over) -> None:
         """End the goal that runs, and say how far it has got."""
-        goal, view = self._goal, self._view
-        self._goal = None
-        if goal is None or view is None or not self._begun:
+        goal, self._goal = self._goal, None
+        if goal is None or not self._begun:
             self._end(self._running, over)
             return
-        seconds = view.now - self._started_at
+        seconds = self._seen_at - self._started_at
         verb = 'ended' if over.code in MAY_MOVE else 'stopped'
         self._end(self._running, over, how=f'{verb} {goal.way(seconds)}', seconds=seconds)
 
@@ -255,7 +256,7 @@ class GoalControl:
         """Tell who waits how the goal ended."""
         text = over.text if over.code is Code.NONE else f'{how}; {over.text}'
         ending = Ending(over.code, text, seconds=seconds)
-        if self._view is not None:
+        if self._moved is not None:
             ending = ending._replace(
-                estimate=self._view.estimate, docked=docked(self._view.readings))
+                estimate=self._moved.estimate, docked=docked(self._moved.readings))
         running.end(ending)

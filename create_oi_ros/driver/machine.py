@@ -35,6 +35,7 @@ from .pending import done, Pending, refused
 from .plausibility import ANGLE_STUCK, TurnCheck
 from .requests import Requests
 from .script_control import ScriptControl
+from .script_speeds import requested_speeds
 from .settings import Settings
 from .state import Activity, State, StateEvent
 from .stopping import END_DEMO, farewell, HALT
@@ -159,12 +160,13 @@ class Driver:
 
     def next_event(self) -> DriverEvent | None:
         """Remove and return what has happened, oldest first."""
-        event = self._events.next()
-        status = self._supervision.status
-        if event is None and status is not self._reported_status:
-            before, self._reported_status = self._reported_status, status
-            return ModeChanged(status) if status != before else None
-        return event
+        if self._events:
+            return self._events.popleft()
+        before, status = self._reported_status, self._supervision.status
+        if status is before:
+            return None
+        self._reported_status = status
+        return ModeChanged(status) if status != before else None
 
     # What is known.
 
@@ -177,6 +179,11 @@ class Driver:
     def baud(self) -> int:
         """Bits per second at which the robot is called; the port has to follow."""
         return self._connection.baud
+
+    @property
+    def busy(self) -> bool:
+        """Whether commands wait to be made ready by `poll`."""
+        return self._outbox.busy
 
     @property
     def plan(self) -> StreamPlan:
@@ -262,7 +269,7 @@ class Driver:
         if self.scripts.ended(frame.packets):
             self._after_script()
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
-        self._events.add(moved)
+        self._events.append(moved)
         self._unchecked.append((taken, moved))
 
     def _found(self, now: float) -> None:
@@ -290,8 +297,8 @@ class Driver:
             self._velocity.report_next_refusal()
         drives = self.status.can_drive
         if drives and self.state.takes_commands:
-            self._wheels.reported(
-                readings.requested_right_velocity, readings.requested_left_velocity, now)
+            right, left = requested_speeds(readings)
+            self._wheels.reported(right, left, now)
         if self._connection.check_line(self._wheels.missed if drives else 0, now):
             self._send_again()
         self._modes.retry(now)

@@ -6,6 +6,7 @@ from math import degrees, inf
 
 from .. import oi
 from ..robot import MM_PER_M
+from .script_speeds import requested_speeds
 
 # Twice what the wheels can do, for a robot that is pushed: m/s and deg/s.
 FASTEST, FASTEST_TURN = 1.0, 450.0
@@ -49,10 +50,12 @@ class TurnCheck:
 
     def observe(self, readings: oi.Readings, dt: float) -> bool:
         """Take a frame in, `dt` seconds after the last; True when it has just become stuck."""
+        right, left = requested_speeds(readings)
+        if right == left and not self._requested:
+            return False  # as in most frames
         if readings.has('angle') and readings.angle:
             self._requested, self.stuck = 0.0, False
         elif readings.oi_mode in oi.ACTUATE:
-            right, left = readings.requested_right_velocity, readings.requested_left_velocity
             self._requested += degrees((right - left) / MM_PER_M / self._separation) * dt
         before, self.stuck = self.stuck, abs(self._requested) > TURN_LIMIT
         return self.stuck and not before

@@ -18,6 +18,8 @@ CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 
 Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
+requested_speeds = oi.Readings.numbers('requested_right_velocity', 'requested_left_velocity')
+"""What the last Drive Direct asked for, as the robot reports it in every frame, mm/s."""
 
 
 class ScriptSpeeds:
@@ -53,8 +55,8 @@ class ScriptSpeeds:
 
 def requested_directly(readings: oi.Readings) -> Speeds:
     """Return what the last Drive Direct asked for."""
-    return (readings.requested_right_velocity / MM_PER_M,
-            readings.requested_left_velocity / MM_PER_M)
+    right, left = requested_speeds(readings)
+    return right / MM_PER_M, left / MM_PER_M
 
 
 def _limited(speed: float) -> float:

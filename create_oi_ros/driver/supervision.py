@@ -52,8 +52,12 @@ hazard_numbers = oi.Readings.numbers(*HAZARD_FIELDS)
 
 def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
     """Name what in these readings would take the robot out of Safe mode."""
-    charger = readings.has('charging_sources') and int(readings.charging_sources)
-    return _causes(*hazard_numbers(readings), bool(charger))
+    return _causes(*hazard_numbers(readings), bool(_sources(readings)))
+
+
+def _sources(readings: oi.Readings) -> int:
+    """Return the chargers that the robot sees, as bits; 0 while it has not said."""
+    return int(readings.charging_sources) if readings.has('charging_sources') else 0
 
 
 @cache  # nearly all frames have the same hazards as the one before
@@ -130,9 +134,9 @@ class Supervision:
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
-        present = causes_in(readings)
-        self.docked = readings.has('charging_sources') and bool(
-            int(readings.charging_sources) & HOME_BASE)
+        sources = _sources(readings)
+        present = _causes(*hazard_numbers(readings), bool(sources))
+        self.docked = bool(sources & HOME_BASE)
         if present:
             self._cause_seen_at = now
         before, actual = self.status, readings.oi_mode

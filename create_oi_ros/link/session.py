@@ -79,6 +79,22 @@ class Session:
             self._send()  # first: a command must not wait for the rest
             self._exchange(now)
 
+    def drive(self, linear: float, angular: float) -> None:
+        """
+        Follow a velocity, m/s and rad/s.
+
+        It is written at once. All else waits for the next frame, unless it made the driver queue
+        more, such as a change of mode.
+        """
+        with self._lock:
+            now = time.monotonic()
+            self.driver.drive(linear, angular, now)
+            self._send()
+            if self.driver.busy:
+                self._exchange(now)
+            else:
+                self._report_events()
+
     @property
     def port(self) -> Port | None:
         """The open port; None while there is none. Use it only within a `request`."""

@@ -7,8 +7,6 @@ A whole number is an interval, as wide as each track's rounding says (`rounding`
 is cut to it, and the mass that is inside is the likelihood of the track.
 """
 
-from math import log
-
 import numpy as np
 
 from ..robot import Rounding
@@ -31,10 +29,9 @@ def innovation(rows: Assumptions, wholes: Wholes) -> tuple[Array, Array]:
     """Return how far readings are from their predictions, and the standard deviations."""
     gaps, spreads = [], []
     for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
-        ends = np.array([interval(each, whole) for each in rows.roundings]) * unit
-        width = ends[:, 1] - ends[:, 0]
-        gaps.append(ends.mean(axis=1) - rows.means[:, index])
-        spreads.append(np.sqrt(rows.p[:, index, index] + tick ** 2 + width ** 2 / 12))
+        low, high = _ends(rows, whole) * unit
+        gaps.append((low + high) / 2 - rows.means[:, index])
+        spreads.append(np.sqrt(rows.p[:, index, index] + tick ** 2 + (high - low) ** 2 / 12))
     return np.stack(gaps), np.stack(spreads)
 
 
@@ -42,22 +39,28 @@ def learn(rows: Assumptions, wholes: Wholes) -> Array:
     """Cut all tracks to a reading; return the logarithms of their likelihoods."""
     logs = np.zeros(len(rows.roundings))
     for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
-        for track, rounding in enumerate(rows.roundings):
-            ends = [end * unit for end in interval(rounding, whole)]
-            logs[track] += log(_cut(rows, track, index, ends, tick) + UNLIKELY)
+        logs += np.log(_cut(rows, index, _ends(rows, whole) * unit, tick) + UNLIKELY)
     return logs
 
 
-def _cut(rows: Assumptions, track: int, index: int, ends: list[float], tick: float) -> float:
-    """Cut a belief to an interval; return the mass that was inside."""
-    p, mean = rows.p[track], rows.means[track]
-    column = p[:, index].copy()
-    variance = float(column[index]) + tick * tick
-    spread = variance ** 0.5
-    low, high = ((end - mean[index]) / spread for end in ends)
-    shift, kept, mass = cut_normal(low, high)
-    mean += column * (shift / spread)
-    p -= np.outer(column, column) * ((1 - kept) / variance)
+def _ends(rows: Assumptions, whole: int) -> Array:
+    """Return the lower and upper ends of a whole number, in each track's rounding."""
+    rounds = np.array([each is Rounding.ROUND for each in rows.roundings])
+    rounded, cut = interval(Rounding.ROUND, whole), interval(Rounding.TRUNCATE, whole)
+    ends: Array = np.where(rounds, np.array(rounded)[:, None], np.array(cut)[:, None])
+    return ends
+
+
+def _cut(rows: Assumptions, index: int, ends: Array, tick: float) -> Array:
+    """Cut all beliefs to intervals; return the mass that was inside of each."""
+    column = rows.p[:, :, index].copy()
+    variance = column[:, index] + tick * tick
+    spread = np.sqrt(variance)
+    lows, highs = ((ends - rows.means[:, index]) / spread).tolist()
+    cuts: Array = np.array([cut_normal(*each) for each in zip(lows, highs)])
+    shift, kept, mass = cuts[:, 0], cuts[:, 1], cuts[:, 2]
+    rows.means += column * (shift / spread)[:, None]
+    rows.p -= ((1 - kept) / variance)[:, None, None] * column[:, :, None] * column[:, None, :]
     return mass
 
 

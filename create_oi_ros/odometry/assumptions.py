@@ -34,6 +34,8 @@ NEAR = 0.02
 """Part of the weight of the better of two responses up to which the other one is kept."""
 YOUNG, OLD = 30, 120
 """Readings from which on only one track of each kind is kept, and none for the sake of variety."""
+LOWEST, HIGHEST = np.array([(prior.low, prior.high) for prior in s.PRIORS]).T
+"""The range of each state; springs have their own damping."""
 LEAST = 4.0
 """The most by which one reading may tell two tracks apart, as a logarithm."""
 
@@ -109,9 +111,7 @@ class Assumptions:
 
     def bound(self) -> None:
         """Keep all unknowns where they can be."""
-        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
-            values = self.means[:, index]
-            np.clip(values, prior.low, prior.high, out=values)
+        np.clip(self.means, LOWEST, HIGHEST, out=self.means)
         damping = s.SPRING[s.DAMPING]
         values = self.means[:, s.DAMPING]
         values[self.springs] = np.clip(values[self.springs], damping.low, damping.high)

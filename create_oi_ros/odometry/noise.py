@@ -26,6 +26,12 @@ STRAY = 0.09
 """Metres by which wheels that do not obey stray from their counts, per root metre."""
 ROAMING, UNWATCHED = 0.0625, 3.0
 """m/s by which the place of a robot is doubted that was not watched for longer than this, s."""
+MOVED = slice(s.SPEED_RIGHT, s.SIZE)
+"""The states that wheels move: their speeds, right first, the pose, and the accumulators."""
+SIDES = np.array([[1.0], [-1.0]])
+"""In which direction a wheel turns the robot, right first."""
+DRIFTS, SPREADS = np.array([(prior.drift, prior.spread) for prior in s.PRIORS]).T ** 2
+"""Variances of each state's random walk in a second, and of what is not known of it at first."""
 Scales = tuple[float, float]
 """True over counted travel and turn."""
 
@@ -62,20 +68,36 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
     travel = travel + did.unsure[:, None] + did.free * (FREE_SPEED * did.seconds) ** 2
     wrong = doubt * ((MISCOUNTED * did.miscounted) ** 2 + (2 * JITTER) ** 2 * did.turned)
     q = np.zeros((len(doubt), s.SIZE, s.SIZE))
-    for wheel, side in ((0, 1.0), (1, -1.0)):
-        pose: dict[int, Array | float] = {
-            s.X: linear * np.cos(heading) / 2, s.Y: linear * np.sin(heading) / 2,
-            s.YAW: angular * side / width}
-        counts: dict[int, Array | float] = {s.DISTANCE: 0.5, s.ANGLE: side / width}
-        speed: dict[int, Array | float] = {
-            s.SPEED_RIGHT + wheel: did.free / max(did.seconds, SLOT)}
-        q += along(slip * slip * did.path[wheel], pose)
-        q += along(travel[wheel], pose | counts | speed)
-        q += along(wrong[wheel], counts)
+    q[:, MOVED, MOVED] = _of_wheels(
+        np.stack([slip * slip * did.path, travel, wrong]), heading, width, scales,
+        did.free / max(did.seconds, SLOT))
     if did.path[:, 0].any():
         again = REOPEN * np.clip(doubt - 1, 0, 10) / 10
-        for index, prior in (s.COMMON | s.RESPONSES[0]).items():
-            q[:, index, index] += did.seconds * (prior.drift ** 2 + again * prior.spread ** 2)
+        np.einsum('tii->ti', q)[:] += did.seconds * (DRIFTS + again[:, None] * SPREADS)
+    return q
+
+
+def _of_wheels(variances: Array, heading: Array, width: Array, scales: Scales,
+               speed: float) -> Array:
+    """
+    Return the covariances of the states `MOVED`, a matrix a track.
+
+    `variances`: of a wheel's slip, its travel and its miscounting, axes (kind, wheel, track); a
+    wheel's travel changes its speed by `speed` for each metre.
+    """
+    linear, angular = scales
+    kinds: Array = np.zeros((3, 2, len(width), s.SIZE - MOVED.start))
+    slip, travel, wrong = kinds
+    slip[:, :, s.X - MOVED.start] = linear / 2 * np.cos(heading)
+    slip[:, :, s.Y - MOVED.start] = linear / 2 * np.sin(heading)
+    turn = SIDES / width
+    slip[:, :, s.YAW - MOVED.start] = angular * turn
+    wrong[:, :, s.DISTANCE - MOVED.start] = 0.5
+    wrong[:, :, s.ANGLE - MOVED.start] = turn
+    travel[:] = slip + wrong
+    travel[0, :, 0] = travel[1, :, 1] = speed
+    g = kinds.reshape(6, len(width), -1).transpose(1, 2, 0)
+    q: Array = (g * variances.reshape(6, -1).T[:, None]) @ g.transpose(0, 2, 1)
     return q
 
 

@@ -161,8 +161,9 @@ class Odometry:
             tracks.resume(right, left)
         rested = steady and tracks.rests
         tracks.advance(dt, right, left)
-        self._hasty = max(0.0, self._hasty - dt)
-        if dt > LATE and not steady:
+        if self._hasty:
+            self._hasty = max(0.0, self._hasty - dt)
+        if not steady and dt > LATE:
             self._plan.hurry()
             self._hasty = HASTY
         self._obedience.step(dt, right, left, tracks)

@@ -32,7 +32,7 @@ STRETCH = 2.0
 """How much longer waits become, in part, while the robot becomes known."""
 BLURRED, SOON = 2.0, 0.4
 """Doubt of what the accumulators hold, degrees or twice as many mm, from which on to ask after
-this part of a window."""
+this part of a window, the least there is."""
 TELLING, SPARE = 1.0, 3.0
 """Windows after a reading from which on to ask when the answer tells much; windows to wait longer
 for such a moment once the robot is known."""
@@ -102,7 +102,8 @@ class ReadingPlan:
             self._probe, self._probed, self._alone = PROBE, 0.0, False
             self.due = True
         else:
-            self.due = self._alone = self._is_time(dt, tracks)
+            self.due = self._alone = (
+                self._age >= SOON * self.window and self._is_time(dt, tracks))
         if self.due:
             self._asked = 0
         return in_vain
@@ -138,13 +139,13 @@ class ReadingPlan:
 
     def _worth_a_probe(self, dt: float, tracks: Tracks) -> bool:
         """Tell whether readings in a row would now tell the roundings that are left apart."""
-        if (self._steady < PROBE_STEADY or self._probed < PROBE_EVERY or not tracks.settled
-                or tracks.is_free):
+        if (self._steady < PROBE_STEADY or self._probed < PROBE_EVERY or tracks.rests
+                or not tracks.settled or tracks.is_free):
             return False
         roundings = tracks.roundings
         if len(roundings) == 1:
             return False
         rests = [abs(rate) * dt / unit % 1 for rate, unit in zip(tracks.rates, (MM, DEGREE))]
+        carries = Rounding.CARRY in roundings
         # Above a half, rounding gains what truncation loses; below it both lose the same.
-        return any(0.62 < rest < 0.88 or Rounding.CARRY in roundings and 0.15 < rest < 0.38
-                   for rest in rests)
+        return any(0.62 < rest < 0.88 or carries and 0.15 < rest < 0.38 for rest in rests)

@@ -9,6 +9,7 @@ they change smoothly with the dead time.
 """
 
 from collections.abc import Sequence
+from math import copysign
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ class RequestHistory:
         self.speeds = np.zeros(2)
         self.asked = 0.0, 0.0
         """The same as numbers."""
-        self._kept = np.ones(2)
+        self._kept = [1.0, 1.0]
         self.settle()
 
     @property
@@ -52,16 +53,16 @@ class RequestHistory:
         """
         if self.age > RECENT:
             self.settle()
-        asked = np.array([right, left])
-        speeds = np.where(stands, 0.0, asked)
-        change = speeds - self.speeds
-        self.speeds, self.asked = speeds, (right, left)
-        self._kept = np.where(asked != 0, np.sign(asked), self._kept)
-        sums = self._sums[:, -1] + self._rates[:, -1] * (self._now - self._times[-1])
-        first = max(int(np.searchsorted(self._times, self._now - RECENT)) - 1, 0)
-        self._times = np.append(self._times[first:], self._now)
-        self._sums = np.column_stack([self._sums[:, first:], sums])
-        self._rates = np.column_stack([self._rates[:, first:], self._present()])
+        self.asked = asked = right, left
+        speeds = np.array([0.0 if stand else speed for stand, speed in zip(stands, asked)])
+        change, self.speeds = speeds - self.speeds, speeds
+        self._kept = [copysign(1.0, speed) if speed else kept
+                      for speed, kept in zip(asked, self._kept)]
+        sums = self._sums[:, -1:] + self._rates[:, -1:] * (self._now - self._times[-1])
+        first = max(int(self._times.searchsorted(self._now - RECENT)) - 1, 0)
+        self._times = np.concatenate([self._times[first:], [self._now]])
+        self._sums = np.concatenate([self._sums[:, first:], sums], axis=1)
+        self._rates = np.concatenate([self._rates[:, first:], self._present()], axis=1)
         self.age = 0.0
         self._compare_signs()
         return change
@@ -87,9 +88,8 @@ class RequestHistory:
         return np.reshape(sums, (3, 2, *ago.shape))
 
     def _present(self) -> Array:
-        up = np.where(np.array(self.asked) >= 0, 1.0, -1.0)
-        present: Array = np.concatenate([self.speeds, self._kept, up]).reshape(6, 1)
-        return present
+        up = [1.0 if speed >= 0 else -1.0 for speed in self.asked]
+        return np.array([*self.speeds, *self._kept, *up]).reshape(6, 1)
 
     def _compare_signs(self) -> None:
         """See whether it makes a difference where an encoder takes its sign from."""

@@ -8,8 +8,6 @@ change of request dv costs dv T of travel in the end, as with a lag. Arrays are 
 `wheel_model`, but have only the tracks that are springs.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,17 +19,6 @@ STILL = 0.01
 """m/s² below which a wheel at its goal stays there."""
 
 
-class Swing(NamedTuple):
-    """How ways and rates become those some time later, and what that costs."""
-
-    stay: Array
-    push: Array
-    pull: Array
-    keep: Array
-    mass: Array
-    lag: Array
-
-
 class Springs:
     """The tracks whose wheels are springs."""
 
@@ -41,6 +28,7 @@ class Springs:
         self.some, self.only = bool(which.any()), bool(which.all())
         self.rate = np.repeat(rates[self.which].T[:, :, None], copies.shape[2], axis=2)
         self._damping = np.clip(copies[s.DAMPING, self.which], DAMPING.low, DAMPING.high)
+        self._swing = np.sqrt(1 - self._damping ** 2)
         self._braking = np.exp(copies[s.BRAKING, self.which])
 
     @property
@@ -49,28 +37,36 @@ class Springs:
         return bool(np.abs(self.rate).max() >= STILL)
 
     def prepare(self, lag: Array, h: float) -> None:
-        """Get ready for steps of h seconds: with the lag at the present speeds, and braking."""
-        self._easy, self._braked = self._swing(lag, h), self._swing(lag / self._braking, h)
+        """Get ready for steps of h seconds with the lag at the present speeds."""
+        self._lag, self._h = lag, h
+        self._easy = self._factors(lag)
+        self._braked: Array | None = None
 
     def roll(self, goal: Array, way: Array, speed: Array, h: float) -> tuple[Array, Array]:
         """Let h seconds pass; return the speeds and the travel."""
-        braking = way * speed < 0
-        swing = Swing(*np.where(braking, self._braked, self._easy))
-        left = swing.stay * way - swing.push * self.rate
-        rate = swing.pull * way + swing.keep * self.rate
-        travel: Array = goal * h - swing.mass * (rate - self.rate) - swing.lag * (way - left)
+        factors, braking = self._easy, way * speed < 0
+        if braking.any():
+            if self._braked is None:
+                self._braked = self._factors(self._lag / self._braking)
+            factors = np.where(braking, self._braked, self._easy)
+        stay, push, pull, keep, mass, lag = factors
+        left = stay * way - push * self.rate
+        rate = pull * way + keep * self.rate
+        travel: Array = goal * h - mass * (rate - self.rate) - lag * (way - left)
         self.rate = rate
         return goal - left, travel
 
     def stop(self) -> Array:
         """Let the rates come to rest; return the travel that this costs."""
-        travel: Array = self._easy.mass * self.rate
+        travel: Array = self._easy[4] * self.rate
         self.rate = np.zeros_like(self.rate)
         return travel
 
-    def _swing(self, lag: Array, h: float) -> Swing:
+    def _factors(self, lag: Array) -> Array:
+        """Return how ways and rates become those h seconds later, and what that costs."""
         omega = 2 * self._damping / lag
-        decay, swing = self._damping * omega, np.sqrt(1 - self._damping ** 2) * omega
-        shrunk = np.exp(-decay * h)
-        cos, sin = shrunk * np.cos(swing * h), shrunk * np.sin(swing * h) / swing
-        return Swing(cos + decay * sin, sin, omega ** 2 * sin, cos - decay * sin, omega ** -2, lag)
+        decay, swing = self._damping * omega, self._swing * omega
+        shrunk, angle, square = np.exp(-decay * self._h), swing * self._h, omega * omega
+        cos, sin = shrunk * np.cos(angle), shrunk * np.sin(angle) / swing
+        damped = decay * sin
+        return np.stack([cos + damped, sin, square * sin, cos - damped, 1 / square, lag])

@@ -7,7 +7,7 @@ First the unknowns of which the wheels' motion depends on, each of which gets a 
 that is off by one standard deviation (`wheel_model`); then the pose and the accumulators.
 """
 
-from math import radians
+from math import inf, radians
 from typing import NamedTuple
 
 from ..robot import MILLI
@@ -38,6 +38,8 @@ class Prior(NamedTuple):
     """Standard deviation of its random walk, per root second of motion."""
 
 
+NOTHING = Prior(0.0, 0.0, -inf, inf)
+"""Of a state that is no property of the robot, such as its pose."""
 COMMON = {
     GAIN_RIGHT: Prior(1.0, 0.035, 0.6, 1.5, 2e-5),
     GAIN_LEFT: Prior(1.0, 0.035, 0.6, 1.5, 2e-5),
@@ -65,3 +67,5 @@ RESPONSES = (
 )
 """Lags that decay and constant accelerations (as 1 / a, s²/m), which can become each other, and
 springs."""
+PRIORS = tuple((COMMON | RESPONSES[0]).get(index, NOTHING) for index in range(SIZE))
+"""Of all states, of wheels that are no springs."""

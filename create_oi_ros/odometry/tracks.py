@@ -46,6 +46,8 @@ SWIFT = 0.3
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
 SPEEDS = s.SPEEDS
+SAME = np.eye(s.SIZE)[None]
+"""The transition of states that stay as they are."""
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
 Held = tuple[float, float]
@@ -91,7 +93,7 @@ class Tracks:
 
         One that carries fractions loses none by being asked.
         """
-        if self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED:
+        if self._carries or self.rows.doubt[0] > PUZZLED:
             return 0.0
         return min(1.0, self.rows.readings / FAMILIAR)
 
@@ -232,7 +234,7 @@ class Tracks:
         if not self._idle:
             self._note_motion()
         self._idle += dt
-        if self._idle > self._stride and (self.wheels.free or not self.wheels.settled):
+        if (not self.wheels.settled or self.wheels.free) and self._idle > self._stride:
             self._catch_up()
 
     @property
@@ -280,6 +282,7 @@ class Tracks:
         self._shares = self.rows.shares()
         self._roundings = {
             each for each, share in zip(self.rows.roundings, self._shares) if share}
+        self._carries = self._roundings == {Rounding.CARRY}
         self._start = self.rows.means[:, s.POSE].copy()
 
     def _forget(self) -> None:
@@ -289,7 +292,7 @@ class Tracks:
     def _transition(self, tracks: slice) -> Array:
         """Return the transition of the states since the copies were made, a matrix a track."""
         w, start = self.wheels, self._start[tracks]
-        f = np.tile(np.eye(s.SIZE), (len(start), 1, 1))
+        f = np.repeat(SAME, len(start), axis=0)
         ends = np.concatenate([w.speed, w.poses, w.counts])[:, tracks].transpose(1, 0, 2)
         f[:, s.SPEED_RIGHT:, :s.UNKNOWNS] = (
             ends[:, :, 1:] - ends[:, :, :1]) / w.steps[tracks, None]

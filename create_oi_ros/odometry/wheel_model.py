@@ -131,15 +131,17 @@ class WheelModel:
         """Take other requests, of which some may not move; return by how much they changed."""
         self.settled = self.standing = False
         self._goal = None
-        signs = self.requests.signs
+        signs, was_recent = self.requests.signs, self.requests.age <= RECENT
         change = self.requests.ask(right, left, stands)
-        kept, up = (now != was for now, was in zip(self.requests.signs, signs))
-        kinds = self.signs.kinds
-        others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
-        self.turned += others * self.speed[:, :, 0] ** 2
+        if self.requests.one_sign is None:
+            kept, up = (now != was for now, was in zip(self.requests.signs, signs))
+            kinds = self.signs.kinds
+            others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
+            self.turned += others * self.speed[:, :, 0] ** 2
         fastest = np.maximum(np.abs(self.requests.speeds), np.abs(self.speed[:, 0, 0]))
         self._fastest = float(fastest[0]), float(fastest[1])
-        self._before = self._sums()
+        if not was_recent:  # else they are those of the last step
+            self._before = self._sums()
         return change
 
     def roll(self, h: float, scales: tuple[float, float]) -> None:
@@ -181,11 +183,16 @@ class WheelModel:
         springs, before = self._springs, self.speed
         if springs.only:
             self.speed, travel = springs.roll(goal, way, before, h)
-        elif (way * before).min() < 0 or (far * self._ramp > self._lag).any():
-            travel = self._follow_bounded(goal, way, far, h)
         else:
-            self.speed = goal - way * self._decay
-            travel = goal * h - way * self._gone
+            braking = way * before < 0
+            if braking.any():
+                haste = np.where(braking, self._braking, 1.0)
+                travel = self._follow_bounded(
+                    goal, way, far, h, self._lag / haste, self._ramp / haste)
+            elif (far * self._ramp > self._lag).any():
+                travel = self._follow_bounded(goal, way, far, h, self._lag, self._ramp)
+            else:
+                travel = self._follow_freely(goal, way, h)
         if springs.some and not springs.only:
             which = springs.which
             self.speed[:, which], travel[:, which] = springs.roll(
@@ -211,10 +218,19 @@ class WheelModel:
         moved: Array = np.where(np.abs(asked) < self._slowest, goal * self._moves, goal)
         return moved
 
-    def _follow_bounded(self, goal: Array, way: Array, far: Array, h: float) -> Array:
-        """Do the same where some wheels brake, or their acceleration is bounded."""
-        haste = np.where(way * self.speed < 0, self._braking, 1.0)
-        lag, ramp = self._lag / haste, self._ramp / haste
+    def _follow_freely(self, goal: Array, way: Array, h: float) -> Array:
+        """Let wheels follow that do not brake, and whose acceleration is not bounded."""
+        if h != self._decay_of:
+            self._decay_of = h
+            self._decay = np.exp(-h / self._lag)
+            self._gone = (1 - self._decay) * self._lag
+        self.speed = goal - way * self._decay
+        travel: Array = goal * h - way * self._gone
+        return travel
+
+    def _follow_bounded(self, goal: Array, way: Array, far: Array, h: float, lag: Array,
+                        ramp: Array) -> Array:
+        """Do the same where some accelerations are bounded, or some wheels brake."""
         first = np.minimum(np.maximum(far * ramp - lag, 0.0), h)
         left = far - first / ramp
         kept = left * np.exp((first - h) / lag)
@@ -224,19 +240,16 @@ class WheelModel:
         return travel
 
     def _find_lag(self, h: float) -> None:
-        """Work out the lag at the present speeds, and what is left of a way after h seconds."""
+        """Work out the lag at the present speeds, and for springs what it does in h seconds."""
         if self._lag_of != self._fastest:
-            self._lag_of, self._decay_of = self._fastest, 0.0
+            self._lag_of, self._decay_of, self._springs_of = self._fastest, 0.0, 0.0
             parts = np.array([lag_parts(speed) for speed in self._fastest])
             slow, fast = parts.T[:, :, None, None]
             part = np.maximum(1 + self._slow_lag * slow - self._fast_lag * fast, LEAST_PART)
             self._lag = np.maximum(self._base_lag * part, SHORTEST_LAG)
-        if h != self._decay_of:
-            self._decay_of = h
-            self._decay = np.exp(-h / self._lag)
-            self._gone = (1 - self._decay) * self._lag
-            if self._springs.some:
-                self._springs.prepare(self._lag[:, self._springs.which], h)
+        if self._springs.some and h != self._springs_of:
+            self._springs_of = h
+            self._springs.prepare(self._lag[:, self._springs.which], h)
 
     def _counted(self, travel: Array, before: Array, h: float, means: Array | None) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""

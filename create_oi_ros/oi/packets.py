@@ -70,7 +70,7 @@ class Budget(NamedTuple):
     @property
     def fits(self) -> bool:
         """Whether the robot can send the frame within 15 ms."""
-        return self.spare >= 0
+        return self.size <= self.capacity
 
 
 class PacketList:

@@ -134,7 +134,7 @@ class Readings:
 
     def has(self, *names: str) -> bool:
         """Tell whether all of these fields have arrived."""
-        return self._numbers.keys() >= set(names)
+        return all(map(self._numbers.__contains__, names))
 
     @staticmethod
     def numbers(first: str, second: str, *more: str) -> Callable[['Readings'], tuple[int, ...]]:

@@ -132,6 +132,8 @@ class StreamReader:
     def next_event(self) -> Frame | Garbage | None:
         """Return the next frame or garbage; None when more bytes are needed."""
         buffer = self._buffer
+        if self._begin == len(buffer):
+            return None
         while (start := self._start) - self._begin < GARBAGE_AT_ONCE:
             head = buffer[start:start + 2]
             # At most one list matches a whole frame: two lists of the same length have their

@@ -122,8 +122,7 @@ class CreateNode(Node):
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
     def _on_velocity(self, twist: Twist) -> None:
-        with self.session.request() as (driver, now):
-            driver.drive(twist.linear.x, twist.angular.z, now)
+        self.session.drive(twist.linear.x, twist.angular.z)
 
     def _on_stamped_velocity(self, message: TwistStamped) -> None:
         age = messages.age(message.header.stamp, self.get_clock().now().nanoseconds)

@@ -103,7 +103,9 @@ class Dock:
             'charging_sources': 2 if docked else 0})
         self.supervision.observe(frame, now)
         self.watch.observe(frame, now)
-        return ' '.join(event.text for event in iter(self.events.next, None))
+        said = ' '.join(event.text for event in self.events)
+        self.events.clear()
+        return said
 
     def sent(self, now: float) -> bytes:
         """Return what is sent to the robot."""

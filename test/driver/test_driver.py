@@ -121,3 +121,11 @@ def test_a_metre_and_a_turn_agree_with_the_truth(loop):
     assert loop.estimate.x == pytest.approx(truth.pose.x, abs=0.01)
     assert loop.estimate.y == pytest.approx(truth.pose.y, abs=0.01)
     assert turn_difference(loop.estimate.yaw, truth.pose.yaw) < 0.03
+
+
+def test_a_driver_is_busy_until_its_commands_are_made_ready(loop):
+    assert not loop.driver.busy
+    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    assert loop.driver.busy
+    loop.run(0.3)
+    assert not loop.driver.busy

@@ -9,6 +9,7 @@ from pathlib import Path
 import subprocess
 import sys
 import threading
+from unittest.mock import Mock
 
 import pytest
 
@@ -106,6 +107,18 @@ def test_an_error_that_may_go_away_is_not_reported(tmp_path):
     finally:
         ours.close()
     assert heard.texts == ['in use']
+
+
+@pytest.mark.parametrize(('busy', 'calls'), [
+    (False, ['drive', 'data_to_send', 'next_event']),
+    (True, ['drive', 'data_to_send', 'poll', 'data_to_send', 'next_event'])])
+def test_a_velocity_is_written_first_and_the_rest_only_if_there_is_any(busy, calls):
+    driver = Mock(spec=Driver, busy=busy)
+    driver.next_event.return_value = None
+    ours = Session(driver, 'nowhere', on_event=Heard(), on_failure=lambda: None)
+    ours.drive(0.2, 0.5)
+    assert [name for name, _, _ in driver.method_calls] == calls
+    assert driver.drive.call_args.args[:2] == (0.2, 0.5)
 
 
 def test_a_port_is_ours_alone_and_the_other_is_told_by_whom(terminal):
