@@ -56,6 +56,8 @@ def _cut(rows: Assumptions, track: int, index: int, ends: list[float], tick: flo
     spread = variance ** 0.5
     low, high = ((end - mean[index]) / spread for end in ends)
     shift, kept, mass = cut_normal(low, high)
+    if rows.mark is not None:
+        rows.mark.cut(track, column, index, shift / spread, (1 - kept) / variance)
     mean += column * (shift / spread)
     p -= np.outer(column, column) * ((1 - kept) / variance)
     return mass
@@ -68,6 +70,8 @@ def take_out(rows: Assumptions, wholes: Wholes) -> None:
         rows.means[:, index] = carried * (rows.means[:, index] - whole * unit)
         rows.p[:, index, :] *= carried[:, None]
         rows.p[:, :, index] *= carried[:, None]
+        if rows.mark is not None:
+            rows.mark.scale(index, carried)
 
 
 def empty(rows: Assumptions) -> None:
