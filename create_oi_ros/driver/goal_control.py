@@ -11,6 +11,7 @@ from collections.abc import Callable
 from math import inf
 
 from .. import oi
+from ..odometry import Odometry
 from .demos import Demos
 from .events import EventQueue, Moved, Severity
 from .goals import Code, Ending, Goal, Running
@@ -58,9 +59,11 @@ class GoalControl:
 
     def __init__(
         self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
-        demos: Demos, outbox: Outbox, events: EventQueue, handle: Callable[[StateEvent], None],
+        demos: Demos, outbox: Outbox, events: EventQueue, odometry: Odometry,
+        handle: Callable[[StateEvent], None],
     ) -> None:
         """`handle` passes an event to the driver's state."""
+        self._odometry = odometry
         self._wheels = wheels
         self._state = state
         self._supervision = supervision
@@ -136,7 +139,8 @@ class GoalControl:
     def see(self, moved: Moved, dt: float, *, measured: bool, now: float) -> None:
         """Pursue the goal in a new frame."""
         self._view = View(
-            now, dt, moved.estimate, moved.readings, measured, self._wheels.limits)
+            now, dt, moved.estimate, moved.readings, measured, self._wheels.limits,
+            self._odometry.marked, self._odometry.seeks_rounding)
         if self._goal is None:
             return
         if not self._begun and not self._begin(self._goal, self._view):
@@ -178,6 +182,7 @@ class GoalControl:
         if goal.needs_driving and not self._supervision.status.can_drive:
             return False
         self._started_at = view.now
+        self._odometry.mark()
         over = goal.begin(view)
         self._begun = over is None
         if over is not None:
@@ -243,6 +248,7 @@ class GoalControl:
         """End the goal that runs, and say how far it has got."""
         goal, view = self._goal, self._view
         self._goal = None
+        self._odometry.unmark()
         if goal is None or view is None or not self._begun:
             self._end(self._running, over)
             return
