@@ -11,6 +11,7 @@ from collections.abc import Callable
 from math import inf
 
 from .. import oi
+from ..odometry import Odometry
 from .demos import Demos
 from .events import EventQueue, Moved, Severity
 from .goals import Code, Ending, Goal, Running
@@ -58,9 +59,11 @@ class GoalControl:
 
     def __init__(
         self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
-        demos: Demos, outbox: Outbox, events: EventQueue, handle: Callable[[StateEvent], None],
+        demos: Demos, outbox: Outbox, events: EventQueue, odometry: Odometry,
+        handle: Callable[[StateEvent], None],
     ) -> None:
         """`handle` passes an event to the driver's state."""
+        self._odometry = odometry
         self._wheels = wheels
         self._state = state
         self._supervision = supervision
@@ -140,7 +143,9 @@ class GoalControl:
         self._moved, self._seen_at = moved, now
         if self._goal is None:
             return
-        view = View(now, dt, moved.estimate, moved.readings, measured, self._wheels.limits)
+        view = View(
+            now, dt, moved.estimate, moved.readings, measured, self._wheels.limits,
+            self._odometry.marked, self._odometry.seeks_rounding)
         if not self._begun and not self._begin(self._goal, view):
             return
         if self._goal.needs_driving and not self._supervision.status.can_drive:
@@ -180,6 +185,7 @@ class GoalControl:
         if goal.needs_driving and not self._supervision.status.can_drive:
             return False
         self._started_at = view.now
+        self._odometry.mark()
         over = goal.begin(view)
         self._begun = over is None
         if over is not None:
@@ -244,6 +250,7 @@ class GoalControl:
     def _conclude(self, over: Over) -> None:
         """End the goal that runs, and say how far it has got."""
         goal, self._goal = self._goal, None
+        self._odometry.unmark()
         if goal is None or not self._begun:
             self._end(self._running, over)
             return

@@ -82,7 +82,7 @@ class Driver:
             self._supervision, self._outbox, self._events, reset=settings.reset_when_not_charging)
         self.goals = GoalControl(
             self._wheels, self.state, self._supervision, self._modes, self.demos, self._outbox,
-            self._events, self._handle)
+            self._events, self._tracking.odometry, self._handle)
         self._velocity = VelocityControl(
             self._wheels, self.state, self._supervision, self._modes, self.goals, self._outbox,
             self._events, self._handle)

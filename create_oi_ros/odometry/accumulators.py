@@ -59,8 +59,11 @@ def _cut(rows: Assumptions, index: int, ends: Array, tick: float) -> Array:
     lows, highs = ((ends - rows.means[:, index]) / spread).tolist()
     cuts: Array = np.array([cut_normal(*each) for each in zip(lows, highs)])
     shift, kept, mass = cuts[:, 0], cuts[:, 1], cuts[:, 2]
-    rows.means += column * (shift / spread)[:, None]
-    rows.p -= ((1 - kept) / variance)[:, None, None] * column[:, :, None] * column[:, None, :]
+    moved, less = shift / spread, (1 - kept) / variance
+    if rows.mark is not None:
+        rows.mark.cut(column, index, moved, less)
+    rows.means += column * moved[:, None]
+    rows.p -= less[:, None, None] * column[:, :, None] * column[:, None, :]
     return mass
 
 
@@ -71,6 +74,8 @@ def take_out(rows: Assumptions, wholes: Wholes) -> None:
         rows.means[:, index] = carried * (rows.means[:, index] - whole * unit)
         rows.p[:, index, :] *= carried[:, None]
         rows.p[:, :, index] *= carried[:, None]
+        if rows.mark is not None:
+            rows.mark.scale(index, carried)
 
 
 def empty(rows: Assumptions) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..robot import Rounding
 from . import states as s
+from .mark import MarkedPose
 from .request_history import Array
 from .wheel_model import LAST, NONE, Signs, UPWARD
 
@@ -57,6 +58,8 @@ class Assumptions:
     rates: Array
     """How fast the speeds of springs change, m/s², right and left; part of no covariance."""
     readings: int = 0
+    mark: MarkedPose | None = None
+    """Where the robot was at a moment; None: nobody wants to know."""
 
     @classmethod
     def all(cls) -> 'Assumptions':
@@ -126,17 +129,24 @@ class Assumptions:
         self.doubt, self.means = both(self.doubt, others.doubt), both(self.means, others.means)
         self.p, self.rates = both(self.p, others.p), both(self.rates, others.rates)
         self.springs = np.concatenate([self.springs, others.springs])
+        if self.mark is not None:
+            self.mark.join(len(others.roundings))
 
     def clear(self, index: int, mean: float = 0.0, variance: float | Array = 0.0) -> None:
         """Set what all tracks believe of a state, whatever they have learned."""
         self.means[:, index] = mean
         self.p[:, index, :] = self.p[:, :, index] = 0.0
         self.p[:, index, index] = variance
+        if self.mark is not None:
+            self.mark.clear(index)
 
     def settle(self, index: int, value: float) -> None:
         """Learn the exact value of a state that all tracks share."""
         column = self.p[:, :, index].copy()
         variance = np.maximum(column[:, index], 1e-12)[:, None]
+        if self.mark is not None:
+            scale = variance[:, 0]
+            self.mark.cut(column, index, (value - self.means[:, index]) / scale, 1 / scale)
         self.means += column * ((value - self.means[:, index, None]) / variance)
         self.p -= column[:, :, None] * column[:, None, :] / variance[:, :, None]
         self.clear(index, value)
@@ -148,3 +158,5 @@ class Assumptions:
         self.weights = self.weights[order] / self.weights[order].sum()
         self.doubt, self.means, self.p = self.doubt[order], self.means[order], self.p[order]
         self.springs, self.rates = self.springs[order], self.rates[order]
+        if self.mark is not None:
+            self.mark.keep(order)

@@ -34,6 +34,8 @@ NEAR = 1e-7
 """m and rad by which an estimate that stands need not come nearer to its track."""
 COVARIANCE_EVERY = 20
 """Frames from one covariance of the prediction to the next."""
+Pose = tuple[float, float, float]
+"""x, y, yaw."""
 AS_BUILT = Geometry()
 FLOOR = 1e-9
 """Variance of a pose that is known exactly, m² and rad²."""
@@ -69,6 +71,8 @@ class Odometry:
         """Whether a wheel hangs down, and whether the estimate stands where the tracks do."""
         self._hasty = 0.0
         """Seconds for which corrections may still be as fast as the robot."""
+        self._mark: Pose | None = None
+        """Where the robot was at the mark, followed as smoothly as the estimate."""
         self._goal = (0.0, 0.0, 0.0)
         """Where the tracks' mean is."""
         self._covariance = self.estimate.pose_covariance
@@ -94,8 +98,35 @@ class Odometry:
             return None
         return learned(tracks.rows, tracks.band)
 
+    @property
+    def seeks_rounding(self) -> bool:
+        """Whether readings in steady motion would tell how the robot rounds them."""
+        return bool(self.window) and len(self.tracks.roundings) > 1
+
+    @property
+    def marked(self) -> Pose | None:
+        """
+        Where the robot was at the mark, as it is known by now; None without one.
+
+        What a robot has done since then is the difference. A correction of what was wrong before
+        moves both.
+        """
+        return self._mark
+
+    def mark(self) -> None:
+        """Mark where the robot is now, for `marked`; ask seldom until it is unmarked."""
+        self._mark, self._plan.sparing = self.estimate[:3], True
+        if self.window:
+            self.tracks.mark()
+
+    def unmark(self) -> None:
+        """Forget the mark."""
+        self._mark = self.tracks.rows.mark = None
+        self._plan.sparing = False
+
     def reset(self) -> None:
-        """Begin again at the origin; what was learned of the robot stays."""
+        """Begin again at the origin; what was learned of the robot stays, a mark does not."""
+        self.unmark()
         e = self.estimate
         self.estimate = Estimate(right_wheel=e.right_wheel, left_wheel=e.left_wheel)
         self._caught_up = False
@@ -132,6 +163,9 @@ class Odometry:
             self._unseen = 0
         elif self._unseen % COVARIANCE_EVERY == 0 and not rested:
             self._look()
+        rows = self.tracks.rows
+        if self._mark is not None and rows.mark is not None:
+            self._mark = _nearer(self._mark, rows.mark.mean(rows.shares()), increment.dt)
         if self._plan.due:
             self._asked, self._lost = self.tracks.held, False
         if rested and self._caught_up and self._unseen:
@@ -233,6 +267,14 @@ class Odometry:
         xx, xy, xa = xx + x * x, xy + x * y, xa + x * yaw
         yy, ya, aa = yy + y * y, ya + y * yaw, aa + yaw * yaw
         return xx + FLOOR, xy, xa, xy, yy + FLOOR, ya, xa, ya, aa + FLOOR
+
+
+def _nearer(pose: Pose, goal: Pose, dt: float) -> Pose:
+    """Blend a correction of a pose in for as long as a frame."""
+    x, y, yaw = (new - old for new, old in zip(goal, pose))
+    part = 1 - exp(-dt / BLEND)
+    share, twist = _share(part, hypot(x, y), STEP * dt), _share(part, abs(yaw), TWIST * dt)
+    return pose[0] + share * x, pose[1] + share * y, pose[2] + twist * yaw
 
 
 def _share(part: float, whole: float, most: float) -> float:

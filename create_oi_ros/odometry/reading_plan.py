@@ -7,8 +7,8 @@ Each reading may cost what is below a whole unit, and one that falls into a chan
 least. So the robot is asked about once a window, when its wheels have had time to follow, and less
 often while nothing changes. A robot that loses fractions is best asked when its whole degrees are
 about to change: then the answer tells on which side of the prediction it is. As long as its
-rounding is unknown, it is also asked in some frames in a row at moments at which the roundings
-would answer differently.
+rounding is unknown, it is also asked in some frames in a row, or at even intervals, at moments at
+which the roundings would answer differently.
 """
 
 from ..robot import Rounding
@@ -38,6 +38,8 @@ TELLING, SPARE = 1.0, 3.0
 for such a moment once the robot is known."""
 FORESEEN = 0.5
 """How well a robot must be known for such moments to be foreseen."""
+SPARING = 3.0
+"""Windows between readings at least, where each costs and somebody wants few."""
 FREE = 0.5
 """Windows between readings while the wheels do not do what was requested."""
 SETTLED = 0.45
@@ -46,6 +48,9 @@ GOLDEN = 0.618
 """The step that fills a range of waits evenly."""
 PROBE = 8
 """Frames of a probe."""
+SPACED, LONGEST, FEW = 5, 6, 3.0
+"""Readings of a probe with some frames from one to the next, and these at most; units between
+them at most."""
 PROBE_EVERY = 1.5
 """Seconds from one probe to the next."""
 PROBE_STEADY = 0.6
@@ -58,8 +63,14 @@ class ReadingPlan:
     def __init__(self, window: float) -> None:
         self.window = window
         self.due = True
+        self.sparing = False
+        """Whether to ask seldom while the rounding is not known, for what a reading takes away is
+        not known then either; and to probe slow motion, too, where readings are some frames apart.
+        """
         self._age = self._steady = self._probed = 0.0
-        self._probe = self._readings = 0
+        self._probe = self._readings = self._since = 0
+        self._spacing = 1
+        """Frames from one reading of a probe to the next."""
         self._asked = ANSWER + 1
         self._alone, self._latency = False, 1
         """Whether the last question was no part of a probe; frames from such a one to its answer.
@@ -93,24 +104,28 @@ class ReadingPlan:
         self._steady = self._steady + dt if steady else 0.0
         self._asked += 1
         in_vain = self._asked == ANSWER
+        self._since += 1
         if self._probe:
-            self._probe -= 1
-            self.due = True
+            self.due = self._since >= self._spacing
+            self._probe -= int(self.due)
         elif self.pending:
             self.due = False
-        elif self._worth_a_probe(dt, tracks):
-            self._probe, self._probed, self._alone = PROBE, 0.0, False
+        elif spacing := self._probe_spacing(dt, tracks):
+            self._probe = PROBE if spacing == 1 else SPACED
+            self._probed, self._alone, self._spacing = 0.0, False, spacing
             self.due = True
         else:
             self.due = self._alone = (
                 self._age >= SOON * self.window and self._is_time(dt, tracks))
         if self.due:
-            self._asked = 0
+            self._asked = self._since = 0
         return in_vain
 
     def _is_time(self, dt: float, tracks: Tracks) -> bool:
         """Tell whether to ask now: when the answer tells much, or after patience."""
         patience = self._patience(tracks)
+        if self.sparing and len(tracks.roundings) > 1 and not tracks.is_free:
+            patience = max(patience, SPARING * self.window)
         if (tracks.is_free or tracks.rests or tracks.blur > BLURRED
                 or tracks.known < FORESEEN or tracks.roundings == {Rounding.CARRY}):
             return self._age >= patience
@@ -137,15 +152,25 @@ class ReadingPlan:
             longest, max(patience * shortest, GROWTH * self._steady))
         return self.window * wait * (VARIED[0] + VARIED[1] * (self._readings * GOLDEN % 1))
 
-    def _worth_a_probe(self, dt: float, tracks: Tracks) -> bool:
-        """Tell whether readings in a row would now tell the roundings that are left apart."""
+    def _probe_spacing(self, dt: float, tracks: Tracks) -> int:
+        """
+        Return after how many frames each readings would now tell the roundings left apart.
+
+        0: they would not.
+        """
         if (self._steady < PROBE_STEADY or self._probed < PROBE_EVERY or tracks.rests
                 or not tracks.settled or tracks.is_free):
-            return False
+            return 0
         roundings = tracks.roundings
         if len(roundings) == 1:
-            return False
-        rests = [abs(rate) * dt / unit % 1 for rate, unit in zip(tracks.rates, (MM, DEGREE))]
-        carries = Rounding.CARRY in roundings
+            return 0
+        amounts = [abs(rate) * dt / unit for rate, unit in zip(tracks.rates, (MM, DEGREE))]
+        spacings: list[int] = [1, *range(self._latency + 1, LONGEST + 1)]
         # Above a half, rounding gains what truncation loses; below it both lose the same.
-        return any(0.62 < rest < 0.88 or carries and 0.15 < rest < 0.38 for rest in rests)
+        for frames in spacings if self.sparing else spacings[:1]:
+            if any(0.62 < amount * frames % 1 < 0.88 for amount in amounts
+                   if frames == 1 or amount * frames < FEW):
+                return frames
+        if Rounding.CARRY in roundings and any(0.15 < amount % 1 < 0.38 for amount in amounts):
+            return 1
+        return 0

@@ -21,6 +21,7 @@ from .dead_band import DeadBand, FASTEST
 from .doubt import Doubt
 from .estimate import Geometry
 from .knowledge import Knowledge, known
+from .mark import MarkedPose
 from .request_history import Array
 from .rounding import interval
 from .states import DEGREE, MM
@@ -88,11 +89,7 @@ class Tracks:
 
     @property
     def known(self) -> float:
-        """
-        How well the robot is known to which readings cost something, 0 to 1.
-
-        One that carries fractions loses none by being asked.
-        """
+        """How well a robot is known that loses fractions by being asked, 0 to 1."""
         if self._carries or self.rows.doubt[0] > PUZZLED:
             return 0.0
         return min(1.0, self.rows.readings / FAMILIAR)
@@ -221,6 +218,12 @@ class Tracks:
         self.wheels.requests.settle()
         self.free(self.wheels.free)
 
+    def mark(self) -> None:
+        """Remember where the robot is now."""
+        self._close()
+        self.rows.mark = MarkedPose(self.rows.means, self.rows.p)
+        self._spread()
+
     def reset(self) -> None:
         """Put the origin where the robot is."""
         self._close()
@@ -322,6 +325,8 @@ class Tracks:
         """Bring means and covariances up to now; the copies are to be made anew."""
         self._catch_up()
         w, means = self.wheels, self.rows.means
+        if self.rows.mark is not None:
+            self.rows.mark.advance(self._transition(ALL))
         self.rows.p = self._carried()
         self._noisy = self._noisy + self._q
         means[:, s.POSE] = w.poses[:, :, 0].T

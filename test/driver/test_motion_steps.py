@@ -3,7 +3,7 @@
 """Motions frame by frame: their legs, what is left, how long they may take, what they say."""
 
 from dataclasses import replace
-from math import atan2, pi
+from math import atan2, cos, pi, sin
 
 import pytest
 
@@ -201,3 +201,22 @@ def test_endings_have_the_numbers_of_the_actions_and_say_nothing_by_default():
     assert [int(code) for code in sorted(Code)] == list(range(13))
     assert Progress() == (0.0, 0.0, None, 0)
     assert Ending(Code.NONE, '')[2:] == (Estimate(), 0.0, False)
+
+
+@pytest.mark.parametrize(('goal', 'progress'), [
+    (distance(1.0), Progress(distance=0.6)), (angle(180), Progress(angle=pi - 0.3))])
+def test_a_correction_of_what_was_wrong_before_the_start_is_no_way_and_no_turn(goal, progress):
+    """The robot went 0.4 m and turned by 0.3 rad; the place where it began has moved, too."""
+    begun(goal, x=1.0, y=2.0)
+    turned = 0.0 if isinstance(goal, type(distance(1.0))) else 0.3
+    mark = 1.2, 1.9, 0.5
+    goal.step(at(1.2 + 0.4 * cos(0.5), 1.9 + 0.4 * sin(0.5), 0.5 + turned, mark=mark))
+    assert goal.progress.distance == pytest.approx(progress.distance)
+    assert goal.progress.angle == pytest.approx(progress.angle)
+
+
+def test_a_place_is_one_of_the_odometry_whatever_was_wrong_before():
+    goal = begun(place(2.0, 0.0), x=0.0)
+    goal.step(at(0.0, 0.0, 0.0, mark=(0.5, 0.0, 0.0)))
+    goal.step(at(0.5, 0.0, 0.0, mark=(0.5, 0.0, 0.0)))
+    assert goal.way(1.0) == '1.50 m from the goal'

@@ -177,3 +177,51 @@ def test_a_probe_waits_until_requests_were_steady_and_the_last_one_is_long_over(
         plan._probed, plan._steady = passed - DT, steady - DT
         plan.step(DT, steady=True, tracks=believed(rates=(0.07, 0.0), roundings=TWO))
         assert plan.due == is_due
+
+
+def sparing(**more: object) -> ReadingPlan:
+    """Return a plan after a reading that asks seldom while the rounding is not known."""
+    plan = read(**more)
+    plan.sparing = True
+    return plan
+
+
+@pytest.mark.parametrize(('tracks', 'seconds'), [
+    (believed(roundings=TWO), 3.0), (believed(roundings=TWO, rests=True), 3.0),
+    (believed(roundings=TWO, blur=9.0), 3.0), (believed(roundings=TWO, is_free=True), 0.5),
+    (believed(blur=9.0), 0.4)])
+def test_who_wants_few_readings_waits_for_three_windows_while_the_rounding_is_not_known(
+        tracks, seconds):
+    for window in (1.0, 2.5):
+        plan = sparing(window=window)
+        assert first_due(plan, tracks) == pytest.approx(seconds * window, abs=2 * DT)
+
+
+def test_who_wants_few_readings_still_gets_one_at_once():
+    plan = sparing()
+    plan.hurry()
+    assert first_due(plan, believed(roundings=TWO)) == DT
+
+
+@pytest.mark.parametrize(('part', 'spacing'), [
+    (0.7, 1), (0.4, 2), (0.25, 3), (0.2, 4), (0.15, 5), (0.12, 6), (2.35, 0), (0.5, 0)])
+def test_slow_motion_is_probed_where_some_frames_together_tell(part, spacing):
+    """`part` of a unit is gained in a frame; more than three units would not be known well."""
+    plan, tracks = sparing(window=99.0), believed(rates=(part * 0.001 / DT, 0.0), roundings=TWO)
+    due = []
+    for frame in range(1, 250):
+        plan.step(DT, steady=True, tracks=tracks)
+        if plan.due:
+            due.append(frame)
+    waits = [later - earlier for earlier, later in zip(due, due[1:])]
+    assert waits == [spacing] * ({0: 0, 1: 8}.get(spacing, 5))
+
+
+def test_probes_of_slow_motion_are_no_closer_than_answers_come():
+    plan = sparing(window=99.0)
+    plan._latency = 3
+    tracks = believed(rates=(0.4 * 0.001 / DT, 0.0), roundings=TWO)
+    plan._steady = plan._probed = 9.0
+    assert plan._probe_spacing(DT, tracks) == 0
+    plan._latency = 1
+    assert plan._probe_spacing(DT, tracks) == 2

@@ -33,6 +33,8 @@ STUCK, FASTER = 0.7, 0.01
 """Seconds of creeping without motion after which a wheel creeps faster, and m/s by which."""
 FASTEST_CREEP, UNMOVED = 0.08, 0.25
 """m/s at most, and the part of a correction below which it moved nothing: the next is faster."""
+HELD = 1.2
+"""Seconds for which a speed is held at most at which readings tell how the robot rounds them."""
 STANDING = 0.004
 """m/s below which a wheel counts as standing."""
 SETTLE, BLEND, LATEST = 0.15, 0.25, 1.4
@@ -88,6 +90,8 @@ class Remaining(NamedTuple):
     dt: float
     measured: bool
     """Whether the robot has just been asked how far it went."""
+    telling: float = 0.0
+    """m/s at which readings would tell how the robot rounds them; 0: this is known."""
 
 
 class Approach:
@@ -115,6 +119,10 @@ class Approach:
         """The way that the last correction was to lead, m; 0 before the first."""
         self._by_push = False
         """Whether that correction was a push."""
+        self.holds = False
+        """Whether the speed is held so that readings tell how the robot rounds them."""
+        self._held = 0.0
+        """Seconds for which it was held."""
         self._standing = False
         """Whether the wheels were told to stand."""
         self._stood = self._crept = 0.0
@@ -163,6 +171,11 @@ class Approach:
                      self._speed + self._up * at.dt)
         if self.correcting or room < LAST:
             wanted = min(wanted, self._speed)
+        self.holds = (0 < self._speed <= at.telling <= wanted and self._held < HELD
+                      and not self.correcting and room > LAST)
+        if self.holds:
+            wanted = at.telling
+            self._held += at.dt
         self._speed = max(wanted, self._creep)
         stuck = self._speed == self._creep and pace < STANDING
         self._crept = self._crept + at.dt if stuck else 0.0

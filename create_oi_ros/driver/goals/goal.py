@@ -39,6 +39,10 @@ class View(NamedTuple):
     measured: bool
     """Whether distance and angle came with this frame."""
     limits: MotionLimits
+    mark: tuple[float, float, float] | None = None
+    """Where the goal began, as the odometry knows by now: x, y, yaw."""
+    seeks_rounding: bool = False
+    """Whether steady motion would tell how the robot rounds its readings."""
 
 
 class Enter(NamedTuple):

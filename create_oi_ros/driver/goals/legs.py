@@ -11,10 +11,13 @@ from abc import ABC, abstractmethod
 from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 
 from ...odometry import Estimate
+from ...robot import MILLI, SLOT
 from ..motion import MotionLimits, Velocity
 from .approach import Approach, Learned, Remaining
 from .goal import View
 
+TELLING = 0.75
+"""Millimetres or degrees in a frame of which readings tell how the robot rounds them."""
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
 HEADING_GAIN, ASIDE_GAIN = 2.0, 4.0
@@ -46,11 +49,11 @@ class Leg(ABC):
         self._least = min(self._least, variance)
         speed = self._approach.step(Remaining(
             self._left, self._pace(view.estimate), sqrt(max(0.0, variance - self._least)),
-            view.dt, view.measured))
+            view.dt, view.measured, self._telling() if view.seeks_rounding else 0.0))
         if speed is None:
             return None
         velocity = self._velocity(speed)
-        if self._approach.correcting:  # too short a way to steer
+        if self._approach.correcting or self._approach.holds:  # too short a way to steer
             return velocity
         return velocity._replace(
             angular=velocity.angular + self._steering(velocity.linear, view.estimate))
@@ -89,6 +92,10 @@ class Leg(ABC):
     @abstractmethod
     def _velocity(self, speed: float) -> Velocity:
         """Return the velocity for a speed along the leg."""
+
+    @abstractmethod
+    def _telling(self) -> float:
+        """Return the speed at which readings would tell how the robot rounds them, m/s."""
 
     def _steering(self, linear: float, estimate: Estimate) -> float:
         """Return the rad/s that bring the robot back to the leg, at m/s."""
@@ -131,6 +138,9 @@ class Straight(Leg):
     def _pace(self, estimate: Estimate) -> float:
         return estimate.linear
 
+    def _telling(self) -> float:
+        return TELLING * MILLI / SLOT
+
     def _velocity(self, speed: float) -> Velocity:
         return Velocity(speed, 0.0)
 
@@ -162,6 +172,9 @@ class Turn(Leg):
 
     def _pace(self, estimate: Estimate) -> float:
         return estimate.angular * self._half
+
+    def _telling(self) -> float:
+        return TELLING * radians(1.0) / SLOT * self._half
 
     def _velocity(self, speed: float) -> Velocity:
         return Velocity(0.0, speed / self._half)
@@ -206,6 +219,9 @@ class Arc(Leg):
 
     def _pace(self, estimate: Estimate) -> float:
         return estimate.angular * self._reach
+
+    def _telling(self) -> float:
+        return TELLING * radians(1.0) / SLOT * self._reach
 
     def _velocity(self, speed: float) -> Velocity:
         angular = speed / self._reach

@@ -4,7 +4,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from math import atan2, degrees, hypot, remainder, tau
+from math import atan2, cos, degrees, hypot, remainder, sin, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
@@ -32,6 +32,9 @@ Legs = Iterator[tuple[Phase | None, Leg]]
 class MotionGoal(Goal):
     """A motion of one or more legs; each is made when the one before has ended."""
 
+    _relative = True
+    """Whether it leads away from its start, not to a place of the odometry's frame."""
+
     def __init__(self, allowance: float, learned: Learned, *, ahead: bool = False,
                  back: bool = False) -> None:
         """`ahead` and `back` tell which way the motion leads first; neither for a turn."""
@@ -41,6 +44,8 @@ class MotionGoal(Goal):
         self._hazards, self._stall = Hazards(), Stall()
         self._told = Velocity()
         self._at = Estimate()
+        self._start = self._at[:3]
+        """x, y and yaw at the start."""
         self._slowed = ''
         self._legs: Legs = iter(())
         self._phase: Phase | None = None
@@ -52,6 +57,7 @@ class MotionGoal(Goal):
         if limits.max_wheel_speed <= 0:
             return NO_SPEED
         self._at = view.estimate
+        self._start = self._at[:3]
         self._slowed = ''.join(self._slower(limits))
         self._legs = self._plan(limits)
         if self.allowance == 0:
@@ -65,6 +71,8 @@ class MotionGoal(Goal):
         if over is not None:
             return over
         self._at = view.estimate
+        if self._relative:
+            view = view._replace(estimate=self._since_start(view))
         while self._leg is None or (velocity := self._leg.step(view)) is None:
             following = next(self._legs, None)
             if following is None:
@@ -72,6 +80,19 @@ class MotionGoal(Goal):
             self._phase, self._leg = following
         self._told = velocity
         return velocity
+
+    def _since_start(self, view: View) -> Estimate:
+        """
+        Return the estimate as it would be had the odometry been right at the start.
+
+        So a correction of what was wrong before counts neither as way nor as turn.
+        """
+        start, at = self._start, view.estimate
+        x, y, yaw = view.mark or start
+        back, dx, dy = start[2] - yaw, at.x - x, at.y - y
+        c, s = cos(back), sin(back)
+        return at._replace(x=start[0] + c * dx - s * dy, y=start[1] + s * dx + c * dy,
+                           yaw=at.yaw + back)
 
     @property
     def progress(self) -> Progress:
@@ -212,6 +233,8 @@ class TargetPose(NamedTuple):
 
 class NavigateToPosition(MotionGoal):
     """Turn to a place, drive there straight, and turn to a heading."""
+
+    _relative = False
 
     def __init__(self, place: TargetPose, speed: float, turning: float, allowance: float,
                  learned: Learned, learned_turning: Learned) -> None:
