@@ -15,6 +15,9 @@ JITTER = SLOT / 12 ** 0.5
 any moment of a frame."""
 UNEVEN = 5e-4
 """Part of the path by which steady wheels depart from their goals."""
+WANDER = 0.3
+"""How fast the gains of wheels drift that do not run steadily: per root second, as a part of what
+they stray by per root metre."""
 MISCOUNTED = 0.03
 """Part of what was counted with the wrong sign that the model may be wrong by."""
 REOPEN = 0.03
@@ -55,11 +58,16 @@ def along(variance: Array, terms: dict[int, Array | float]) -> Array:
 
 
 def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: Scales,
-              slip: float) -> Array:
-    """Return what motion adds: uneven wheels and late requests, slip, wrong signs, drift."""
+              slip: float, unsteady: Array | float = 0.0) -> Array:
+    """
+    Return what motion adds: uneven wheels and late requests, slip, wrong signs, drift.
+
+    `unsteady`: variance of travel by which wheels stray, m² for each metre.
+    """
     linear, angular = scales
     travel = doubt * (JITTER ** 2 * did.changes[:, None] + (UNEVEN * did.path) ** 2)
-    travel = travel + did.unsure[:, None] + did.free * (FREE_SPEED * did.seconds) ** 2
+    travel = travel + unsteady * did.path + did.unsure[:, None]
+    travel = travel + did.free * (FREE_SPEED * did.seconds) ** 2
     wrong = doubt * ((MISCOUNTED * did.miscounted) ** 2 + (2 * JITTER) ** 2 * did.turned)
     q = np.zeros((len(doubt), s.SIZE, s.SIZE))
     for wheel, side in ((0, 1.0), (1, -1.0)):
@@ -76,6 +84,8 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
         again = REOPEN * np.clip(doubt - 1, 0, 10) / 10
         for index, prior in (s.COMMON | s.RESPONSES[0]).items():
             q[:, index, index] += did.seconds * (prior.drift ** 2 + again * prior.spread ** 2)
+        for index in (s.GAIN_RIGHT, s.GAIN_LEFT):
+            q[:, index, index] += did.seconds * WANDER ** 2 * unsteady
     return q
 
 
