@@ -21,7 +21,7 @@ from .tracks import Held, LATE, Tracks
 
 BLEND = 0.1
 """Seconds in which a correction is blended in."""
-STEP, TWIST = 0.067, 9 * DEGREE
+STEP, TWIST = 0.067, 8 * DEGREE
 """The most of a correction that is blended in within a second, m and rad."""
 FAR, ASKEW = 0.03, 5 * DEGREE
 """m and rad: a larger correction is blended in as fast as a robot can move, if it moved on its

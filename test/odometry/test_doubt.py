@@ -135,3 +135,41 @@ def test_what_is_tried_again_starts_where_the_robot_is():
     assert (rows.p[:, outside, outside] == 0.125).all()
     assert (rows.means[1:, :s.MOVES_RIGHT] == others.means[:, :s.MOVES_RIGHT]).all()
     assert (rows.means[1:, s.DISTANCE:] == 0).all()
+
+
+UNSTEADY = 0.0, 0.002, 0.005, 0.01
+LIKELY = 0.97, 0.015, 0.01, 0.005
+
+
+@pytest.mark.parametrize(('z', 'unsteadily'), [(0.3, False), (6.0, True), (30.0, False)])
+@pytest.mark.parametrize('width', [0.2, 0.3])
+def test_readings_tell_whether_wheels_run_unsteadily(z, unsteadily, width):
+    """Each degree of it is as likely as it makes the reading, but none explains a wheel held."""
+    rows = one_track()
+    before = sum(a * b ** 2 for a, b in zip(LIKELY, UNSTEADY))
+    assert rows.unsteady == pytest.approx([before])
+    rows.p[:, s.DISTANCE, s.DISTANCE] += before * 2.0 / 4
+    rows.p[:, s.ANGLE, s.ANGLE] += before * 2.0 / width ** 2
+    doubt, _ = met(rows, (z, 0.0), share=0.0)
+    gaps, spreads = doubt._gaps, doubt._spreads
+    doubt.watch(rows, np.array([[1.5], [0.5]]), np.array([width]))
+    likely = []
+    for prior, wander in zip(LIKELY, UNSTEADY):
+        chance = prior
+        for gap, spread, each in zip(gaps[:, 0], spreads[:, 0], (0.5, 2.0 / width ** 2)):
+            variance = spread ** 2 + each * (wander ** 2 - before)
+            chance *= exp(-min(gap ** 2 / variance, 16.0) / 2) / variance ** 0.5
+        likely.append(chance)
+    likely = [max(chance / max(likely), exp(-8.0)) for chance in likely]
+    expected = sum(a * b ** 2 for a, b in zip(likely, UNSTEADY)) / sum(likely)
+    assert rows.unsteady == pytest.approx([expected])
+    assert (rows.unsteady > 3 * before).tolist() == [unsteadily]
+
+
+def test_what_was_learned_of_unsteady_wheels_fades():
+    rows = one_track()
+    rows.steadiness[:] = 0.0, -1.0, -2.0, -3.0
+    doubt, _ = met(rows, (0.0, 0.0))
+    doubt.watch(rows, np.zeros((2, 1)), np.array([0.25]))  # nothing is learned where nothing rolls
+    logs = 0.97 * np.array([0.0, -1.0, -2.0, -3.0]) + 0.03 * np.log(LIKELY)
+    assert rows.steadiness[0] == pytest.approx(logs - logs[0])

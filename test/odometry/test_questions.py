@@ -4,6 +4,7 @@
 
 from math import degrees
 
+import numpy as np
 import pytest
 
 from create_oi_ros.odometry import Geometry
@@ -11,7 +12,7 @@ from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.reading_plan import ReadingPlan
 from create_oi_ros.odometry.tracks import Tracks
 from create_oi_ros.robot import Rounding
-from support.ride import SLOT
+from support.ride import Ride, SLOT
 
 RIGHT, FAST, LEFT = 0.06, 0.12, 0.04
 """m/s of turns, of 0.07 and 0.27 degrees a frame."""
@@ -26,6 +27,7 @@ def turning(rounding: Rounding, vague: float) -> Tracks:
     rows = tracks.rows
     rows.roundings[:] = [rounding] * len(rows.roundings)
     rows.readings = 100
+    rows.steadiness[:, 1:] = -np.inf  # wheels that run steadily
     rows.p[:] = 0.0
     rows.p[:, s.ANGLE, s.ANGLE] = (vague * s.DEGREE) ** 2
     tracks.reset()
@@ -84,3 +86,15 @@ def test_a_slow_line_is_asked_as_much_earlier(latency: int) -> None:
         coming.append(plan.due)
     assert len(ways) > 10
     assert max(ways[2:]) < 0.16
+
+
+def test_whoever_is_in_a_hurry_gets_the_next_reading_at_once() -> None:
+    ride = Ride()
+    ride.go(5, 0.1, 0.1)
+    while ride.odometry.reading_due:
+        ride.go(SLOT, 0.1, 0.1)
+    ride.go(10 * SLOT, 0.1, 0.1)
+    assert not ride.odometry.reading_due
+    ride.odometry.hurry()
+    ride.go(SLOT, 0.1, 0.1)
+    assert ride.odometry.reading_due
