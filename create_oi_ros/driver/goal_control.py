@@ -185,7 +185,7 @@ class GoalControl:
         if goal.needs_driving and not self._supervision.status.can_drive:
             return False
         self._started_at = view.now
-        self._odometry.mark()
+        self._odometry.mark(sparing=goal.turns_only)
         over = goal.begin(view)
         self._begun = over is None
         if over is not None:

@@ -113,9 +113,13 @@ class Odometry:
         """
         return self._mark
 
-    def mark(self) -> None:
-        """Mark where the robot is now, for `marked`; ask seldom until it is unmarked."""
-        self._mark, self._plan.sparing = self.estimate[:3], True
+    def mark(self, *, sparing: bool = False) -> None:
+        """
+        Mark where the robot is now, for `marked`.
+
+        `sparing`: ask seldom until it is unmarked, as long as the rounding is not known.
+        """
+        self._mark, self._plan.sparing = self.estimate[:3], sparing
         if self.window:
             self.tracks.mark()
 

@@ -201,16 +201,16 @@ def test_a_leg_that_is_corrected_is_not_steered():
     assert told(leg, turned) == pytest.approx((0.03, 0.0))
 
 
-@pytest.mark.parametrize(('leg', 'velocity'), [
-    (straight(5.0), (0.05, 0.0)), (straight(-5.0), (-0.05, 0.0)),
-    (Turn(START, 50.0, 3.0, Learned(), FREE), (0.0, 0.75 * pi / 180 / 0.015)),
-    (arc(50.0, 1, replace(FREE, max_wheel_speed=9.0)), None)])
-def test_a_speed_at_which_a_reading_tells_is_three_quarters_of_a_unit_in_a_frame(leg, velocity):
-    """It is held without steering."""
-    aside = START._replace(x=1.01, yaw=pi / 2 + 0.01)
+@pytest.mark.parametrize('sign', [1, -1])
+def test_a_turn_is_held_at_three_quarters_of_a_degree_in_a_frame_to_tell_the_rounding(sign):
+    leg = Turn(START, sign * 50.0, 3.0, Learned(), FREE)
     for _ in range(12):
-        told_ = leg.step(view(0.1, estimate=aside, seeks_rounding=True))
-    if velocity is None:  # the arc is too slow for it
-        assert not leg._approach.holds
-    else:
-        assert tuple(told_) == pytest.approx(velocity)
+        velocity = leg.step(view(0.1, estimate=START, seeks_rounding=True))
+    assert tuple(velocity) == pytest.approx((0.0, sign * 0.75 * pi / 180 / 0.015))
+
+
+@pytest.mark.parametrize('leg', [straight(5.0), arc(5.0, 1)])
+def test_a_robot_on_a_line_is_steered_whatever_is_known_of_its_rounding(leg):
+    for _ in range(12):
+        velocity = leg.step(view(0.1, estimate=START, seeks_rounding=True))
+    assert velocity.linear == pytest.approx(leg._velocity(leg._approach._top).linear)

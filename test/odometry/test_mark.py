@@ -142,8 +142,13 @@ def test_the_odometry_tells_where_the_mark_is_until_it_is_unmarked():
         odometry.update(Increment(SLOT, right=0.2, left=0.1, driven=True))
     assert odometry.marked == pytest.approx(odometry.tracks.rows.mark.mean(
         odometry.tracks.rows.shares()), abs=1e-5)
+    assert not odometry._plan.sparing
     odometry.unmark()
     assert odometry.marked is None
+    odometry.mark(sparing=True)
+    assert odometry._plan.sparing
+    odometry.unmark()
+    assert not odometry._plan.sparing
     odometry.mark()
     odometry.reset()
     assert odometry.marked is None

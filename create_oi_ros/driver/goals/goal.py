@@ -76,6 +76,9 @@ class Goal(ABC):
 
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
+    turns_only = False
+    """Whether it only turns: the few readings that each cost a part of a degree matter more then
+    than to be steered by many."""
 
     def __init__(self, allowance: float) -> None:
         """Take the seconds that the goal may take; 0 leaves that to the goal."""

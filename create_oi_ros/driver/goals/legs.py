@@ -11,13 +11,13 @@ from abc import ABC, abstractmethod
 from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 
 from ...odometry import Estimate
-from ...robot import MILLI, SLOT
+from ...robot import SLOT
 from ..motion import MotionLimits, Velocity
 from .approach import Approach, Learned, Remaining
 from .goal import View
 
 TELLING = 0.75
-"""Millimetres or degrees in a frame of which readings tell how the robot rounds them."""
+"""Degrees in a frame of which readings tell how the robot rounds them."""
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
 HEADING_GAIN, ASIDE_GAIN = 2.0, 4.0
@@ -53,7 +53,7 @@ class Leg(ABC):
         if speed is None:
             return None
         velocity = self._velocity(speed)
-        if self._approach.correcting or self._approach.holds:  # too short a way to steer
+        if self._approach.correcting:  # too short a way to steer
             return velocity
         return velocity._replace(
             angular=velocity.angular + self._steering(velocity.linear, view.estimate))
@@ -93,9 +93,13 @@ class Leg(ABC):
     def _velocity(self, speed: float) -> Velocity:
         """Return the velocity for a speed along the leg."""
 
-    @abstractmethod
     def _telling(self) -> float:
-        """Return the speed at which readings would tell how the robot rounds them, m/s."""
+        """
+        Return the speed to hold while readings tell how the robot rounds them, m/s; 0: none.
+
+        A robot that must keep to a line is better steered.
+        """
+        return 0.0
 
     def _steering(self, linear: float, estimate: Estimate) -> float:
         """Return the rad/s that bring the robot back to the leg, at m/s."""
@@ -137,9 +141,6 @@ class Straight(Leg):
 
     def _pace(self, estimate: Estimate) -> float:
         return estimate.linear
-
-    def _telling(self) -> float:
-        return TELLING * MILLI / SLOT
 
     def _velocity(self, speed: float) -> Velocity:
         return Velocity(speed, 0.0)
@@ -219,9 +220,6 @@ class Arc(Leg):
 
     def _pace(self, estimate: Estimate) -> float:
         return estimate.angular * self._reach
-
-    def _telling(self) -> float:
-        return TELLING * radians(1.0) / SLOT * self._reach
 
     def _velocity(self, speed: float) -> Velocity:
         angular = speed / self._reach

@@ -159,6 +159,8 @@ class DriveDistance(MotionGoal):
 class RotateAngle(MotionGoal):
     """Turn in place, counter-clockwise; any number of turns."""
 
+    turns_only = True
+
     def __init__(self, angle: float, speed: float, allowance: float, learned: Learned) -> None:
         """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
         check_amount('angle', angle, MOST_TURN, 'rad')
