@@ -17,6 +17,8 @@ DOMAINS = range(215, 233)
 """Few people choose these; their UDP ports lie above those that Linux gives to other programs."""
 FIRST_PORT, PORTS_PER_DOMAIN = 7410, 250
 """UDP port of the first ROS program in domain 0, and how many ports a domain has."""
+PROGRAMS = range(10)
+"""Programs of a domain that are looked for; each has two ports."""
 FOLDER = re.compile(r'create-(\d+)-\w+')
 """Name of a run's folder, with its process id."""
 
@@ -58,11 +60,13 @@ def _reserved() -> Iterator[int]:
 
 def _quiet(domain: int) -> bool:
     """Return whether no ROS program on this computer uses a domain."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.bind(('', FIRST_PORT + PORTS_PER_DOMAIN * domain))
-        except OSError:
-            return False
+    first = FIRST_PORT + PORTS_PER_DOMAIN * domain
+    for program in PROGRAMS:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(('', first + 2 * program))
+            except OSError:
+                return False
     return True
 
 

@@ -3,6 +3,7 @@
 """A simulated run has a ROS domain and a folder to itself, and leaves nothing behind."""
 
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -69,6 +70,15 @@ def test_when_all_domains_are_taken_it_says_so(no_domain):
     with run_domain():
         no_domain.delenv('ROS_DOMAIN_ID')
         with pytest.raises(UserError, match='choose a domain yourself with ROS_DOMAIN_ID'):
+            with run_domain():
+                pass
+
+
+def test_a_domain_whose_first_program_has_ended_is_not_taken(no_domain):
+    no_domain.setattr(simulated_run, 'DOMAINS', range(230, 231))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as second:
+        second.bind(('', simulated_run.FIRST_PORT + 230 * simulated_run.PORTS_PER_DOMAIN + 2))
+        with pytest.raises(UserError, match='are all in use'):
             with run_domain():
                 pass
 
