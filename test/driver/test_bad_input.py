@@ -72,6 +72,11 @@ class Desk:
         yield self.loop.driver, self.loop.now
         self.loop.turn()
 
+    def drive(self, linear, angular):
+        """Stand in for `Session.drive`."""
+        with self.request() as (driver, now):
+            driver.drive(linear, angular, now)
+
     def call(self, service, request):
         """Return the reply, or fail when none comes."""
         answer = getattr(self._services, service.name)(request, service.type.Response())

@@ -14,6 +14,7 @@ and one of the REASONS.
 import os
 from pathlib import Path
 import re
+from shlex import quote
 import signal
 import subprocess
 
@@ -107,7 +108,7 @@ def shape(line: str) -> str:
 @pytest.fixture
 def folder(tmp_path):
     """Return a folder with the files of the clone that the page uses."""
-    (tmp_path / 'env.sh').write_text(f'source {ROOT}/env.sh\n')
+    (tmp_path / 'env.sh').write_text(f'source {quote(str(ROOT))}/env.sh\n')
     (tmp_path / 'examples').symlink_to(ROOT / 'examples')
     return tmp_path
 
