@@ -83,6 +83,7 @@ PARTS = {
     'odometry/odometry': ('odometry/test_following.py', 'odometry/test_disturbed_odometry.py'),
     'odometry/plain': ('odometry/test_plain.py',),
     'odometry/reading_plan': ('odometry/test_reading_plan.py',),
+    'odometry/mark': ('odometry/test_mark.py',),
     'odometry/request_history': ('odometry/test_request_history.py',),
     'odometry/springs': TRACKS,
     'odometry/states': ('odometry/test_states.py',),
