@@ -283,8 +283,7 @@ class Tracks:
         variances = np.einsum('tii->ti', self.rows.p)[:, :s.UNKNOWNS]
         self.wheels.spread(self.rows, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)))
         self._shares = self.rows.shares()
-        self._roundings = {
-            each for each, share in zip(self.rows.roundings, self._shares) if share}
+        self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
         self._carries = self._roundings == {Rounding.CARRY}
         self._start = self.rows.means[:, s.POSE].copy()
 
