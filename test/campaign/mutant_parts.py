@@ -61,7 +61,7 @@ PARTS = {
     'driver/battery_watch': BATTERY,
     'driver/battery_guard': BATTERY,
     'driver/charge_watch': ('driver/test_battery_watch.py',),
-    'driver/acquaintance': ('driver/test_known_robot.py',),
+    'driver/acquaintance': ('driver/test_acquaintance.py',),
     'driver/contacts': ('driver/test_contacts.py',),
     f'{GOALS}/approach': ('driver/test_approach.py',),
     f'{GOALS}/legs': ('driver/test_legs.py',),

@@ -214,3 +214,12 @@ def test_a_robot_on_a_line_is_steered_whatever_is_known_of_its_rounding(leg):
     for _ in range(12):
         velocity = leg.step(view(0.1, estimate=START, seeks_rounding=True))
     assert velocity.linear == pytest.approx(leg._velocity(leg._approach._top).linear)
+
+
+@pytest.mark.parametrize(('leg', 'holds'), [
+    (lambda: straight(2.0), False), (lambda: Turn(START, pi, 4.0, Learned(), FREE), True)])
+def test_only_a_turn_holds_a_speed_that_tells_the_rounding(leg, holds):
+    seeks, goes = leg(), leg()
+    seeking, usual = ([each.step(view(0.1, estimate=START, seeks_rounding=tells))
+                       for _ in range(8)] for each, tells in ((seeks, True), (goes, False)))
+    assert (seeking != usual) is holds

@@ -7,6 +7,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, MotionLimits, Settings, Severity
+from create_oi_ros.driver.events import ModeChanged
 from create_oi_ros.driver.modes import MODE_TIMEOUT
 from create_oi_ros.driver.supervision import CLEAR_FOR, SETTLING
 from create_oi_ros.sim.world import shipped
@@ -216,3 +217,20 @@ def test_on_the_dock_the_way_to_drive_is_a_goal(loop):
     loop.run(MODE_TIMEOUT + 0.01)
     assert pending.outcome.text == (
         f'robot stays in PASSIVE (charger powered) instead of entering SAFE: {advice}')
+
+
+def test_each_change_of_mode_is_an_event_once(loop):
+    changes, next_event = [], loop.driver.next_event
+
+    def heard():
+        event = next_event()
+        if isinstance(event, ModeChanged):
+            changes.append((event.status.actual, event.status.wanted))
+        return event
+
+    loop.driver.next_event = heard
+    for mode in (oi.Mode.FULL, oi.Mode.FULL, oi.Mode.PASSIVE):
+        loop.driver.set_mode(mode, loop.now)
+        loop.run(0.3)
+    safe, full, passive = oi.Mode.SAFE, oi.Mode.FULL, oi.Mode.PASSIVE
+    assert changes == [(safe, full), (full, full), (full, passive), (passive, passive)]

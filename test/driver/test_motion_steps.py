@@ -9,6 +9,7 @@ import pytest
 
 from create_oi_ros.driver.goals import Code, Ending, Malformed, Phase, Progress
 from create_oi_ros.driver.goals.goal import check_amount, check_positive, docked, Over
+from create_oi_ros.driver.goals.outcome import Running
 from create_oi_ros.odometry import Estimate
 from support.goals import angle, arc, distance, place
 from support.views import LIMITS, view
@@ -220,3 +221,15 @@ def test_a_place_is_one_of_the_odometry_whatever_was_wrong_before():
     goal.step(at(0.0, 0.0, 0.0, mark=(0.5, 0.0, 0.0)))
     goal.step(at(0.5, 0.0, 0.0, mark=(0.5, 0.0, 0.0)))
     assert goal.way(1.0) == '1.50 m from the goal'
+
+
+def test_whoever_waits_for_the_end_of_a_goal_is_told_once():
+    running, early, late = Running(), [], []
+    ended, again = Ending(Code.NONE, 'there'), Ending(Code.TIMEOUT, 'too late')
+    running.then(early.append)
+    assert early == []
+    running.end(ended)
+    running.end(again)
+    running.then(late.append)
+    assert early == late == [ended]
+    assert running.ending is ended

@@ -36,7 +36,7 @@ def test_outputs_and_drivers_are_set(loop):
 def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
     answer = ask(loop, loop.driver.outputs.set_drivers, (0.0, 0.0, duty))
     assert not answer.ok
-    assert 'driver_2' in answer.text
+    assert f'driver_2 = {duty:g}; allowed: 0.0 (off) to 1.0 (on)' in answer.text
     assert loop.commands() == []
 
 
@@ -60,8 +60,11 @@ def test_a_song_is_stored_and_plays(loop):
 def test_rounding_is_told(loop):
     answer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60], [0.1, 0.001])
     assert answer.ok
-    assert 'rounded to 1/64 s' in answer.text
-    assert '1 so short' in answer.text
+    assert answer.text.endswith('rounded to 1/64 s, by 6 ms at most, 1 so short that they are '
+                                'left out')
+    longer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60, 60], [0.5, 2.006, 0.0])
+    assert longer.text.endswith('takes 2.500 s, asked for 2.506 s: notes are rounded to 1/64 s, '
+                                'by 6 ms at most')
 
 
 @pytest.mark.parametrize(('number', 'pitches', 'seconds', 'named'), [

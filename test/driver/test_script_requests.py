@@ -7,6 +7,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Pending, Severity
+from create_oi_ros.driver.script_control import SILENCE
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -200,3 +201,14 @@ def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
     assert loop.driver.state.answered
     assert not loop.driver.scripts.playing
     assert loop.body.truth().speed == 0
+
+
+def test_a_script_is_asked_for_when_the_line_has_been_silent_for_a_while(loop):
+    ask(loop, loop.driver.scripts.define, WAITING)
+    loop.run(5.0)
+    loop.commands()
+    loop.driver.scripts.show(loop.now)
+    loop.run(SILENCE - 0.01)
+    assert [type(each) for each in loop.commands()] == [oi.PauseResumeStream]
+    loop.run(0.02)
+    assert oi.ShowScript() in loop.commands()

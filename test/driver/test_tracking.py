@@ -170,3 +170,9 @@ def test_all_readings_are_kept_until_newer_ones_come(line):
     line.frame(41, (3, 4))
     line.frame(42, cliff_left=1)
     assert line.tracking.readings.distance == 3 and line.tracking.readings.cliff_left
+
+
+def test_frames_lost_before_one_that_cannot_be_are_time_of_the_next_one(line):
+    assert line.frame(51, oi_mode=7) == []
+    increment, = line.frame(52)
+    assert increment.dt == pytest.approx(12 * SLOT)

@@ -157,3 +157,18 @@ def test_every_number_has_the_range_of_its_state() -> None:
 def test_slots_of_15_and_15_625_ms_were_seen() -> None:
     assert PERIOD.value == 0.015
     assert PERIOD.value + 3 * PERIOD.deviation > 0.015625 > PERIOD.value + PERIOD.deviation
+
+
+def test_how_late_a_wheel_is_is_less_sure_where_its_numbers_go_together() -> None:
+    """A longer lag at all speeds may be a shorter one of fast wheels: their errors add up."""
+    robot = believed(Family.LAG)
+    names = list(robot.numbers)
+    lag, fast = names.index('time_constant'), names.index('fast_part')
+    deviations = []
+    for together in (-0.5, 0.0, 0.5):
+        matrix = np.eye(len(names))
+        matrix[lag, fast] = matrix[fast, lag] = together
+        rows = tuple(tuple(float(each) for each in row[:place])
+                     for place, row in enumerate(matrix) if place)
+        deviations.append(replace(robot, correlations=rows).delay(0.3).deviation)
+    assert deviations[0] > deviations[1] > deviations[2]
