@@ -10,14 +10,17 @@ import time
 
 import pytest
 
+from create_oi_ros.apps.check import conclusion
+from create_oi_ros.apps.check import fit as fits
 from create_oi_ros.apps.check.conclusion import conclude, Conclusion, time_constant
 from create_oi_ros.apps.check.dead_band_search import DeadBandSearch
 from create_oi_ros.apps.check.fractions import roundings
 from create_oi_ros.apps.check.moves import creep, duration, Move, Reads, Segment, STEPS
 from create_oi_ros.apps.check.notebook import Notebook, Page
 from create_oi_ros.apps.check.runner import Runner
+from create_oi_ros.apps.check.trial_wheels import Sign
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_wheels
-from create_oi_ros.odometry import Family, Rounding, SignSource
+from create_oi_ros.odometry import Family, Known, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE
@@ -114,6 +117,36 @@ def test_wheels_that_overshoot_are_found():
     assert known.overshoot == pytest.approx(0.3, abs=0.05)
     late = 2 * 0.358 * 0.06 + config.dead_time  # 0.358 is the damping of such an overshoot
     assert known.delay(0.2).value == pytest.approx(late, abs=0.01)
+
+
+SHORT = (ahead(200, 1.0, Reads.OFTEN), ahead(-200, 1.0, Reads.OFTEN), ahead(100, 1.5),
+         ahead(-100, 1.5), Move((Segment(0.8, 150, 150), Segment(0.8, -150, -150)), Reads.OFTEN))
+"""Moves that tell a little about wheels."""
+
+
+def test_wheels_that_are_not_near_a_usual_start_are_looked_for(monkeypatch):
+    monkeypatch.setattr(fits, 'TAU_FACTORS', (0.5,))
+    monkeypatch.setattr(fits, 'OVERSHOOTS', fits.OVERSHOOTS[1:])
+    floor = Floor(config=replace(CENTRE, response=Response.SECOND_ORDER, overshoot=0.35,
+                                 time_constant=TimeConstant(0.034), braking=2.0))
+    pages = [floor.made(move) for move in SHORT]
+    best = fits.search(pages, Rounding.TRUNCATE, 0.015)[0]
+    assert (best.start.family, best.sign) == (Family.SPRING, Sign.DRIVE)
+    assert not best.is_bad
+    assert time_constant(best.kind, 0.2) == pytest.approx(0.034, rel=0.15)
+
+
+def test_wheels_that_explain_readings_badly_are_not_the_last_word(found, monkeypatch):
+    pages, good = found[0].runner.pages, found[1].wheels
+    bad, period = replace(good, cost=good.readings * 2.0), Known(0.015, 1e-6)
+    monkeypatch.setattr(conclusion, 'roundings', lambda *_: {
+        Rounding.TRUNCATE: 0.49, Rounding.ROUND: 0.0, Rounding.CARRY: 0.51})
+    monkeypatch.setattr(conclusion, 'fit', lambda pages, rounding, period: [
+        bad if rounding is Rounding.CARRY else good])
+    assert conclude(pages, (0.0, 0.001), period).knowledge.rounding[Rounding.TRUNCATE] > 0.99
+    monkeypatch.setattr(conclusion, 'fit', lambda *_: [bad])
+    monkeypatch.setattr(conclusion, 'search', lambda *_: [good])
+    assert conclude(pages, (0.0, 0.001), period).wheels is good
 
 
 def test_the_verdict_is_words_and_a_model(found):

@@ -38,6 +38,9 @@ LEAST = 0.9
 """Share of the mutants of a part that must be killed."""
 OTHER_OPERATORS = r'core/ReplaceBinaryOperator_\w+_(Mod|Pow|FloorDiv|RShift|LShift|BitXor|BitAnd)'
 """Of the operators that can replace one, +, -, * and / are enough."""
+IDENTITY = r'core/ReplaceComparisonOperator_Is(_Eq|Not_NotEq)'
+"""`is` stands between members of enums, booleans, None and objects that are kept: `==` finds the
+same there."""
 ANNOTATIONS = r'core/ReplaceBinaryOperator_(BitOr_\w+|\w+_BitOr)'
 """Nearly every | is in a type, such as `int | None`, which no test runs."""
 CONFIG = """
@@ -110,7 +113,7 @@ class Laboratory:
         config.write_text(CONFIG.format(
             module=f'create_oi_ros/{part}.py', timeout=3 * limit,
             command=' '.join([*command, f'{limit:.1f}', *tests]),
-            excluded=json.dumps([OTHER_OPERATORS, ANNOTATIONS])), encoding='utf-8')
+            excluded=json.dumps([OTHER_OPERATORS, IDENTITY, ANNOTATIONS])), encoding='utf-8')
         session.unlink(missing_ok=True)
         self._tool('cosmic-ray', 'init', config, session)
         self._tool('cr-filter-operators', session, config)

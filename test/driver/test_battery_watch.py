@@ -44,9 +44,9 @@ def test_a_battery_is_better_again_above_its_limit_and_a_bit():
     assert watch.level is FINE
 
 
-def test_the_higher_limit_counts_to_the_last_millivolt():
-    """Voltages next to it: as few as one above it say that all is well."""
-    for millivolts, level in ((13501, FINE), (13500, LOW)):
+def test_limits_count_to_the_last_millivolt():
+    """One above a limit is as good as a full volt."""
+    for millivolts, level in ((13501, FINE), (13500, LOW), (12501, LOW), (12500, EMPTY)):
         watch = BatteryWatch(LIMITS)
         for now in (0.0, 5.0, 10.0):
             watch.observe(readings(millivolts), now)

@@ -219,6 +219,16 @@ def test_on_the_dock_the_way_to_drive_is_a_goal(loop):
         f'robot stays in PASSIVE (charger powered) instead of entering SAFE: {advice}')
 
 
+@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
+def test_stop_ends_a_demo_only_where_one_can_run(loop, mode):
+    loop.driver.set_mode(mode, loop.now)
+    loop.run(0.3)
+    loop.commands()
+    loop.driver.stop(loop.now)
+    loop.run(0.1)
+    assert {type(each) for each in loop.commands()} == {oi.DriveDirect}
+
+
 def test_each_change_of_mode_is_an_event_once(loop):
     changes, next_event = [], loop.driver.next_event
 

@@ -9,11 +9,11 @@ from math import exp, hypot, pi
 
 import numpy as np
 
-from ...odometry import Family, Knowledge, Known, SignSource
+from ...odometry import Family, Knowledge, Known, Rounding, SignSource
 from ...odometry import states as s
 from ...odometry.knowledge import ANY, numbers, STATES
 from ...odometry.wheel_model import lag_parts
-from .fit import Fit, fit
+from .fit import Fit, fit, search
 from .fractions import roundings
 from .moves import Reads
 from .notebook import Page
@@ -23,6 +23,8 @@ ROUGH = {s.LAG: 0.005, s.SLOW_LAG: 0.05, s.FAST_LAG: 0.05, s.DEAD_TIME: 0.004, s
          s.BRAKING: 0.03, s.GAIN_RIGHT: 0.001, s.GAIN_LEFT: 0.001, s.SEPARATION: 0.001}
 """What no fit knows of wheels: least standard deviations."""
 SMALL_STEP = 1e-4
+UNLIKELY = 0.01
+"""Probability of a rounding below which it is not tried."""
 
 
 @dataclass(frozen=True)
@@ -56,16 +58,33 @@ QUICK = 0.3
 
 
 def conclude(pages: Sequence[Page], band: tuple[float, float], period: Known) -> Conclusion:
-    """Work out what the moves say; this takes some seconds."""
-    rounding = roundings(pages, period.value)
-    likeliest = max(rounding, key=rounding.__getitem__)
+    """Work out what the moves say; this takes seconds, and a minute where wheels are unusual."""
+    before = roundings(pages, period.value)
     telling = [page for page in pages if page.move.reads is not Reads.EVERY]
-    fits = fit(telling, likeliest, period.value)
+    tried = {each: fit(telling, each, period.value)
+             for each, probability in before.items() if probability > UNLIKELY}
+    rounding = _weighed(before, tried)
+    likeliest = max(rounding, key=rounding.__getitem__)
+    fits = tried[likeliest]
+    if fits[0].is_bad:
+        fits = sorted([*fits, *search(telling, likeliest, period.value)],
+                      key=lambda each: each.cost)
     signs = {source: _probability(fits, partial(_has_sign, source)) for source in SignSource}
     response = {family: _probability(fits, partial(_is_of, family)) for family in Family}
     return Conclusion(fits, _knowledge(fits[0], {
         'rounding': rounding, 'encoder_sign': signs, 'response': response, 'dead_band': band,
         'frame_period': period, 'readings': len(telling)}))
+
+
+def _weighed(rounding: Mapping[Rounding, float], tried: Mapping[Rounding, Sequence[Fit]],
+             ) -> Mapping[Rounding, float]:
+    """Return the probabilities of roundings, by how well wheels explain readings under each."""
+    least = min(fits[0].cost_of_reading for fits in tried.values())
+    readings = min(fits[0].readings for fits in tried.values())
+    weights = {each: rounding[each] * exp(-min(
+        readings * (fits[0].cost_of_reading - least) / fits[0].excess, 700))
+        for each, fits in tried.items()}
+    return {each: weights.get(each, 0.0) / sum(weights.values()) for each in rounding}
 
 
 def time_constant(kind: Array, speed: float) -> float:

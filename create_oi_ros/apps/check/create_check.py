@@ -134,7 +134,7 @@ class GuidedCheck:
 
 def _conclude(written: Written, output: Path) -> None:
     """Work out the verdict, print it and write it; OSError: it cannot be written."""
-    tell('The robot has done its part. Working it out takes up to a minute.')
+    tell('The robot has done its part. Working it out takes a minute or two.')
     found = conclude(written.pages, written.band, written.health.frame_period)
     findings = of_wheels(found, written.health) + written.seen
     tell('\n' + '\n'.join(lines(findings)) + '\n')

@@ -10,6 +10,7 @@ families of response and each source of signs. Which rounding the robot has is k
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -68,8 +69,13 @@ ROUNDS, FEW, ENOUGH = 25, 4, 0.5
 below which no other follows."""
 USUAL = 0.5
 """Cost of a reading of distance or angle where the wheels are right."""
+BAD = 0.6
+"""Cost of a reading above which the wheels that were found are not right."""
 SPRINGY = 0.7
 """Time constant of a spring over that of a lag that does much the same."""
+OVERSHOOTS, TAU_FACTORS, BRAKINGS = np.log([0.05, 0.3]), (0.5, 1.5), (-0.8, 0.8)
+"""Logarithms of overshoots and of how many times as fast a wheel brakes, and factors of time
+constants, that are tried where no wheels were found to be right."""
 CANDIDATES = 4
 """Fits that go on to the end."""
 SOFT = 0.55 * np.array([0.3 * MILLI, np.radians(0.15)])
@@ -92,9 +98,19 @@ class Fit:
     readings: int
 
     @property
+    def cost_of_reading(self) -> float:
+        """How badly it explains a reading."""
+        return self.cost / self.readings
+
+    @property
+    def is_bad(self) -> bool:
+        """Whether other wheels should be looked for."""
+        return self.cost_of_reading > BAD
+
+    @property
     def excess(self) -> float:
         """How much worse it explains readings than the right wheels would; at least 1."""
-        return max(1.0, self.cost / (USUAL * 2 * self.readings))
+        return max(1.0, self.cost_of_reading / (2 * USUAL))
 
 
 def fit(pages: Sequence[Page], rounding: Rounding, period: float) -> list[Fit]:
@@ -117,6 +133,27 @@ def fit(pages: Sequence[Page], rounding: Rounding, period: float) -> list[Fit]:
                if not any(each[:2] == other[:2] for other in chosen)]
     fits = [_finished(seen, *each) for each in chosen]
     fits.append(_as_spring(seen, min(fits, key=lambda each: each.cost)))
+    return _with_other_signs(seen, fits)
+
+
+def search(pages: Sequence[Page], rounding: Rounding, period: float) -> list[Fit]:
+    """Return the best fits of many starts under all signs, best first; this takes a minute."""
+    seen = windows(pages, rounding, period)
+    tried = []
+    for start in INITIAL_GUESSES:
+        bounds = OVERSHOOTS if start.family is Family.SPRING else (start.bound.mean,)
+        for bound, factor, braking, sign in product(bounds, TAU_FACTORS, BRAKINGS, Sign):
+            kind = _first(start)
+            kind[[Kind.BOUND, Kind.BRAKING]] = bound, braking
+            kind[list(TAUS)] += np.log(factor)
+            tried.append(_finished(seen, start, sign, kind, FEW))
+    tried.sort(key=lambda each: each.cost)
+    return _with_other_signs(seen, [
+        _finished(seen, each.start, each.sign, each.kind) for each in tried[:CANDIDATES]])
+
+
+def _with_other_signs(seen: Windows, fits: list[Fit]) -> list[Fit]:
+    """Return fits, and what becomes of the best one under other signs; best first."""
     winner = min(fits, key=lambda each: each.cost)
     others = [_finished(seen, winner.start, sign, winner.kind, FEW)
               for sign in Sign if sign is not winner.sign]
