@@ -180,6 +180,10 @@ def figures(results: list[Score]) -> list[Figure]:
         label = {'tau': 'time constant'}.get(name, name.replace('_', ' '))
         made.append(Figure(f'{label}: error', sum(errors) / count, unit, most,
                            worst=max(errors)))
+        if most is not None:
+            within = 100 * sum(error <= most for error in errors) / count
+            made.append(Figure(f'{label} within {most:g} %, of {count} robots', within, '%', 95.0,
+                               at_least=True))
     return made
 
 
