@@ -106,7 +106,7 @@ class GuidedCheck:
 
     def _take(self, step: CheckStep, number: str) -> list[Page]:
         self._person.confirm(
-            f'CheckStep {number} ({duration(step.moves):.0f} s): {step.about}')
+            f'Step {number} ({duration(step.moves):.0f} s): {step.about}')
         pages = []
         for done, move in enumerate(step.moves, 1):
             pages.append(self._made(move))
@@ -115,7 +115,7 @@ class GuidedCheck:
 
     def _creep(self) -> DeadBandSearch:
         search = DeadBandSearch()
-        self._person.confirm(f'CheckStep {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
+        self._person.confirm(f'Step {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
         while (move := search.next_move()) is not None:
             search.learn(self._made(move))
         return search
