@@ -4,6 +4,7 @@
 
 import importlib.util
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -104,6 +105,14 @@ def test_the_packages_of_pip_are_counted(tool, tmp_path, monkeypatch):
     assert say(log) == '2 of 3 packages fetched'
     (site / 'a-1.dist-info').mkdir()
     assert say(f'{log}Installing collected packages: a, b') == '1 of 3 packages installed'
+
+
+def test_a_new_environment_needs_nothing_of_the_old_one(tool, tmp_path, monkeypatch):
+    real = Path(sys.executable).resolve()
+    old = tmp_path / 'python'
+    old.symlink_to(real)
+    monkeypatch.setattr(sys, 'executable', str(old))
+    assert tool('make_venv').INTERPRETER == real
 
 
 def test_the_packages_of_colcon_are_counted(tool, tmp_path, monkeypatch):
