@@ -127,6 +127,22 @@ def test_the_packages_of_colcon_are_counted(tool, tmp_path, monkeypatch):
     assert say(log) == '1 of 3 packages built, create_oi_msgs 42%'
 
 
+def test_messages_are_built_anew_when_one_was_removed(tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    built = tmp_path / 'install/create_oi_msgs/share/create_oi_msgs'
+    for folder in (tmp_path / 'msg_defs', built):
+        for name in ('msg/Song.msg', 'srv/Stop.srv', 'action/Dock.action'):
+            (folder / name).parent.mkdir(parents=True)
+            (folder / name).touch()
+    (tmp_path / 'build/create_oi_msgs').mkdir(parents=True)
+    tool('build').forget_removed()
+    assert built.exists()
+    (tmp_path / 'msg_defs/srv/Stop.srv').unlink()
+    tool('build').forget_removed()
+    assert not built.exists()
+    assert not (tmp_path / 'build/create_oi_msgs').exists()
+
+
 @pytest.mark.parametrize('name', ['a b', 'ümlaut', 'a;b', '$HOME', '(a)', '日本'])
 def test_what_is_made_for_a_special_path_is_elsewhere(tool, tmp_path, monkeypatch, name):
     clone, cache = tmp_path / name, tmp_path / 'cache'
