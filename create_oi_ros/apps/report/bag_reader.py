@@ -17,6 +17,7 @@ from typing import Any, TYPE_CHECKING
 
 from ...oi import ChargingState, Mode
 from ...ros.bags import BagError, DamageError, definitions, guarded, reading
+from ...ros.diagnostics import LINK, PARAMETERS
 from ...ros.rotation import yaw_of
 from .recording import Curve, Recording, Span, Spans
 from .recovery import files_of, recover, UNFINISHED, unfinished
@@ -139,9 +140,9 @@ class RecordingBuilder:
 
     def _add_status(self, time: float, subject: str, status: Any) -> None:
         values = {each.key: each.value for each in status.values}
-        if subject == 'parameters':
+        if subject == PARAMETERS:
             self.recording.settings = values
-        if subject == 'serial link':
+        if subject == LINK:
             self.recording.link.add(time, *(
                 _number(values.get(key)) for key in
                 ('frames per second', 'damaged frames', 'garbage bytes')))
