@@ -19,7 +19,7 @@ from ... import oi
 from ...driver import Health
 from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
-from ...ros.user_errors import UserError
+from ...ros.user_errors import INTERRUPTED, UserError
 from .conclusion import conclude
 from .dead_band_search import DeadBandSearch
 from .moves import CheckStep, CREEPING, duration, Move, Reads, Segment, STEPS
@@ -35,7 +35,6 @@ stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops t
 ATTEMPTS = 3
 """How often a disturbed move is tried where nobody is there to ask."""
 OFF_THE_DOCK = Move((Segment(2.5, -150, -150),), Reads.END)
-INTERRUPTED = 128 + signal.SIGINT
 
 
 def _arguments() -> argparse.ArgumentParser:

@@ -23,15 +23,13 @@ from ...ros.graph_watch import names_of_publishers
 from ...ros.process import call_on_signal, ros_executor
 from ...ros.recorder import Recorder
 from ...ros.simulated_run import run_domain, run_folder
-from ...ros.user_errors import check_environment
+from ...ros.user_errors import check_environment, INTERRUPTED
 from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, TOUR, TourStep, WORLD
 
 BAG = 'create_demo'
 SIGN_INTERVAL = 8.0
 """Seconds after which a line says where the robot is: a step takes up to half a minute."""
-STOPPED = 130
-"""Exit code of a program that Ctrl-C has ended."""
 
 
 def say(text: str) -> None:
@@ -151,7 +149,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = 1
     except Stopped:
         say(f'stopped; what was recorded is {options.folder / BAG}')
-        return STOPPED
+        return INTERRUPTED
     except OSError as error:
         say(f'recording has ended: {error}')
         return 2
