@@ -69,7 +69,7 @@ def serial_link(
     elif health.line_problem is not None:
         level, message = WARN, health.line_problem
     elif faults or garbage:
-        level, message = WARN, 'bytes arrive damaged'
+        level, message = WARN, 'bytes arrive damaged: look at plug, cable and motors nearby'
     age = health.frame_age
     return status(f'{name}: {LINK}', level, message, {
         'port': port, 'frames per second': round((counts.frames - before.frames) / seconds, 1),
@@ -149,7 +149,7 @@ def _battery(readings: oi.Readings, state: BatteryState, watched: BatteryLevel) 
     if state.percentage < LOW or watched is BatteryLevel.LOW:
         return WARN, 'low: charge it soon'
     if state.temperature >= HOT:
-        return WARN, f'hot: {state.temperature:.0f} degrees Celsius'
+        return WARN, f'hot, {state.temperature:.0f} degrees Celsius: let it cool'
     return OK, 'charge not known' if isnan(state.percentage) else 'charged enough'
 
 
