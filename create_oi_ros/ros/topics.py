@@ -45,6 +45,9 @@ TRANSFORMS = QoSProfile(depth=100)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """For topics that change rarely: a late subscriber gets the present state."""
 
+CMD_VEL = 'cmd_vel'
+"""The topic of velocity commands, the only one that the node subscribes to."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Topic:

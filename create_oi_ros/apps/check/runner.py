@@ -11,7 +11,7 @@ from .moves import Move, Reads
 from .notebook import Notebook, Page, PENDING
 
 LIMITS = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
-"""Steps tell most about a robot."""
+"""None on accelerations: steps show most of a robot."""
 REPEAT = 0.1
 """Seconds from one command to the next of the same speeds."""
 TELLING = 0.8

@@ -23,6 +23,7 @@ from ...ros.graph_watch import names_of_publishers
 from ...ros.process import call_on_signal, ros_executor
 from ...ros.recorder import Recorder
 from ...ros.simulated_run import run_domain, run_folder
+from ...ros.topics import CMD_VEL
 from ...ros.user_errors import check_environment, INTERRUPTED
 from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, TOUR, TourStep, WORLD
@@ -51,7 +52,7 @@ def strangers(node: Node, *, driven: bool) -> str | None:
         return 'another driver'
     if not driven:
         return None
-    found = names_of_publishers(node, 'cmd_vel') - {node.get_fully_qualified_name()}
+    found = names_of_publishers(node, CMD_VEL) - {node.get_fully_qualified_name()}
     return f'{" or ".join(sorted(found)) or "a node that has ended"}, which drives'
 
 
@@ -71,7 +72,7 @@ def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[
         ended = children.ended()
         if ended is not None:
             raise TourError(f'{ended}; see above for why')
-        commands = recorder.counts[node.resolve_topic_name('cmd_vel')]
+        commands = recorder.counts[node.resolve_topic_name(CMD_VEL)]
         stranger = strangers(node, driven=commands > pilot.sent)
         if stranger is not None:
             raise TourError(

@@ -18,6 +18,7 @@ from typing import Any, TYPE_CHECKING
 from ...oi import ChargingState, Mode
 from ...ros.bags import BagError, DamageError, definitions, guarded, reading
 from ...ros.diagnostics import LINK, PARAMETERS
+from ...ros.messages import charging_name
 from ...ros.rotation import yaw_of
 from .recording import Curve, Recording, Span, Spans
 from .recovery import files_of, recover, UNFINISHED, unfinished
@@ -35,7 +36,7 @@ SETTLING = 1.0
 BODY = slice(12, None)
 """Part of a serialized message after the stamp of its header."""
 MODES = {255: 'no robot', **{mode.value: mode.name.capitalize() for mode in Mode}}
-CHARGING = {state.value: state.name.lower().replace('_', ' ') for state in ChargingState
+CHARGING = {state.value: charging_name(state) for state in ChargingState
             if state is not ChargingState.NOT_CHARGING}
 LEVELS = {1: 'warning', 2: 'error', 3: 'stale'}
 OURS = 'create_oi_msgs/msg/'

@@ -23,7 +23,7 @@ from ...ros import topics
 from ...ros.actions import ACTIONS
 from ...ros.diagnostics import of_driver, PARAMETERS
 from ...ros.services import SERVICES
-from ...ros.velocity_output import CMD_VEL, NEWEST, VelocityOutput
+from ...ros.velocity_output import NEWEST, VelocityOutput
 from .keys import BINDINGS, GoalCall, ServiceCall, STOP
 from .robot_state import CallStatus, RobotState
 
@@ -103,7 +103,7 @@ class ViewNode(Node):
                 self.destroy_subscription(self._commands)
             self._heard_type = self._velocity.type
             self._commands = self.create_subscription(
-                self._heard_type, CMD_VEL, self._on_message, NEWEST)
+                self._heard_type, topics.CMD_VEL, self._on_message, NEWEST)
 
     def drive(self, velocity: Velocity) -> None:
         """Publish a velocity command, if a driver has been found."""
