@@ -25,6 +25,7 @@ from create_oi_ros.apps.check.trial_wheels import Family, Kind
 from create_oi_ros.driver import Driver
 from create_oi_ros.odometry import SignSource
 from create_oi_ros.oi.tools import markdown
+from create_oi_ros.robot import FIRMWARE_SEPARATION
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import EncoderSign
 from create_oi_ros.sim.body.wheels import REFERENCE_SPEED, Response
@@ -108,8 +109,6 @@ class Score:
     dead_band: bool
     tau: float
     """Relative error of the time constant at 66 mm/s, or of a ramp's acceleration."""
-    quick_tau: float
-    """Error of the time constant at 0.3 m/s, seconds."""
     gain: float
     """Worst relative error of a wheel's speed at 0.3 m/s."""
     dead_time: float
@@ -124,21 +123,19 @@ def score(robot: Robot, found: Conclusion) -> Score:
     config, known, kind = robot.config, found.knowledge, found.wheels.kind
     rounding, sign = known.likeliest
     if config.response is Response.RAMP:
-        tau, quick = abs(kind[Kind.BOUND] * config.wheel_acceleration - 1), 0.0
+        tau = abs(kind[Kind.BOUND] * config.wheel_acceleration - 1)
     else:
         tau = abs(time_constant(kind, REFERENCE_SPEED)
                   / config.time_constant.at(REFERENCE_SPEED) - 1)
-        quick = abs(time_constant(kind, QUICK) - config.time_constant.at(QUICK))
     gains = ((Kind.RIGHT_GAIN, Kind.RIGHT_OFFSET, config.right_speed_gain),
              (Kind.LEFT_GAIN, Kind.LEFT_OFFSET, config.left_speed_gain))
     stands, moves = known.dead_band
     return Score(
         rounding.value == robot.rounding.value, sign is SIGNS[config.encoder_sign],
         response_of(found) is config.response, stands <= config.dead_band <= moves, float(tau),
-        quick,
-        max(abs((kind[gain] + kind[offset] / 0.3) / true - 1) for gain, offset, true in gains),
+        max(abs((kind[gain] + kind[offset] / QUICK) / true - 1) for gain, offset, true in gains),
         abs(float(kind[Kind.DEAD_TIME]) - config.dead_time),
-        abs(known.separation_factor.value / (config.encoder_separation / 0.258) - 1),
+        abs(known.separation_factor.value / (config.encoder_separation / FIRMWARE_SEPARATION) - 1),
         abs(known.frame_period.value / robot.period - 1))
 
 

@@ -10,7 +10,7 @@ from enum import Enum
 from typing import Final
 
 MILLI: Final = 1e-3
-"""Metres in a millimetre, volts in a millivolt: the robot counts in thousandths."""
+"""Metres in a millimetre, volts in a millivolt, seconds in a millisecond."""
 MM_PER_M: Final = 1000
 """Millimetres in a metre."""
 SLOT: Final = 0.015

@@ -10,12 +10,14 @@ from collections.abc import Callable, Mapping
 import os
 from pathlib import Path
 import re
+import shutil
 import sys
 import time
 
 from step import clock, interruptible, step
 
 VENV = Path('.venv').resolve()
+MESSAGES = 'create_oi_msgs'
 
 
 def wheels_environment() -> Mapping[str, str]:
@@ -41,6 +43,24 @@ def base_paths(kind: str) -> list[str]:
     return ['.', 'msg_defs', *(['tools/tf2_msgs'] if lacks_tf2 else [])]
 
 
+def interfaces(folder: Path) -> set[str]:
+    """Return the messages, services and actions that are declared in a folder."""
+    return {f'{path.parent.name}/{path.stem}' for kind in ('msg', 'srv', 'action')
+            for path in folder.glob(f'{kind}/*.{kind}')}
+
+
+def forget_removed() -> None:
+    """
+    Remove the built messages if one of their files has been removed since.
+
+    Else rosidl keeps the code that joins them to Python, and no node could load any message.
+    """
+    built = Path('install', MESSAGES, 'share', MESSAGES)
+    if interfaces(built) - interfaces(Path('msg_defs')):
+        for base in ('build', 'install'):
+            shutil.rmtree(Path(base, MESSAGES), ignore_errors=True)
+
+
 def counting(total: int) -> Callable[[str], str]:
     """Return a function that says how many packages are built, and how far the others are."""
     def say(log: str) -> str:
@@ -64,6 +84,7 @@ def main(kind: str) -> None:
     """Run colcon."""
     began = time.monotonic()
     paths = base_paths(kind)
+    forget_removed()
     print(f'build: {len(paths)} packages with colcon (log/build.log)', flush=True)
     step(['colcon', 'build', '--base-paths', *paths, '--symlink-install',
           '--build-base', Path('build').resolve(), '--install-base', Path('install').resolve(),

@@ -16,6 +16,8 @@ import folders
 from step import clock, interruptible, step
 
 VENV = Path('.venv')
+INTERPRETER = Path(sys.executable).resolve()
+"""This Python by its real path: in a shell of env.sh it runs from the .venv that is removed."""
 PINS = Path(__file__).with_name('pins.txt')
 PIP = ('-m', 'pip', '--disable-pip-version-check', '--no-input', 'install', '--no-deps',
        '--progress-bar', 'off')
@@ -35,7 +37,7 @@ def python() -> Path:
 def make_empty(kind: str) -> None:
     """Make .venv with nothing but pip; with an installed ROS it sees the system's packages."""
     seen = ['--system-site-packages'] if kind == 'jazzy' else []
-    step([sys.executable, '-m', 'venv', '--symlinks', *seen, VENV.resolve()], 'setup.log',
+    step([INTERPRETER, '-m', 'venv', '--symlinks', *seen, VENV.resolve()], 'setup.log',
          'Python could not make .venv', progress=lambda log: 'an environment for Python')
 
 

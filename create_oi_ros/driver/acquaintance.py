@@ -1,10 +1,10 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Tells people, once, when the odometry has learned to know the robot, and what it learned."""
+"""Reports once when the odometry has become certain of the robot, and what it has learned."""
 
 from ..odometry import Knowledge, Rounding, SignSource
 from ..odometry.knowledge import QUICK
-from ..robot import MM_PER_M
+from ..robot import MILLI
 from .events import EventQueue, Severity
 
 EVERY = 5.0
@@ -52,5 +52,5 @@ def described(robot: Knowledge) -> str:
     overshoot = f' and overshoot by {100 * robot.overshoot:.0f} %' if robot.overshoot else ''
     return (f'fractions are {FRACTIONS[rounding]}, encoders take the sign of {SIGNS[sign]}, '
             f'wheels run at {right:.3f} (right) and {left:.3f} (left) of the speed asked, '
-            f'{MM_PER_M * robot.delay(QUICK).value:.0f} ms late at {QUICK} m/s{overshoot}; a '
-            f'frame lasts {MM_PER_M * robot.frame_period.value:.2f} ms')
+            f'{robot.delay(QUICK).value / MILLI:.0f} ms late at {QUICK} m/s{overshoot}; a '
+            f'frame lasts {robot.frame_period.value / MILLI:.2f} ms')

@@ -9,6 +9,10 @@ from .demos import Demos
 from .events import EventQueue, Severity
 from .modes import Modes
 
+DOES = {LowBatteryAction.DOCK: 'looks for its dock',
+        LowBatteryAction.STOP: 'stops and stays in Passive'}
+"""What the robot does, in the words of a notice."""
+
 
 class BatteryGuard:
     """Acts on the battery's level."""
@@ -41,5 +45,5 @@ class BatteryGuard:
         else:
             self._modes.rest(now)
         self._events.notice(
-            Severity.ERROR, f'battery {self.level.value}: low_battery_action '
-            f'{self._action.value}')
+            Severity.ERROR, f'battery {self.level.value}: the robot {DOES[self._action]}, as '
+            'low_battery_action says; charge it')

@@ -11,12 +11,11 @@ from collections.abc import Iterator
 from itertools import chain, cycle
 
 from .. import oi
+from ..oi.codes import START_BAUDS
 from .events import Notice, Severity
 
 CALL_INTERVAL = 0.3
 """Seconds to wait for an answer before the next call."""
-USUAL_BAUDS = (57600, 19200)
-"""Rates that a Create starts with (manual: Serial Port Settings)."""
 GARBAGE_LIMIT = 64
 """Bytes without a frame after which something else must be on the line."""
 CALLS_BEFORE_NOTICE = 3
@@ -25,7 +24,7 @@ CALLS_BEFORE_NOTICE = 3
 
 def _rates(first: int) -> Iterator[int]:
     """Yield all rates for ever; the likely ones come again before each of the others."""
-    usual = (first, *(rate for rate in USUAL_BAUDS if rate != first))
+    usual = (first, *(rate for rate in START_BAUDS if rate != first))
     rest = [code.rate for code in reversed(oi.BaudCode) if code.rate not in usual]
     return cycle(chain.from_iterable((*usual, other) for other in rest))
 
@@ -36,7 +35,7 @@ class BaudSearch:
     def __init__(self, baud: int) -> None:
         """Call at one rate; 0 searches for the robot's."""
         self._searching = baud == 0
-        self.baud = baud or USUAL_BAUDS[0]
+        self.baud = baud or START_BAUDS[0]
         """Bits per second, now."""
         self._next = _rates(self.baud)
         self._calls = 0
@@ -66,7 +65,7 @@ class BaudSearch:
         if self._notice_given or self._calls < CALLS_BEFORE_NOTICE:
             return None
         self._notice_given = True
-        at = ' and '.join(map(str, USUAL_BAUDS)) if self._searching else str(self.baud)
+        at = ' and '.join(map(str, START_BAUDS)) if self._searching else str(self.baud)
         if len(self._garbage) >= GARBAGE_LIMIT:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])
             return Notice(Severity.ERROR, (

@@ -16,6 +16,7 @@ WAIT = 5.0
 RESET = bytes([7])
 """Restarts the robot. The manual does not list this opcode."""
 NO_CURRENT = (oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT)
+"""States on a charger in which the battery is not charged though it is not full."""
 
 
 class ChargeWatch:

@@ -34,8 +34,9 @@ class Hit(NamedTuple):
     """Something that was felt."""
 
     x: float
-    """Of the point, in the frame of the odometry, m."""
+    """m, in the frame of the odometry."""
     y: float
+    """m."""
     at: Estimate
     """Where the robot was when it was last felt."""
     stamp: float

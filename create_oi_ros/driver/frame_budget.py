@@ -9,8 +9,8 @@ frames and bytes are counted over a few seconds.
 """
 
 from .. import oi
+from ..oi.codes import START_BAUDS
 from ..robot import MILLI, SLOT
-from .baud_search import USUAL_BAUDS
 
 SLOT_TEXT = f'{SLOT / MILLI:.0f} ms'
 WINDOW = 3.0
@@ -93,7 +93,7 @@ class FrameBudget:
             self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
                             'a motor disturb the line?')
         else:
-            faster = '' if baud >= USUAL_BAUDS[0] else f'use {USUAL_BAUDS[0]} baud, and '
+            faster = '' if baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
             self.problem = (
                 f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
                 f'{SLOT_TEXT} is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '

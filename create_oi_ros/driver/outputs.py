@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 from .. import oi
 from ..oi.commands import DUTY, NOTE_TIME
+from ..robot import MILLI
 from .outbox import Outbox
 from .pending import Pending, refused
 from .requests import Requests
@@ -138,4 +139,4 @@ def _stored(number: int, seconds: Sequence[float]) -> str:
     if worst < 0.0005:
         return f'song {number} stored; it takes {played:.3f} s'
     return (f'song {number} stored; it takes {played:.3f} s, asked for {sum(seconds):.3f} s: '
-            f'notes are rounded to 1/64 s, by {worst * 1000:.0f} ms at most{gone}')
+            f'notes are rounded to 1/64 s, by {worst / MILLI:.0f} ms at most{gone}')

@@ -3,7 +3,7 @@
 """The outcome of a request: known at once, or when the robot has taken it or answered."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 
 class Outcome(NamedTuple):
@@ -16,30 +16,48 @@ class Outcome(NamedTuple):
     """The bytes that were asked for: a script."""
 
 
-class Pending:
-    """A request whose outcome may not be known yet. Only the first outcome counts."""
+Result = TypeVar('Result')
 
-    __slots__ = ('outcome', '_callbacks')
+
+class Awaited(Generic[Result]):
+    """A result that may not be known yet. Only the first one counts."""
+
+    __slots__ = ('result', '_callbacks')
 
     def __init__(self) -> None:
-        self.outcome: Outcome | None = None
-        """None until the request has ended."""
-        self._callbacks: list[Callable[[Outcome], None]] = []
+        self.result: Result | None = None
+        """None until it is known."""
+        self._callbacks: list[Callable[[Result], None]] = []
+
+    def settle(self, result: Result) -> None:
+        """Say what the result is."""
+        if self.result is None:
+            self.result = result
+            for callback in self._callbacks:
+                callback(result)
+            self._callbacks.clear()
+
+    def then(self, callback: Callable[[Result], None]) -> None:
+        """Call back with the result: now if it is known, else as soon as it is."""
+        if self.result is None:
+            self._callbacks.append(callback)
+        else:
+            callback(self.result)
+
+
+class Pending(Awaited[Outcome]):
+    """A request whose outcome may not be known yet."""
+
+    __slots__ = ()
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How it ended; None until it has."""
+        return self.result
 
     def end(self, ok: bool, text: str, payload: bytes = b'') -> None:
         """End the request."""
-        if self.outcome is None:
-            self.outcome = Outcome(ok, text, payload)
-            for callback in self._callbacks:
-                callback(self.outcome)
-            self._callbacks.clear()
-
-    def then(self, callback: Callable[[Outcome], None]) -> None:
-        """Call back with the outcome: now if it is known, else as soon as it is."""
-        if self.outcome is None:
-            self._callbacks.append(callback)
-        else:
-            callback(self.outcome)
+        self.settle(Outcome(ok, text, payload))
 
 
 def done(text: str) -> Pending:

@@ -8,10 +8,10 @@ from .. import oi
 from ..robot import MM_PER_M
 from .script_speeds import requested_speeds
 
-# Twice what the wheels can do, for a robot that is pushed: m/s and deg/s.
 FASTEST, FASTEST_TURN = 1.0, 450.0
-# Allowed beyond that, for whole units and late frames: mm and degrees.
+"""m/s and deg/s: twice what the wheels can do, for a robot that is pushed."""
 SLACK, TURN_SLACK = 50, 20
+"""mm and degrees that are allowed beyond that, for whole units and late frames."""
 TURN_LIMIT = 360.0
 """Degrees of requested turning after which the angle should have changed."""
 ANGLE_STUCK = (

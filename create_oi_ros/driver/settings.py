@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from .. import oi
 from ..odometry import Geometry, Knowledge
+from ..oi.codes import START_BAUDS
 from .battery_watch import BatteryLimits
-from .baud_search import USUAL_BAUDS
 from .motion import MotionLimits
 
 
@@ -15,7 +15,7 @@ from .motion import MotionLimits
 class Settings:
     """Settings in SI units."""
 
-    baud: int = USUAL_BAUDS[0]
+    baud: int = START_BAUDS[0]
     """Bits per second; 0 searches for the robot's rate."""
     mode_on_start: oi.Mode = oi.Mode.SAFE
     mode_on_exit: oi.Mode = oi.Mode.PASSIVE

@@ -20,6 +20,8 @@ from typing import Any
 
 import serial
 
+from ..oi.codes import FAST_BAUD, FAST_SPACING
+
 CANDIDATES = ('/dev/create', '/dev/ttyUSB*', '/dev/ttyACM*', '/dev/serial0')
 """Where a Create usually is."""
 READ_LIMIT = 4096
@@ -28,10 +30,6 @@ PERMISSIONS_SETTLED = 1.5
 FAILURES = (OSError, termios.error, TypeError, ValueError)
 """What pyserial raises when a port fails. `termios.error` is no OSError; TypeError and ValueError
 come where another thread has closed the port."""
-FAST = 115200
-"""At this rate the robot needs a pause between bytes (manual: Baud)."""
-FAST_PAUSE = 0.0002
-"""Seconds."""
 
 
 class PortError(OSError):
@@ -111,12 +109,12 @@ class Port:
     def write(self, encoded: bytes) -> None:
         """Write all bytes."""
         try:
-            if self.baud < FAST:
+            if self.baud < FAST_BAUD:
                 self._serial.write(encoded)
                 return
             for byte in encoded:
                 self._serial.write(bytes([byte]))
-                time.sleep(FAST_PAUSE)
+                time.sleep(FAST_SPACING)
         except FAILURES as error:
             raise PortError(f'{self.url}: writing failed ({error}); is the cable in?') from error
 

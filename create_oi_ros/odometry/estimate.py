@@ -62,7 +62,10 @@ class Estimate(NamedTuple):
     twist_covariance: tuple[float, float] = (1e-6, 1e-6)
     """Variances of linear and angular velocity."""
     right_wheel: float = 0.0
-    """Angle of the right wheel, rad, and its speed, rad/s; likewise of the left one."""
+    """Angle of the right wheel, rad."""
     right_wheel_speed: float = 0.0
+    """rad/s."""
     left_wheel: float = 0.0
+    """rad."""
     left_wheel_speed: float = 0.0
+    """rad/s."""

@@ -63,8 +63,8 @@ SOURCES = {(NONE, False): SignSource.MOTION, (LAST, True): SignSource.DRIVE,
 PERIOD = Known(SLOT, 3e-4)
 """Length of a slot of a robot that nobody knows: 15 and 15.625 ms were seen."""
 CERTAIN, FINE, PROMPT = 0.99, 0.01, 0.03
-"""Probability of a rounding and a source of signs, standard deviation of a gain, and of the delay
-of a wheel in seconds, from which on a robot counts as known."""
+"""When a robot counts as known: least probability of its rounding and of its source of signs;
+largest standard deviation of a gain, and of a wheel's delay, s."""
 QUICK = 0.2
 """m/s of a quick drive, at which that delay is looked at."""
 STALE, LEAST = 1.5, 1e-4
@@ -83,9 +83,11 @@ class Knowledge:
     """A robot as the odometry knows it; SI units."""
 
     rounding: Mapping[Rounding, float]
-    """Probabilities."""
+    """Probability of each."""
     encoder_sign: Mapping[SignSource, float]
+    """Probability of each."""
     response: Mapping[Family, float]
+    """Probability of each."""
     right_gain: Known
     """Speed of the right wheel over the speed asked, at high speeds."""
     left_gain: Known

@@ -12,10 +12,10 @@ from .states import DEGREE, MM
 from .tracks import Tracks
 
 SLACK, PART, LAG = 4.0, 0.25, 0.3
-"""Units, part of the way, and seconds of a change of speed, by which obedient wheels may miss a
-reading."""
+"""How far obedient wheels may be from a reading: units, a part of the way, and seconds times the
+changes of speed."""
 BELIEVABLE = 2.0, 0.06, 0.2
-"""The same for wheels that were free: within this they are believed to obey again."""
+"""The same for wheels that did not obey: within this they are believed to obey again."""
 TELLING_TIME = 0.2
 """Seconds that a window must last to tell."""
 

@@ -61,14 +61,18 @@ class Odometry:
         self._discard = True
         self._gap = self._doubt = False
         self._missed: list[tuple[Held, Held]] = []
-        """What the accumulators were believed to hold when a reading was asked for that may have
-        been lost, and at the end of the frames that may have carried it."""
-        self._asked, self._lost = self.tracks.held, False
-        """Whether frames were lost since a reading was asked for."""
+        """For each reading that may have been lost: what the accumulators were believed to hold
+        when it was asked for, and after the last frame that could have carried it."""
+        self._asked = self.tracks.held
+        """What they were believed to hold when a reading was last asked for."""
+        self._lost = False
+        """Whether frames were lost since then."""
         self._driven: bool | None = None
         """Whether the wheels obeyed their requests in the last frame; None before the first."""
-        self._lifted = self._caught_up = False
-        """Whether a wheel hangs down, and whether the estimate stands where the tracks do."""
+        self._lifted = False
+        """Whether a wheel hangs down."""
+        self._caught_up = False
+        """Whether the estimate stands where the tracks do."""
         self._hasty = 0.0
         """Seconds for which corrections may still be as fast as the robot."""
         self._mark: Pose | None = None

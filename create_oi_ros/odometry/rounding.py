@@ -3,18 +3,18 @@
 """
 What a whole number says about the quantity behind it.
 
-A Create reports whole millimetres and degrees.  Such a number is an interval, which one depends
-on the rounding; a normal distribution that meets an interval leaves its cut part, here described
-by mass, mean and variance (docs/odometry.md, "An integer is an interval").
+A Create reports whole millimetres and degrees. Such a number stands for an interval; which one
+depends on the rounding. Of a normal distribution that is cut to an interval a part is left, which
+is described here by its mass, mean and variance (docs/odometry.md, "An integer is an interval").
 """
 
 from math import erf, erfc, exp, sqrt, tau
 
 from ..robot import Rounding
 
-_ROOT_HALF = sqrt(0.5)
-_ROOT_TAU = sqrt(tau)
-_FAR = 6.0
+ROOT_HALF = sqrt(0.5)
+ROOT_TAU = sqrt(tau)
+FAR_TAIL = 6.0
 """Standard deviations from which the tail is treated as an exponential."""
 
 
@@ -32,12 +32,12 @@ def cut_normal(low: float, high: float) -> tuple[float, float, float]:
         # The moments are wanted from the tail that is computed without cancellation.
         mean, variance, mass = cut_normal(-high, -low)
         return -mean, variance, mass
-    if high < -_FAR:
+    if high < -FAR_TAIL:
         return _cut_tail(low, high)
     if high < 0:
-        mass = (erfc(-high * _ROOT_HALF) - erfc(-low * _ROOT_HALF)) / 2
+        mass = (erfc(-high * ROOT_HALF) - erfc(-low * ROOT_HALF)) / 2
     else:
-        mass = (erf(high * _ROOT_HALF) - erf(low * _ROOT_HALF)) / 2
+        mass = (erf(high * ROOT_HALF) - erf(low * ROOT_HALF)) / 2
     width = high - low
     if width < 1e-3:
         # So narrow a piece is flat.
@@ -49,7 +49,7 @@ def cut_normal(low: float, high: float) -> tuple[float, float, float]:
 
 
 def _density(z: float) -> float:
-    return exp(-z * z / 2) / _ROOT_TAU if abs(z) < 38 else 0.0
+    return exp(-z * z / 2) / ROOT_TAU if abs(z) < 38 else 0.0
 
 
 def _cut_tail(low: float, high: float) -> tuple[float, float, float]:

@@ -47,6 +47,13 @@ class BaudCode(IntEnum):
             f'baud rate {rate}; allowed: {", ".join(str(code.rate) for code in cls)}')
 
 
+START_BAUDS = (BaudCode.B57600.rate, BaudCode.B19200.rate)
+"""Rates that the robot can start with, the usual one first (manual: Serial Port Settings)."""
+FAST_BAUD = BaudCode.B115200.rate
+FAST_SPACING = 0.0002
+"""Least seconds between the starts of two bytes to the robot at FAST_BAUD (manual: Baud)."""
+
+
 class DemoNumber(IntEnum):
     """Built-in demos (manual: Demo, opcode 136)."""
 
@@ -148,6 +155,13 @@ class Infrared(IntEnum):
     HOME_BASE_RED_BUOY_AND_GREEN_BUOY = 252
     HOME_BASE_RED_BUOY_GREEN_BUOY_AND_FORCE_FIELD = 254
     NONE = 255
+
+
+BEAMS = int(Infrared.HOME_BASE_RESERVED)
+"""A character of a Home Base is this number plus a bit for each beam that is received."""
+RED_BUOY = Infrared.HOME_BASE_RED_BUOY - BEAMS
+GREEN_BUOY = Infrared.HOME_BASE_GREEN_BUOY - BEAMS
+FORCE_FIELD = Infrared.HOME_BASE_FORCE_FIELD - BEAMS
 
 
 class LedBits(IntFlag):

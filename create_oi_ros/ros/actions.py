@@ -30,7 +30,6 @@ from rclpy.action.server import (
 )
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
-from rclpy.task import Future
 
 from ..driver import goals
 from ..driver.goals import Code, Ending, Goal, Malformed, Progress, Running
@@ -38,6 +37,7 @@ from ..driver.goals.approach import Learned
 from ..driver.goals.motions import Circle, TargetPose
 from ..link.session import Session
 from . import goal_messages, messages
+from .awaiting import future_of
 from .parameters import Parameters
 from .rotation import yaw_of
 from .services import QUEUE
@@ -200,7 +200,7 @@ class Actions:
                 self._pursued = Pursued(action, handle, running, action.type.Feedback())
                 if handle.is_cancel_requested:
                     driver.goals.cancel(running, now)
-                ended = self._ended(running)
+                ended = future_of(running, self._node)
             return self._result(action, handle, await ended)
         return execute
 
@@ -210,17 +210,6 @@ class Actions:
             with self._session.request() as (driver, now):
                 driver.goals.cancel(pursued.running, now)
         return CancelResponse.ACCEPT
-
-    def _ended(self, running: Running) -> Future:
-        """Return a future of the ending; the thread that ends the goal wakes the node."""
-        ended = Future()
-
-        def end(ending: Ending) -> None:
-            ended.set_result(ending)
-            if self._node.executor is not None:
-                self._node.executor.wake()
-        running.then(end)
-        return ended
 
     def _result(self, action: Action, handle: ServerGoalHandle, ending: Ending) -> Any:
         if self._pursued is not None and self._pursued.handle is handle:

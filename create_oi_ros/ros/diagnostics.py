@@ -13,11 +13,12 @@ from functools import lru_cache
 from math import isnan
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
+from ..driver.goals.hazards import bumps
 from ..odometry import Known
 from . import messages
 from .parameters import Parameters
@@ -32,6 +33,8 @@ HOT, TOO_HOT = 45, 60
 CHARGED = (oi.ChargingState.FULL_CHARGING, oi.ChargingState.TRICKLE,
            oi.ChargingState.RECONDITIONING, oi.ChargingState.WAITING)
 TOUCHED = ('bumps_and_wheel_drops', 'overcurrents', 'charging_sources')
+LINK, PARAMETERS = 'serial link', 'parameters'
+"""Names of two statuses, for programs that read them."""
 Values = dict[str, object]
 Verdict = tuple[bytes, str]
 """Level and message."""
@@ -66,9 +69,9 @@ def serial_link(
     elif health.line_problem is not None:
         level, message = WARN, health.line_problem
     elif faults or garbage:
-        level, message = WARN, 'bytes arrive damaged'
+        level, message = WARN, 'bytes arrive damaged: look at plug, cable and motors nearby'
     age = health.frame_age
-    return status(f'{name}: serial link', level, message, {
+    return status(f'{name}: {LINK}', level, message, {
         'port': port, 'frames per second': round((counts.frames - before.frames) / seconds, 1),
         'damaged frames': faults, 'garbage bytes': garbage,
         'seconds since a frame': 'never' if age is None else round(age, 2),
@@ -95,13 +98,11 @@ def safety(name: str, health: Health) -> DiagnosticStatus:
     readings = health.readings
     if not health.answered or not readings.has(*TOUCHED):
         return status(f'{name}: safety', STALE, 'no robot answers', {})
-    bumps = readings.bumps_and_wheel_drops & (
-        oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
     hazards = ', '.join(cause.value for cause in health.hazards)
     overcurrents = [bit.name or '' for bit in oi.Overcurrents if readings.overcurrents & bit]
     level, message = _safety(health, hazards, overcurrents)
     return status(f'{name}: safety', level, message, {
-        'bumper': 'pressed' if bumps else 'free', 'hazards': hazards or 'none',
+        'bumper': 'pressed' if bumps(readings) else 'free', 'hazards': hazards or 'none',
         'overcurrent': ', '.join(overcurrents).lower() or 'none'})
 
 
@@ -148,7 +149,7 @@ def _battery(readings: oi.Readings, state: BatteryState, watched: BatteryLevel) 
     if state.percentage < LOW or watched is BatteryLevel.LOW:
         return WARN, 'low: charge it soon'
     if state.temperature >= HOT:
-        return WARN, f'hot: {state.temperature:.0f} degrees Celsius'
+        return WARN, f'hot, {state.temperature:.0f} degrees Celsius: let it cool'
     return OK, 'charge not known' if isnan(state.percentage) else 'charged enough'
 
 
@@ -198,5 +199,22 @@ def _number(known: Known) -> str:
 
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:
     """Report version and parameters, so that every recording holds them."""
-    return status(f'{name}: parameters', OK, f'version {__version__}', {
+    return status(f'{name}: {PARAMETERS}', OK, f'version {__version__}', {
         'version': __version__, **asdict(values)})
+
+
+def of_driver(
+    message: DiagnosticArray, namespace: str,
+) -> tuple[str, dict[str, DiagnosticStatus]] | None:
+    """
+    Return the name of the driver in a namespace, and its statuses by their names without its own.
+
+    None for a message of another node: all nodes share the topic.
+    """
+    for each in message.status:
+        node, _, about = each.name.rpartition(': ')
+        if about == LINK and node.rpartition('/')[0] == namespace:
+            prefix = f'{node}: '
+            return node, {own.name.removeprefix(prefix): own for own in message.status
+                          if own.name.startswith(prefix)}
+    return None

@@ -19,15 +19,14 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from .actions import ACTIONS, malformed
+from .user_errors import INTERRUPTED
 
-PATIENCE = 10.0
+DISCOVERY_TIMEOUT = 10.0
 """Seconds in which a driver must be found."""
 LOOK_EVERY = 0.1
 """Seconds after which a wait looks whether a signal has come."""
 CANCEL_WAIT = 2.0
 """Seconds in which a driver must say that it has canceled a goal."""
-INTERRUPTED = 130
-"""Exit code of a program that Ctrl-C has ended, as shells have it."""
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Ctrl-C, and signals that do what it does."""
 TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
@@ -78,7 +77,7 @@ class GoalClient:
         if name not in self._clients:
             self._clients[name] = ActionClient(self.node, TYPES[name], name)
         client = self._clients[name]
-        if not client.wait_for_server(PATIENCE):
+        if not client.wait_for_server(DISCOVERY_TIMEOUT):
             domain = self.node.context.get_domain_id()
             raise GoalFailed(f'{name}: no driver in ROS domain {domain}; is ROS_DOMAIN_ID that of '
                              'the driver?')

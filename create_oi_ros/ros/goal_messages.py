@@ -8,12 +8,10 @@ from builtin_interfaces.msg import Duration
 from create_oi_msgs.action import Dock, NavigateToPosition
 
 from ..driver.goals import Code, Ending, Phase, Progress
-from ..driver.goals.docking import BEAMS
+from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from .messages import NANOSECONDS
 from .rotation import of_yaw
 
-RED, GREEN, FIELD = 8, 4, 2
-"""Bits of a Home Base's character (manual: Infrared Byte)."""
 PHASES = {
     Phase.TURNING_TO_PLACE: NavigateToPosition.Feedback.ROTATING_TO_GOAL_POSITION,
     Phase.DRIVING: NavigateToPosition.Feedback.DRIVING_TO_GOAL_POSITION,
@@ -59,9 +57,9 @@ def dock_seen(feedback: Any, progress: Progress) -> None:
     beams = max(0, progress.infrared - BEAMS)
     feedback.state = SEARCH.get(progress.phase or Phase.LOOKING, Dock.Feedback.LOOKING)
     feedback.sees_dock = bool(beams)
-    feedback.red_buoy = bool(beams & RED)
-    feedback.green_buoy = bool(beams & GREEN)
-    feedback.force_field = bool(beams & FIELD)
+    feedback.red_buoy = bool(beams & RED_BUOY)
+    feedback.green_buoy = bool(beams & GREEN_BUOY)
+    feedback.force_field = bool(beams & FORCE_FIELD)
 
 
 def wall_engaged(feedback: Any, progress: Progress) -> None:

@@ -15,6 +15,7 @@ from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from .reference import type_name
+from .topics import CMD_VEL
 
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """What ROS calls a node that it has not heard of yet, though its publisher was found."""
@@ -30,7 +31,7 @@ class GraphWatch:
         """Watch the `cmd_vel` of a node that subscribes to this type."""
         self._node = node
         self._type = type_name(velocity_type)
-        self._topic = node.resolve_topic_name('cmd_vel')
+        self._topic = node.resolve_topic_name(CMD_VEL)
         self._warn = warn
         self._warned: set[str] = set()
         self.publishers: tuple[str, ...] = ()

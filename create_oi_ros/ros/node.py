@@ -101,7 +101,7 @@ class CreateNode(Node):
         stamped = self.parameters.enable_stamped_cmd_vel
         velocity = TwistStamped if stamped else Twist
         self._commands = TopicThread(
-            self, velocity, 'cmd_vel',
+            self, velocity, topics.CMD_VEL,
             self._on_stamped_velocity if stamped else self._on_velocity,
             on_failure=self._on_failure)
         self._graph = GraphWatch(self, velocity, self.get_logger().warning)

@@ -89,9 +89,9 @@ def refusal(name: str, value: Any) -> str | None:
     if choices and value not in choices:
         return f'parameter {name} = {value!r}; allowed: {listed(choices)}'
     if isinstance(value, float) and value != value:
-        return f'parameter {name} is not a number'
+        return f'parameter {name} is not a number: give one'
     if value == '' and _default(name) != '':
-        return f'parameter {name} is empty'
+        return f'parameter {name} is empty: give a value, or leave it out'
     if name.endswith('_frame') and value.startswith('/'):
         return (f"parameter {name} = {value!r}; tf2 takes no leading '/': "
                 f"write {value.lstrip('/')!r}")

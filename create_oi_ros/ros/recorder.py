@@ -23,7 +23,7 @@ from tf2_msgs.msg import TFMessage
 
 from .bags import definitions
 from .reference import type_name
-from .topics import LATCHED, PUBLISHED
+from .topics import CMD_VEL, LATCHED, PUBLISHED
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos
@@ -52,7 +52,7 @@ class Recorder:
         """Messages that are in the file already, of all topics."""
         for topic in PUBLISHED:
             self._record(topic.name, topic.type, topic.qos)
-        self._record('cmd_vel', velocity, QoSProfile(depth=10))
+        self._record(CMD_VEL, velocity, QoSProfile(depth=10))
         # Both published by robot_state_publisher, if it runs.
         self._description = self._record(DESCRIPTION, String, LATCHED)
         self._record('/tf_static', TFMessage, LATCHED)

@@ -34,6 +34,7 @@ from .. import oi
 from ..driver import Outcome, Pending
 from ..link.session import Session
 from . import messages
+from .awaiting import future_of
 from .model_keeper import ModelKeeper
 
 QUEUE = QoSProfile(depth=200)
@@ -79,15 +80,8 @@ class Services:
                                 qos_profile=QUEUE, callback_group=group)
 
     def _ended(self, pending: Pending) -> Future:
-        """Return a future of the outcome; the thread that ends the request wakes the node."""
-        ended = Future()
-
-        def end(outcome: Outcome) -> None:
-            ended.set_result(outcome)
-            if self._node.executor is not None:
-                self._node.executor.wake()
-        pending.then(end)
-        return ended
+        """Return a future of the outcome."""
+        return future_of(pending, self._node)
 
     @service(SetMode, 'enter Passive (1), Safe (2) or Full (3); answers when the robot reports it')
     async def set_mode(

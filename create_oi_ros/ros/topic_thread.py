@@ -4,7 +4,7 @@
 A subscription with a thread of its own.
 
 Each time that rclpy's executor wakes, it gathers everything that it waits for. That is much in
-this node: some thirty services and seven actions take a millisecond of processor time. A velocity
+this node: over twenty services and seven actions take a millisecond of processor time. A velocity
 command, ten or fifty times a second, need not wait for that.
 """
 

@@ -34,7 +34,8 @@ from sensor_msgs.msg import BatteryState, JointState, PointCloud2
 
 from tf2_msgs.msg import TFMessage
 
-from ..oi import BumpsAndWheelDrops, Readings
+from ..driver.goals.hazards import BUMPS
+from ..oi import Readings
 from ..robot import SLOT
 from . import messages
 from .messages import Content
@@ -43,6 +44,9 @@ RELIABLE = QoSProfile(depth=10)
 TRANSFORMS = QoSProfile(depth=100)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """For topics that change rarely: a late subscriber gets the present state."""
+
+CMD_VEL = 'cmd_vel'
+"""The topic of velocity commands, the only one that the node subscribes to."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +106,6 @@ CONTACTS = Topic(
     when='on change at once, at `sensor_rate` while there are points, else 1 Hz',
     about='what bumper, cliffs and virtual wall feel, as points in `base_frame`, for costmaps')
 
-BUMPS = int(BumpsAndWheelDrops.BUMP_LEFT | BumpsAndWheelDrops.BUMP_RIGHT)
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(

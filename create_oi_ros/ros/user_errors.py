@@ -11,8 +11,11 @@ import errno
 import os
 from pathlib import Path
 import re
+import signal
 from types import SimpleNamespace
 
+INTERRUPTED = 128 + signal.SIGINT
+"""Exit code of a program that Ctrl-C has ended, as shells have it."""
 HIGHEST_DOMAIN = 232
 """Domains above it have no UDP ports."""
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

@@ -13,7 +13,8 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
-CMD_VEL = 'cmd_vel'
+from .topics import CMD_VEL
+
 COMMANDS = {f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
 CHECK_INTERVAL, SEARCH_INTERVAL = 1.0, 0.2
 """Seconds between two looks for the driver, when it was there and when it was not."""

@@ -239,7 +239,8 @@ def test_ctrl_c_stops_the_wheels(tmp_path):
             assert time.monotonic() < deadline
             assert program.poll() is None
         program.send_signal(signal.SIGINT)
-        _, errors = program.communicate(timeout=30)
+        told, errors = program.communicate(timeout=30)
+        assert '\nStep 1 of 7 (' in told
         assert program.returncode == 130
         assert errors.strip().endswith('create_check: interrupted; the wheels stand')
         while control.truth()['speed']:

@@ -4,7 +4,7 @@
 
 from collections import deque
 from collections.abc import Callable
-from math import atan2, cos, hypot, remainder, sin, tau
+from math import cos, hypot, remainder, sin, tau
 import time
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 
+from create_oi_ros.ros.rotation import yaw_of
 from create_oi_ros.ros.topics import LATCHED, SENSOR_TOPICS
 from support.ros import Listener
 
@@ -185,4 +186,4 @@ class Watch:
 
 def _pose(odom: Odometry) -> Pose:
     stamp, at, turned = odom.header.stamp, odom.pose.pose.position, odom.pose.pose.orientation
-    return Pose(stamp.sec + stamp.nanosec / 1e9, at.x, at.y, 2 * atan2(turned.z, turned.w))
+    return Pose(stamp.sec + stamp.nanosec / 1e9, at.x, at.y, yaw_of(turned))

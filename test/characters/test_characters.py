@@ -10,6 +10,7 @@ from create_oi_ros.characters.box_lines import BoxLines, cells_between
 from create_oi_ros.characters.canvas import Canvas
 from create_oi_ros.characters.dots import Dots
 from create_oi_ros.characters.ink import encoded, Ink, InkedText
+from create_oi_ros.characters.robot_sign import arrow, hull
 
 CELLS = st.tuples(st.integers(-20, 20), st.integers(-20, 20))
 
@@ -77,3 +78,14 @@ def test_a_ring_has_its_radii():
 ])
 def test_a_row_is_written(row, colors, written):
     assert encoded(row, colors=colors) == written
+
+
+def test_a_robot_points_where_it_looks():
+    assert [arrow(yaw, plain=True) for yaw in (0.0, 0.8, 1.6, -3.1)] == ['>', '/', '^', '<']
+    assert [arrow(yaw, plain=False) for yaw in (0.3, -0.8)] == ['→', '↘']
+
+
+def test_a_hull_is_drawn_where_it_is_larger_than_an_arrow():
+    assert list(hull(5.0, 5.0, 1.0, plain=False).characters())
+    assert not list(hull(5.0, 5.0, 0.7, plain=False).characters())
+    assert not list(hull(5.0, 5.0, 1.0, plain=True).characters())

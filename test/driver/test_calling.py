@@ -9,7 +9,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Settings, Severity
-from create_oi_ros.driver.baud_search import BaudSearch, USUAL_BAUDS
+from create_oi_ros.driver.baud_search import BaudSearch
+from create_oi_ros.oi.codes import START_BAUDS
 from support.loop import Loop, said
 
 
@@ -23,7 +24,7 @@ def test_the_robot_is_found_at_its_rate(baud):
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-@pytest.mark.parametrize('baud', USUAL_BAUDS)
+@pytest.mark.parametrize('baud', START_BAUDS)
 def test_the_usual_rates_are_found_within_a_second(baud):
     loop = Loop(Settings(baud=0), robot_baud=baud)
     loop.run(1.0)

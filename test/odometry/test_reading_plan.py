@@ -39,8 +39,8 @@ def read(window: float = 1.0, times: int = 1) -> ReadingPlan:
     return plan
 
 
-# After the first reading waits are varied by this factor, and after the fifth by the other.
-FIRST, FIFTH = 0.8 + 0.4 * 0.618, 0.8 + 0.4 * (5 * 0.618 % 1)
+FIRST = 0.8 + 0.4 * 0.618
+"""Factor by which waits are varied after the first reading."""
 
 
 @pytest.mark.parametrize(('tracks', 'seconds'), [

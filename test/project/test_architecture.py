@@ -16,7 +16,7 @@ PAGE = (ROOT / 'docs' / 'architecture.md').read_text('utf-8')
 HOMES = (ROOT / PACKAGE, ROOT)
 """Where the paths of the page begin."""
 SPANS = sorted(set(re.findall(r'`([^`\n]+)`', PAGE)))
-FILES = [span for span in SPANS if re.match(r'[\w/]+(\.(py|md|xml)(: [\w.]+)?|/)$', span)]
+FILES = [span for span in SPANS if re.match(r'[\w/]+(\.(py|md|xml|yaml|js)(: [\w.]+)?|/)$', span)]
 """Folders, files, and names in files: `oi/`, `robot.py`, `driver/machine.py: Driver.poll`."""
 DEPTH = 2
 """How deep in the package a folder is still a room."""

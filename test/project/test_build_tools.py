@@ -4,6 +4,7 @@
 
 import importlib.util
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -106,6 +107,14 @@ def test_the_packages_of_pip_are_counted(tool, tmp_path, monkeypatch):
     assert say(f'{log}Installing collected packages: a, b') == '1 of 3 packages installed'
 
 
+def test_a_new_environment_needs_nothing_of_the_old_one(tool, tmp_path, monkeypatch):
+    real = Path(sys.executable).resolve()
+    old = tmp_path / 'python'
+    old.symlink_to(real)
+    monkeypatch.setattr(sys, 'executable', str(old))
+    assert tool('make_venv').INTERPRETER == real
+
+
 def test_the_packages_of_colcon_are_counted(tool, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     say = tool('build').counting(3)
@@ -116,6 +125,22 @@ def test_the_packages_of_colcon_are_counted(tool, tmp_path, monkeypatch):
     out.write_text('-- Found ament\n[  3%] Building\n[ 42%] Building C object\n')
     log += 'Finished <<< tf2_msgs [9.3s]\n'
     assert say(log) == '1 of 3 packages built, create_oi_msgs 42%'
+
+
+def test_messages_are_built_anew_when_one_was_removed(tool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    built = tmp_path / 'install/create_oi_msgs/share/create_oi_msgs'
+    for folder in (tmp_path / 'msg_defs', built):
+        for name in ('msg/Song.msg', 'srv/Stop.srv', 'action/Dock.action'):
+            (folder / name).parent.mkdir(parents=True)
+            (folder / name).touch()
+    (tmp_path / 'build/create_oi_msgs').mkdir(parents=True)
+    tool('build').forget_removed()
+    assert built.exists()
+    (tmp_path / 'msg_defs/srv/Stop.srv').unlink()
+    tool('build').forget_removed()
+    assert not built.exists()
+    assert not (tmp_path / 'build/create_oi_msgs').exists()
 
 
 @pytest.mark.parametrize('name', ['a b', 'ümlaut', 'a;b', '$HOME', '(a)', '日本'])

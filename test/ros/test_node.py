@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node as a process on a simulated serial port, with a subscriber in the test."""
 
-from math import atan2, nan, pi
+from math import nan, pi
 import signal
 
 from create_oi_msgs.msg import Bumper, Cliff, Mode, WheelDrop
@@ -17,6 +17,7 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
+from create_oi_ros.ros.rotation import yaw_of
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.loop import turn_difference
 from support.ros import Scene, scene
@@ -45,12 +46,6 @@ def drive(stage: Scene, linear: float, angular: float, done) -> None:
     velocity.publish(Twist())
 
 
-def yaw_of(odom: Odometry) -> float:
-    """Return the heading of a pose, rad."""
-    turned = odom.pose.pose.orientation
-    return 2 * atan2(turned.z, turned.w)
-
-
 def test_a_metre_and_a_turn_agree_with_the_truth(stage):
     robot = stage.robot()
     stage.node(robot.link)
@@ -66,7 +61,7 @@ def test_a_metre_and_a_turn_agree_with_the_truth(stage):
     truth, last = robot.body.truth().pose, odom[-1]
     assert last.pose.pose.position.x == pytest.approx(truth.x, abs=0.02)
     assert last.pose.pose.position.y == pytest.approx(truth.y, abs=0.02)
-    assert turn_difference(yaw_of(last), truth.yaw) < 0.05
+    assert turn_difference(yaw_of(last.pose.pose.orientation), truth.yaw) < 0.05
     assert (last.header.frame_id, last.child_frame_id) == ('odom', 'base_footprint')
 
 

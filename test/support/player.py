@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Plays a bag as `ros2 bag play` of Jazzy does, which cannot be installed here.
+Plays a bag as `ros2 bag play` of Jazzy does, which the wheels do not have.
 
 As in the sources of rosbag2, it offers each topic with the recorded quality of service, but with
 a history of ten, and with the default one if recorded publishers differ in more than history. It

@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Imports, calls and classes of the repository's Python files, found without running them."""
+"""What is in the repository's Python files, found without running them."""
 
 import ast
 from collections.abc import Iterator
@@ -33,6 +33,11 @@ def imported(path: Path) -> Iterator[str]:
 def home(path: Path, level: int) -> str:
     """Return the package that this many leading dots mean in a file."""
     return '.'.join(path.relative_to(ROOT).parts[:-level]) if level else ''
+
+
+def docstring(path: Path) -> str:
+    """Return the docstring of a file; empty where it has none."""
+    return ast.get_docstring(ast.parse(path.read_text())) or ''
 
 
 def plain_calls(path: Path) -> Iterator[str]:

@@ -23,6 +23,9 @@ ROUGH = {s.LAG: 0.005, s.SLOW_LAG: 0.05, s.FAST_LAG: 0.05, s.DEAD_TIME: 0.004, s
          s.BRAKING: 0.03, s.GAIN_RIGHT: 0.001, s.GAIN_LEFT: 0.001, s.SEPARATION: 0.001}
 """What no fit knows of wheels: least standard deviations."""
 SMALL_STEP = 1e-4
+"""Step for derivatives."""
+FAST_MOVE = 0.3
+"""m/s, the speed of the fastest moves."""
 UNLIKELY = 0.01
 """Probability of a rounding below which it is not tried."""
 
@@ -45,16 +48,13 @@ class Conclusion:
         """Whether a bound of the acceleration matters more than a time constant."""
         wheels = self.wheels
         return (wheels.start.family is Family.LAG
-                and wheels.kind[Kind.BOUND] * QUICK / 2 > time_constant(wheels.kind, QUICK))
+                and wheels.kind[Kind.BOUND] * FAST_MOVE / 2
+                > time_constant(wheels.kind, FAST_MOVE))
 
     @property
     def family_probability(self) -> float:
         """How likely the family of the response is the right one."""
         return self.knowledge.response[self.wheels.start.family]
-
-
-QUICK = 0.3
-"""m/s."""
 
 
 def conclude(pages: Sequence[Page], band: tuple[float, float], period: Known) -> Conclusion:

@@ -19,7 +19,7 @@ from ... import oi
 from ...driver import Health
 from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
-from ...ros.user_errors import UserError
+from ...ros.user_errors import INTERRUPTED, UserError
 from .conclusion import conclude
 from .dead_band_search import DeadBandSearch
 from .moves import CheckStep, CREEPING, duration, Move, Reads, Segment, STEPS
@@ -35,7 +35,6 @@ stairs. It is in Safe mode: it stops at cliffs, but not at walls. Ctrl-C stops t
 ATTEMPTS = 3
 """How often a disturbed move is tried where nobody is there to ask."""
 OFF_THE_DOCK = Move((Segment(2.5, -150, -150),), Reads.END)
-INTERRUPTED = 128 + signal.SIGINT
 
 
 def _arguments() -> argparse.ArgumentParser:
@@ -106,7 +105,7 @@ class GuidedCheck:
 
     def _take(self, step: CheckStep, number: str) -> list[Page]:
         self._person.confirm(
-            f'CheckStep {number} ({duration(step.moves):.0f} s): {step.about}')
+            f'Step {number} ({duration(step.moves):.0f} s): {step.about}')
         pages = []
         for done, move in enumerate(step.moves, 1):
             pages.append(self._made(move))
@@ -115,7 +114,7 @@ class GuidedCheck:
 
     def _creep(self) -> DeadBandSearch:
         search = DeadBandSearch()
-        self._person.confirm(f'CheckStep {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
+        self._person.confirm(f'Step {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
         while (move := search.next_move()) is not None:
             search.learn(self._made(move))
         return search

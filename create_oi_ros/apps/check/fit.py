@@ -64,9 +64,10 @@ INITIAL_GUESSES = (
     InitialGuess(Family.LAG, Belief(1.0, 1.0, 0.0, 4.0, 1e-2), 0.01),
     InitialGuess(Family.SPRING, Belief(np.log(0.15), 1.0, np.log(0.005), np.log(0.6), 1e-2), 0.06),
 )
-ROUNDS, FEW, ENOUGH = 25, 4, 0.5
-"""Rounds of a fit at most, of one that is to show how much worse it is, and the gain of a round
-below which no other follows."""
+ROUNDS, FEW = 25, 4
+"""Rounds of a fit at most, and of one that only shows how much worse another sign is."""
+ENOUGH = 0.5
+"""Gain of a round below which no other round follows."""
 USUAL = 0.5
 """Cost of a reading of distance or angle where the wheels are right."""
 BAD = 0.6

@@ -19,9 +19,9 @@ from .notebook import Page
 STEADY = 1.1
 """Seconds after the begin of a move from which on the wheels run evenly."""
 TICKS = (0.0, 0.27, 0.4446)
-"""Millimetres of a wheel a count: no steps, and what was reported of two robots."""
+"""Millimetres of a wheel's travel for each count: none, and what was reported of two robots."""
 ROUGH, LEAST = 0.06, 2.0
-"""How far a sum may be off, as a part of the motion, and units."""
+"""How far a sum may be off: a part of the motion, and units."""
 MOST = 8.0
 """Greatest cost of one sum: something else may have gone wrong."""
 
@@ -33,6 +33,7 @@ class Steady(NamedTuple):
     right: float
     """Requested way of the right wheel in a frame, mm."""
     left: float
+    """The same of the left wheel."""
     distance: int
     angle: int
 

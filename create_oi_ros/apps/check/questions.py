@@ -5,6 +5,7 @@
 import sys
 
 from ... import oi
+from ...driver.charge_watch import NO_CURRENT
 from .robot_line import RobotLine
 from .verdict import banner_in, Finding
 
@@ -64,8 +65,7 @@ def about_dock(line: RobotLine) -> Finding:
                        'nothing')
     line.enter(oi.Mode.PASSIVE)
     charges = line.until(lambda health: health.readings.has('charging_state')
-                         and health.readings.charging_state
-                         not in (oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT), DOCKED)
+                         and health.readings.charging_state not in NO_CURRENT, DOCKED)
     safe = line.enter(oi.Mode.SAFE)
     answer = 'charging begins' if charges else f'no charging within {DOCKED:.0f} s'
     answer += ('; on the dock it enters Safe' if safe.ok

@@ -4,15 +4,14 @@
 
 from enum import Enum
 
-from ... import oi
 from ...driver import Driver, MotionLimits
+from ...driver.goals.hazards import bumps
 from ...robot import MM_PER_M
 from .moves import Move, Reads
 from .notebook import Notebook, Page, PENDING
 
-BUMPED = oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT
 LIMITS = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
-"""Steps tell most about a robot."""
+"""None on accelerations: steps show most of a robot."""
 REPEAT = 0.1
 """Seconds from one command to the next of the same speeds."""
 TELLING = 0.8
@@ -172,7 +171,7 @@ class Runner:
             self.disturbance = ', '.join(cause.value for cause in health.hazards)
         elif not health.mode.can_drive:
             self.disturbance = f'the robot left Safe mode: {health.mode.reason or "no reason"}'
-        elif readings.has('oi_mode') and readings.bumps_and_wheel_drops & BUMPED:
+        elif readings.has('oi_mode') and bumps(readings):
             self.disturbance = 'the bumper was pressed'
         else:
             return

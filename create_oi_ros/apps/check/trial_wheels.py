@@ -34,15 +34,17 @@ class Kind(IntEnum):
     LEFT_OFFSET = 3
     DEAD_TIME = 4
     SLOW = 5
-    """Logarithm of the time constant at the first knot, and of the others."""
+    """Logarithm of the time constant, s, at the first of KNOTS."""
     MIDDLE = 6
+    """The same at the second."""
     QUICK = 7
+    """The same at the third."""
     BOUND = 8
     """Lag: 1 / acceleration, s²/m. Spring: logarithm of the overshoot."""
     BRAKING = 9
     """Logarithm of how many times as fast a wheel brakes."""
     SEPARATION = 10
-    """Relative to what the manual's robot has."""
+    """By which part the firmware takes the wheels to be wider apart than FIRMWARE_SEPARATION."""
 
 
 class Sign(Enum):
@@ -71,6 +73,8 @@ def simulate(family: Family, kinds: Array, signs: tuple[Sign, ...], asked: Array
 
 
 class _Wheels:
+    """Wheels of some kinds on their way through all moves, a frame at a time."""
+
     def __init__(self, family: Family, kinds: Array, signs: tuple[Sign, ...], asked: Array,
                  period: float) -> None:
         self._family, self._signs = family, signs

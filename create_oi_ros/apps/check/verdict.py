@@ -9,12 +9,12 @@ from typing import NamedTuple
 from ... import oi
 from ...driver import Health
 from ...odometry import Family, Knowledge, Known, Rounding, SignSource
-from ...robot import FIRMWARE_SEPARATION, MM_PER_M
-from .conclusion import Conclusion, QUICK, time_constant
+from ...robot import FIRMWARE_SEPARATION, MILLI, SLOT
+from .conclusion import Conclusion, FAST_MOVE, time_constant
 from .trial_wheels import Kind
 
-SLOW = 0.076
-"""m/s."""
+SLOW_MOVE = 0.076
+"""m/s, a speed at which a Create was measured."""
 LEAST_BANNER = 20
 """Characters in a row that are a banner, and not chance."""
 
@@ -69,10 +69,10 @@ def of_wheels(found: Conclusion, health: Health) -> list[Finding]:
         Finding('braking', f'{known.braking.value:.2f} +- {known.braking.deviation:.2f} times as '
                 'fast as speeding up', None, 'nothing published'),
         _dead_band(known),
-        Finding('wheel separation of the firmware', f'{1000 * width:.1f} mm', None,
+        Finding('wheel separation of the firmware', f'{width / MILLI:.1f} mm', None,
                 '0.258 m is reported; turns agree with 0.262 m on one Create'),
-        Finding('frame period', f'{1000 * period.value:.3f} ms', None,
-                'the manual: 15 ms' if abs(period.value - 0.015) < 1e-4 else
+        Finding('frame period', f'{period.value / MILLI:.3f} ms', None,
+                'the manual: 15 ms' if abs(period.value - SLOT) < 1e-4 else
                 'Create 2: 15.616 to 15.625 ms' if abs(period.value - 0.01562) < 2e-5 else
                 'nothing: was this computer too busy? The speeds depend on it' if period.value >
                 0.0157 else 'neither the 15 ms of the manual nor the 15.62 ms of Create 2'),
@@ -81,7 +81,7 @@ def of_wheels(found: Conclusion, health: Health) -> list[Finding]:
 
 
 def _milliseconds(known: Known) -> str:
-    return f'{MM_PER_M * known.value:.0f} +- {MM_PER_M * known.deviation:.0f} ms'
+    return f'{known.value / MILLI:.0f} +- {known.deviation / MILLI:.0f} ms'
 
 
 def _ratio(known: Known) -> str:
@@ -91,8 +91,8 @@ def _ratio(known: Known) -> str:
 def _response(found: Conclusion) -> Finding:
     """Say how a wheel follows a step of its request."""
     kind, sure = found.wheels.kind, found.family_probability
-    times = ' and '.join(f'{1000 * time_constant(kind, speed):.0f} ms at {speed} m/s'
-                         for speed in (SLOW, QUICK))
+    times = ' and '.join(f'{time_constant(kind, speed) / MILLI:.0f} ms at {speed} m/s'
+                         for speed in (SLOW_MOVE, FAST_MOVE))
     if found.wheels.start.family is Family.SPRING:
         overshoot = 100 * exp(kind[Kind.BOUND])
         return Finding('response', f'second order: overshoots by {overshoot:.0f} %, 1 / natural '
@@ -105,7 +105,7 @@ def _response(found: Conclusion) -> Finding:
 
 
 def _dead_band(known: Knowledge) -> Finding:
-    stands, moves = (round(MM_PER_M * each) for each in known.dead_band)
+    stands, moves = (round(each / MILLI) for each in known.dead_band)
     return Finding('slowest speed that moves it', f'{moves} mm/s ({stands} mm/s does not)', None,
                    '10 mm/s, reported of robots of the 400 series' if 8 <= moves <= 12 else
                    'nothing published: 10 mm/s is reported of the 400 series')

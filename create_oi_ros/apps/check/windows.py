@@ -28,8 +28,9 @@ class Windows(NamedTuple):
     period: float
     move: Index
     first: Index
-    """Frame of the reading before, and of this one."""
+    """Frame of the reading before."""
     last: Index
+    """Frame of this reading."""
     low: Array
     """Least amount that may be behind a reading, metres and radians; axes (reading, unit)."""
     high: Array

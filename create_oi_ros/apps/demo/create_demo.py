@@ -23,15 +23,14 @@ from ...ros.graph_watch import names_of_publishers
 from ...ros.process import call_on_signal, ros_executor
 from ...ros.recorder import Recorder
 from ...ros.simulated_run import run_domain, run_folder
-from ...ros.user_errors import check_environment
+from ...ros.topics import CMD_VEL
+from ...ros.user_errors import check_environment, INTERRUPTED
 from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, TOUR, TourStep, WORLD
 
 BAG = 'create_demo'
 SIGN_INTERVAL = 8.0
 """Seconds after which a line says where the robot is: a step takes up to half a minute."""
-STOPPED = 130
-"""Exit code of a program that Ctrl-C has ended."""
 
 
 def say(text: str) -> None:
@@ -53,7 +52,7 @@ def strangers(node: Node, *, driven: bool) -> str | None:
         return 'another driver'
     if not driven:
         return None
-    found = names_of_publishers(node, 'cmd_vel') - {node.get_fully_qualified_name()}
+    found = names_of_publishers(node, CMD_VEL) - {node.get_fully_qualified_name()}
     return f'{" or ".join(sorted(found)) or "a node that has ended"}, which drives'
 
 
@@ -73,7 +72,7 @@ def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[
         ended = children.ended()
         if ended is not None:
             raise TourError(f'{ended}; see above for why')
-        commands = recorder.counts[node.resolve_topic_name('cmd_vel')]
+        commands = recorder.counts[node.resolve_topic_name(CMD_VEL)]
         stranger = strangers(node, driven=commands > pilot.sent)
         if stranger is not None:
             raise TourError(
@@ -151,7 +150,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = 1
     except Stopped:
         say(f'stopped; what was recorded is {options.folder / BAG}')
-        return STOPPED
+        return INTERRUPTED
     except OSError as error:
         say(f'recording has ended: {error}')
         return 2

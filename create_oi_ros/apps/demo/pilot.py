@@ -18,7 +18,7 @@ from rclpy.node import Node
 
 from ...driver import MotionLimits
 from ...ros.rotation import yaw_of
-from ...ros.topics import LATCHED
+from ...ros.topics import CMD_VEL, LATCHED
 
 PERIOD = 0.05
 """Seconds between two commands."""
@@ -60,7 +60,7 @@ class Pilot:
     ) -> None:
         """`check` is called while waiting, and may raise to end the tour."""
         self._node, self._executor, self._check = node, executor, check
-        self._velocity = node.create_publisher(Twist, 'cmd_vel', 1)
+        self._velocity = node.create_publisher(Twist, CMD_VEL, 1)
         self._commanded: Twist | None = None
         self._next = 0.0
         self.sent = 0

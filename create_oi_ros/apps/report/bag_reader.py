@@ -17,6 +17,8 @@ from typing import Any, TYPE_CHECKING
 
 from ...oi import ChargingState, Mode
 from ...ros.bags import BagError, DamageError, definitions, guarded, reading
+from ...ros.diagnostics import LINK, PARAMETERS
+from ...ros.messages import charging_name
 from ...ros.rotation import yaw_of
 from .recording import Curve, Recording, Span, Spans
 from .recovery import files_of, recover, UNFINISHED, unfinished
@@ -34,7 +36,7 @@ SETTLING = 1.0
 BODY = slice(12, None)
 """Part of a serialized message after the stamp of its header."""
 MODES = {255: 'no robot', **{mode.value: mode.name.capitalize() for mode in Mode}}
-CHARGING = {state.value: state.name.lower().replace('_', ' ') for state in ChargingState
+CHARGING = {state.value: charging_name(state) for state in ChargingState
             if state is not ChargingState.NOT_CHARGING}
 LEVELS = {1: 'warning', 2: 'error', 3: 'stale'}
 OURS = 'create_oi_msgs/msg/'
@@ -139,9 +141,9 @@ class RecordingBuilder:
 
     def _add_status(self, time: float, subject: str, status: Any) -> None:
         values = {each.key: each.value for each in status.values}
-        if subject == 'parameters':
+        if subject == PARAMETERS:
             self.recording.settings = values
-        if subject == 'serial link':
+        if subject == LINK:
             self.recording.link.add(time, *(
                 _number(values.get(key)) for key in
                 ('frames per second', 'damaged frames', 'garbage bytes')))

@@ -8,7 +8,7 @@ green alike; and grey. Events also differ by the form of their mark.
 """
 
 BLUE, ORANGE, GREEN, VERMILION = '#0072B2', '#E69F00', '#009E73', '#D55E00'
-SKY, PURPLE, YELLOW, GREY = '#56B4E9', '#CC79A7', '#F0E442', '#555555'
+SKY, PURPLE, GREY = '#56B4E9', '#CC79A7', '#555555'
 MEASURED, COMMANDED, FAULTS, GAP = BLUE, ORANGE, VERMILION, '#bbbbbb'
 MODES = {'Off': GREY, 'Passive': ORANGE, 'Safe': SKY, 'Full': PURPLE, 'no robot': '#dddddd'}
 COLORS = {'bumper': VERMILION, 'cliff': 'black', 'wheel drop': BLUE, 'mode': PURPLE,

@@ -4,25 +4,20 @@
 
 from __future__ import annotations
 
-from math import ceil, floor, log10, pi
+from math import ceil, floor, log10
 from typing import NamedTuple
 
 from ...characters.canvas import Canvas
 from ...characters.dots import Dots
 from ...characters.ink import Ink
+from ...characters.robot_sign import arrow, CELL_SHAPE, hull
 from ...robot import BODY_RADIUS
 from .robot_state import OdomPose, Trail
 
-CELL_SHAPE = 2.0
-"""Height of a character over its width."""
-ARROWS, PLAIN_ARROWS = '→↗↑↖←↙↓↘', '>/^\\</v\\'
-"""Counter-clockwise from x, in eighths of a turn."""
 LEAST_WIDTH = 3.0
 """Metres across the map at least."""
 MARGIN = 2
 """Cells left free around the trail."""
-SMALLEST_HULL = 0.75
-"""Cells: radius of the smallest hull that is drawn."""
 SIGN_INKS = {'x': Ink.BAD, '!': Ink.WARN}
 STEPS = (1.0, 2.0, 5.0, 10.0)
 """Scales and the scale bar are one of these times a power of ten."""
@@ -88,16 +83,6 @@ def _trail(canvas: Canvas, box: Box, chart: Chart, trail: Trail) -> None:
     _draw_dots(canvas, box, chart, dots, Ink.TRACK)
 
 
-def _hull(canvas: Canvas, box: Box, chart: Chart, here: OdomPose) -> None:
-    """Draw the robot's hull in scale, where it is larger than its arrow."""
-    width = BODY_RADIUS / chart.cell
-    if width < SMALLEST_HULL or canvas.plain:
-        return
-    dots = Dots()
-    dots.ring(*chart.place_of(here.x, here.y), width / CELL_SHAPE, width)
-    _draw_dots(canvas, box, chart, dots, Ink.ROBOT)
-
-
 def _bar(canvas: Canvas, box: Box, chart: Chart) -> None:
     """Draw the scale bar."""
     length = round_up(6 * chart.cell)
@@ -120,12 +105,12 @@ def draw(canvas: Canvas, box: Box, trail: Trail, pose: OdomPose | None) -> None:
     _bar(canvas, box, chart)
     _trail(canvas, box, chart, trail)
     if here is not None:
-        _hull(canvas, box, chart, here)
+        dots = hull(*chart.place_of(here.x, here.y), BODY_RADIUS / chart.cell, plain=canvas.plain)
+        _draw_dots(canvas, box, chart, dots, Ink.ROBOT)
     put(0.0, 0.0, '+')
     for mark in trail.marks:
         put(mark.x, mark.y, mark.sign, SIGN_INKS[mark.sign])
     if here is not None:
-        eighth = round(here.yaw / (pi / 4)) % 8
-        put(here.x, here.y, (PLAIN_ARROWS if canvas.plain else ARROWS)[eighth], highlighted=True)
+        put(here.x, here.y, arrow(here.yaw, plain=canvas.plain), highlighted=True)
     elif pose is not None:
         canvas.put(box.row, box.column + 1, 'the pose is no place on a map', width=box.columns - 1)

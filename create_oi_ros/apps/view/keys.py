@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 from enum import Enum
 from math import inf, pi
 
+from ...driver.goals.wall_following import RIGHT
 from ...oi import Mode
+from ...oi.commands import SONG_NUMBER
 
 ESCAPE = '\x1b'
 ARROWS = {'A': 'up', 'B': 'down', 'C': 'right', 'D': 'left'}
@@ -17,7 +19,7 @@ FINAL = range(0x40, 0x7f)
 """Characters that end an escape sequence."""
 CONFIRM = 1.0
 """Seconds in which a key that asks must be pressed again."""
-SONG = 15
+SONG = SONG_NUMBER.high
 """Song number of our tune: the last one, which others use least."""
 
 
@@ -84,8 +86,6 @@ MOVING = ('dock', 'start_demo', 'undock', 'wall_follow')
 twice."""
 STEP, QUARTER = 0.3, pi / 2
 """Metres and radians of the keys that drive a set way."""
-RIGHT_SIDE = -1
-"""The wall sensor's side, as the action wall_follow has it."""
 BINDINGS = (
     Binding(('up', 'w'), DriveKey(forward=1), 'up w', 'forward, as long as it is held'),
     Binding(('down', 's'), DriveKey(forward=-1), 'down s', 'backward'),
@@ -104,7 +104,7 @@ BINDINGS = (
     Binding(('j',), GoalCall('rotate_angle', {'angle': QUARTER}), 'j l',
             '90 degrees left, right'),
     Binding(('l',), GoalCall('rotate_angle', {'angle': -QUARTER})),
-    Binding(('f',), GoalCall('wall_follow', {'follow_side': RIGHT_SIDE}), 'f f',
+    Binding(('f',), GoalCall('wall_follow', {'follow_side': RIGHT}), 'f f',
             'follow a wall: press twice'),
     Binding(('g',), GoalCall('dock'), 'g g', 'go to the Home Base: press twice'),
     Binding(('u',), GoalCall('undock'), 'u u', 'leave the Home Base: press twice'),

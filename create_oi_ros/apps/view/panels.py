@@ -15,6 +15,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, JointState
 
 from ...characters.ink import Ink
+from ...ros.diagnostics import LINK
 from ...ros.messages import charging_name, mode_name, WHEEL_JOINTS
 from .robot_state import RobotState
 
@@ -191,7 +192,7 @@ def _cargo(cargo: Any) -> Line:
 
 
 def _link(state: RobotState, _: float) -> Line:
-    link = state.diagnostics.get('serial link')
+    link = state.diagnostics.get(LINK)
     if link is None:
         return []
     known = {value.key: value.value for value in link.values}

@@ -21,8 +21,9 @@ from sensor_msgs.msg import JointState
 from ...driver.motion import Velocity
 from ...ros import topics
 from ...ros.actions import ACTIONS
+from ...ros.diagnostics import of_driver, PARAMETERS
 from ...ros.services import SERVICES
-from ...ros.velocity_output import CMD_VEL, NEWEST, VelocityOutput
+from ...ros.velocity_output import NEWEST, VelocityOutput
 from .keys import BINDINGS, GoalCall, ServiceCall, STOP
 from .robot_state import CallStatus, RobotState
 
@@ -30,8 +31,6 @@ HEARD = tuple(topic for topic in topics.PUBLISHED if topic not in (topics.TF, to
 """Topics to subscribe to; /tf repeats `odom`, and `contacts` the sensors."""
 FAST = (Odometry, JointState, CargoBay)
 """Message types that come faster than anybody can read: only the newest is kept."""
-LINK, PARAMETERS = 'serial link', 'parameters'
-"""Names of two statuses in the driver's diagnostics."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 ACTION_TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 
@@ -78,20 +77,14 @@ class ViewNode(Node):
         self.state.update(message, time.monotonic())
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        """Store the diagnostics of the driver in our namespace; other nodes use the topic too."""
-        for status in message.status:
-            node, _, about = status.name.rpartition(': ')
-            if about == LINK and node.rpartition('/')[0] == self._own_namespace:
-                self._on_message(message)
-                self._read_statuses(node, message)
-
-    def _read_statuses(self, node: str, message: DiagnosticArray) -> None:
-        prefix = f'{node}: '
-        self.state.diagnostics = {
-            status.name.removeprefix(prefix): status
-            for status in message.status if status.name.startswith(prefix)}
-        if PARAMETERS in self.state.diagnostics:
-            status = self.state.diagnostics[PARAMETERS]
+        """Store the diagnostics of the driver in our namespace, and what its parameters say."""
+        found = of_driver(message, self._own_namespace)
+        if found is None:
+            return
+        self._on_message(message)
+        node, self.state.diagnostics = found
+        status = self.state.diagnostics.get(PARAMETERS)
+        if status is not None:
             self.state.title = f'create_view  /{node}  {status.message}'
             rate = {value.key: value.value for value in status.values}.get('sensor_rate', '')
             with suppress(ValueError, ZeroDivisionError):  # a driver of another version
@@ -110,7 +103,7 @@ class ViewNode(Node):
                 self.destroy_subscription(self._commands)
             self._heard_type = self._velocity.type
             self._commands = self.create_subscription(
-                self._heard_type, CMD_VEL, self._on_message, NEWEST)
+                self._heard_type, topics.CMD_VEL, self._on_message, NEWEST)
 
     def drive(self, velocity: Velocity) -> None:
         """Publish a velocity command, if a driver has been found."""

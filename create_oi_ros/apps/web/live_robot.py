@@ -34,6 +34,9 @@ from .world_frame import FlatPose
 Json = Any
 HAZARDS = {msg.Bumper: 'bump', msg.Cliff: 'cliff', msg.WheelDrop: 'drop'}
 """Messages whose flags are events on the map."""
+TAKEN = (Odometry, BatteryState, msg.Mode, msg.Charging, msg.Bumper, msg.Cliff, msg.WheelDrop,
+         msg.Wall, msg.Buttons, msg.Overcurrent, msg.Song, msg.IrOmni)
+"""Types of the messages that `LiveRobot.update` takes."""
 FARTHEST = 1e6
 """Metres from the origin beyond which a place is wrong and is not shown."""
 SILENT = 1.5

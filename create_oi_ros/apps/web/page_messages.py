@@ -8,17 +8,17 @@ from collections.abc import Mapping
 import json
 from typing import Any, NamedTuple
 
-from ...oi import Mode
+from ...driver.outputs import LONGEST_NOTE
+from ...oi import Mode, Song, SOUNDING
 from ...robot import TOP_SPEED
 from .driver_seat import TOP_TURN
 from .page_checks import FieldCheck, FLAG, number, one_of, whole
 from .page_goals import GOALS
 
-LONGEST_SONG = 16
-"""Notes (manual: Song)."""
-LOWEST_NOTE, HIGHEST_NOTE = 31, 127
-LONGEST_NOTE = 255 / 64
-"""Seconds (manual: Song)."""
+assert Song.tail is not None
+LONGEST_SONG = Song.tail.counted.high
+"""Notes."""
+LOWEST_NOTE, HIGHEST_NOTE = SOUNDING[0], SOUNDING[-1]
 
 
 class MessageError(ValueError):

@@ -15,6 +15,7 @@ from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
 from ...oi import Mode
+from ...oi.commands import SONG_NUMBER
 from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
 from .driver_seat import DriverSeat, Refused, TOP_TURN
 from .goal_sender import GoalSender
@@ -28,7 +29,7 @@ MOST_REPLIES = 50
 """Replies that wait to be sent to one page; older ones are dropped."""
 MOST_CALLS = 4
 """Calls of one page that have no reply yet."""
-SONG = 15
+SONG = SONG_NUMBER.high
 """Song number of what the page plays: the last one, which others use least."""
 
 

@@ -16,21 +16,20 @@ from rclpy.task import Future
 
 from ...ros import topics
 from ...ros.actions import ACTIONS
+from ...ros.diagnostics import of_driver, PARAMETERS
 from ...ros.polled_topic import PolledTopic
 from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
-from .live_robot import LiveRobot
+from .live_robot import LiveRobot, TAKEN
 
-UNUSED = (topics.TF.name, topics.JOINT_STATES.name, 'cargo_bay', topics.CONTACTS.name)
-"""Topics of the driver that the page does not show; /tf repeats `odom`."""
-HEARD = tuple(topic for topic in topics.PUBLISHED if topic.name not in UNUSED)
+HEARD = tuple(topic for topic in topics.PUBLISHED
+              if topic.type in TAKEN or topic is topics.DIAGNOSTICS)
+"""Topics to subscribe to: those that the page shows."""
 CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'reset_odometry')
 """Services that the page can call."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 REPLY_TIMEOUT = 10.0
 """Seconds to wait for the reply of a service."""
-LINK, PARAMETERS = 'serial link', 'parameters'
-"""Names of two statuses in the driver's diagnostics."""
 
 
 class Reply(NamedTuple):
@@ -95,14 +94,12 @@ class WebNode(Node):
         self._robot.update(message, time.monotonic())
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        """Store the diagnostics of the driver in our namespace; other nodes use the topic too."""
-        for status in message.status:
-            node, _, about = status.name.rpartition(': ')
-            if about == LINK and node.rpartition('/')[0] == self._own_namespace:
-                prefix = f'{node}: '
-                self._robot.diagnose({
-                    each.name.removeprefix(prefix): each for each in message.status
-                    if each.name.startswith(prefix) and not each.name.endswith(PARAMETERS)})
+        """Pass on the diagnostics of the driver in our namespace."""
+        found = of_driver(message, self._own_namespace)
+        if found is not None:
+            _, statuses = found
+            self._robot.diagnose({name: status for name, status in statuses.items()
+                                  if name != PARAMETERS})
 
     def heed(self, action: str, *, heeded: bool) -> None:
         """Begin, or end, to take what the server of an action answers."""

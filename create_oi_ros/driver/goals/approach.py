@@ -14,8 +14,8 @@ from math import copysign, inf, sqrt
 from typing import NamedTuple
 
 COAST, SPREAD = 0.35, 0.12
-"""Seconds of coasting before it is learned, longer than most, so that robots stop short; and their
-standard deviation."""
+"""Coast, s, that is assumed before it is learned, and its standard deviation. It is longer than
+that of most robots, so that they stop short."""
 LEAST_COAST, MOST_COAST = 0.03, 0.8
 DRIFT, NOISE = 0.02, 0.002
 """Seconds by which the coast differs from stop to stop, and metres by which one is measured
@@ -30,22 +30,24 @@ and metres at most."""
 LAST = 0.05
 """Metres before the end in which the robot no longer speeds up."""
 STUCK, FASTER = 0.7, 0.01
-"""Seconds of creeping without motion after which a wheel creeps faster, and m/s by which."""
-FASTEST_CREEP, UNMOVED = 0.08, 0.25
-"""m/s at most, and the part of a correction below which it moved nothing: the next is faster."""
+"""Seconds of creeping without motion after which a wheel creeps faster, and by how many m/s."""
+FASTEST_CREEP = 0.08
+"""m/s at most."""
+UNMOVED = 0.25
+"""A correction that makes less than this part of its way has moved nothing: the next is faster."""
 HELD = 1.2
-"""Seconds for which a speed is held at most at which readings tell how the robot rounds them."""
+"""Most seconds for which a speed is held so that readings tell how the robot rounds them."""
 STANDING = 0.004
 """m/s below which a wheel counts as standing."""
 SETTLE, BLEND, LATEST = 0.15, 0.25, 1.4
-"""Seconds of standing after which a reading confirms the place; in which the odometry takes it in;
-and after which none is waited for."""
+"""Seconds of standing before a reading can confirm the place; seconds in which the odometry takes
+that reading in; seconds of standing after which the robot waits no longer for one."""
 NUDGE = 0.02
 """Metres up to which a correction is a push of a set length: its way is its speed times its
 length, whatever the coast."""
 PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
-"""How the way of a push differs from its speed times its length, in part: standard deviation from
-robot to robot, and from push to push; and metres by which one is measured wrongly."""
+"""Standard deviations of the way of a push over its speed times its length, from robot to robot
+and from push to push; and metres by which one is measured wrongly."""
 LEAST_PUSH, MOST_PUSH = 0.3, 3.0
 CORRECTIONS = 3
 """How often the robot creeps on or back at most."""

@@ -9,6 +9,8 @@ begin to charge.
 """
 
 from ... import oi
+from ...oi.codes import BEAMS
+from ..charge_watch import NO_CURRENT
 from ..motion import MotionLimits, Velocity
 from .approach import Learned
 from .goal import DockDemo, docked, Enter, Goal, Order, Over, View
@@ -25,9 +27,6 @@ AWAY, SPEED = 0.3, 0.1
 HELD, MODE_WAIT = 1.5, 0.6
 """Seconds in Safe after which a docked robot that has not left counts as held, and in which a
 mode should be entered."""
-NO_CURRENT = (oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT)
-BEAMS = 240
-"""The characters of a Home Base are this and more; 255 is none."""
 
 
 class Dock(Goal):

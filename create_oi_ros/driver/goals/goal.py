@@ -77,8 +77,8 @@ class Goal(ABC):
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
     turns_only = False
-    """Whether it only turns: the few readings that each cost a part of a degree matter more then
-    than to be steered by many."""
+    """Whether the goal only turns. Each reading may cost a part of a degree, and a turn needs none
+    to be steered: so few are asked for."""
 
     def __init__(self, allowance: float) -> None:
         """Take the seconds that the goal may take; 0 leaves that to the goal."""

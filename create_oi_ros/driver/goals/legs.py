@@ -17,7 +17,7 @@ from .approach import Approach, Learned, Remaining
 from .goal import View
 
 TELLING = 0.75
-"""Degrees in a frame of which readings tell how the robot rounds them."""
+"""Degrees a frame: at this turning speed readings tell how the robot rounds them."""
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
 HEADING_GAIN, ASIDE_GAIN = 2.0, 4.0

@@ -2,18 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far a goal is, and how it ends."""
 
-from collections.abc import Callable
 from enum import auto, Enum, IntEnum
 from typing import NamedTuple
 
 from ...odometry import Estimate
+from ..pending import Awaited
 
 
 class Code(IntEnum):
     """How a goal ended; the numbers are those of `error_code` in the actions."""
 
     NONE = 0
-    """No error."""
+    """The goal was reached."""
     TIMEOUT = 1
     BUMP = 2
     CLIFF = 3
@@ -68,26 +68,18 @@ class Ending(NamedTuple):
     """Whether the robot was on the contacts of a Home Base then."""
 
 
-class Running:
-    """A goal that was given to the driver. Only the first ending counts."""
+class Running(Awaited[Ending]):
+    """A goal that was given to the driver."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.progress = Progress()
-        self.ending: Ending | None = None
-        """None while the goal runs."""
-        self._callbacks: list[Callable[[Ending], None]] = []
+
+    @property
+    def ending(self) -> Ending | None:
+        """How it ended; None while it runs."""
+        return self.result
 
     def end(self, ending: Ending) -> None:
         """End the goal."""
-        if self.ending is None:
-            self.ending = ending
-            for callback in self._callbacks:
-                callback(ending)
-            self._callbacks.clear()
-
-    def then(self, callback: Callable[[Ending], None]) -> None:
-        """Call back with the ending: now if it is known, else as soon as it is."""
-        if self.ending is None:
-            self._callbacks.append(callback)
-        else:
-            callback(self.ending)
+        self.settle(ending)

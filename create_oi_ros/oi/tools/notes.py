@@ -14,7 +14,7 @@ from ..commands import SOUNDING
 PITCHES = ('C', 'C#', 'D', 'D#', 'E', 'F', 'F#', 'G', 'G#', 'A', 'A#', 'B')
 """The manual's names of the notes in an octave."""
 MIDDLE_C = 60
-_NAME = re.compile(r'([A-G])(#|b?)(\d)', re.IGNORECASE)
+NOTE_NAME = re.compile(r'([A-G])(#|b?)(\d)', re.IGNORECASE)
 
 
 def note_name(number: int) -> str:
@@ -31,7 +31,7 @@ def note_number(name: str) -> int:
 
     ValueError if there is no such note or it makes no sound.
     """
-    match = _NAME.fullmatch(name)
+    match = NOTE_NAME.fullmatch(name)
     if match is None:
         raise ValueError(f'{name!r} is not a note; allowed: names such as C4, C#4 or Db4')
     letter, accidental, octave = match.groups()

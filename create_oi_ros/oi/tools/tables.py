@@ -9,7 +9,8 @@ The declarations as tables, for a terminal and for `docs/open_interface.md`.
 from collections.abc import Iterable, Sequence
 from enum import IntEnum, IntFlag
 
-from ..codes import BaudCode
+from ...robot import MILLI, SLOT
+from ..codes import START_BAUDS
 from ..commands import COMMANDS
 from ..declaration import Command
 from ..packets import GROUPS, PacketList, size_of
@@ -19,8 +20,6 @@ from .markdown import rewritten, Row, table
 
 FORMATS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}
 """A word is two bytes, high byte first."""
-BAUDS = (BaudCode.B57600, BaudCode.B19200)
-"""The baud rates that the robot can start with (manual: Serial Port Settings)."""
 
 
 def commands_table() -> list[Row]:
@@ -87,12 +86,13 @@ def _wires() -> Iterable[tuple[str, Wire]]:
 def budget_lines(packets: PacketList) -> list[str]:
     """Say what streaming a list costs at the baud rates that the robot can start with."""
     lines = []
-    for code in BAUDS:
-        budget = packets.budget(code.rate)
+    for baud in START_BAUDS:
+        budget = packets.budget(baud)
         verdict = f'{budget.spare} to spare' if budget.fits else f'{-budget.spare} too many'
         lines.append(
-            f'{code.rate} baud: a stream frame has {budget.size} bytes and takes '
-            f'{budget.seconds * 1000:.1f} ms; {budget.capacity} fit in 15 ms: {verdict}')
+            f'{baud} baud: a stream frame has {budget.size} bytes and takes '
+            f'{budget.seconds / MILLI:.1f} ms; {budget.capacity} fit in {SLOT / MILLI:.0f} ms: '
+            f'{verdict}')
     return lines
 
 

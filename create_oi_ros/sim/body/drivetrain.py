@@ -3,10 +3,9 @@
 """
 Two wheels and what they do to the robot's pose.
 
-`Drivetrain.horizon` says how long the wheels' present motion keeps its nature, so the body can cut
-time there; within such a piece wheel travel and yaw are exact, and the position is a two-point
-Gauss sum of constant accelerations that give the same travel.  The result therefore hardly
-depends on how time is cut.
+`Drivetrain.horizon` says how long the wheels' present motion keeps its nature; the body cuts time
+there. Within such a piece wheel travel and yaw are exact. The position is a two-point Gauss sum of
+constant accelerations that give the same travel. So the result hardly depends on how time is cut.
 """
 
 from __future__ import annotations
@@ -17,7 +16,8 @@ from typing import NamedTuple
 from .config import BodyConfig
 from .wheel import Wheel
 
-_NODE = 0.5 - 0.5 / math.sqrt(3)
+GAUSS_NODE = 0.5 - 0.5 / math.sqrt(3)
+"""Part of a piece of time at which a two-point Gauss sum looks first."""
 
 
 class Motion(NamedTuple):
@@ -99,7 +99,7 @@ def glide(h: float, yaw: float, speed: float, rate: float,
           acceleration: float, turn_acceleration: float) -> Motion:
     """Move for h seconds with constant linear and angular acceleration; nothing is counted."""
     x = y = 0.0
-    for t in (h * _NODE, h * (1 - _NODE)):
+    for t in (h * GAUSS_NODE, h * (1 - GAUSS_NODE)):
         heading = yaw + (rate + turn_acceleration * t / 2) * t
         stride = (speed + acceleration * t) * h / 2
         x += stride * math.cos(heading)

@@ -13,8 +13,8 @@ import math
 
 from ...robot import Rounding
 
-_MIN, _MAX = -32768, 32767
-_GRAIN = 1e-6
+LOWEST, HIGHEST = -32768, 32767
+UNIT_SLACK = 1e-6
 """Units by which a sum of floats may miss a whole number that it means to be."""
 
 
@@ -33,14 +33,14 @@ class Accumulator:
         """Add; what is waiting to be read stops at the ends of 16 bits, as the manual says."""
         self.total += amount
         pending = self._pending + amount
-        if not _MIN <= pending <= _MAX:
-            pending = _MIN if pending < 0 else _MAX
+        if not LOWEST <= pending <= HIGHEST:
+            pending = LOWEST if pending < 0 else HIGHEST
         self._pending = pending
 
     def take(self) -> int:
         """Read and reset: -32768 to 32767."""
         pending = self._pending
-        nudge = 0.5 if self._rounding is Rounding.ROUND else _GRAIN
-        whole = max(_MIN, min(_MAX, int(pending + math.copysign(nudge, pending))))
+        nudge = 0.5 if self._rounding is Rounding.ROUND else UNIT_SLACK
+        whole = max(LOWEST, min(HIGHEST, int(pending + math.copysign(nudge, pending))))
         self._pending = pending - whole if self._rounding is Rounding.CARRY else 0.0
         return whole

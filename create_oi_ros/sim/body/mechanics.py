@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ...robot import Rounding, SLOT
+from ...robot import MM_PER_M, Rounding, SLOT
 from ..world import Pose, World
 from .config import BodyConfig, Contact
 from .drivetrain import Drivetrain, Motion
@@ -15,9 +15,9 @@ from .encoders import Accumulator
 from .surroundings import docked, Surroundings
 from .wheel import Wheel
 
-_LONGEST_PIECE = SLOT
-"""Seconds: at 0.5 m/s 7.5 mm, so no wall is jumped."""
-_BLOCKED = 0.5
+LONGEST_PIECE = SLOT
+"""Seconds. At top speed this is 7.5 mm, so the robot jumps over no wall."""
+BLOCKED = 0.5
 """Part of the way lost to an obstacle from which the motors labour (guess)."""
 
 
@@ -72,7 +72,7 @@ class Mechanics:
         if self.pushed and not self.lifted:
             speed, rate = self.pushed
         return Truth(self.pose, speed * (1 - self._lost), rate, self._travelled, self._turned,
-                     self.distance.total / 1000, math.radians(self.angle.total))
+                     self.distance.total / MM_PER_M, math.radians(self.angle.total))
 
     def place(self, pose: Pose) -> None:
         """Be put elsewhere without a turn of the wheels; obstacles push the body out."""
@@ -99,10 +99,10 @@ class Mechanics:
     def horizon(self, longest: float) -> float:
         """Return the seconds, at most `longest`, that one `advance` may span."""
         if self.pushed:
-            return min(longest, _LONGEST_PIECE)
+            return min(longest, LONGEST_PIECE)
         if self.wheels.at_rest:
             return longest
-        return self.wheels.horizon(min(longest, _LONGEST_PIECE))
+        return self.wheels.horizon(min(longest, LONGEST_PIECE))
 
     def advance(self, h: float) -> None:
         """Move on by h seconds, at most `horizon`."""
@@ -146,12 +146,12 @@ class Mechanics:
 
     def _count(self, right: float, left: float) -> None:
         """Add what the encoders counted, metres, to what packets 19 and 20 will say."""
-        self.distance.add(500 * (right + left))
+        self.distance.add(MM_PER_M * (right + left) / 2)
         self.angle.add(math.degrees((right - left) / self._config.encoder_separation))
 
     def overloaded(self, wheel: Wheel) -> bool:
         """Return whether a wheel is told to turn and cannot."""
-        stalls = self._config.contact is Contact.STALL and self._lost > _BLOCKED
+        stalls = self._config.contact is Contact.STALL and self._lost > BLOCKED
         return wheel.target != 0 and (wheel.held or stalls)
 
     def drawn(self) -> float:
@@ -160,7 +160,7 @@ class Mechanics:
         for wheel in (self.wheels.right, self.wheels.left):
             if self.overloaded(wheel):
                 drawn += config.wheel_stalled
-            elif wheel.target and self._lost > _BLOCKED:
+            elif wheel.target and self._lost > BLOCKED:
                 drawn += config.wheel_blocked
             elif wheel.target or wheel.speed:
                 drawn += config.wheel_idle + config.wheel_per_speed * abs(wheel.speed)

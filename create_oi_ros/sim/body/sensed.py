@@ -9,12 +9,6 @@ from ...oi import ChargingState, Infrared, NUMBERS, PACKETS
 
 NO_INFRARED = int(Infrared.NONE)
 """Packet 17 while no infrared character is received."""
-BEAMS = int(Infrared.HOME_BASE_RESERVED)
-"""Packet 17 near a Home Base is this number plus a bit for each beam that is seen."""
-# The bits of the three beams.
-RED_BUOY = Infrared.HOME_BASE_RED_BUOY - BEAMS
-GREEN_BUOY = Infrared.HOME_BASE_GREEN_BUOY - BEAMS
-FORCE_FIELD = Infrared.HOME_BASE_FORCE_FIELD - BEAMS
 
 
 class Sensed(NamedTuple):

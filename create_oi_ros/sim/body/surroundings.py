@@ -12,10 +12,11 @@ left positive.
 
 import math
 
+from ...oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ...robot import CLIFF_BEARINGS
 from ..world import HomeBase, Pose, World
 from ..world.geometry import Obstacle, Point, reach, sees
-from .sensed import BEAMS, FORCE_FIELD, GREEN_BUOY, NO_INFRARED, RED_BUOY
+from .sensed import NO_INFRARED
 
 TOUCH = 0.0005
 """Gap to an obstacle at which the bumper is pressed, metres."""

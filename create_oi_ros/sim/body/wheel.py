@@ -10,14 +10,14 @@ import math
 from .config import BodyConfig, EncoderSign
 from .wheels import Follower, Lag, Ramp, Response, Spring
 
-_DUE = 1e-9
+MOMENT_SLACK = 1e-9
 """Seconds by which a sum of times may miss the moment at which a request takes effect."""
-_GRAIN = 1e-9
+TICK_SLACK = 1e-9
 """Ticks by which a sum of floats may miss a whole number of them."""
 
 
 class Wheel:
-    """Motor, tyre and encoder.  Speeds in m/s, forwards positive."""
+    """Motor, tyre and encoder. Speeds in m/s, forwards positive."""
 
     __slots__ = ('target', 'slip', 'grounded', '_held', '_up', '_rolled_up', '_scale', '_gain',
                  '_offset', '_top', '_sign', '_dead_time', '_dead_band', '_tick', '_between',
@@ -122,7 +122,7 @@ class Wheel:
     def horizon(self, longest: float) -> float:
         """Return the seconds, at most `longest`, for which one `roll` is exact."""
         if self._waiting:
-            longest = min(longest, max(self._waiting[0][0], _DUE))
+            longest = min(longest, max(self._waiting[0][0], MOMENT_SLACK))
         return self._follower.horizon(longest)
 
     def roll(self, h: float) -> float:
@@ -131,7 +131,7 @@ class Wheel:
         self._rolled_up = self._up
         if self._waiting:
             self._waiting = deque((wait - h, speed) for wait, speed in self._waiting)
-            while self._waiting and self._waiting[0][0] <= _DUE:
+            while self._waiting and self._waiting[0][0] <= MOMENT_SLACK:
                 self._obey(self._waiting.popleft()[1])
         return travel
 
@@ -152,7 +152,7 @@ class Wheel:
         if not self._tick:
             return counted
         self._between += counted
-        ticks = math.trunc(self._between / self._tick + math.copysign(_GRAIN, self._between))
+        ticks = math.trunc(self._between / self._tick + math.copysign(TICK_SLACK, self._between))
         self._between -= ticks * self._tick
         return ticks * self._tick
 

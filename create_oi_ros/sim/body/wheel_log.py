@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 C2_TICK = 0.0004446
 """Metres a count of a Create 2."""
-_WRAP = 65536
+COUNTS = 65536
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +76,6 @@ def _unwrapped(counts: list[int], tick: float) -> tuple[float, ...]:
     """Return metres since the first count, from counts that wrap at 16 bits."""
     total, metres = 0, [0.0]
     for a, b in zip(counts, counts[1:]):
-        total += (b - a + _WRAP // 2) % _WRAP - _WRAP // 2
+        total += (b - a + COUNTS // 2) % COUNTS - COUNTS // 2
         metres.append(total * tick)
     return tuple(metres)

@@ -4,8 +4,8 @@
 How a wheel's speed follows the speed that is asked of it: the response models.
 
 Each model advances a speed towards a goal that is constant for the step, and is exact for it.
-What real robots do is in EVIDENCE (docs/simulator.md): a real Create answered like a first-order
-lag with a time constant near 0.2 s; other models are here because nobody measured yours.
+docs/simulator.md lists what was measured of real robots: one Create answered like a first-order
+lag with a time constant near 0.2 s. The other models are for robots that answer otherwise.
 """
 
 from __future__ import annotations

@@ -13,9 +13,10 @@ import math
 from random import Random
 
 from ...oi import DemoNumber, Infrared, Note
+from ...oi.codes import BEAMS, GREEN_BUOY, RED_BUOY
 from ...robot import MM_PER_M, SLOT
 from ..body import Body
-from ..body.sensed import BEAMS, GREEN_BUOY, RED_BUOY, Sensed
+from ..body.sensed import Sensed
 from .actuators import ActuatorState, CommandedWheels
 from .script_waits import cliff
 
@@ -29,7 +30,7 @@ PACHELBEL = (78, 76, 74, 73, 71, 69, 71, 73, 74, 73, 71, 69, 67, 66, 67, 64)
 """The Canon's first violin, its first sixteen notes (MIDI numbers)."""
 G_MAJOR, D_MAJOR_7, C_MAJOR = (55, 59, 62, 67), (62, 66, 69, 73), (60, 64, 67, 72)
 """Banjo's chords, one note for each cliff sensor from left to right."""
-PATIENCE = 400
+LOST_AFTER = 400
 """Slots without a beam after which the search for a Home Base ends."""
 ASKEW = 4.0
 """Degrees off the seam that are not corrected."""
@@ -186,7 +187,7 @@ def dock(controls: Controls) -> Demo:
     The direction of the seam is the mean of the headings at which a circle leaves and meets it.
     """
     lost, left_at = 0, controls.angle
-    while lost < PATIENCE and not controls.sense.home_base:
+    while lost < LOST_AFTER and not controls.sense.home_base:
         beams = controls.beams
         lost = 0 if beams else lost + 1
         if _bumped(controls):

@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 import math
 from typing import Any
 
+from ...robot import SLOT
 from ..body import body_guesses
 
 
@@ -27,8 +28,8 @@ class Guesses:
     opcode_7_resets: bool = True
     """The undocumented opcode 7 restarts the robot (reported)."""
     dock_ends_safe: bool = False
-    """The Home Base counts as 'charger plugged in and powered' in Safe.  Were it so, no robot
-    could leave its dock in Safe."""
+    """The Home Base counts as 'charger plugged in and powered' in Safe. If it did, no robot could
+    leave its dock in Safe."""
     dock_holds_safe: bool = True
     """Docked in Safe, the wheels do not turn until the battery is full (reported)."""
     dock_charges: bool = True
@@ -42,14 +43,14 @@ class Guesses:
     """The stream goes on while a script waits."""
     mask_bits: bool = True
     """Bits without a meaning in LEDs, Low Side Drivers and Digital Outputs are taken as 0
-    (reported of LEDs: 139 25 0 128 lights them).  Else the robot ignores the command."""
+    (reported of LEDs: 139 25 0 128 lights them). Else the robot ignores the command."""
     mode_settle: float = 0.0
     """Seconds after a change of mode in which bytes are lost; 0.02 is reported of the Roomba
     ('ignored or only partially received')."""
     overrun: bool = False
-    """At 115200, bytes less than 200 microseconds apart are lost (manual: Baud, 'may').  Bytes
+    """At 115200, bytes less than 200 microseconds apart are lost (manual: Baud, 'may'). Bytes
     received in one call count as sent back to back."""
-    frame_period: float = 0.015
+    frame_period: float = SLOT
     """Seconds of a slot by the computer's clock (manual: 15 ms; of Create 2 0.015625 was measured,
     of Create 1 nothing was published)."""
     transmit_buffer: int = 256

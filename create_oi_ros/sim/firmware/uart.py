@@ -8,18 +8,15 @@ as the wire would (`create_sim --wire-time`). The port does compute the time tha
 need, so that a stream that asks for too much is corrupted.
 """
 
-from ...oi import BaudCode, BITS_PER_BYTE
+from ...oi import BITS_PER_BYTE
+from ...oi.codes import FAST_BAUD, FAST_SPACING, START_BAUDS
 from ...robot import SLOT
 from ..timing import TOLERANCE
 
-DEFAULT_BAUD = BaudCode.B57600.rate
-SLOW_BAUD = BaudCode.B19200.rate
+DEFAULT_BAUD, SLOW_BAUD = START_BAUDS
 """Bits per second at power-on, and after the two ways of the manual's Serial Port Settings."""
 BAUD_PAUSE = 0.1
 """Seconds after Baud in which nothing is received or sent (manual: Baud)."""
-FAST_BAUD = BaudCode.B115200.rate
-FAST_SPACING = 0.0002
-"""Least seconds between the starts of two characters at 115200 (manual: Baud)."""
 LONGEST_REPLY = 1 << 14
 """Bytes; more than any reply has, so only a host that never stops asking loses some."""
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 import csv
 import ipaddress
-import os
 from pathlib import Path
 import signal
 import sys
@@ -29,8 +28,6 @@ from .play import play, Player
 from .serve import Server
 from .show import shower
 
-BROKEN_PIPE = 128 + signal.SIGPIPE
-"""Exit code when the reader of the output has gone."""
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
 
@@ -215,7 +212,7 @@ def _run(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> N
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_sim`; return its exit code."""
+    """Run `create_sim`; return its exit code. BrokenPipeError: nobody reads its output."""
     parser = _arguments()
     options = parser.parse_args(arguments)
     try:
@@ -231,9 +228,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         _run(options, guesses, config)
     except BrokenPipeError:
-        # Python flushes stdout at exit, which would fail again: send that to the null device.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return BROKEN_PIPE
+        raise  # nobody reads the output: the caller ends the program quietly
     except CaptureError as error:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1

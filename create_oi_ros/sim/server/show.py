@@ -12,6 +12,7 @@ from ...characters.box_lines import BoxLines, cells_between
 from ...characters.canvas import Canvas
 from ...characters.dots import Dots
 from ...characters.ink import encoded, has_colors, Ink
+from ...characters.robot_sign import arrow, CELL_SHAPE, hull
 from ...robot import BODY_RADIUS, MILLI
 from ..firmware import Create
 from ..world import World
@@ -20,13 +21,8 @@ from ..world.geometry import Disc, LineSegment, Point
 COLUMNS, ROWS = 80, 24
 """Size of the picture at least, and where there is no terminal."""
 STATUS_ROWS = 3
-CELL_SHAPE = 2.0
-"""Height of a character over its width."""
 AROUND = 1.5
 """Metres that are shown around the track in a room without walls."""
-ARROWS, PLAIN_ARROWS = '→↗↑↖←↙↓↘', '>/^\\</v\\'
-SMALLEST_HULL = 0.75
-"""Cells: radius of the smallest robot that is drawn as more than its arrow."""
 WALL, POST, BASE = '#', 'O', 'H'
 INKS = {'~': Ink.WARN, ':': Ink.SIGNAL, BASE: Ink.GOOD}
 """Colours of what is drawn with these characters."""
@@ -111,13 +107,10 @@ class RoomMap:
 
     def robot(self, here: Point, yaw: float) -> None:
         """Draw the robot: its hull in scale, if there is room, and an arrow."""
-        width = BODY_RADIUS / self.cell
-        if width >= SMALLEST_HULL and not self._canvas.plain:
-            dots = Dots()
-            dots.ring(*self.place_of(*here), width / CELL_SHAPE, width)
-            self._put_dots(dots, Ink.ROBOT)
-        arrows = PLAIN_ARROWS if self._canvas.plain else ARROWS
-        self.put(self.cell_of(here), arrows[round(yaw / (math.tau / 8)) % 8], Ink.ROBOT)
+        plain = self._canvas.plain
+        self._put_dots(
+            hull(*self.place_of(*here), BODY_RADIUS / self.cell, plain=plain), Ink.ROBOT)
+        self.put(self.cell_of(here), arrow(yaw, plain=plain), Ink.ROBOT)
 
     def _put_dots(self, dots: Dots, ink: Ink) -> None:
         for cell, character in dots.characters(plain=self._canvas.plain):

@@ -33,8 +33,9 @@ class Map(NamedTuple):
     width: int
     height: int
     x: float
-    """Of the lower left corner, m."""
+    """m, of the lower left corner."""
     y: float
+    """m, of the same."""
     cells: bytes
 
     def at(self, x: float, y: float) -> int:
