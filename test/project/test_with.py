@@ -211,6 +211,7 @@ def test_the_filter_takes_speeds_from_the_driver():
 
 def test_every_status_of_the_driver_is_in_one_group():
     names = re.findall(r"f'\{name\}: ([a-z ]+)'", Path(diagnostics.__file__).read_text('utf-8'))
+    names += [diagnostics.LINK, diagnostics.PARAMETERS]
     analyzers = parameters('diagnostic_aggregator.yaml', '/analyzers')
     groups = [value for name, value in analyzers.items() if name.endswith('.contains')]
     assert len(set(names)) == 7

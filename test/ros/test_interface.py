@@ -4,6 +4,7 @@
 
 import signal
 from statistics import median
+from typing import Any
 
 from create_oi_msgs.msg import (
     Buttons,
@@ -37,6 +38,7 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
+from create_oi_ros.driver.state import Activity, REFUSALS
 from create_oi_ros.ros import messages
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
@@ -67,15 +69,22 @@ class Ready:
         """Wait until the newest `mode` message has this mode."""
         self.ros.until(lambda: self.modes and self.modes[-1].mode == mode, f'mode {mode}')
 
+    def _reply(self, type_: type, name: str, **fields: object) -> Any:
+        """Return the reply; a computer that stood still may have lost the robot for a moment."""
+        def answered() -> Any:
+            reply = self.ros.call(type_, name, **fields)
+            return None if reply.message == REFUSALS[Activity.CALLING] else reply
+        return self.ros.until(answered, f'an answer to {name}')
+
     def ask(self, type_: type, name: str, **fields: object) -> str:
         """Call a service that must succeed; return its message."""
-        reply = self.ros.call(type_, name, **fields)
+        reply = self._reply(type_, name, **fields)
         assert reply.success, reply.message
         return reply.message
 
     def refused(self, type_: type, name: str, **fields: object) -> str:
         """Call a service that must fail; return its message."""
-        reply = self.ros.call(type_, name, **fields)
+        reply = self._reply(type_, name, **fields)
         assert not reply.success
         assert reply.message
         return reply.message
