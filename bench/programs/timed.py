@@ -24,8 +24,10 @@ from create_oi_ros.driver.tracking import Tracking
 from create_oi_ros.link.port import Port
 from create_oi_ros.odometry import Odometry
 from create_oi_ros.oi import StreamReader
+from create_oi_ros.ros import publishing
 from create_oi_ros.ros.node import main
 from create_oi_ros.ros.publishing import FramePublisher
+from create_oi_ros.ros.serialized import Fill, Packing
 
 SETTLE = 270
 """Reads of the port, one for each frame, before counting: ROS nodes need time for discovery."""
@@ -55,6 +57,19 @@ class Profile:
             return self._timed(key, functools.partial(method, *arguments, **named))
 
         setattr(owner, name, measured)
+
+    def wrap_sending(self) -> None:
+        """Measure as `Publisher.publish` also what sends the messages that are bytes."""
+        sending = publishing.sending
+
+        def measured(publisher: Publisher, fill: Fill) -> Callable[[Any], None]:
+            send = sending(publisher, fill)
+            if not isinstance(fill, Packing):
+                return send
+            return lambda message: self._timed(
+                'Publisher.publish', functools.partial(send, message))
+
+        publishing.sending = measured
 
     def _next_round(self) -> None:
         """Note the time at which the thread reads again; begin to count after SETTLE reads."""
@@ -88,6 +103,7 @@ profile.wrap(Tracking, 'take')
 profile.wrap(Odometry, 'update')
 profile.wrap(FramePublisher, 'publish')
 profile.wrap(Publisher, 'publish')
+profile.wrap_sending()
 profile.wrap(Driver, 'poll')
 code = main()
 print(json.dumps(profile.result()))

@@ -21,6 +21,7 @@ from typing import Any
 import serial
 
 from ..oi.codes import FAST_BAUD, FAST_SPACING
+from ..robot import MILLI
 
 CANDIDATES = ('/dev/create', '/dev/ttyUSB*', '/dev/ttyACM*', '/dev/serial0')
 """Where a Create usually is."""
@@ -55,9 +56,12 @@ class Port:
             self._serial.open()
         except FAILURES as error:
             raise PortError(_advice(url, error), temporary=_settling(url, error)) from error
-        self._timeout = timeout
         self._line = self.descriptor
+        self._waiting = select.poll()
+        self._longest = timeout / MILLI
+        """Milliseconds that a read waits."""
         if self._line is not None:
+            self._waiting.register(self._line, select.POLLIN)
             self._serial.timeout = 0  # `read` waits itself: one system call instead of two
 
     @property
@@ -85,7 +89,7 @@ class Port:
         """Wait for bytes and return them; b'' when none came before the timeout."""
         try:
             if self._line is not None:
-                ready, _, _ = select.select([self._line], [], [], self._timeout)
+                ready = self._waiting.poll(self._longest)
                 return self._read_waiting(self._line) if ready else b''
             first: bytes = self._serial.read(1)
             if not first:

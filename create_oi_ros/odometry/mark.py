@@ -12,6 +12,7 @@ with the states is kept.
 import numpy as np
 
 from . import states as s
+from .noise import MOVED
 from .request_history import Array
 
 
@@ -30,8 +31,8 @@ class MarkedPose:
         return x, y, yaw
 
     def advance(self, transition: Array) -> None:
-        """Let the states move by a matrix a track."""
-        self._common = transition @ self._common
+        """Let the states `MOVED` follow from all, by a matrix a track."""
+        self._common[:, MOVED] = transition @ self._common
 
     def cut(self, columns: Array, index: int, shift: Array, less: Array) -> None:
         """

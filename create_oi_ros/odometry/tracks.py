@@ -22,6 +22,7 @@ from .doubt import Doubt
 from .estimate import Geometry
 from .knowledge import Knowledge, known
 from .mark import MarkedPose
+from .noise import MOVED
 from .request_history import Array
 from .rounding import interval
 from .states import DEGREE, MM
@@ -47,8 +48,6 @@ SWIFT = 0.3
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
 SPEEDS = s.SPEEDS
-SAME = np.eye(s.SIZE)[None]
-"""The transition of states that stay as they are."""
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
 Held = tuple[float, float]
@@ -163,8 +162,10 @@ class Tracks:
         self._catch_up()
         poses = self.wheels.poses[:, :, 0]
         off = poses - (poses @ self._shares)[:, None]
-        f, q = self._transition(BEST)[0, s.X:], self._noise(BEST)[0, s.X:, s.X:]
-        p = f @ self.rows.p[0] @ f.T + q
+        p = self.rows.p[0, s.X:, s.X:]
+        if self._seconds:
+            f = self.wheels.transition(self._start[BEST])[0, s.X - MOVED.start:]
+            p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, s.X:, s.X:]
         blur = np.sqrt(np.diag(p)[3:])
         self._vague = float(blur[1]) / DEGREE
         self.blur = max(float(blur[0]) / MM / 2, self._vague)
@@ -291,17 +292,6 @@ class Tracks:
         """Begin to gather noise afresh."""
         self._seconds, self._changes, self._unsure = 0.0, np.zeros(2), np.zeros(2)
 
-    def _transition(self, tracks: slice) -> Array:
-        """Return the transition of the states since the copies were made, a matrix a track."""
-        w, start = self.wheels, self._start[tracks]
-        f = np.repeat(SAME, len(start), axis=0)
-        ends = np.concatenate([w.speed, w.poses, w.counts])[:, tracks].transpose(1, 0, 2)
-        f[:, s.SPEED_RIGHT:, :s.UNKNOWNS] = (
-            ends[:, :, 1:] - ends[:, :, :1]) / w.steps[tracks, None]
-        f[:, s.X, s.YAW] = start[:, 1] - ends[:, 3, 0]
-        f[:, s.Y, s.YAW] = ends[:, 2, 0] - start[:, 0]
-        return f
-
     def _noise(self, tracks: slice) -> Array:
         w = self.wheels
         did = noise.Stretch(self._seconds, self._changes, self._unsure, w.path[:, tracks],
@@ -312,10 +302,12 @@ class Tracks:
 
     def _carried(self) -> Array:
         """Return the covariances now; what is far from linear is noise in part."""
-        f, p = self._transition(ALL), self.rows.p
-        g, unknown = f[:, s.X:, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
-        q = self._noise(ALL)
-        p = f @ p @ f.transpose(0, 2, 1) + q
+        f, p, q = self.wheels.transition(self._start), self.rows.p, self._noise(ALL)
+        g, unknown = f[:, s.X - MOVED.start:, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
+        moved = f @ p
+        p = p + q
+        p[:, MOVED], p[:, :, MOVED] = moved, moved.transpose(0, 2, 1)
+        p[:, MOVED, MOVED] = moved @ f.transpose(0, 2, 1) + q[:, MOVED, MOVED]
         self._q = np.stack([q[:, index, index] for index, _ in UNITS])
         p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
         return p
@@ -325,7 +317,7 @@ class Tracks:
         self._catch_up()
         w, means = self.wheels, self.rows.means
         if self.rows.mark is not None:
-            self.rows.mark.advance(self._transition(ALL))
+            self.rows.mark.advance(w.transition(self._start))
         self.rows.p = self._carried()
         self._noisy = self._noisy + self._q
         means[:, s.POSE] = w.poses[:, :, 0].T

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..robot import FIRMWARE_SEPARATION
 from . import states as s
+from .noise import MOVED
 from .request_history import Array, RECENT, RequestHistory
 from .springs import Springs
 
@@ -37,6 +38,8 @@ SHORTEST_LAG, LEAST_RAMP = 0.004, 1e-6
 """Seconds, and s²/m."""
 OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 1)])
 """Which of a track's two dead times a copy has."""
+SAME = np.eye(s.SIZE)[None, MOVED]
+"""How states that wheels move follow from all, where they did not."""
 NONE, LAST, UPWARD = range(3)
 """Where an encoder takes its sign from: the motion; the last speed asked that was not zero; the
 speed asked, where zero counts as forwards."""
@@ -73,11 +76,10 @@ class WheelModel:
     def spread(self, rows: Rows, steps: Array) -> None:
         """Make copies from the tracks' means, off by these steps each."""
         self.signs, means = rows.signs, rows.means
-        copies = np.repeat(means[:, None, :], s.UNKNOWNS + 1, axis=1)
+        copies = np.repeat(means.T[:s.DISTANCE, :, None], s.UNKNOWNS + 1, axis=2)
         which = np.arange(s.UNKNOWNS)
-        copies[:, which + 1, which] += steps
+        copies[which, :, which + 1] += steps.T
         self.steps = steps
-        copies = np.ascontiguousarray(copies.transpose(2, 0, 1))
         self._take_unknowns(copies)
         self._all_move = bool((means[:, s.MOVES_RIGHT:s.MOVES_LEFT + 1] == 1).all())
         self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1].copy()
@@ -126,6 +128,20 @@ class WheelModel:
         """The same of the first track alone."""
         right, left = self._rolled[:, 0, 0].tolist()
         return (right + left) / 2, (right - left) / float(self.track_width[0, 0])
+
+    def transition(self, start: Array) -> Array:
+        """
+        Return how the states `MOVED` follow from all states since the copies were made.
+
+        A matrix for each of the first tracks, which began at these poses.
+        """
+        f = np.repeat(SAME, len(start), axis=0)
+        ends = np.concatenate([self.speed, self.poses, self.counts])[:, :len(start)]
+        ends = ends.transpose(1, 0, 2)
+        f[:, :, :s.UNKNOWNS] = (ends[:, :, 1:] - ends[:, :, :1]) / self.steps[:len(start), None]
+        f[:, 2, s.YAW] = start[:, 1] - ends[:, 3, 0]
+        f[:, 3, s.YAW] = ends[:, 2, 0] - start[:, 0]
+        return f
 
     def ask(self, right: float, left: float, stands: Sequence[bool]) -> Array:
         """Take other requests, of which some may not move; return by how much they changed."""

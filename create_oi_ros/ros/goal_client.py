@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from .actions import ACTIONS, malformed
+from .process import leave_out_generator
 from .user_errors import INTERRUPTED
 
 DISCOVERY_TIMEOUT = 10.0
@@ -53,6 +54,7 @@ class GoalClient:
         self._waiting = self._interrupted = False
 
     def __enter__(self) -> 'GoalClient':
+        leave_out_generator()
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         if current_thread() is main_thread():
             self._handlers = {number: signal.signal(number, self._on_signal) for number in SIGNALS}

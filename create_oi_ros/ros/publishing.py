@@ -7,6 +7,7 @@ A topic without subscribers is not published; how many there are is checked ten 
 Latched topics are always published, for subscribers that come later.
 """
 
+from collections.abc import Callable
 from math import inf
 import time
 from typing import Any
@@ -22,7 +23,7 @@ from ..oi import Readings
 from . import messages, topics
 from .messages import Content
 from .parameters import Parameters
-from .serialized import Fill, filling, is_number, packing
+from .serialized import Fill, filling, is_number, Packing, packing
 from .topics import EARLY, Pace, Schedule, SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
@@ -56,6 +57,19 @@ def cheapest(node: Node, message: Any, paths: tuple[str, ...]) -> Fill:
     return filling(message, paths)
 
 
+def sending(publisher: Publisher, fill: Fill) -> Callable[[Any], None]:
+    """
+    Return what publishes the messages of a function that fills them.
+
+    For bytes it is what `Publisher.publish` calls itself, after it has guarded the publisher
+    against being destroyed meanwhile. A node's publishers last until its session has ended.
+    """
+    send: Callable[[Any], None] = publisher.publish
+    if isinstance(fill, Packing):
+        send = publisher.handle.publish_raw
+    return send
+
+
 class FilledTopic:
     """One topic, its message, and what fills it."""
 
@@ -66,6 +80,7 @@ class FilledTopic:
         self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         stamp = tuple(f'{header}.{path}' for path in messages.STAMP)
         self._fill = cheapest(node, message, stamp + content.paths)
+        self._send = sending(self._publisher, self._fill)
         self._content = content.values
         self._filled_from: object = None
         self._values: tuple[Any, ...] = ()
@@ -81,7 +96,7 @@ class FilledTopic:
         if source is not self._filled_from:  # a robot that stands has the same estimate again
             self._values = self._content(source)
             self._filled_from = source
-        self._publisher.publish(self._fill(*stamp, *self._values))
+        self._send(self._fill(*stamp, *self._values))
 
 
 class FramePublisher:

@@ -6,9 +6,11 @@ from contextlib import contextmanager
 import errno
 import os
 from pathlib import Path
+from select import POLLIN
 import subprocess
 import sys
 import threading
+from types import SimpleNamespace
 from unittest.mock import Mock
 
 import pytest
@@ -154,9 +156,8 @@ def test_a_line_that_was_lost_says_so(line):
         opened.read()
 
 
-def test_a_line_that_was_closed_is_read_no_more(line, monkeypatch):
+def test_a_line_that_was_closed_is_read_no_more(line):
     opened, other = line
-    monkeypatch.setattr(port.select, 'select', lambda reading, *_: (reading, [], []))
     opened.close()
     with pytest.raises(PortError, match='it was closed'):
         opened.read()
@@ -165,7 +166,8 @@ def test_a_line_that_was_closed_is_read_no_more(line, monkeypatch):
 
 def test_a_device_that_is_ready_but_has_nothing_was_unplugged(line, monkeypatch):
     opened, other = line
-    monkeypatch.setattr(port.select, 'select', lambda reading, *_: (reading, [], []))
+    ready = SimpleNamespace(poll=lambda _: [(opened.descriptor, POLLIN)])
+    monkeypatch.setattr(opened, '_waiting', ready)
     with pytest.raises(PortError, match='it was unplugged'):
         opened.read()
     os.close(other)

@@ -11,6 +11,7 @@ from create_oi_ros.odometry import accumulators, Geometry, Increment, Odometry
 from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.mark import MarkedPose
+from create_oi_ros.odometry.noise import MOVED
 from create_oi_ros.odometry.odometry import _nearer, STEP, TWIST
 from create_oi_ros.odometry.tracks import Tracks
 from support.ride import SLOT
@@ -40,11 +41,12 @@ def joint(rows: Assumptions) -> tuple[np.ndarray, np.ndarray]:
 def test_a_mark_is_learned_on_as_three_more_states_would_be():
     rows = doubtful()
     means, p = joint(rows)
-    move = np.eye(s.SIZE) + 0.1 * np.random.default_rng(2).normal(size=(2, s.SIZE, s.SIZE))
+    move = np.tile(np.eye(s.SIZE), (2, 1, 1))
+    move[:, MOVED] += 0.1 * np.random.default_rng(2).normal(size=move[:, MOVED].shape)
     whole = np.tile(np.eye(s.SIZE + 3), (2, 1, 1))
     whole[:, :s.SIZE, :s.SIZE] = move
     rows.p = move @ rows.p @ move.transpose(0, 2, 1)
-    rows.mark.advance(move)
+    rows.mark.advance(move[:, MOVED])
     p = whole @ p @ whole.transpose(0, 2, 1)
     means[:, :s.SIZE] = rows.means
     for index, value in ((s.ANGLE, 0.3), (s.GAIN_RIGHT, 1.1)):

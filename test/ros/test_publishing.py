@@ -5,7 +5,6 @@
 from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
 import pytest
-from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
 from create_oi_ros import oi
@@ -27,16 +26,20 @@ class Frames:
     def __init__(self, stage, monkeypatch) -> None:
         for topic in (Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'):
             stage.ros.listen(*topic)
-        self._publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
         self._slot = 0
         self.motion_period = 0.0
         self._told: list[str] = []
-        really = Publisher.publish
+        really = publishing.sending
 
-        def publish(publisher, message):
-            self._told.append(publisher.msg_type.__name__)
-            really(publisher, message)
-        monkeypatch.setattr(Publisher, 'publish', publish)
+        def sending(publisher, fill):
+            send = really(publisher, fill)
+
+            def tell(message):
+                self._told.append(publisher.msg_type.__name__)
+                send(message)
+            return tell
+        monkeypatch.setattr(publishing, 'sending', sending)
+        self._publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
         stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
 
     def next(self, **readings: int) -> list[str]:
