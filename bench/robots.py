@@ -12,6 +12,9 @@ from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 
 ROUNDINGS = tuple(Rounding)
+STEADY, JITTERS, WANDERS = 0.5, (0.004, 0.025), (0.0, 0.05)
+"""Part of the robots whose wheels run steadily; how unsteadily those of others run, as five logs
+of real wheels show it (docs/simulator.md)."""
 SIGNS = (EncoderSign.DRIVE, EncoderSign.DRIVE, EncoderSign.UNTIL_REST, EncoderSign.COMMAND,
          EncoderSign.TRUE)
 
@@ -38,6 +41,18 @@ def spread(random: Random, low: float, high: float) -> float:
     return exp(random.uniform(log(low), log(high)))
 
 
+def unsteadiness(track: float) -> dict[str, float]:
+    """
+    Draw how unsteadily wheels run: half of them steadily, as one filmed Create did.
+
+    It comes from a generator of its own, so that the robots' other parameters stay what they were.
+    """
+    random = Random(f'unsteady {track}')
+    if random.random() < STEADY:
+        return {}
+    return {'speed_jitter': spread(random, *JITTERS), 'speed_wander': random.uniform(*WANDERS)}
+
+
 def centre(random: Random) -> Robot:
     """Draw the centre, with a time constant that depends on the speed or not."""
     config = replace(CENTRE, time_constant=TimeConstant(0.2, random.choice((0.0, 1.0))))
@@ -61,7 +76,8 @@ def anywhere(random: Random) -> Robot:
         braking=random.choice((1.0, spread(random, 0.3, 3.0))),
         dead_time=random.uniform(0, 0.15), dead_band=random.uniform(0, 0.025),
         right_speed_gain=gain / ratio, left_speed_gain=gain * ratio,
-        encoder_tick=random.choice((0.0, 0.00027, 0.0004446)), encoder_sign=random.choice(SIGNS))
+        encoder_tick=random.choice((0.0, 0.00027, 0.0004446)), encoder_sign=random.choice(SIGNS),
+        **unsteadiness(track))
     return Robot('all ranges', config, random.choice(ROUNDINGS), random.uniform(0.015, 0.015625))
 
 
