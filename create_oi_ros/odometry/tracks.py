@@ -74,8 +74,8 @@ class Tracks:
         self._vague = 0.0
         """The same of the angle alone, degrees."""
         self._wild, self._window = False, 0.0
-        self._noisy = np.zeros((2, 1))
         """Whether wheels were free since the last reading, and its age, seconds."""
+        self._noisy, self._path = np.zeros((2, 1)), np.zeros((2, 1))
         accumulators.empty(self.rows)
         self._forget()
         self._spread()
@@ -308,7 +308,7 @@ class Tracks:
                             w.turned[:, tracks], w.miscounted[:, tracks], w.free)
         heading = (w.poses[2, tracks, 0] + self._start[tracks, 2]) / 2
         return noise.of_motion(did, self.rows.doubt[tracks], heading, w.track_width[tracks, 0],
-                               self.scales, self.geometry.slip)
+                               self.scales, self.geometry.slip, self.rows.unsteady[tracks])
 
     def _carried(self) -> Array:
         """Return the covariances now; what is far from linear is noise in part."""
@@ -328,6 +328,7 @@ class Tracks:
             self.rows.mark.advance(self._transition(ALL))
         self.rows.p = self._carried()
         self._noisy = self._noisy + self._q
+        self._path = self._path + w.path
         means[:, s.POSE] = w.poses[:, :, 0].T
         means[:, s.DISTANCE:] += w.counts[:, :, 0].T
         means[:, SPEEDS] = w.speed[:, :, 0].T
@@ -352,8 +353,11 @@ class Tracks:
             rows.p += noise.of_surprise(
                 gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2, rows.means[:, s.YAW],
                 self.scales)
+        steady = self.wheels.requests.age > self._window + SWIFT
         logs = self.doubt.meet(rows, wholes, self._noisy, self.scales)
-        if self.doubt.is_surprised and self.wheels.requests.age > self._window + SWIFT:
+        if steady and not self._wild:
+            self.doubt.watch(rows, self._path, self.wheels.track_width[:, 0])
+        if self.doubt.is_surprised and steady:
             self.band.doubt()
         logs += accumulators.learn(rows, wholes)
         rows.weigh(logs / max(1.0, float(rows.doubt[0])))  # a model that fails tells little
@@ -396,5 +400,5 @@ class Tracks:
 
     def _open_window(self) -> None:
         self._wild, self._window = self.is_free, 0.0
-        self._noisy = np.zeros((2, 1))
+        self._noisy, self._path = np.zeros((2, 1)), np.zeros((2, 1))
         self._spread()

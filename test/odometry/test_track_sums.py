@@ -17,7 +17,7 @@ MM, DEGREE = 1e-3, radians(1)
 
 
 def sure(rounding: Rounding = Rounding.CARRY, scales: tuple[float, float] = (1.0, 1.0)) -> Tracks:
-    """Return a single track that knows its robot: wheels without lag that are as asked."""
+    """Return a single track that knows its robot: steady wheels without lag."""
     tracks = Tracks(Geometry(linear_scale=scales[0], angular_scale=scales[1], slip=0.0))
     rows = tracks.rows
     rows.keep([next(i for i, each in enumerate(rows.roundings) if each is rounding)])
@@ -26,6 +26,7 @@ def sure(rounding: Rounding = Rounding.CARRY, scales: tuple[float, float] = (1.0
     for index, value in ((s.LAG, 0.004), (s.SLOW_LAG, 0.0), (s.FAST_LAG, 0.0), (s.RAMP, 0.0),
                          (s.DEAD_TIME, 0.0), (s.DISTANCE, 0.0), (s.ANGLE, 0.0)):
         rows.clear(index, value)
+    rows.steadiness[:, 1:] = -np.inf
     tracks._spread()
     return tracks
 
