@@ -32,7 +32,7 @@ ROAMING, UNWATCHED = 0.0625, 3.0
 MOVED = slice(s.SPEED_RIGHT, s.SIZE)
 """The states that wheels move: their speeds, right first, the pose, and the accumulators."""
 GAINS = [s.GAIN_RIGHT, s.GAIN_LEFT]
-"""The states that make a wheel longer or shorter than it was built."""
+"""The states that drift while wheels do not run steadily."""
 SIDES = np.array([[1.0], [-1.0]])
 """In which direction a wheel turns the robot, right first."""
 DRIFTS, SPREADS = np.array([(prior.drift, prior.spread) for prior in s.PRIORS]).T ** 2

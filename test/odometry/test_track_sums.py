@@ -27,7 +27,7 @@ def sure(rounding: Rounding = Rounding.CARRY, scales: tuple[float, float] = (1.0
                          (s.DEAD_TIME, 0.0), (s.DISTANCE, 0.0), (s.ANGLE, 0.0)):
         rows.clear(index, value)
     rows.steadiness[:, 1:] = -np.inf
-    tracks._spread()
+    tracks._open_window()
     return tracks
 
 
@@ -190,7 +190,7 @@ def test_doubt_of_the_heading_becomes_doubt_of_the_place_as_the_robot_drives():
     tracks = driven(sure(), 0.2, 0.2, 1.5)
     tracks.reset()
     tracks.rows.clear(s.YAW, 0.0, 1e-4)
-    tracks._spread()
+    tracks._open_window()
     driven(tracks, 0.2, 0.2, 1.5)
     *_, yy, ya, _, _, aa = tracks.pose_covariance()
     assert aa == pytest.approx(1e-4, rel=1e-2)
