@@ -41,18 +41,6 @@ def spread(random: Random, low: float, high: float) -> float:
     return exp(random.uniform(log(low), log(high)))
 
 
-def unsteadiness(track: float) -> dict[str, float]:
-    """
-    Draw how unsteadily wheels run: half of them steadily, as one filmed Create did.
-
-    It comes from a generator of its own, so that the robots' other parameters stay what they were.
-    """
-    random = Random(f'unsteady {track}')
-    if random.random() < STEADY:
-        return {}
-    return {'speed_jitter': spread(random, *JITTERS), 'speed_wander': random.uniform(*WANDERS)}
-
-
 def centre(random: Random) -> Robot:
     """Draw the centre, with a time constant that depends on the speed or not."""
     config = replace(CENTRE, time_constant=TimeConstant(0.2, random.choice((0.0, 1.0))))
@@ -76,8 +64,7 @@ def anywhere(random: Random) -> Robot:
         braking=random.choice((1.0, spread(random, 0.3, 3.0))),
         dead_time=random.uniform(0, 0.15), dead_band=random.uniform(0, 0.025),
         right_speed_gain=gain / ratio, left_speed_gain=gain * ratio,
-        encoder_tick=random.choice((0.0, 0.00027, 0.0004446)), encoder_sign=random.choice(SIGNS),
-        **unsteadiness(track))
+        encoder_tick=random.choice((0.0, 0.00027, 0.0004446)), encoder_sign=random.choice(SIGNS))
     return Robot('all ranges', config, random.choice(ROUNDINGS), random.uniform(0.015, 0.015625))
 
 
@@ -97,6 +84,20 @@ def stress(random: Random) -> Robot:
         right_speed_offset=random.uniform(0.0, 0.012),
         left_speed_offset=random.uniform(0.0, 0.012), dead_time=random.uniform(0, 0.2))
     return replace(drawn, kind='stress', config=config)
+
+
+def with_real_wheels(robot: Robot) -> Robot:
+    """
+    Return the robot, in half of all cases with wheels that do not run steadily.
+
+    This is drawn from a generator of its own: nothing else that is drawn changes.
+    """
+    random = Random(f'unsteady {robot.config.wheel_separation}')
+    if random.random() < STEADY:
+        return robot
+    return replace(robot, config=replace(
+        robot.config, speed_jitter=spread(random, *JITTERS),
+        speed_wander=random.uniform(*WANDERS)))
 
 
 CLASSES = {'centre': centre, 'all ranges': anywhere, 'carried, true sign': exact,
