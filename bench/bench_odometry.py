@@ -39,7 +39,7 @@ from odometry_loop import Journey
 from odometry_rig import Condition, CONDITIONS, follow, nees_of, simulate
 from results import Figure, keep, machine
 from rivals import Rival
-from robots import CLASSES
+from robots import CLASSES, with_real_wheels
 
 DRIVES_EACH = 70
 """Robots of each class."""
@@ -105,6 +105,8 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
     """Drive once; score the odometry and its rivals."""
     random = Random(f'{kind} {seed}')
     robot = CLASSES[kind](random)
+    if kind != 'centre':
+        robot = with_real_wheels(robot)
     seconds = random.uniform(SHORTEST, LONGEST)
     journey = Journey(robot, seed, latency=LATENCY)
     journey.drive(list(DRIVES[style](random, seconds)), seconds)

@@ -7,7 +7,7 @@ An assumption is how readings are rounded, where encoders take their signs from,
 response that a track begins with.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -31,6 +31,11 @@ IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
 """Weights below which a track is given up, and below which it has no share in the estimate."""
 CLEAR, LEAST_WEIGHT = 5.0, 2e-6
 """Doubt of the best track from which on no other is given up, and the weight that others keep."""
+UNSTEADY = np.array([0.0, 0.002, 0.005, 0.01]) ** 2
+"""How much the speed of wheels that are asked for one speed may wander: variance of their travel,
+m² for each metre."""
+LIKELY_UNSTEADY = np.log([0.93, 0.04, 0.02, 0.01])
+"""How likely each of these is before the first reading, as a logarithm."""
 NEAR = 0.02
 """Part of the weight of the better of two responses up to which the other one is kept."""
 YOUNG, OLD = 30, 120
@@ -60,6 +65,18 @@ class Assumptions:
     readings: int = 0
     mark: MarkedPose | None = None
     """Where the robot was at a moment; None: nobody wants to know."""
+    steadiness: Array = field(init=False)
+    """Logarithms of how plausible each of `UNSTEADY` is of the wheels, a row a track."""
+
+    def __post_init__(self) -> None:
+        """Suppose of all tracks alike how steady the wheels run."""
+        self.steadiness = np.tile(LIKELY_UNSTEADY, (len(self.weights), 1))
+
+    @property
+    def unsteady(self) -> Array:
+        """Variance of travel by which wheels stray, m² for each metre: the likeliest, a track."""
+        likeliest: Array = UNSTEADY[self.steadiness.argmax(axis=1)]
+        return likeliest
 
     @classmethod
     def all(cls) -> 'Assumptions':
@@ -129,6 +146,7 @@ class Assumptions:
         self.doubt, self.means = both(self.doubt, others.doubt), both(self.means, others.means)
         self.p, self.rates = both(self.p, others.p), both(self.rates, others.rates)
         self.springs = np.concatenate([self.springs, others.springs])
+        self.steadiness = both(self.steadiness, others.steadiness)
         if self.mark is not None:
             self.mark.join(len(others.roundings))
 
@@ -158,5 +176,6 @@ class Assumptions:
         self.weights = self.weights[order] / self.weights[order].sum()
         self.doubt, self.means, self.p = self.doubt[order], self.means[order], self.p[order]
         self.springs, self.rates = self.springs[order], self.rates[order]
+        self.steadiness = self.steadiness[order]
         if self.mark is not None:
             self.mark.keep(order)

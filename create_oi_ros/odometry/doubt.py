@@ -12,7 +12,7 @@ import numpy as np
 from . import accumulators, noise
 from . import states as s
 from .accumulators import Wholes
-from .assumptions import Assumptions, YOUNG
+from .assumptions import Assumptions, LIKELY_UNSTEADY, UNSTEADY, YOUNG
 from .noise import Scales
 from .request_history import Array
 
@@ -28,6 +28,11 @@ UNSEEN, ODD = 0.2, 4.0
 """Part of a reading's oddity that becomes doubt even where process noise has no share in it; the
 square of the standard deviations from which on a reading is odd. Readings of a robot that is
 new may be."""
+KEPT, FARTHEST, UNLIKELY = 0.97, 16.0, -8.0
+"""How much of what was learned of unsteady wheels the next reading leaves; the square of the
+standard deviations beyond which a reading tells no more of them; the least of a logarithm."""
+LEAST_VARIANCE = 1e-12
+"""m² and rad²."""
 OUTSIDE = slice(s.MOVES_RIGHT, s.DISTANCE)
 """States that have nothing to do with what is assumed of a robot."""
 
@@ -40,6 +45,8 @@ class Doubt:
         """Readings in a row that the best track did not explain."""
         self.is_surprised = False
         """Whether the best track did not expect the last reading."""
+        self._gaps = self._spreads = np.ones((2, 1))
+        """How far the last reading was from what was expected, and the standard deviations."""
 
     def meet(self, rows: Assumptions, wholes: Wholes, noisy: Array, scales: Scales) -> Array:
         """
@@ -48,7 +55,7 @@ class Doubt:
         `noisy`: variance of the accumulators that is process noise. Return the logarithm of what a
         surprise leaves of each track's likelihood.
         """
-        gaps, spreads = accumulators.innovation(rows, wholes)
+        gaps, spreads = self._gaps, self._spreads = accumulators.innovation(rows, wholes)
         z = gaps / spreads
         beyond = np.maximum(np.abs(z).max(axis=0) - SURPRISE, 0.0)
         self.is_surprised = bool(beyond[0] > 0)
@@ -63,6 +70,20 @@ class Doubt:
             rows.p += noise.of_surprise(more[0], more[1], rows.means[:, s.YAW], scales)
         left: Array = -np.minimum(2 * beyond, 3.0)
         return left
+
+    def watch(self, rows: Assumptions, path: Array, width: Array) -> None:
+        """
+        Learn from the reading just met how steadily the wheels run whose requests stayed the same.
+
+        `path`: metres that each wheel rolled since the reading before.
+        """
+        way = path.sum(axis=0)
+        logs = KEPT * rows.steadiness + (1 - KEPT) * LIKELY_UNSTEADY
+        for gap, spread, each in zip(self._gaps, self._spreads, (way / 4, way / width ** 2)):
+            known = np.maximum(spread ** 2 - each * rows.unsteady, LEAST_VARIANCE)
+            variance = known[:, None] + each[:, None] * UNSTEADY
+            logs -= (np.minimum(gap[:, None] ** 2 / variance, FARTHEST) + np.log(variance)) / 2
+        rows.steadiness = np.maximum(logs - logs.max(axis=1)[:, None], UNLIKELY)
 
     def rethink(self, rows: Assumptions, *, free: bool) -> None:
         """Try everything again beside the tracks that have explained little for long."""

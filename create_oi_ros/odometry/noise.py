@@ -15,6 +15,9 @@ JITTER = SLOT / 12 ** 0.5
 any moment of a frame."""
 UNEVEN = 5e-4
 """Part of the path by which steady wheels depart from their goals."""
+WANDER = 0.3
+"""How fast the gains of wheels drift that do not run steadily: per root second, as a part of what
+they stray by per root metre."""
 MISCOUNTED = 0.03
 """Part of what was counted with the wrong sign that the model may be wrong by."""
 REOPEN = 0.03
@@ -28,6 +31,8 @@ ROAMING, UNWATCHED = 0.0625, 3.0
 """m/s by which the place of a robot is doubted that was not watched for longer than this, s."""
 MOVED = slice(s.SPEED_RIGHT, s.SIZE)
 """The states that wheels move: their speeds, right first, the pose, and the accumulators."""
+GAINS = [s.GAIN_RIGHT, s.GAIN_LEFT]
+"""The states that drift while wheels do not run steadily."""
 SIDES = np.array([[1.0], [-1.0]])
 """In which direction a wheel turns the robot, right first."""
 DRIFTS, SPREADS = np.array([(prior.drift, prior.spread) for prior in s.PRIORS]).T ** 2
@@ -61,11 +66,16 @@ def along(variance: Array, terms: dict[int, Array | float]) -> Array:
 
 
 def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: Scales,
-              slip: float) -> Array:
-    """Return what motion adds: uneven wheels and late requests, slip, wrong signs, drift."""
+              slip: float, unsteady: Array) -> Array:
+    """
+    Return what motion adds: uneven wheels and late requests, slip, wrong signs, drift.
+
+    `unsteady`: variance of travel by which wheels stray, m² for each metre.
+    """
     linear, angular = scales
     travel = doubt * (JITTER ** 2 * did.changes[:, None] + (UNEVEN * did.path) ** 2)
-    travel = travel + did.unsure[:, None] + did.free * (FREE_SPEED * did.seconds) ** 2
+    travel = travel + unsteady * did.path + did.unsure[:, None]
+    travel = travel + did.free * (FREE_SPEED * did.seconds) ** 2
     wrong = doubt * ((MISCOUNTED * did.miscounted) ** 2 + (2 * JITTER) ** 2 * did.turned)
     q = np.zeros((len(doubt), s.SIZE, s.SIZE))
     q[:, MOVED, MOVED] = _of_wheels(
@@ -74,6 +84,7 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
     if did.path[:, 0].any():
         again = REOPEN * np.clip(doubt - 1, 0, 10) / 10
         np.einsum('tii->ti', q)[:] += did.seconds * (DRIFTS + again[:, None] * SPREADS)
+        q[:, GAINS, GAINS] += did.seconds * WANDER ** 2 * unsteady[:, None]
     return q
 
 

@@ -47,7 +47,6 @@ SWIFT = 0.3
 """Seconds in which most wheels have followed a request."""
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
-SPEEDS = s.SPEEDS
 ALL, BEST = slice(None), slice(1)
 """Tracks."""
 Held = tuple[float, float]
@@ -68,16 +67,12 @@ class Tracks:
         """Seconds that the copies of the wheels have still to roll."""
         self._began = self._velocity = 0.0, 0.0, 0.0
         """Mean pose where these began, and how fast it changed there."""
-        self.blur = 0.0
-        """Standard deviation of what the accumulators hold, 2 mm or degrees, when last looked."""
-        self._vague = 0.0
-        """The same of the angle alone, degrees."""
-        self._wild, self._window = False, 0.0
-        self._noisy = np.zeros((2, 1))
-        """Whether wheels were free since the last reading, and its age, seconds."""
+        self.blur = self._vague = 0.0
+        """Standard deviation of what the accumulators hold, 2 mm or degrees, when last looked; the
+        same of the angle alone, degrees."""
         accumulators.empty(self.rows)
         self._forget()
-        self._spread()
+        self._open_window()
 
     # What is believed.
 
@@ -176,7 +171,7 @@ class Tracks:
         """Return the variance of the forward speed, (m/s)², and of the turn rate, (rad/s)²."""
         variances = np.diag(self.rows.p[0])
         gains = variances[[s.GAIN_RIGHT, s.GAIN_LEFT]] * self.wheels.speed[:, 0, 0] ** 2
-        both = float(variances[[*SPEEDS]].sum() + gains.sum())
+        both = float(variances[[*s.SPEEDS]].sum() + gains.sum())
         return both / 4 + 1e-6, both / float(self.wheels.track_width[0, 0]) ** 2 + 1e-6
 
     # Motion.
@@ -206,7 +201,7 @@ class Tracks:
     def free(self, free: bool) -> None:
         """Give up the requested speeds, or trust them again."""
         self._close()
-        for index, speed in zip(SPEEDS, (0.0, 0.0) if free else self.requests):
+        for index, speed in zip(s.SPEEDS, (0.0, 0.0) if free else self.requests):
             self.rows.clear(index, speed, RESTLESS ** 2)
         self.rows.rates[:] = 0.0
         self.wheels.free = free
@@ -298,7 +293,7 @@ class Tracks:
                             w.turned[:, tracks], w.miscounted[:, tracks], w.free)
         heading = (w.poses[2, tracks, 0] + self._start[tracks, 2]) / 2
         return noise.of_motion(did, self.rows.doubt[tracks], heading, w.track_width[tracks, 0],
-                               self.scales, self.geometry.slip)
+                               self.scales, self.geometry.slip, self.rows.unsteady[tracks])
 
     def _carried(self) -> Array:
         """Return the covariances now; what is far from linear is noise in part."""
@@ -319,10 +314,11 @@ class Tracks:
         if self.rows.mark is not None:
             self.rows.mark.advance(w.transition(self._start))
         self.rows.p = self._carried()
-        self._noisy = self._noisy + self._q
+        self._noisy += self._q
+        self._path += w.path
         means[:, s.POSE] = w.poses[:, :, 0].T
         means[:, s.DISTANCE:] += w.counts[:, :, 0].T
-        means[:, SPEEDS] = w.speed[:, :, 0].T
+        means[:, s.SPEEDS] = w.speed[:, :, 0].T
         self.rows.rates = w.rates
         self._forget()
 
@@ -344,8 +340,11 @@ class Tracks:
             rows.p += noise.of_surprise(
                 gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2, rows.means[:, s.YAW],
                 self.scales)
+        steady = self.wheels.requests.age > self._window + SWIFT
         logs = self.doubt.meet(rows, wholes, self._noisy, self.scales)
-        if self.doubt.is_surprised and self.wheels.requests.age > self._window + SWIFT:
+        if steady and not self._wild:
+            self.doubt.watch(rows, self._path, self.wheels.track_width[:, 0])
+        if self.doubt.is_surprised and steady:
             self.band.doubt()
         logs += accumulators.learn(rows, wholes)
         rows.weigh(logs / max(1.0, float(rows.doubt[0])))  # a model that fails tells little
@@ -388,5 +387,6 @@ class Tracks:
 
     def _open_window(self) -> None:
         self._wild, self._window = self.is_free, 0.0
-        self._noisy = np.zeros((2, 1))
+        """Whether wheels were free since the last reading, and its age, seconds."""
         self._spread()
+        self._noisy, self._path = np.zeros_like(self.wheels.path), np.zeros_like(self.wheels.path)

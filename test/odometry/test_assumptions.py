@@ -165,3 +165,14 @@ def test_others_are_tried_beside_with_a_weight_of_their_own() -> None:
     assert rows.doubt.tolist() == 2 * [1.0] + 60 * [3.0]
     assert rows.roundings[2:] == others.roundings
     assert (rows.springs[2:] == others.springs).all()
+
+
+def test_what_is_known_of_steadiness_stays_with_its_track() -> None:
+    rows = of_two()
+    rows.steadiness[:] = [[0.0, -1.0, -2.0, -3.0], [0.0, -4.0, -5.0, -6.0]]
+    rows.keep([1, 0])
+    assert rows.steadiness[0] == pytest.approx([0.0, -4.0, -5.0, -6.0])
+    others = of_two()
+    rows.join(others, 0.5)
+    assert rows.steadiness.shape == (4, 4)
+    assert rows.unsteady[2:] == pytest.approx(others.unsteady)

@@ -135,3 +135,38 @@ def test_what_is_tried_again_starts_where_the_robot_is():
     assert (rows.p[:, outside, outside] == 0.125).all()
     assert (rows.means[1:, :s.MOVES_RIGHT] == others.means[:, :s.MOVES_RIGHT]).all()
     assert (rows.means[1:, s.DISTANCE:] == 0).all()
+
+
+UNSTEADY = np.array([0.0, 0.002, 0.005, 0.01])
+LIKELY = 0.93, 0.04, 0.02, 0.01
+
+
+@pytest.mark.parametrize(('believed', 'z', 'unsteadily'), [
+    (0, 0.3, 0.0), (0, 6.0, 0.005), (0, 30.0, 0.0), (2, 0.3, 0.0), (2, 2.5, 0.005)])
+@pytest.mark.parametrize('width', [0.2, 0.3])
+def test_readings_tell_whether_wheels_run_unsteadily(believed, z, unsteadily, width):
+    """Each degree of it is as likely as it makes the reading, but none explains a wheel held."""
+    rows = one_track()
+    assert rows.unsteady == [0.0]
+    rows.steadiness[0, believed] += 5.0 * (believed > 0)
+    before = UNSTEADY[believed] ** 2
+    rows.p[:, s.DISTANCE, s.DISTANCE] += before * 2.0 / 4
+    rows.p[:, s.ANGLE, s.ANGLE] += before * 2.0 / width ** 2
+    logs = 0.97 * rows.steadiness[0] + 0.03 * np.log(LIKELY)
+    doubt, _ = met(rows, (z, 0.0), share=0.0)
+    gaps, spreads = doubt._gaps, doubt._spreads
+    doubt.watch(rows, np.array([[1.5], [0.5]]), np.array([width]))
+    for gap, spread, each in zip(gaps[:, 0], spreads[:, 0], (0.5, 2.0 / width ** 2)):
+        variance = spread ** 2 + each * (UNSTEADY ** 2 - before)
+        logs -= np.minimum(gap ** 2 / variance, 16.0) / 2 + np.log(variance) / 2
+    assert rows.steadiness[0] == pytest.approx(np.maximum(logs - logs.max(), -8.0))
+    assert rows.unsteady ** 0.5 == pytest.approx([unsteadily])
+
+
+def test_what_was_learned_of_unsteady_wheels_fades():
+    rows = one_track()
+    rows.steadiness[:] = 0.0, -1.0, -2.0, -3.0
+    doubt, _ = met(rows, (0.0, 0.0))
+    doubt.watch(rows, np.zeros((2, 1)), np.array([0.25]))  # nothing is learned where nothing rolls
+    logs = 0.97 * np.array([0.0, -1.0, -2.0, -3.0]) + 0.03 * np.log(LIKELY)
+    assert rows.steadiness[0] == pytest.approx(logs - logs[0])

@@ -19,14 +19,14 @@ SIDES = pytest.mark.parametrize(('wheel', 'side'), [(0, 1), (1, -1)], ids=['righ
 
 
 def added(doubt: float = 1.0, *, seconds: float = 0.0, free: bool = False,
-          **did: tuple[float, float]) -> np.ndarray:
+          unsteady: float = 0.0, **did: tuple[float, float]) -> np.ndarray:
     """Return what a stretch adds for one track; what is not given is zero, right first."""
     pairs = {name: np.array(did.get(name, (0.0, 0.0)), dtype=float)
              for name in ('changes', 'unsure', 'path', 'turned', 'miscounted')}
     stretch = Stretch(seconds, pairs['changes'], pairs['unsure'],
                       *(pairs[name][:, None] for name in ('path', 'turned', 'miscounted')), free)
     found, = noise.of_motion(stretch, np.array([doubt]), np.array([HEADING]), np.array([WIDTH]),
-                             SCALES, SLIP)
+                             SCALES, SLIP, np.array([unsteady]))
     return found
 
 
@@ -101,8 +101,21 @@ def test_a_path_slips_and_is_uneven_and_lets_what_is_known_grow_old(doubt):
     assert rest_of(doubt, (2.0, 3.0)) == pytest.approx(expected, abs=1e-14)
 
 
+@pytest.mark.parametrize('side', [1, -1], ids=['right', 'left'])
+def test_wheels_that_do_not_run_steadily_stray_with_the_root_of_their_way(side):
+    """Whatever the doubt; and what is known of both gains grows old."""
+    way = {'path': (2.0, 0.5) if side > 0 else (0.5, 2.0), 'seconds': 2.0}
+    for doubt in (1.0, 3.0):
+        more = added(doubt, unsteady=1e-4, **way) - added(doubt, **way)
+        expected = 1e-4 * (2.0 * product({**pose(side), **counts(side)})
+                           + 0.5 * product({**pose(-side), **counts(-side)}))
+        for gain in (s.GAIN_RIGHT, s.GAIN_LEFT):
+            expected[gain, gain] += 2.0 * 0.3 ** 2 * 1e-4
+        assert more == pytest.approx(expected, abs=1e-14)
+
+
 def test_a_robot_that_stands_does_not_change():
-    assert not added(50.0, seconds=99.0).any()
+    assert not added(50.0, seconds=99.0, unsteady=1e-4).any()
 
 
 def test_a_surprise_is_doubt_of_the_way_and_of_the_turn():

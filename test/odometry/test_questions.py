@@ -4,6 +4,7 @@
 
 from math import degrees
 
+import numpy as np
 import pytest
 
 from create_oi_ros.odometry import Geometry
@@ -26,6 +27,7 @@ def turning(rounding: Rounding, vague: float) -> Tracks:
     rows = tracks.rows
     rows.roundings[:] = [rounding] * len(rows.roundings)
     rows.readings = 100
+    rows.steadiness[:, 1:] = -np.inf  # wheels that run steadily
     rows.p[:] = 0.0
     rows.p[:, s.ANGLE, s.ANGLE] = (vague * s.DEGREE) ** 2
     tracks.reset()

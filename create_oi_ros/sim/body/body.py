@@ -52,7 +52,7 @@ class Body:
         self.config = config
         self.world = world
         self._time, self._deadline = 0.0, math.inf
-        self._mechanics = Mechanics(world, config, rounding)
+        self._mechanics = Mechanics(world, config, rounding, seed)
         self._electrics = Electrics(config.battery)
         self._overlay = Overlay()
         self._sensed: Sensed | None = None

@@ -16,7 +16,7 @@ import math
 from ...robot import BODY_RADIUS, FIRMWARE_SEPARATION, TOP_SPEED, WHEEL_RADIUS, WHEEL_SEPARATION
 from .battery import BatteryConfig
 from .wheel_log import WheelLog
-from .wheels import Response, TimeConstant
+from .wheels import MOST_UNSTEADY, Response, TimeConstant
 
 
 class EncoderSign(Enum):
@@ -85,6 +85,12 @@ class BodyConfig:
     right_speed_offset: float = 0.0
     """Speed that the right wheel adds to any it is asked, m/s (some Create 2: up to 0.014)."""
     left_speed_offset: float = 0.0
+    speed_jitter: float = 0.0
+    """Part by which a wheel's mean speed strays from one second to the next, standard deviation
+    (Create 2: 0.004 to 0.025, some more when slow; the Create that was filmed: too little to
+    see)."""
+    speed_wander: float = 0.0
+    """The same of a drift within half a minute (Create 2: 0 to 0.05)."""
     right_wheel_scale: float = 1.0
     """True travel of the right wheel over the travel its encoder counts (an unequal wheel)."""
     left_wheel_scale: float = 1.0
@@ -118,6 +124,10 @@ class BodyConfig:
             raise ValueError(f'time_constant is {self.time_constant.seconds}: it must be above 0')
         if not 0 <= self.overshoot < 1:
             raise ValueError(f'overshoot is {self.overshoot}: it must be within 0 to 1')
+        for name in ('speed_jitter', 'speed_wander'):
+            if not 0 <= getattr(self, name) <= MOST_UNSTEADY:
+                raise ValueError(f'{name} is {getattr(self, name)}: '
+                                 f'it must be within 0 to {MOST_UNSTEADY:g}')
         for name in ('right_slip', 'left_slip'):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f'{name} is {getattr(self, name)}: it must be within 0 to 1')

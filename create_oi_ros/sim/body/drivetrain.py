@@ -11,6 +11,7 @@ constant accelerations that give the same travel. So the result hardly depends o
 from __future__ import annotations
 
 import math
+from random import Random
 from typing import NamedTuple
 
 from .config import BodyConfig
@@ -39,11 +40,12 @@ class Drivetrain:
 
     __slots__ = ('right', 'left', '_separation')
 
-    def __init__(self, config: BodyConfig) -> None:
+    def __init__(self, config: BodyConfig, seed: int = 0) -> None:
         self.right = Wheel(config, config.right_wheel_scale, config.right_speed_gain,
-                           config.right_speed_offset, config.right_slip)
+                           config.right_speed_offset, config.right_slip,
+                           Random(f'right {seed}'))
         self.left = Wheel(config, config.left_wheel_scale, config.left_speed_gain,
-                          config.left_speed_offset, config.left_slip)
+                          config.left_speed_offset, config.left_slip, Random(f'left {seed}'))
         if config.recording is not None:
             self.right.follow(config.recording.wheel('right'))
             self.left.follow(config.recording.wheel('left'))

@@ -47,8 +47,8 @@ class Mechanics:
                  'caster_grounded', 'docked', '_config', '_world', '_travelled', '_turned',
                  '_lost')
 
-    def __init__(self, world: World, config: BodyConfig, rounding: Rounding) -> None:
-        self.wheels = Drivetrain(config)
+    def __init__(self, world: World, config: BodyConfig, rounding: Rounding, seed: int) -> None:
+        self.wheels = Drivetrain(config, seed)
         self.near = Surroundings(world, config.body_radius)
         self.pose = world.start
         self.distance = Accumulator(rounding)

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from collections import deque
 import math
+from random import Random
 
 from .config import BodyConfig, EncoderSign
-from .wheels import Follower, Lag, Ramp, Response, Spring
+from .wheels import Follower, Lag, Ramp, Response, Spring, Unsteady
 
 MOMENT_SLACK = 1e-9
 """Seconds by which a sum of times may miss the moment at which a request takes effect."""
@@ -24,7 +25,7 @@ class Wheel:
                  '_waiting', '_follower', '_recorded')
 
     def __init__(self, config: BodyConfig, scale: float, gain: float, offset: float,
-                 slip: float) -> None:
+                 slip: float, random: Random) -> None:
         self.target = 0.0
         """What the wheel is driven at now, m/s."""
         self.slip = slip
@@ -42,6 +43,9 @@ class Wheel:
         self._waiting: deque[tuple[float, float]] = deque()
         """Seconds until a request takes effect, and its speed."""
         self._follower = _follower(config)
+        if config.speed_jitter or config.speed_wander:
+            self._follower = Unsteady(
+                self._follower, config.speed_jitter, config.speed_wander, random)
         self._recorded = False
 
     def follow(self, follower: Follower) -> None:

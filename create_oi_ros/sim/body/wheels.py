@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from enum import Enum
 import math
+from random import Random
 from typing import NamedTuple, Protocol
 
 
@@ -65,6 +66,13 @@ ARRIVED = 1e-6
 """m/s by which a lag may miss its goal and count as there."""
 FINE = 0.004
 """Seconds within which an oscillating wheel may change the sign of its speed unseen."""
+BEAT, DRIFTING = 0.1, 20.0
+"""Seconds of motion for which an unsteady wheel keeps its factor, and in which its drift forgets
+where it was."""
+MOST_UNSTEADY, LEAST_FACTOR = 0.1, 0.1
+"""The most that may be asked of such a wheel, and the least factor that it ever has."""
+MOMENT = 1e-9
+"""Seconds by which a sum of times may miss the end of a beat."""
 
 
 class Lag:
@@ -165,6 +173,45 @@ class Ramp:
 
     def _rate(self) -> float:
         return self._limit * (self._braking if brakes(self.speed, self._goal) else 1.0)
+
+
+class Unsteady:
+    """Another wheel, whose speed jitters from beat to beat and drifts within half a minute."""
+
+    def __init__(self, wheel: Follower, jitter: float, wander: float, random: Random) -> None:
+        self._wheel, self._random = wheel, random
+        self._jitter, self._wander = jitter / math.sqrt(BEAT), wander
+        self._drift = random.gauss(0.0, wander)
+        self._draw()
+
+    def _draw(self) -> None:
+        self._left = BEAT
+        kept = math.exp(-BEAT / DRIFTING)
+        self._drift = (kept * self._drift
+                       + self._random.gauss(0.0, self._wander * math.sqrt(1 - kept ** 2)))
+        self._factor = max(
+            LEAST_FACTOR, 1 + self._drift + self._random.gauss(0.0, self._jitter))
+
+    @property
+    def speed(self) -> float:
+        return self._wheel.speed * self._factor
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._wheel.speed = speed / self._factor
+
+    def aim(self, goal: float) -> None:
+        self._wheel.aim(goal)
+
+    def horizon(self, longest: float) -> float:
+        return self._wheel.horizon(min(longest, self._left))
+
+    def roll(self, h: float) -> float:
+        travel = self._wheel.roll(h) * self._factor
+        self._left -= h
+        if self._left < MOMENT:
+            self._draw()
+        return travel
 
 
 def brakes(speed: float, goal: float) -> bool:
