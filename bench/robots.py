@@ -12,9 +12,8 @@ from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 
 ROUNDINGS = tuple(Rounding)
-STEADY, JITTERS, WANDERS = 0.5, (0.004, 0.025), (0.0, 0.05)
-"""Part of the robots whose wheels run steadily; how unsteadily those of others run, as five logs
-of real wheels show it (docs/simulator.md)."""
+JITTERS, WANDERS = (0.004, 0.025), (0.0, 0.05)
+"""How unsteadily wheels run, as five logs of real wheels show it (docs/simulator.md)."""
 SIGNS = (EncoderSign.DRIVE, EncoderSign.DRIVE, EncoderSign.UNTIL_REST, EncoderSign.COMMAND,
          EncoderSign.TRUE)
 
@@ -86,19 +85,13 @@ def stress(random: Random) -> Robot:
     return replace(drawn, kind='stress', config=config)
 
 
-def with_real_wheels(robot: Robot) -> Robot:
-    """
-    Return the robot, in half of all cases with wheels that do not run steadily.
-
-    This is drawn from a generator of its own: nothing else that is drawn changes.
-    """
-    random = Random(f'unsteady {robot.config.wheel_separation}')
-    if random.random() < STEADY:
-        return robot
-    return replace(robot, config=replace(
-        robot.config, speed_jitter=spread(random, *JITTERS),
+def unsteady(random: Random) -> Robot:
+    """Draw from the ranges a robot whose wheels do not run steadily."""
+    drawn = anywhere(random)
+    return replace(drawn, kind='all ranges, unsteady', config=replace(
+        drawn.config, speed_jitter=spread(random, *JITTERS),
         speed_wander=random.uniform(*WANDERS)))
 
 
 CLASSES = {'centre': centre, 'all ranges': anywhere, 'carried, true sign': exact,
-           'stress': stress}
+           'all ranges, unsteady': unsteady, 'stress': stress}
