@@ -15,7 +15,8 @@ TEXT = 'oi/test_commands.py', 'oi/test_text.py'
 BYTES = 'oi/test_commands.py', 'oi/test_packets.py', 'oi/test_text.py'
 FRAMES = 'oi/test_packets.py', 'oi/test_stream.py'
 MACHINE = ('driver/test_connection.py', 'driver/test_script_steps.py', 'driver/test_modes.py',
-           'driver/test_lost_commands.py', 'driver/test_reliability.py')
+           'driver/test_velocity.py', 'driver/test_lost_commands.py',
+           'driver/test_reliability.py')
 SCRIPTS = ('driver/test_script_steps.py', 'driver/test_script_requests.py')
 BATTERY = 'driver/test_battery_watch.py', 'driver/test_reliability.py'
 TRACKS = ('odometry/test_tracks.py', 'odometry/test_knowledge.py', 'odometry/test_assumptions.py',

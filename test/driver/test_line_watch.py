@@ -234,6 +234,7 @@ def test_motion_is_asked_for_one_slot_and_the_usual_list_follows():
     assert plan.next_stream(0.015, motion_due=False).packets == short
     assert plan.next_stream(1.0, motion_due=False) is None
     assert plan.next_stream(1.0, motion_due=True).packets == full
+    assert plan.next_stream(1.0149, motion_due=False) is None
     plan.restart()
     assert plan.next_stream(1.0, motion_due=False).packets == full
 

@@ -48,10 +48,11 @@ def test_a_motion_may_take_twice_what_it_should(goal, expected):
 
 
 def test_a_time_that_was_given_is_kept_and_said():
-    goal = distance(1.0, allowance=3.0)
-    goal.begin(at())
-    assert goal.timed_out() == Over(Code.TIMEOUT, 'time_allowance of 3.0 s is over: allow more '
-                                    'time, or a higher speed')
+    for seconds in (3.0, 0.5):
+        goal = distance(1.0, allowance=seconds)
+        goal.begin(at())
+        assert goal.timed_out() == Over(Code.TIMEOUT, f'time_allowance of {seconds} s is over: '
+                                        'allow more time, or a higher speed')
     assert 'twice what it should take' in distance(1.0).timed_out().text
     with pytest.raises(Malformed, match='time_allowance = -0.1 s; allowed: 0 or more'):
         distance(1.0, allowance=-0.1)

@@ -271,3 +271,10 @@ def test_nothing_is_brought_back_that_was_not_lost_or_is_not_to_be() -> None:
     watch.commands_paused()
     watch.observe(frame(PASSIVE), 8.0)
     assert not watch.may_recover(21.0), 'it has not been in that mode'
+
+
+def test_a_robot_that_has_not_said_so_is_on_no_dock():
+    watch = Supervision(SAFE, recover=True)
+    assert not watch.docked
+    watch.observe(frame(PASSIVE, charger=2), 1.0)
+    assert watch.docked
