@@ -5,7 +5,7 @@ How many robots one machine can run: `python bench/bench_fleet.py`, two minutes,
 
 One to 32 simulated robots and their nodes, each a process, and one listener to all odometry. A
 frame without an `odom` counts as lost. When all cores are busy, the machine is full: rows beyond
-that have no target. The last rows have all drivers in one process.
+that have no target. In the last rows `create_fleet` has all drivers in one process.
 """
 
 import os
@@ -53,11 +53,12 @@ def robots(stage: Scene, size: int) -> list[Process]:
 
 def nodes(stage: Scene, size: int, *, together: bool) -> list[Process]:
     """Start the drivers of the robots."""
-    ports = [f'{stage.port}{number}' for number in range(1, size + 1)]
+    ports = {f'robot{number}': f'{stage.port}{number}' for number in range(1, size + 1)}
     if together:
-        return [stage.program('together', *ports)]
+        return [stage.start('-c', PROGRAMS['create_fleet'],
+                            *(f'{name}={port}' for name, port in ports.items()))]
     return [stage.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={port}',
-                        '-r', f'__ns:=/robot{number}') for number, port in enumerate(ports, 1)]
+                        '-r', f'__ns:=/{name}') for name, port in ports.items()]
 
 
 def measured(size: int, *, together: bool = False) -> Fleet:

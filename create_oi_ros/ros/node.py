@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ROS node `create`: topics, services and parameters around a session with the robot."""
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, replace
 from functools import partial
 import sys
@@ -189,27 +191,38 @@ class CreateNode(Node):
                 self.get_logger().error(notice.text)
 
 
-def main() -> int:
-    """Run the node until it is told to stop; 0 when it was, 2 when an argument is wrong."""
-    node_arguments.parse(sys.argv[1:])
+def run(program: str, make: Callable[[Future], list[CreateNode]]) -> int:
+    """
+    Run drivers on one executor until they are told to stop, or one of them cannot go on.
+
+    Return the exit code: 0 when told to, 1 when one failed, 2 when a parameter is wrong.
+    """
     ended = Future()
     call_on_signal(lambda: ended.set_result(0))
     with ros_executor() as executor:
         try:
-            node = CreateNode(ended)
+            nodes = make(ended)
         except ValueError as error:
-            print(f'create_node: {error}', file=sys.stderr)
+            print(f'{program}: {error}', file=sys.stderr)
             return 2
-        executor.add_node(node)
-        unused = node_arguments.unused_file(sys.argv, node._parameter_overrides)
-        if unused is not None:
-            node.get_logger().warning(unused)
+        for node in nodes:
+            executor.add_node(node)
+            unused = node_arguments.unused_file(sys.argv, node._parameter_overrides)
+            if unused is not None:
+                node.get_logger().warning(unused)
         try:
-            node.start()
+            for node in nodes:
+                node.start()
             spin_until(executor, ended)
         finally:
-            node.stop()
+            with ThreadPoolExecutor(len(nodes)) as pool:  # no robot waits for another one's end
+                list(pool.map(CreateNode.stop, nodes))
             for _ in range(2):  # a goal that ran gets its result, then that is sent
                 spin_ready(executor)
     return int(ended.result())
 
+
+def main() -> int:
+    """Run the node until it is told to stop; 0 when it was, 2 when an argument is wrong."""
+    node_arguments.parse(sys.argv[1:])
+    return run('create_node', lambda ended: [CreateNode(ended)])

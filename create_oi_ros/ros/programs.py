@@ -24,6 +24,7 @@ MODULES = {
     'create_calibrate': 'apps.calibrate.create_calibrate',
     'create_check': 'apps.check.create_check',
     'create_demo': 'apps.demo.create_demo',
+    'create_fleet': 'apps.fleet',
     'create_node': 'ros.node',
     'create_record': 'apps.record',
     'create_report': 'apps.report.create_report',
@@ -106,6 +107,11 @@ def create_check() -> int:
 def create_demo() -> int:
     """Drive a simulated robot through a tour, and report on it."""
     return _run('create_demo')
+
+
+def create_fleet() -> int:
+    """Run the drivers of several robots in one process."""
+    return _run('create_fleet')
 
 
 def create_node() -> int:
