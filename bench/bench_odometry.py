@@ -17,7 +17,8 @@ whole simulated robot, with default parameters. By class of robot:
 
 Then how the error grows with the time since the start, for nobody knows a new robot; the
 conditions of `odometry_rig` (slip, held wheels, a lifted or pushed robot, demos); and the trials
-of `odometry_cases`: a damaged line and, with `--logs FOLDER`, logs of real wheels.
+of `odometry_cases`: a damaged line and, with `--logs FOLDER`, logs of real wheels. At last, what
+an update costs (`odometry_cost`).
 """
 
 from argparse import ArgumentParser
@@ -35,6 +36,7 @@ from typing import NamedTuple
 from create_oi_ros.robot import Rounding
 from drives import DRIVES
 from odometry_cases import damaged_line, follow_log, rows_of
+from odometry_cost import costs
 from odometry_loop import Journey
 from odometry_rig import Condition, CONDITIONS, follow, nees_of, simulate
 from results import Figure, keep, machine
@@ -296,6 +298,7 @@ def main() -> None:
         made = [each for kind in TARGETS for each in figures(
             kind, cells[kind, 'ours'], {name: cells[kind, name] for name in RIVALS})]
         made += trials(pool, options.logs)
+    made += costs()
     if options.drives == DRIVES_EACH and options.seed == HELD_OUT:
         keep('bench_odometry', made, where)
 
