@@ -84,8 +84,10 @@ class RequestHistory:
         """
         when = self._now - ago.ravel()
         since = np.maximum(self._times.searchsorted(when) - 1, 0)
-        sums = self._sums[:, since] + self._rates[:, since] * (when - self._times[since])
-        return np.reshape(sums, (3, 2, *ago.shape))
+        sums = self._rates.take(since, axis=1)  # take: a fifth of what an index costs
+        sums *= when - self._times.take(since)
+        sums += self._sums.take(since, axis=1)
+        return sums.reshape(3, 2, *ago.shape)
 
     def _present(self) -> Array:
         up = [1.0 if speed >= 0 else -1.0 for speed in self.asked]

@@ -65,6 +65,8 @@ class Tracks:
         self.doubt = Doubt()
         self._idle = 0.0
         """Seconds that the copies of the wheels have still to roll."""
+        self._mean_pose: tuple[float, float, float] | None = None
+        """Mean pose where they are; None until somebody asks."""
         self._began = self._velocity = 0.0, 0.0, 0.0
         """Mean pose where these began, and how fast it changed there."""
         self.blur = self._vague = 0.0
@@ -144,8 +146,10 @@ class Tracks:
     def pose(self) -> tuple[float, float, float]:
         """Return the mean pose now: x, y, yaw."""
         if not self._idle:
-            x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
-            return x, y, yaw
+            if self._mean_pose is None:
+                x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
+                self._mean_pose = x, y, yaw
+            return self._mean_pose
         (x, y, yaw), (east, north, rate) = self._began, self._velocity
         half = rate * self._idle / 2
         chord = self._idle * (sin(half) / half if half else 1.0)
@@ -258,6 +262,7 @@ class Tracks:
             self.wheels.roll(self._stride, self.scales)
         if idle > 0:
             self.wheels.roll(idle, self.scales)
+            self._mean_pose = None
 
     def _ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
@@ -278,7 +283,7 @@ class Tracks:
         """Make the copies of the wheels anew."""
         variances = np.einsum('tii->ti', self.rows.p)[:, :s.UNKNOWNS]
         self.wheels.spread(self.rows, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)))
-        self._shares = self.rows.shares()
+        self._shares, self._mean_pose = self.rows.shares(), None
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
         self._carries = self._roundings == {Rounding.CARRY}
         self._start = self.rows.means[:, s.POSE].copy()

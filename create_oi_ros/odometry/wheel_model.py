@@ -170,7 +170,7 @@ class WheelModel:
         if recent:
             sums = self._sums()
             means = (sums - self._before) / h
-            asked = means[0][:, :, OF_COPY]
+            asked = means[0].take(OF_COPY, axis=2)
         before = self.speed
         if self.free or self.settled:
             travel = self.speed * h
@@ -277,7 +277,7 @@ class WheelModel:
         if means is None:
             sign = np.where(kinds == LAST, kept, up)
         else:
-            _, late_kept, late_up = means[:, :, :, OF_COPY]
+            _, late_kept, late_up = means.take(OF_COPY, axis=3)
             sign = np.where(kinds == LAST, np.where(late, late_kept, kept),
                             np.where(late, late_up, up))
         return np.where(kinds == NONE, travel, sign * _rolled(travel, before, self.speed, h))

@@ -59,3 +59,14 @@ def test_the_longer_the_frame_the_less_is_known_of_when_its_request_came() -> No
     early, even, late = (doubt_of_change(dt) for dt in (0.01, SLOT, 10 * SLOT))
     assert early <= even < late
     assert late > SPEED * 10 * SLOT / 12 ** 0.5 / 2 ** 0.5
+
+
+def test_a_mean_pose_that_was_asked_for_is_worked_out_anew_when_it_changes(tracks: Tracks) -> None:
+    tracks.mark()
+    before = tracks.pose()
+    assert before == tracks.pose() and before[0] > 0
+    tracks.advance(SLOT, SPEED, SPEED)
+    tracks.mark()
+    assert tracks.pose()[0] > before[0]
+    tracks.reset()
+    assert tracks.pose() == (0.0, 0.0, 0.0)
