@@ -96,7 +96,7 @@ class FrameClock:
     @property
     def undecided(self) -> bool:
         """Whether frames are missing before the newest one that may only be late."""
-        return self.gap and self._absent > 0
+        return self._absent > 0 and self.gap
 
     @property
     def absent(self) -> float:
@@ -113,7 +113,9 @@ class FrameClock:
         self.found_lost = 0.0
         if self._absent and self._arrival is not None:
             self.found_lost = self._decide(arrival - self._arrival, sent)
-        passed = 1 + self._frames_missing(arrival)
+        passed = 1
+        if self._missing or self._arrival is None or arrival - self._arrival > SILENT:
+            passed += self._frames_missing(arrival)
         self._arrival = arrival
         self._slot += passed
         wrong = self._slots_early(sent) if self._suspicious > 0 and self._late else 0

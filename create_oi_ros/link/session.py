@@ -231,14 +231,13 @@ class Session:
 
     def _send(self) -> None:
         outgoing = self.driver.data_to_send()
-        if self._port is None:
+        if not outgoing or self._port is None:
             return
         try:
-            baud = self.driver.baud
+            baud = self.driver.baud  # it changes only with what is sent at the new rate
             if baud != self._baud:
                 self._port.baud = self._baud = baud
-            if outgoing:
-                self._port.write(outgoing)
+            self._port.write(outgoing)
         except PortError as error:
             self._lose(error)
 

@@ -152,14 +152,11 @@ class PacketList:
         if len(reply) != self.reply_size:
             raise ValueError(
                 f'{len(reply)} bytes for packets {self.ids}; expected {self.reply_size}')
-        return self._readings(self._values.unpack(reply))
+        return Readings.of_fields(dict(zip(self.names, self._values.unpack(reply))))
 
     def unpack_frame(self, frame: bytes) -> Readings:
         """Decode a frame of this list; its checksum must have been verified."""
-        return self._readings(self._frame.unpack(frame))
-
-    def _readings(self, numbers: Iterable[int]) -> Readings:
-        return Readings.of_fields(dict(zip(self.names, numbers)))
+        return Readings.of_fields(dict(zip(self.names, self._frame.unpack(frame))))
 
     def pack_reply(self, values: Sequence[int]) -> bytes:
         """

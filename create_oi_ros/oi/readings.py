@@ -9,7 +9,8 @@ range and unit (manual: Sensor Packets).
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from functools import cache
-from operator import itemgetter
+from itertools import compress
+from operator import contains, itemgetter, not_
 from typing import Annotated, Any, get_args, NamedTuple
 
 from ..robot import TOP_SPEED_MM
@@ -136,6 +137,10 @@ class Readings:
         """Tell whether all of these fields have arrived."""
         return all(map(self._numbers.__contains__, names))
 
+    def number(self, name: str, default: int) -> int:
+        """Return a field as the plain number that came; `default` if it has not arrived."""
+        return self._numbers.get(name, default)
+
     @staticmethod
     def numbers(first: str, second: str, *more: str) -> Callable[['Readings'], tuple[int, ...]]:
         """
@@ -152,7 +157,10 @@ class Readings:
 
     def implausible(self) -> list[str]:
         """Name the readings that are out of the manual's range."""
-        return [name for name, number in self._numbers.items() if number not in ALLOWED[name]]
+        names, numbers = self._numbers.keys(), self._numbers.values()
+        # No line of Python for each value: this is asked in every frame.
+        plausible = map(contains, map(ALLOWED.__getitem__, names), numbers)
+        return [*compress(names, map(not_, plausible))]
 
 
 def _field(name: str, wire: Wire) -> property:
