@@ -78,15 +78,15 @@ class Tracking:
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
         """Take a verified frame in; None where the manual rules out its values."""
-        readings = frame.readings
         stamp, dt = self.clock.stamp(now, frame.packets.wire_time(baud))
         self._unseen += dt
         self._found_lost += self.clock.found_lost
-        if readings.implausible():
+        if not frame.packets.plausible(frame.data):
             self._counts.implausible_frames += 1
             return None
         dt, self._unseen = self._unseen, 0.0
         self._counts.frames += 1
+        readings = frame.readings
         self.readings = self.readings.updated(readings)
         return Taken(readings, stamp, dt)
 

@@ -9,8 +9,7 @@ range and unit (manual: Sensor Packets).
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from functools import cache
-from itertools import compress
-from operator import contains, itemgetter, not_
+from operator import itemgetter
 from typing import Annotated, Any, get_args, NamedTuple
 
 from ..robot import TOP_SPEED_MM
@@ -159,10 +158,7 @@ class Readings:
 
     def implausible(self) -> list[str]:
         """Name the readings that are out of the manual's range."""
-        names, numbers = self._numbers.keys(), self._numbers.values()
-        # No line of Python for each value: this is asked in every frame.
-        plausible = map(contains, map(ALLOWED.__getitem__, names), numbers)
-        return [*compress(names, map(not_, plausible))]
+        return [name for name, number in self._numbers.items() if number not in ALLOWED[name]]
 
 
 def _field(name: str, wire: Wire) -> property:
