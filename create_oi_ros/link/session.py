@@ -14,7 +14,7 @@ from math import inf
 import threading
 import time
 
-from ..driver import Driver, DriverEvent, LAST_WORDS, Notice, Severity
+from ..driver import Driver, DriverEvent, Health, LAST_WORDS, Notice, Severity
 from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
@@ -94,6 +94,11 @@ class Session:
                 self._exchange(now)
             else:
                 self._report_events()
+
+    def health(self) -> Health:
+        """Return what is known of driver, line and robot; nothing is sent."""
+        with self._lock:
+            return self.driver.health(time.monotonic())
 
     @property
     def port(self) -> Port | None:
