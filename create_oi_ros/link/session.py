@@ -254,6 +254,7 @@ class Session:
         self._close_port(stopped=False)
         self.driver.disconnected(str(error))
         self._report(error)
+        self._report_events()  # the thread that reads has no other reason to, without a port
 
     def _close_port(self, *, stopped: bool) -> None:
         """Close the port; a robot that may not have been stopped is left to the dead-man first."""
