@@ -59,6 +59,8 @@ class CommandWatch:
 
     def check(self, missed: int, now: float) -> CommandNews | None:
         """Return what is new; `missed` is how many speeds in a row the robot did not take."""
+        if not missed and self._unseen_since is None and self._last is None:
+            return None  # as in most frames
         unseen = 0.0 if self._unseen_since is None else now - self._unseen_since
         before = self._last
         if missed >= MISSES_REPORTED or unseen > UNSEEN_REPORTED:

@@ -48,7 +48,8 @@ class Connection:
         self.reader = oi.StreamReader(self.plan.lists)
         self.heard_at = 0.0
         """When the last frame came, in the clock of `now`."""
-        self._ran_at: float | None = None
+        self._ran_at = inf
+        """When the driver was called last; in no past before the port is open."""
         self._stale_until = -inf
         self._slow_notice: str | None = None
 
@@ -124,12 +125,13 @@ class Connection:
 
     def check_standstill(self, now: float) -> None:
         """Call the robot again after this process stood still: the dead-man may have acted."""
-        still = 0.0 if self._ran_at is None else now - self._ran_at
-        self._ran_at = now
-        if not self._state.answered or still <= STANDSTILL:
-            return
+        before, self._ran_at = self._ran_at, now
+        if now - before > STANDSTILL and self._state.answered:
+            self._stood_still(now - before, now)
+
+    def _stood_still(self, seconds: float, now: float) -> None:
         self._events.notice(
-            Severity.WARNING, f'the driver stood still for {still:.1f} s (Ctrl-Z, a debugger, a '
+            Severity.WARNING, f'the driver stood still for {seconds:.1f} s (Ctrl-Z, a debugger, a '
             'computer that slept or was too busy); calling the robot again')
         self.reader.flush()
         self._search.restart()
@@ -154,7 +156,8 @@ class Connection:
             self._outbox.send_raw(WAKE_UP)
         elif news is CommandNews.IGNORES:
             self._events.notice(Severity.ERROR, IGNORES)
-        if self.frame_budget.check(self.baud, now, fits=self.plan.budget.fits):
+        if now >= self.frame_budget.check_at and self.frame_budget.check(
+                self.baud, now, fits=self.plan.budget.fits):
             problem = self.frame_budget.problem
             self._events.notice(Severity.WARNING if problem else Severity.INFO,
                                 problem or 'frames arrive in time again')

@@ -8,6 +8,8 @@ then (manual: Stream). An adapter or a network may also carry less than its baud
 frames and bytes are counted over a few seconds.
 """
 
+from math import inf
+
 from .. import oi
 from ..oi.codes import START_BAUDS
 from ..robot import MILLI, SLOT
@@ -35,13 +37,15 @@ class FrameBudget:
     def __init__(self) -> None:
         self.problem: str | None = None
         self._begun: float | None = None
+        self.check_at = -inf
+        """When `check` has something to do next."""
         self._frames = self._frame_bytes = self._bytes = 0
         self.since_frame = 0
         """Bytes that have come since the last whole frame."""
 
     def restart(self) -> None:
         """Start counting again: the robot was away, or does not stream."""
-        self._begun = None
+        self._begun, self.check_at = None, -inf
         self.since_frame = 0
 
     def add_bytes(self, size: int) -> None:
@@ -71,12 +75,12 @@ class FrameBudget:
 
         `fits` is whether the frames that were asked for fit into their slots at this rate.
         """
-        if self._begun is not None and now - self._begun < WINDOW:
+        if now < self.check_at:
             return False
         before = self.problem
         if self._begun is not None:
             self._assess(baud, now - self._begun, fits=fits)
-        self._begun = now
+        self._begun, self.check_at = now, now + WINDOW
         self._frames = self._frame_bytes = self._bytes = 0
         return bool(before) != bool(self.problem)
 

@@ -11,6 +11,7 @@ envelope over minutes is the length of a slot.
 
 from collections import deque
 from itertools import islice
+from math import inf
 
 from .. import oi
 from ..odometry.knowledge import Known, PERIOD
@@ -52,10 +53,12 @@ class FrameClock:
         """Slot and earliest possible moment of each frame."""
         self._late: deque[float] = deque(maxlen=WINDOW)
         """How late each of them was by its slot, up to a constant."""
+        self._least = inf
+        """The least of these."""
         self._earliest: deque[tuple[int, float]] = deque(maxlen=BLOCKS)
         self._frames = 0
         self._slot = 0
-        self._stamp = -float('inf')
+        self._stamp = -inf
         self._arrival: float | None = None
         self._suspicious = 0
         self._missing = 0.0
@@ -78,6 +81,7 @@ class FrameClock:
         self._first, self._part = self.known_period, 0.0
         self._sent.clear()
         self._late.clear()
+        self._least = inf
         self._earliest.clear()
         self._arrival = None
         self._suspicious = self._frames = self._absent = 0
@@ -96,7 +100,7 @@ class FrameClock:
     @property
     def undecided(self) -> bool:
         """Whether frames are missing before the newest one that may only be late."""
-        return self.gap and self._absent > 0
+        return self._absent > 0 and self.gap
 
     @property
     def absent(self) -> float:
@@ -113,13 +117,14 @@ class FrameClock:
         self.found_lost = 0.0
         if self._absent and self._arrival is not None:
             self.found_lost = self._decide(arrival - self._arrival, sent)
-        passed = 1 + self._frames_missing(arrival)
+        passed = 1
+        if self._missing or self._arrival is None or arrival - self._arrival > SILENT:
+            passed += self._frames_missing(arrival)
         self._arrival = arrival
         self._slot += passed
         wrong = self._slots_early(sent) if self._suspicious > 0 and self._late else 0
         self._slot += wrong
-        self._sent.append((self._slot, sent))
-        self._late.append(sent - self._slot * self.period)
+        self._note(sent)
         self._suspicious -= 1
         late = self._slots_late() if self._suspicious >= 0 else 0
         if late:
@@ -127,9 +132,18 @@ class FrameClock:
         self._frames += 1
         if self._frames % BLOCK == 0 and len(self._sent) >= BLOCK:
             self._learn_period()
-        stamp = self._slot * self.period + min(self._late)
+        stamp = self._slot * self.period + self._least
         self._stamp = max(stamp, self._stamp + LEAST_STEP)
         return self._stamp, self._duration(passed + wrong + late)
+
+    def _note(self, sent: float) -> None:
+        """Keep when the newest frame left, as far as it alone tells."""
+        oldest = self._late[0] if len(self._late) == WINDOW else inf
+        late = sent - self._slot * self.period
+        self._sent.append((self._slot, sent))
+        self._late.append(late)
+        # All of them are compared only when the least has just left the window.
+        self._least = min(late, self._least) if oldest > self._least else min(self._late)
 
     def _duration(self, slots: int) -> float:
         """Return the seconds of some slots; what is below none is taken from later frames."""
@@ -148,7 +162,7 @@ class FrameClock:
         if since < TOGETHER * self.period:
             self._absent -= 1
             return 0.0
-        late = sent - (self._slot + 1) * self.period - min(self._late)
+        late = sent - (self._slot + 1) * self.period - self._least
         lost = max(0, min(self._absent, round(late / self.period)))
         self._absent = 0
         self._slot += lost
@@ -169,12 +183,13 @@ class FrameClock:
 
     def _slots_early(self, sent: float) -> int:
         """Return by how many slots a frame is early (negative): no line is faster than ever."""
-        early = sent - self._slot * self.period - min(self._late)
+        early = sent - self._slot * self.period - self._least
         return min(0, round(early / self.period))
 
     def _count_late(self) -> None:
         """Work out again how late frames were, by other slots or a slot of another length."""
         self._late = deque((sent - slot * self.period for slot, sent in self._sent), WINDOW)
+        self._least = min(self._late)
 
     def _slots_late(self) -> int:
         """

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from math import inf
 
 from .. import oi
-from ..odometry import Odometry
 from .demos import Demos
 from .events import EventQueue, Moved, Severity
 from .goals import Code, Ending, Goal, Running
@@ -24,6 +23,7 @@ from .outbox import Outbox
 from .state import Activity, Owner, REFUSALS, State, StateEvent
 from .stopping import END_DEMO, HALT
 from .supervision import Cause, Supervision
+from .tracking import Tracking
 
 MODE_WAIT = 1.0
 """Seconds that the robot may take to enter its mode before a goal begins."""
@@ -59,11 +59,12 @@ class GoalControl:
 
     def __init__(
         self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
-        demos: Demos, outbox: Outbox, events: EventQueue, odometry: Odometry,
+        demos: Demos, outbox: Outbox, events: EventQueue, tracking: Tracking,
         handle: Callable[[StateEvent], None],
     ) -> None:
         """`handle` passes an event to the driver's state."""
-        self._odometry = odometry
+        self._tracking = tracking
+        self._odometry = tracking.odometry
         self._wheels = wheels
         self._state = state
         self._supervision = supervision
@@ -78,8 +79,6 @@ class GoalControl:
         self._running = Running()
         self._begun = False
         self._started_at = 0.0
-        self._moved: Moved | None = None
-        """The newest frame."""
         self._seen_at = 0.0
         self._mode_before = oi.Mode.SAFE
 
@@ -139,10 +138,9 @@ class GoalControl:
         self._conclude(over)
 
     def see(self, moved: Moved, dt: float, *, measured: bool, now: float) -> None:
-        """Pursue the goal in a new frame."""
-        self._moved, self._seen_at = moved, now
-        if self._goal is None:
-            return
+        """Pursue the goal that runs in a new frame."""
+        assert self._goal is not None, 'no goal runs'
+        self._seen_at = now
         view = View(
             now, dt, moved.estimate, moved.readings, measured, self._wheels.limits,
             self._odometry.marked, self._odometry.seeks_rounding)
@@ -263,7 +261,8 @@ class GoalControl:
         """Tell who waits how the goal ended."""
         text = over.text if over.code is Code.NONE else f'{how}; {over.text}'
         ending = Ending(over.code, text, seconds=seconds)
-        if self._moved is not None:
+        readings = self._tracking.readings
+        if readings.has('oi_mode'):
             ending = ending._replace(
-                estimate=self._moved.estimate, docked=docked(self._moved.readings))
+                estimate=self._odometry.estimate, docked=docked(readings))
         running.end(ending)

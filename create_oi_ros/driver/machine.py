@@ -14,6 +14,7 @@ a `Pending`; `poll` sends.
 
 from collections import deque
 from copy import copy
+from math import inf
 
 from .. import oi
 from ..odometry import Odometry
@@ -46,6 +47,8 @@ from .velocity_control import VelocityControl
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
+LOOK_INTERVAL = 0.1
+"""Seconds between two looks at what changes within seconds."""
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 
@@ -82,12 +85,13 @@ class Driver:
             self._supervision, self._outbox, self._events, reset=settings.reset_when_not_charging)
         self.goals = GoalControl(
             self._wheels, self.state, self._supervision, self._modes, self.demos, self._outbox,
-            self._events, self._tracking.odometry, self._handle)
+            self._events, self._tracking, self._handle)
         self._velocity = VelocityControl(
             self._wheels, self.state, self._supervision, self._modes, self.goals, self._outbox,
             self._events, self._handle)
         self._unchecked: deque[tuple[Taken, Moved]] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
+        self._look_at = -inf
         self._reported_status = self.status
 
     def _handle(self, event: StateEvent) -> None:
@@ -121,9 +125,13 @@ class Driver:
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
         self._connection.check_standstill(now)
-        if self.scripts.receive(data) or not self._connection.feed(data, now):
-            return
-        reader = self._connection.reader
+        if self.state.activity is Activity.READING:
+            self.scripts.receive(data)
+        elif self._connection.feed(data, now):
+            self._take_events(self._connection.reader, now)
+
+    def _take_events(self, reader: oi.StreamReader, now: float) -> None:
+        """Take frames and garbage from the bytes that came."""
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
                 self._take_frame(event, now)
@@ -140,12 +148,14 @@ class Driver:
         self._connection.check_standstill(now)
         while self._unchecked:
             self._check_frame(*self._unchecked.popleft(), now)
-        if self.scripts.reading:
-            self._connection.heard_at = now
+        if not self.state.takes_commands:
+            if self.scripts.reading:
+                self._connection.heard_at = now
+            self.scripts.poll(now)
         self._connection.check_silence(now)
         self._modes.check_timeout(now)
-        self.scripts.poll(now)
-        self.goals.poll(now)
+        if self.state.pursues:
+            self.goals.poll(now)
         self._velocity.poll(now)
         if self.state.takes_commands:
             stream = self._connection.plan.next_stream(
@@ -259,14 +269,15 @@ class Driver:
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
-        taken = self._tracking.take(frame, self.baud, now)
+        taken = self._tracking.take(frame, self._connection.baud, now)
         self._connection.add_frame(frame.packets)
         if taken is None:
             return
         self._connection.heard_at = now
-        if self.state.activity is Activity.CALLING:
+        activity = self.state.activity
+        if activity is Activity.CALLING:
             self._found(now)
-        if self.scripts.ended(frame.packets):
+        elif activity is Activity.SCRIPT and self.scripts.ended(frame.packets):
             self._after_script()
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
         self._events.append(moved)
@@ -290,20 +301,29 @@ class Driver:
         """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
         self._wheels.blocked = bool(int(readings.bumps_and_wheel_drops) & BUMPS)
-        self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
-        if self.goals.wants_reading:
-            self._tracking.odometry.hurry()
+        if self.state.pursues:
+            self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
+            if self.goals.wants_reading:
+                self._tracking.odometry.hurry()
         if self._modes.observe(readings, now):
             self._velocity.report_next_refusal()
-        drives = self.status.can_drive
+        status = self.status
+        drives = status.can_drive
         if drives and self.state.takes_commands:
             right, left = requested_speeds(readings)
             self._wheels.reported(right, left, now)
         if self._connection.check_line(self._wheels.missed if drives else 0, now):
             self._send_again()
-        self._modes.retry(now)
+        if status.actual is not status.wanted:
+            self._modes.retry(now)
         if self._turn_check.observe(taken.readings, taken.dt):
             self._events.notice(Severity.WARNING, ANGLE_STUCK)
+        if now >= self._look_at:
+            self._look_at = now + LOOK_INTERVAL
+            self._look(readings, now)
+
+    def _look(self, readings: oi.Readings, now: float) -> None:
+        """Look at what changes within seconds: battery, charger, what is known of the robot."""
         self._battery.observe(readings, now)
         self._charging.observe(readings, now)
         if self._acquaintance.due(now):

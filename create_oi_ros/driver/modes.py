@@ -35,7 +35,8 @@ class Modes:
         self._events = events
         self._handle = handle
         self._request = done('no request')
-        self._requested = oi.Mode.OFF
+        self._requested: oi.Mode | None = None
+        """The mode of a request that has not ended; None without one."""
         self._deadline = 0.0
 
     def set(self, mode: oi.Mode, now: float) -> Pending:
@@ -54,7 +55,11 @@ class Modes:
 
     def fail(self, why: str) -> None:
         """End a request that has not been answered."""
-        self._request.end(False, why)
+        self._end(False, why)
+
+    def _end(self, ok: bool, text: str) -> None:
+        self._requested = None
+        self._request.end(ok, text)
 
     def enter(self, mode: oi.Mode, now: float) -> None:
         """Tell the robot to enter a mode, and set the outputs that this resets."""
@@ -81,8 +86,8 @@ class Modes:
                 f'{readings.oi_mode.name}: {status.reason}')
             if status.causes == (Cause.UNKNOWN,):
                 self._outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
-        if status.actual is self._requested:
-            self._request.end(True, f'robot is in {self._requested.name}')
+        if self._requested is not None and status.actual is self._requested:
+            self._end(True, f'robot is in {status.actual.name}')
         return left
 
     def retry(self, now: float) -> None:
@@ -103,7 +108,7 @@ class Modes:
 
     def check_timeout(self, now: float) -> None:
         """End a request whose mode the robot did not report in time."""
-        if self._request.outcome is not None or now <= self._deadline:
+        if self._requested is None or now <= self._deadline:
             return
         status = self._supervision.status
         stays = 'does not answer' if status.actual is None else f'stays in {status.actual.name}'

@@ -101,6 +101,8 @@ class WheelCommands:
         """Wheel speeds that the acceleration limits have allowed so far."""
         self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
+        self._rounded: WheelSpeeds | None = None
+        """What `_sent` was rounded from; None where it must be sent again."""
         self._sent_at = -inf
         self.blocked = False
         """Whether the bumper is pressed."""
@@ -128,7 +130,7 @@ class WheelCommands:
 
     def forget_sent(self) -> None:
         """Forget which speeds were sent last, so that they are sent again."""
-        self._sent = None
+        self._sent = self._rounded = None
 
     def reported(self, right: int, left: int, now: float) -> None:
         """Note the requested speeds that the robot reports, mm/s; what it missed is sent again."""
@@ -144,13 +146,18 @@ class WheelCommands:
 
         At most one a slot, since the robot takes no more; but a stop never waits.
         """
-        since = min(now - self._ramped_at, RAMP_STEP)
+        since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
+        blocked = self.blocked and self.limits.bump_stop
+        if self._wanted == self._speeds == self._rounded and not blocked:
+            return None  # as in most frames
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
-        if self.blocked and self.limits.bump_stop:
+        if blocked:
             self._speeds = without_forward(self._speeds)
-        self._ramped_at = now
         speeds = round(self._speeds.right), round(self._speeds.left)
-        if speeds == self._sent or speeds != (0, 0) and now - self._sent_at < SLOT:
+        if speeds != (0, 0) and speeds != self._sent and now - self._sent_at < SLOT:
             return None
-        self._sent, self._sent_at = speeds, now
+        before, self._sent, self._rounded = self._sent, speeds, self._speeds
+        if speeds == before:
+            return None
+        self._sent_at = now
         return oi.DriveDirect(right=speeds[0], left=speeds[1])

@@ -27,7 +27,7 @@ class Outbox:
     def __init__(self) -> None:
         self._queue: deque[_Queued] = deque()
         self._free_at = -inf
-        self._ready = bytearray()
+        self._ready = b''
         self._unconfirmed: list[tuple[Pending, str]] = []
         """Requests whose bytes were made ready, with the texts for when they are written."""
 
@@ -67,8 +67,7 @@ class Outbox:
         lost = [queued.request for queued in self._queue if queued.request is not None]
         lost += [request for request, _ in self._unconfirmed]
         self._queue.clear()
-        self._ready.clear()
-        self._unconfirmed = []
+        self._ready, self._unconfirmed = b'', []
         self._free_at = -inf
         for request in lost:
             request.end(False, LOST)
@@ -84,8 +83,7 @@ class Outbox:
 
     def take_ready(self) -> bytes:
         """Return the bytes to write now, once."""
-        ready = bytes(self._ready)
-        self._ready.clear()
+        ready, self._ready = self._ready, b''
         return ready
 
     def confirm(self) -> None:

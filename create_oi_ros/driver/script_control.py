@@ -72,7 +72,7 @@ class ScriptControl:
 
     def speeds(self, readings: oi.Readings) -> Speeds | None:
         """Return the requested wheel speeds, of driver or script; None if not known."""
-        if not self.playing:
+        if self._state.activity is not Activity.SCRIPT:
             return requested_directly(readings)
         return self._speeds.speeds(readings) if self._speeds.known else None
 
@@ -129,8 +129,6 @@ class ScriptControl:
 
     def poll(self, now: float) -> None:
         """Advance timers: the next poll of a playing robot, silence, the reply's timeout."""
-        if self._state.takes_commands:
-            return
         activity = self._state.activity
         if activity is Activity.SILENCING and self._outbox.busy:
             self._due = now + SILENCE
@@ -153,18 +151,15 @@ class ScriptControl:
         self._due = now + REPLY_TIMEOUT + slowest
         self._handle(StateEvent.LINE_SILENT)
 
-    def receive(self, received: bytes) -> bool:
-        """Use bytes that belong to the script; False where they belong to frames."""
-        if self._state.activity is not Activity.READING:
-            return False
+    def receive(self, received: bytes) -> None:
+        """Take in bytes of the script that is being read back."""
         self._reply += received
         if self._reply and len(self._reply) > self._reply[0]:
             self._read_reply()
-        return True
 
     def ended(self, packets: oi.PacketList) -> bool:
-        """Tell whether a frame with these packets shows that the script has ended."""
-        if not self.playing or packets != self._plan.marker:
+        """Tell whether a frame with these packets shows that the script that plays has ended."""
+        if packets != self._plan.marker:
             return False
         self._plan.restart()
         self._handle(StateEvent.SCRIPT_ENDED)

@@ -57,7 +57,7 @@ def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
 
 def _sources(readings: oi.Readings) -> int:
     """Return the chargers that the robot sees, as bits; 0 while it has not said."""
-    return int(readings.charging_sources) if readings.has('charging_sources') else 0
+    return readings.number('charging_sources', 0)
 
 
 @cache  # nearly all frames have the same hazards as the one before

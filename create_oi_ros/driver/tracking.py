@@ -20,6 +20,9 @@ from .settings import Settings
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""
 STANDING: Speeds = (0.0, 0.0)
+DRIVEN = frozenset(map(int, oi.DriveDirect.modes))
+"""Modes in which the wheels obey, as plain numbers: Python hashes a member by its name."""
+wheel_drops_and_mode = oi.Readings.numbers('bumps_and_wheel_drops', 'oi_mode')
 
 
 class Taken(NamedTuple):
@@ -75,15 +78,15 @@ class Tracking:
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
         """Take a verified frame in; None where the manual rules out its values."""
-        readings = frame.readings
         stamp, dt = self.clock.stamp(now, frame.packets.wire_time(baud))
         self._unseen += dt
         self._found_lost += self.clock.found_lost
-        if readings.implausible():
+        if not frame.packets.plausible(frame.data):
             self._counts.implausible_frames += 1
             return None
         dt, self._unseen = self._unseen, 0.0
         self._counts.frames += 1
+        readings = frame.readings
         self.readings = self.readings.updated(readings)
         return Taken(readings, stamp, dt)
 
@@ -100,10 +103,10 @@ class Tracking:
     def _estimate(self, taken: Taken, speeds: Speeds | None, *, asked: bool) -> Estimate:
         readings = taken.readings
         right, left = speeds or STANDING
+        drops, mode = wheel_drops_and_mode(readings)
         increment = Increment(
             dt=taken.dt, right=right, left=left,
-            driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
-            lifted=bool(int(readings.bumps_and_wheel_drops) & LIFTED),
+            driven=mode in DRIVEN and speeds is not None, lifted=bool(drops & LIFTED),
             lost=self.clock.gap or readings.has('distance') and not asked,
             distance=readings.distance if asked else None,
             angle=readings.angle if asked else None)

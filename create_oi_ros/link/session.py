@@ -14,7 +14,7 @@ from math import inf
 import threading
 import time
 
-from ..driver import Driver, DriverEvent, LAST_WORDS, Notice, Severity
+from ..driver import Driver, DriverEvent, Health, LAST_WORDS, Notice, Severity
 from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
@@ -94,6 +94,11 @@ class Session:
                 self._exchange(now)
             else:
                 self._report_events()
+
+    def health(self) -> Health:
+        """Return what is known of driver, line and robot; nothing is sent."""
+        with self._lock:
+            return self.driver.health(time.monotonic())
 
     @property
     def port(self) -> Port | None:
@@ -231,14 +236,13 @@ class Session:
 
     def _send(self) -> None:
         outgoing = self.driver.data_to_send()
-        if self._port is None:
+        if not outgoing or self._port is None:
             return
         try:
-            baud = self.driver.baud
+            baud = self.driver.baud  # it changes only with what is sent at the new rate
             if baud != self._baud:
                 self._port.baud = self._baud = baud
-            if outgoing:
-                self._port.write(outgoing)
+            self._port.write(outgoing)
         except PortError as error:
             self._lose(error)
 
@@ -250,6 +254,7 @@ class Session:
         self._close_port(stopped=False)
         self.driver.disconnected(str(error))
         self._report(error)
+        self._report_events()  # the thread that reads has no other reason to, without a port
 
     def _close_port(self, *, stopped: bool) -> None:
         """Close the port; a robot that may not have been stopped is left to the dead-man first."""

@@ -9,6 +9,7 @@ Input Commands).
 """
 
 from collections.abc import Iterable, Sequence
+from operator import contains
 import struct
 from typing import NamedTuple
 
@@ -96,6 +97,12 @@ class PacketList:
         byte. No frame of such a list exists: its `budget` does not fit at any baud rate.
         """
         self._mask, self._tags = self._fixed_bytes()
+        self._impossible = int.from_bytes(
+            self._frame.pack(*(wire.impossible_bits for wire in wires)))
+        """Bits that no plausible frame has."""
+        self._ranges = [wire.allowed for wire in wires if not wire.told_by_bits]
+        """What is allowed of the values of which these bits do not tell it."""
+        self._ranged = struct.Struct(f'{BIG_ENDIAN}xx{self._tagged("x", ranged_only=True)}x')
 
     @classmethod
     def named(cls, *names: str) -> 'PacketList':
@@ -111,11 +118,14 @@ class PacketList:
     def __repr__(self) -> str:
         return f'PacketList({self.ids})'
 
-    def _tagged(self, tag: str) -> str:
+    def _tagged(self, tag: str, *, ranged_only: bool = False) -> str:
+        """Return the format of ids and values, or only of values that their bits do not judge."""
         formats = []
         for number in self.ids:
             formats.append(tag)
-            formats.extend(PACKETS[n].wire.format for n in singles(number))
+            for wire in (PACKETS[n].wire for n in singles(number)):
+                skipped = ranged_only and wire.told_by_bits
+                formats.append('x' * wire.size if skipped else wire.format)
         return ''.join(formats)
 
     def _fixed_bytes(self) -> tuple[int, int]:
@@ -139,6 +149,11 @@ class PacketList:
         missing = 8 * (self.frame_size - len(frame))
         return int.from_bytes(frame) & (self._mask >> missing) == self._tags >> missing
 
+    def plausible(self, frame: bytes) -> bool:
+        """Tell whether the manual allows all values of a frame, without decoding them."""
+        return not int.from_bytes(frame) & self._impossible and all(
+            map(contains, self._ranges, self._ranged.unpack(frame)))
+
     def budget(self, baud: int) -> Budget:
         """Return what a frame costs at a baud rate (manual: Stream)."""
         return Budget(self.frame_size, frame_capacity(baud), self.wire_time(baud))
@@ -152,14 +167,11 @@ class PacketList:
         if len(reply) != self.reply_size:
             raise ValueError(
                 f'{len(reply)} bytes for packets {self.ids}; expected {self.reply_size}')
-        return self._readings(self._values.unpack(reply))
+        return Readings.of_fields(dict(zip(self.names, self._values.unpack(reply))))
 
     def unpack_frame(self, frame: bytes) -> Readings:
         """Decode a frame of this list; its checksum must have been verified."""
-        return self._readings(self._frame.unpack(frame))
-
-    def _readings(self, numbers: Iterable[int]) -> Readings:
-        return Readings.of_fields(dict(zip(self.names, numbers)))
+        return Readings.of_fields(dict(zip(self.names, self._frame.unpack(frame))))
 
     def pack_reply(self, values: Sequence[int]) -> bytes:
         """

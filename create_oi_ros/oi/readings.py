@@ -136,14 +136,20 @@ class Readings:
         """Tell whether all of these fields have arrived."""
         return all(map(self._numbers.__contains__, names))
 
+    def number(self, name: str, default: int) -> int:
+        """Return a field as the plain number that came; `default` if it has not arrived."""
+        return self._numbers.get(name, default)
+
     @staticmethod
-    def numbers(first: str, second: str, *more: str) -> Callable[['Readings'], tuple[int, ...]]:
+    def numbers(first: str, *more: str) -> Callable[['Readings'], tuple[int, ...]]:
         """
         Return a function that looks these fields up at once, as the plain numbers that came.
 
         KeyError, from that function: one of them has not arrived.
         """
-        pick: Callable[[dict[str, int]], tuple[int, ...]] = itemgetter(first, second, *more)
+        if not more:
+            return lambda readings: (readings._numbers[first],)
+        pick: Callable[[dict[str, int]], tuple[int, ...]] = itemgetter(first, *more)
         return lambda readings: pick(readings._numbers)
 
     def updated(self, newer: 'Readings') -> 'Readings':

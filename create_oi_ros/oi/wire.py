@@ -9,7 +9,6 @@ Ranges are checked when a value is sent, not when it arrives or is stored: a hos
 nonsense, but a simulator must be able to receive it.
 """
 
-from collections.abc import Container
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from functools import cached_property
@@ -42,7 +41,7 @@ class Wire:
     """Whether the negative of a named number stands for its inverse (Wait Event)."""
 
     @cached_property
-    def allowed(self) -> Container[int]:
+    def allowed(self) -> range | frozenset[int]:
         """The numbers that may be sent."""
         inside = range(self.low, self.high + 1)
         if self.mask:
@@ -52,9 +51,14 @@ class Wire:
         return frozenset(inside).union(self._values).difference(self.but)
 
     @property
+    def size(self) -> int:
+        """Its bytes."""
+        return calcsize(self.format)
+
+    @property
     def limits(self) -> tuple[int, int]:
         """The least and the greatest number that its bytes can hold."""
-        numbers = 1 << 8 * calcsize(self.format)
+        numbers = 1 << 8 * self.size
         return (-numbers // 2, numbers // 2 - 1) if self.format.islower() else (0, numbers - 1)
 
     def fits(self, value: object) -> bool:
@@ -85,6 +89,18 @@ class Wire:
         if self.names is None or not issubclass(self.names, IntFlag):
             return 0
         return sum(self._values)
+
+    @cached_property
+    def impossible_bits(self) -> int:
+        """Bits that no allowed number has; 0 where numbers may be negative."""
+        used = self.mask or (1 << self.high.bit_length()) - 1
+        return 0 if self.low < 0 else self.limits[1] & ~used
+
+    @cached_property
+    def told_by_bits(self) -> bool:
+        """Whether all numbers without these bits are allowed."""
+        bits = 8 * self.size - self.impossible_bits.bit_count()
+        return len(self.allowed) == 1 << bits
 
     def describe(self) -> str:
         """Say what is allowed, for an error message and for the documentation."""

@@ -14,7 +14,6 @@ from math import isnan
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from sensor_msgs.msg import BatteryState
 
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
@@ -22,7 +21,6 @@ from ..driver.goals.hazards import bumps
 from ..odometry import Known
 from . import messages
 from .parameters import Parameters
-from .serialized import filling
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -124,33 +122,34 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
     if not health.answered or not readings.has(
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', STALE, 'no robot answers', {})
-    state = BatteryState()
     content = messages.battery_state
-    filling(state, content.paths)(*content.values(readings, charge_known=charge_known))
-    level, message = _battery(readings, state, health.battery)
+    state = dict(zip(content.paths, content.values(readings, charge_known=charge_known)))
+    charge, temperature = state['percentage'], state['temperature']
+    level, message = _battery(readings, charge, temperature, health.battery)
     return status(f'{name}: battery', level, message, {
-        'voltage (V)': round(state.voltage, 3), 'current (A)': round(state.current, 3),
-        'charge (%)': 'not known' if isnan(state.percentage) else round(100 * state.percentage),
-        'temperature (C)': state.temperature,
+        'voltage (V)': round(state['voltage'], 3), 'current (A)': round(state['current'], 3),
+        'charge (%)': 'not known' if isnan(charge) else round(100 * charge),
+        'temperature (C)': temperature,
         'charging': oi.ChargingState(readings.charging_state).name.lower()})
 
 
-def _battery(readings: oi.Readings, state: BatteryState, watched: BatteryLevel) -> Verdict:
+def _battery(readings: oi.Readings, charge: float, temperature: float,
+             watched: BatteryLevel) -> Verdict:
     if readings.charging_state == oi.ChargingState.FAULT:
         return ERROR, 'charging fault: check battery and charger'
-    if state.temperature >= TOO_HOT:
-        return ERROR, f'{state.temperature:.0f} degrees Celsius: switch it off'
+    if temperature >= TOO_HOT:
+        return ERROR, f'{temperature:.0f} degrees Celsius: switch it off'
     if readings.charging_state in CHARGED:
         return OK, 'on the charger'
     if readings.charging_sources and readings.oi_mode in oi.ACTUATE:
         return WARN, f'does not charge in {readings.oi_mode.name}: call set_mode with PASSIVE'
-    if state.percentage < EMPTY or watched is BatteryLevel.EMPTY:
+    if charge < EMPTY or watched is BatteryLevel.EMPTY:
         return ERROR, 'empty: charge it now'
-    if state.percentage < LOW or watched is BatteryLevel.LOW:
+    if charge < LOW or watched is BatteryLevel.LOW:
         return WARN, 'low: charge it soon'
-    if state.temperature >= HOT:
-        return WARN, f'hot, {state.temperature:.0f} degrees Celsius: let it cool'
-    return OK, 'charge not known' if isnan(state.percentage) else 'charged enough'
+    if temperature >= HOT:
+        return WARN, f'hot, {temperature:.0f} degrees Celsius: let it cool'
+    return OK, 'charge not known' if isnan(charge) else 'charged enough'
 
 
 def driver(
@@ -197,6 +196,7 @@ def _number(known: Known) -> str:
     return f'{known.value:.4g} +- {known.deviation:.1g}'
 
 
+@lru_cache(maxsize=1)  # they seldom change
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:
     """Report version and parameters, so that every recording holds them."""
     return status(f'{name}: {PARAMETERS}', OK, f'version {__version__}', {

@@ -10,6 +10,7 @@ A `Content` names its fields that change, by their paths (`serialized`), and ret
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntFlag
+from functools import cache
 from math import nan
 from typing import Any
 
@@ -144,7 +145,7 @@ def joint_states(estimate: Estimate) -> tuple[float, ...]:
 def flags(*members: IntFlag) -> Callable[[int], tuple[bool, ...]]:
     """Return a function that tells which of these bits are set: on numbers, enums are slow."""
     numbers = tuple(map(int, members))
-    return lambda bits: tuple([bits & number != 0 for number in numbers])
+    return cache(lambda bits: tuple([bits & number != 0 for number in numbers]))
 
 
 bumps = flags(BumpsAndWheelDrops.BUMP_LEFT, BumpsAndWheelDrops.BUMP_RIGHT)

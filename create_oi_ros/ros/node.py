@@ -164,8 +164,7 @@ class CreateNode(Node):
         name = self.get_fully_qualified_name().lstrip('/')
         self._graph.check()
         self._actions.check_client()
-        with self.session.request() as (driver, now):
-            health = driver.health(now)
+        health = self.session.health()
         message = topics.DIAGNOSTICS.type(status=[
             diagnostics.serial_link(
                 name, health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),

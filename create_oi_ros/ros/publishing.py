@@ -76,11 +76,12 @@ class FilledTopic:
     def __init__(self, node: Node, topic: Topic, message: Any, content: Content, *,
                  header: str = 'header') -> None:
         """Create the publisher; `header` is the path of the message's header."""
-        self._publisher = publisher(node, topic)
+        made = publisher(node, topic)
         self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+        self._count = made.handle.get_subscription_count
         stamp = tuple(f'{header}.{path}' for path in messages.STAMP)
         self._fill = cheapest(node, message, stamp + content.paths)
-        self._send = sending(self._publisher, self._fill)
+        self._send = sending(made, self._fill)
         self._content = content.values
         self._filled_from: object = None
         self._values: tuple[Any, ...] = ()
@@ -89,7 +90,7 @@ class FilledTopic:
 
     def check(self) -> None:
         """Look whether there are subscribers."""
-        self.wanted = self._latched or self._publisher.get_subscription_count() > 0
+        self.wanted = self._latched or self._count() > 0
 
     def publish(self, stamp: tuple[int, int], source: Any) -> None:
         """Publish the message with this stamp; `source` is an estimate or readings."""
@@ -176,22 +177,23 @@ class FramePublisher:
         self, moved: Moved, stamp: tuple[int, int], sensor_period: float, *, changed: bool,
     ) -> None:
         """Publish the sensor topics that are due; without a change, only the time decides."""
-        due_at = inf
+        latest, self._due_at = moved.stamp + EARLY, inf
         for schedule, filled in self._wanted:
-            if (changed or schedule.pace.due(moved.stamp)) and schedule.due(
+            if (changed or schedule.pace.due_at <= latest) and schedule.due(
                     moved.readings, moved.stamp, sensor_period):
                 filled.publish(stamp, moved.readings)
-            due_at = min(due_at, schedule.pace.due_at)
-        self._due_at = due_at
+            if schedule.pace.due_at < self._due_at:
+                self._due_at = schedule.pace.due_at
 
     def _check(self) -> None:
         """Check for subscribers; measure the node's clock against the driver's."""
-        self._due_at = -inf  # there may be a new subscriber
         for filled in (self._odom, *self._motion):
             filled.check()
         for _, filled in self._sensors:
             filled.check()
-        self._wanted = [(schedule, filled) for schedule, filled in self._sensors if filled.wanted]
+        wanted = [sensor for sensor in self._sensors if sensor[1].wanted]
+        if wanted != self._wanted:
+            self._wanted, self._due_at = wanted, -inf
         for _ in range(CLOCK_TRIES):
             before, now = time.monotonic_ns(), self._clock.now().nanoseconds
             after = time.monotonic_ns()

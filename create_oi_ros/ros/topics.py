@@ -11,8 +11,6 @@ in messages.
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
-from operator import attrgetter
-from typing import Any
 
 from create_oi_msgs.msg import (
     Bumper,
@@ -204,9 +202,9 @@ class Schedule:
 
     def __init__(self, topic: SensorTopic) -> None:
         self._topic = topic
-        self._watched = attrgetter(*topic.watch)
+        self._watched = Readings.numbers(*topic.watch)
         self._complete = False
-        self._last: Any = None
+        self._last: tuple[int, ...] = ()
         self.pace = Pace()
         """When the topic is due without a change."""
 
@@ -215,11 +213,11 @@ class Schedule:
         self._complete = self._complete or readings.has(*self._topic.needs)
         if not self._complete:
             return False
-        value: Any = self._watched(readings)
+        numbers = self._watched(readings)
         if self._topic.bits is not None:
-            value = int(value) & self._topic.bits
+            numbers = (numbers[0] & self._topic.bits,)
         period = self._topic.period or sensor_period
-        changed, self._last = value != self._last, value
+        changed, self._last = numbers != self._last, numbers
         if not changed and not self.pace.due(stamp):
             return False
         self.pace.done(stamp, period, in_step=not changed)

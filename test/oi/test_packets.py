@@ -239,6 +239,9 @@ def test_readings_agree_with_their_declared_ranges() -> None:
                 readings = packets.unpack_reply(value.to_bytes(size))
                 allowed = wire.allows(getattr(readings, oi.NAMES[number]))
                 assert readings.implausible() == ([] if allowed else [oi.NAMES[number]])
+                frame = bytearray(packets.pack_frame([0]))
+                frame[3:3 + size] = value.to_bytes(size)
+                assert packets.plausible(bytes(frame)) == allowed, oi.NAMES[number]
 
 
 ANY_LIST = st.lists(st.sampled_from(oi.PACKET_IDS), max_size=20)
@@ -273,6 +276,8 @@ def test_a_frame_is_what_the_manual_says(
     assert not rest
     assert packets.matches(frame)
     assert packets.unpack_frame(frame) == packets.unpack_reply(packets.pack_reply(values))
+    if len(set(packets.names)) == len(packets.names):
+        assert packets.plausible(frame) == (not packets.unpack_frame(frame).implausible())
 
 
 @pytest.mark.parametrize('values, message', [
