@@ -154,9 +154,8 @@ class GoalControl:
         self._obey(order, now)
 
     def poll(self, now: float) -> None:
-        """End a goal whose time is over."""
-        if self._goal is None:
-            return
+        """End the goal that runs if its time is over."""
+        assert self._goal is not None, 'no goal runs'
         if not self._begun and now - self._started_at > MODE_WAIT:
             self._finish(self._wrong_mode(), now)
         elif self._begun and now - self._started_at > (self._goal.allowance or inf):

@@ -154,7 +154,7 @@ class Driver:
             self.scripts.poll(now)
         self._connection.check_silence(now)
         self._modes.check_timeout(now)
-        if self.state.pursues:
+        if self.goals.active:
             self.goals.poll(now)
         self._velocity.poll(now)
         if self.state.takes_commands:
@@ -301,7 +301,7 @@ class Driver:
         """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
         self._wheels.blocked = bool(int(readings.bumps_and_wheel_drops) & BUMPS)
-        if self.state.pursues:
+        if self.goals.active:
             self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
             if self.goals.wants_reading:
                 self._tracking.odometry.hurry()

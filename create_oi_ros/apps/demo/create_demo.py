@@ -157,4 +157,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         say(missing((error.name or '').partition('.')[0]))
         return 2
-    return report(options.folder) or code
+    made = report(options.folder)
+    return code or made  # of a tour that ends at once nothing may have been recorded
