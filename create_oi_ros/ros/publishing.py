@@ -24,7 +24,7 @@ from . import messages, topics
 from .messages import Content
 from .parameters import Parameters
 from .serialized import Fill, filling, is_number, Packing, packing
-from .topics import EARLY, Pace, Schedule, SensorTopic, Topic
+from .topics import EARLY, Pace, Topic, TopicWatch
 
 CHECK_INTERVAL = 0.1
 """Seconds between two checks of subscribers and of the node's clock."""
@@ -83,7 +83,8 @@ class FilledTopic:
         self._fill = cheapest(node, message, stamp + content.paths)
         self._send = sending(made, self._fill)
         self._content = content.values
-        self._filled_from: object = None
+        self.filled_from: object = None
+        """The estimate or the readings of the last message."""
         self._values: tuple[Any, ...] = ()
         self.wanted = False
         """Whether there are subscribers, or the topic is latched."""
@@ -94,10 +95,15 @@ class FilledTopic:
 
     def publish(self, stamp: tuple[int, int], source: Any) -> None:
         """Publish the message with this stamp; `source` is an estimate or readings."""
-        if source is not self._filled_from:  # a robot that stands has the same estimate again
+        if source is not self.filled_from:  # a robot that stands has the same estimate again
             self._values = self._content(source)
-            self._filled_from = source
+            self.filled_from = source
         self._send(self._fill(*stamp, *self._values))
+
+
+WatchedTopic = tuple[TopicWatch, FilledTopic]
+Group = tuple[Pace, list[WatchedTopic]]
+"""Topics that are published in the same frames, though nothing has changed."""
 
 
 class FramePublisher:
@@ -110,10 +116,15 @@ class FramePublisher:
         self._check_at = -inf
         self._odom, *self._motion = self._motion_topics(node, parameters)
         self._motion_pace = Pace()
-        self._sensors = [
-            (Schedule(topic), self._sensor_topic(node, topic, parameters.base_frame))
-            for topic in topics.sensor_topics(charge_known=charge_known)]
-        self._wanted = self._sensors
+        self._sensors: list[WatchedTopic] = []
+        self._groups: dict[float | None, Group] = {}
+        for topic in topics.sensor_topics(charge_known=charge_known):
+            filled = FilledTopic(
+                node, topic, messages.empty(topic.type, parameters.base_frame), topic.content)
+            self._sensors.append((TopicWatch(topic), filled))
+            if topic.period != inf:
+                group = self._groups.setdefault(topic.period, (Pace(), []))
+                group[1].append(self._sensors[-1])
         self._watched = Readings.numbers(*topics.WATCHED)
         self._complete = False
         self._seen: object = None
@@ -134,10 +145,6 @@ class FramePublisher:
             header='transforms[0].header')
         return [odom, tf, joints]
 
-    @staticmethod
-    def _sensor_topic(node: Node, topic: SensorTopic, frame: str) -> FilledTopic:
-        return FilledTopic(node, topic, messages.empty(topic.type, frame), topic.content)
-
     def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> None:
         """
         Publish a frame.
@@ -147,16 +154,15 @@ class FramePublisher:
         """
         stamp = messages.stamp(self._offset + round(moved.stamp * messages.NANOSECONDS))
         # A change, such as a bump, must not wait; what is only due again can.
-        changed = self._changed(moved.readings)
-        if changed:
-            self._publish_sensors(moved, stamp, sensor_period, changed=True)
+        if self._changed(moved.readings):
+            self._publish_changed(moved.readings, stamp)
         motion_due = not motion_period or self._motion_pace.due(moved.stamp)
         if motion_due and motion_period:
             self._motion_pace.done(moved.stamp, motion_period)
         if motion_due and self._odom.wanted:
             self._odom.publish(stamp, moved.estimate)
-        if not changed and moved.stamp >= self._due_at - EARLY:
-            self._publish_sensors(moved, stamp, sensor_period, changed=False)
+        if moved.stamp >= self._due_at - EARLY:
+            self._publish_due(moved, stamp, sensor_period)
         for filled in self._motion:
             if motion_due and filled.wanted:
                 filled.publish(stamp, moved.estimate)
@@ -167,23 +173,30 @@ class FramePublisher:
 
     def _changed(self, readings: Readings) -> bool:
         """Compare all watched values at once, since most often nothing has changed."""
-        self._complete = self._complete or readings.has(*topics.WATCHED)
+        self._complete = self._complete or readings.has(*topics.NEEDED)
         if not self._complete:
             return True
         before, self._seen = self._seen, self._watched(readings)
         return self._seen != before
 
-    def _publish_sensors(
-        self, moved: Moved, stamp: tuple[int, int], sensor_period: float, *, changed: bool,
+    def _publish_changed(self, readings: Readings, stamp: tuple[int, int]) -> None:
+        """Publish the topics of which a watched reading has changed."""
+        for watch, filled in self._sensors:
+            if watch.changed(readings) and filled.wanted:
+                filled.publish(stamp, readings)
+
+    def _publish_due(
+        self, moved: Moved, stamp: tuple[int, int], sensor_period: float,
     ) -> None:
-        """Publish the sensor topics that are due; without a change, only the time decides."""
-        latest, self._due_at = moved.stamp + EARLY, inf
-        for schedule, filled in self._wanted:
-            if (changed or schedule.pace.due_at <= latest) and schedule.due(
-                    moved.readings, moved.stamp, sensor_period):
-                filled.publish(stamp, moved.readings)
-            if schedule.pace.due_at < self._due_at:
-                self._due_at = schedule.pace.due_at
+        """Publish the topics whose time has come; those of one period come in one frame."""
+        for period, (pace, members) in self._groups.items():
+            if not pace.due(moved.stamp):
+                continue
+            pace.done(moved.stamp, period or sensor_period)
+            for watch, filled in members:
+                if filled.wanted and watch.complete and filled.filled_from is not moved.readings:
+                    filled.publish(stamp, moved.readings)
+        self._due_at = min(pace.due_at for pace, _ in self._groups.values())
 
     def _check(self) -> None:
         """Check for subscribers; measure the node's clock against the driver's."""
@@ -191,9 +204,6 @@ class FramePublisher:
             filled.check()
         for _, filled in self._sensors:
             filled.check()
-        wanted = [sensor for sensor in self._sensors if sensor[1].wanted]
-        if wanted != self._wanted:
-            self._wanted, self._due_at = wanted, -inf
         for _ in range(CLOCK_TRIES):
             before, now = time.monotonic_ns(), self._clock.now().nanoseconds
             after = time.monotonic_ns()

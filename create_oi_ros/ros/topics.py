@@ -165,6 +165,8 @@ PUBLISHED: tuple[Topic, ...] = (
 
 WATCHED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.watch})
 """All readings whose change is published at once."""
+NEEDED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.needs})
+"""All readings that sensor topics are made from, the watched ones among them."""
 
 
 def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
@@ -190,35 +192,30 @@ class Pace:
         """Return whether it is due in the frame with this stamp, s."""
         return stamp >= self.due_at - EARLY
 
-    def done(self, stamp: float, period: float, *, in_step: bool = True) -> None:
-        """Note that it was done in this frame, in step or before it was due."""
+    def done(self, stamp: float, period: float) -> None:
+        """Note that it was done in this frame, and is due again after a period, s."""
         # Count the period from the due time, not from the frame: the mean rate is exact.
         next_at = self.due_at + period
-        self.due_at = next_at if in_step and next_at > stamp else stamp + period
+        self.due_at = next_at if next_at > stamp else stamp + period
 
 
-class Schedule:
-    """Decides when a topic is due: at once on a change, else after its period."""
+class TopicWatch:
+    """Tells whether a topic can be filled, and when a reading that it watches has changed."""
 
     def __init__(self, topic: SensorTopic) -> None:
         self._topic = topic
         self._watched = Readings.numbers(*topic.watch)
-        self._complete = False
         self._last: tuple[int, ...] = ()
-        self.pace = Pace()
-        """When the topic is due without a change."""
+        self.complete = False
+        """Whether all that the topic needs has arrived."""
 
-    def due(self, readings: Readings, stamp: float, sensor_period: float) -> bool:
-        """Return whether the topic is due in the frame with this stamp, s."""
-        self._complete = self._complete or readings.has(*self._topic.needs)
-        if not self._complete:
+    def changed(self, readings: Readings) -> bool:
+        """Compare with the readings before; true of the first ones that are complete."""
+        self.complete = self.complete or readings.has(*self._topic.needs)
+        if not self.complete:
             return False
         numbers = self._watched(readings)
         if self._topic.bits is not None:
             numbers = (numbers[0] & self._topic.bits,)
-        period = self._topic.period or sensor_period
-        changed, self._last = numbers != self._last, numbers
-        if not changed and not self.pace.due(stamp):
-            return False
-        self.pace.done(stamp, period, in_step=not changed)
-        return True
+        before, self._last = self._last, numbers
+        return numbers != before
