@@ -34,6 +34,7 @@ from .actions import Actions
 from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
+from .periodic_thread import PeriodicThread
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
@@ -74,7 +75,9 @@ class CreateNode(Node):
         Services(self, self.session, self.model)  # the node keeps it, by its methods
         self._actions = Actions(self, self.session, self.parameters)
         self._counts = LinkCounts()
-        self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+        self._diagnostics_thread = PeriodicThread(
+            'diagnostics', DIAGNOSTICS_PERIOD, self._publish_diagnostics,
+            on_failure=self._on_failure)
         self._publish_mode(self.session.driver.status)
 
     def _start_capture(self) -> Capture | None:
@@ -112,10 +115,12 @@ class CreateNode(Node):
         """Open the port, call the robot, and take commands."""
         self.session.start()
         self._commands.start()
+        self._diagnostics_thread.start()
 
     def stop(self) -> None:
         """Stop the robot, close the port, and write what was learned and captured."""
         self._commands.close()
+        self._diagnostics_thread.close()
         self.session.close()
         self.model.end(self.session)
         if self.capture is not None:
