@@ -83,6 +83,8 @@ class Odometry:
         self._twist_variance = self.estimate.twist_covariance
         self._unseen = 0
         """Frames since the tracks were last asked how sure they are after a reading."""
+        self._knowledge: Knowledge | None = None
+        """What was learned, once somebody has asked for it since the last reading."""
 
     @property
     def reading_due(self) -> bool:
@@ -100,7 +102,9 @@ class Odometry:
         tracks = self.tracks
         if not self.window or not tracks.rows.readings:
             return None
-        return learned(tracks.rows, tracks.band)
+        if self._knowledge is None:
+            self._knowledge = learned(tracks.rows, tracks.band)
+        return self._knowledge
 
     @property
     def seeks_rounding(self) -> bool:
@@ -232,6 +236,7 @@ class Odometry:
             tracks.read(distance, angle, doubted=self._doubt)
         obedience.restart()
         self._discard = self._doubt = False
+        self._knowledge = None
 
     def _look(self) -> None:
         """Ask the tracks where the robot is, and how sure they are."""
