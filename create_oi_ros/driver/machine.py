@@ -300,7 +300,7 @@ class Driver:
     def _check_frame(self, taken: Taken, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
-        self._wheels.blocked = bool(int(readings.bumps_and_wheel_drops) & BUMPS)
+        self._wheels.blocked = bool(readings.number('bumps_and_wheel_drops', 0) & BUMPS)
         if self.goals.active:
             self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
             if self.goals.wants_reading:

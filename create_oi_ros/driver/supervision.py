@@ -48,6 +48,7 @@ class Cause(Enum):
 HAZARD_FIELDS = (
     'bumps_and_wheel_drops', 'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 hazard_numbers = oi.Readings.numbers(*HAZARD_FIELDS)
+supervised_numbers = oi.Readings.numbers(*HAZARD_FIELDS, 'oi_mode')
 
 
 def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
@@ -103,21 +104,26 @@ class Supervision:
         self._commands_paused = False
         self._tries = 0
         self._entered_at = self._asked_at = -inf
+        self._settled: tuple[int, ...] | None = None
+        """What a frame says of a robot that is in the wanted mode and safe; None where not."""
         self.docked = False
         """Whether the robot was on the contacts of a Home Base in the newest frame."""
 
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; why the robot left the last one no longer matters."""
+        self._settled = None
         self.status = ModeStatus(self.status.actual, mode)
         self._tries = 0
 
     def lost(self) -> None:
         """Note that no robot answers."""
+        self._settled = None
         self.status = ModeStatus(None, self.status.wanted)
         self._tries = 0
 
     def entering(self, now: float) -> None:
         """Note that the wanted mode is being entered."""
+        self._settled = None
         if self._tries == 0:
             self._asked_at = now
         self._tries += 1
@@ -134,8 +140,11 @@ class Supervision:
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
-        sources = _sources(readings)
-        present = _causes(*hazard_numbers(readings), bool(sources))
+        said = *supervised_numbers(readings), _sources(readings)
+        if said == self._settled:
+            return False  # as in nearly all frames
+        *hazards, _mode, sources = said
+        present = _causes(*hazards, bool(sources))
         self.docked = bool(sources & HOME_BASE)
         if present:
             self._cause_seen_at = now
@@ -157,6 +166,7 @@ class Supervision:
         self._before = present
         if (actual, causes) != (before.actual, before.causes):
             self.status = ModeStatus(actual, before.wanted, causes)
+        self._settled = said if actual is before.wanted and not present else None
         return dropped
 
     def _refused(self, present: tuple[Cause, ...], now: float) -> bool:
