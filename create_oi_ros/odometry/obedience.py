@@ -7,6 +7,8 @@ Nothing tells but a reading: somebody holds or pushes the robot, or it goes its 
 unknown gains, dead times and encoders could explain is not disobedience.
 """
 
+from math import exp
+
 from ..robot import FIRMWARE_SEPARATION
 from .states import DEGREE, MM
 from .tracks import Tracks
@@ -25,33 +27,45 @@ class ExpectedTravel:
 
     def __init__(self) -> None:
         self._last = 0.0, 0.0
+        self._since = 0.0
+        """Seconds under these requests that are not added up yet."""
         self._recent = 0.0
         """m/s by which the requests changed, fading: wheels still follow these."""
         self.restart()
 
     def restart(self) -> None:
         """Begin a new window."""
-        self._goals: tuple[float, float] | None = None
+        self._fade()
         self._seconds = self._far = self._turn = self._path = 0.0
         self._changes = self._recent
 
     def step(self, dt: float, right: float, left: float, tracks: Tracks) -> None:
         """Let time pass under these requests."""
-        self._recent *= max(0.0, 1 - dt / LAG)
         if (right, left) != self._last:
+            self._add_up(tracks)
             change = abs(right - self._last[0]) + abs(left - self._last[1])
             self._changes, self._recent = self._changes + change, self._recent + change
-            self._last, self._goals = (right, left), None
-        if self._goals is None:
-            self._goals = tracks.goals(right, left)
-        right, left = self._goals
+            self._last = right, left
+        self._since += dt
+
+    def _add_up(self, tracks: Tracks) -> None:
+        """Add what the wheels do in the time that has passed."""
+        right, left = tracks.goals(*self._last)
+        dt = self._fade()
         self._seconds += dt
         self._far += (right + left) / 2 * dt
         self._turn += (right - left) / FIRMWARE_SEPARATION * dt
         self._path += (abs(right) + abs(left)) / 2 * dt
 
+    def _fade(self) -> float:
+        """Let changes of the requests fade; return the seconds that passed since the last time."""
+        dt, self._since = self._since, 0.0
+        self._recent *= exp(-dt / LAG)
+        return dt
+
     def judge(self, distance: int, angle: int, tracks: Tracks) -> None:
         """Free the wheels, or bind them to their requests, by what a reading says."""
+        self._add_up(tracks)
         if self._seconds < TELLING_TIME:
             return
         misses = (abs(distance * MM - self._far), abs(angle * DEGREE - self._turn))
