@@ -39,6 +39,7 @@ from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
 from .topic_thread import TopicThread
+from .velocity_input import TwistReader
 
 DIAGNOSTICS_PERIOD = 1.0
 STALE_WARNING_INTERVAL = 5.0
@@ -105,10 +106,11 @@ class CreateNode(Node):
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         stamped = self.parameters.enable_stamped_cmd_vel
         velocity = TwistStamped if stamped else Twist
+        self._read_twist = TwistReader(self.get_logger().warning)
         self._commands = TopicThread(
             self, velocity, topics.CMD_VEL,
             self._on_stamped_velocity if stamped else self._on_velocity,
-            on_failure=self._on_failure)
+            on_failure=self._on_failure, raw=not stamped)
         self._graph = GraphWatch(self, velocity, self.get_logger().warning)
 
     def start(self) -> None:
@@ -128,13 +130,13 @@ class CreateNode(Node):
 
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
-    def _on_velocity(self, twist: Twist) -> None:
-        self.session.drive(twist.linear.x, twist.angular.z)
+    def _on_velocity(self, received: bytes) -> None:
+        self.session.drive(*self._read_twist(received))
 
     def _on_stamped_velocity(self, message: TwistStamped) -> None:
         age = messages.age(message.header.stamp, self.get_clock().now().nanoseconds)
         if age <= self.parameters.cmd_vel_timeout:
-            self._on_velocity(message.twist)
+            self.session.drive(message.twist.linear.x, message.twist.angular.z)
             return
         self._stale += 1
         self.get_logger().warning(

@@ -23,14 +23,15 @@ class TopicThread:
     """Calls a function with each message of a topic, on a thread of its own."""
 
     def __init__(self, node: Node, type_: type, topic: str, callback: Callable[[Any], None], *,
-                 on_failure: Callable[[], None]) -> None:
+                 on_failure: Callable[[], None], raw: bool = False) -> None:
         """
         Subscribe, and keep the newest message; `start` begins to take messages.
 
-        `on_failure` is called when the thread ends with an error, whose traceback is printed.
+        With `raw` the function gets the bytes of each. `on_failure` is called when the thread
+        ends with an error, whose traceback is printed.
         """
         self._subscription = node.create_subscription(
-            type_, topic, callback, 1, callback_group=NoExecutor())
+            type_, topic, callback, 1, callback_group=NoExecutor(), raw=raw)
         assert node.context.handle is not None, 'a node has an initialised context'
         self._context = node.context.handle
         self._bell = GuardCondition(None, None, context=node.context)

@@ -22,10 +22,12 @@ def fail(*_):
 bumper = messages.bumper.values
 messages.bumper = messages.content(*messages.bumper.paths)(lambda readings: (
     fail() if readings.bumps_and_wheel_drops else bumper(readings)))
+from geometry_msgs.msg import Twist
+from rclpy.serialization import deserialize_message
 from create_oi_ros.ros.node import CreateNode
 on_velocity = CreateNode._on_velocity
-CreateNode._on_velocity = lambda node, twist: (
-    fail() if twist.linear.z else on_velocity(node, twist))
+CreateNode._on_velocity = lambda node, received: (
+    fail() if deserialize_message(received, Twist).linear.z else on_velocity(node, received))
 raise SystemExit(programs.create_node())
 """
 """A node whose bumper message and velocity callback can raise an exception."""

@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
+from rclpy.serialization import serialize_message
 from rclpy.task import Future
 
 from create_oi_ros import oi
@@ -150,7 +151,7 @@ def test_a_velocity_drives_within_the_limits_or_not_at_all(node, message):
     session, node.session = node.session, desk
     try:
         if isinstance(message, Twist):
-            node._on_velocity(message)
+            node._on_velocity(serialize_message(message))
         else:
             node._on_stamped_velocity(message)
     finally:

@@ -8,6 +8,7 @@ import threading
 
 import pytest
 from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
 from std_msgs.msg import Int32
 
 from create_oi_ros.ros.polled_topic import PolledTopic
@@ -67,6 +68,20 @@ def test_messages_come_without_an_executor(subscribe, publish, failed):
     assert [data for data, _ in received] == [1, 2]
     assert received[0][1] not in (threading.current_thread(), threading.main_thread())
     assert not failed.is_set()
+
+
+def test_raw_messages_come_as_bytes(ros, publish):
+    received, came = [], threading.Event()
+
+    def take(message: bytes) -> None:
+        received.append(message)
+        came.set()
+    with closing(TopicThread(
+            ros.node, Int32, 'number', take, on_failure=came.set, raw=True)) as thread:
+        thread.start()
+        publish(7)
+        assert came.wait(TIMEOUT)
+    assert received == [serialize_message(Int32(data=7))]
 
 
 def test_an_executor_leaves_its_messages_alone(ros, subscribe, publish):
