@@ -10,11 +10,12 @@ driver to one thread at a time and keeps the bytes in the order of the decisions
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from copy import copy
 from math import inf
 import threading
 import time
 
-from ..driver import Driver, DriverEvent, Health, LAST_WORDS, Notice, Severity
+from ..driver import Driver, DriverEvent, Health, LAST_WORDS, LinkCounts, Notice, Severity
 from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
@@ -99,6 +100,11 @@ class Session:
         """Return what is known of driver, line and robot; nothing is sent."""
         with self._lock:
             return self.driver.health(time.monotonic())
+
+    def counts(self) -> LinkCounts:
+        """Return what the line has carried so far."""
+        with self._lock:
+            return copy(self.driver.counts)
 
     @property
     def port(self) -> Port | None:

@@ -77,7 +77,7 @@ class CreateNode(Node):
         self._actions = Actions(self, self.session, self.parameters)
         self._counts = LinkCounts()
         self._diagnostics_thread = PeriodicThread(
-            'diagnostics', DIAGNOSTICS_PERIOD, self._publish_diagnostics,
+            'diagnostics', DIAGNOSTICS_PERIOD, self._watch_and_report,
             on_failure=self._on_failure)
         self._publish_mode(self.session.driver.status)
 
@@ -167,10 +167,17 @@ class CreateNode(Node):
         header = messages.header(self.parameters.base_frame, now)
         self._mode.publish(messages.mode(status, header))
 
-    def _publish_diagnostics(self) -> None:
-        name = self.get_fully_qualified_name().lstrip('/')
+    def _watch_and_report(self) -> None:
+        """Look for mistakes in the graph and for lost clients; publish the diagnostics."""
         self._graph.check()
         self._actions.check_client()
+        if self._diagnostics.get_subscription_count():
+            self._publish_diagnostics()
+        else:
+            self._counts = self.session.counts()
+
+    def _publish_diagnostics(self) -> None:
+        name = self.get_fully_qualified_name().lstrip('/')
         health = self.session.health()
         message = topics.DIAGNOSTICS.type(status=[
             diagnostics.serial_link(

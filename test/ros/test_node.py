@@ -231,6 +231,18 @@ def test_the_node_outlives_the_robot(stage):
     assert node.running()
 
 
+def test_diagnostics_of_a_late_subscriber_are_of_the_last_second(stage):
+    robot = stage.robot()
+    stage.node(robot.link)
+    odom = stage.ros.listen(Odometry, 'odom', 200)
+    stage.ros.until(lambda: len(odom) > 170, 'two seconds and a half that nobody diagnosed')
+    diagnostics = stage.ros.listen(DiagnosticArray, '/diagnostics')
+    stage.ros.until(lambda: diagnostics)
+    link = next(s for s in diagnostics[0].status if s.name.endswith('serial link'))
+    values = {value.key: value.value for value in link.values}
+    assert 0 < float(values['frames per second']) < 150
+
+
 def test_a_port_that_is_missing_is_named_once(stage):
     node = stage.node(stage.folder / 'nothing')
     diagnostics = stage.ros.listen(DiagnosticArray, '/diagnostics')
