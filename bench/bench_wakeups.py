@@ -21,8 +21,9 @@ from scene import scene
 
 # Seconds to wait before a measurement, and its duration.
 SETTLE, WATCH = 2.0, 10.0
-MAIN = 'services, actions, the timer (thread of the executor)'
-LAST = 'frames (thread that reads the port)', 'velocity commands (thread of their own)'
+MAIN = 'services, actions (thread of the executor)'
+LAST = ('frames (thread that reads the port)', 'velocity commands (thread of their own)',
+        'diagnostics (thread of their own)')
 """What wakes the threads that the node starts last, in their order."""
 REST = 'the rest'
 DEAD_MAN = 'dead-man: looks at the node'
