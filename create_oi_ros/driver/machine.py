@@ -316,7 +316,7 @@ class Driver:
             self._send_again()
         if status.actual is not status.wanted:
             self._modes.retry(now)
-        if self._turn_check.observe(taken.readings, taken.dt):
+        if self._turn_check.observe(taken.readings, taken.dt, drives=drives):
             self._events.notice(Severity.WARNING, ANGLE_STUCK)
         if now >= self._look_at:
             self._look_at = now + LOOK_INTERVAL

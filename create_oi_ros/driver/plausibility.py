@@ -48,14 +48,18 @@ class TurnCheck:
         self.stuck = False
         """Whether the angle should have changed long ago."""
 
-    def observe(self, readings: oi.Readings, dt: float) -> bool:
-        """Take a frame in, `dt` seconds after the last; True when it has just become stuck."""
+    def observe(self, readings: oi.Readings, dt: float, *, drives: bool) -> bool:
+        """
+        Take a frame in, `dt` seconds after the last; True when it has just become stuck.
+
+        `drives`: whether the robot follows the speeds that are asked of it.
+        """
         right, left = requested_speeds(readings)
         if right == left and not self._requested:
             return False  # as in most frames
-        if readings.has('angle') and readings.angle:
+        if readings.number('angle', 0):
             self._requested, self.stuck = 0.0, False
-        elif readings.oi_mode in oi.ACTUATE:
+        elif drives:
             self._requested += degrees((right - left) / MM_PER_M / self._separation) * dt
         before, self.stuck = self.stuck, abs(self._requested) > TURN_LIMIT
         return self.stuck and not before

@@ -71,6 +71,9 @@ class ReadingPlan:
         self._probe = self._readings = self._since = 0
         self._spacing = 1
         """Frames from one reading of a probe to the next."""
+        self._asked_spacing: tuple[tuple[float, float], float, set[Rounding], int] | None = None
+        self._told_spacing = 0
+        """The last question for a spacing, and its answer."""
         self._asked = ANSWER + 1
         self._alone, self._latency = False, 1
         """Whether the last question was no part of a probe; frames from such a one to its answer.
@@ -161,16 +164,29 @@ class ReadingPlan:
         if (self._steady < PROBE_STEADY or self._probed < PROBE_EVERY or tracks.rests
                 or not tracks.settled or tracks.is_free):
             return 0
-        roundings = tracks.roundings
-        if len(roundings) == 1:
+        if len(tracks.roundings) == 1:
             return 0
-        amounts = [abs(rate) * dt / unit for rate, unit in zip(tracks.rates, (MM, DEGREE))]
-        spacings: list[int] = [1, *range(self._latency + 1, LONGEST + 1)]
-        # Above a half, rounding gains what truncation loses; below it both lose the same.
-        for frames in spacings if self.sparing else spacings[:1]:
-            if any(0.62 < amount * frames % 1 < 0.88 for amount in amounts
-                   if frames == 1 or amount * frames < FEW):
-                return frames
-        if Rounding.CARRY in roundings and any(0.15 < amount % 1 < 0.38 for amount in amounts):
-            return 1
-        return 0
+        # Most frames ask the same as the one before.
+        asked = tracks.rates, dt, tracks.roundings, self._latency if self.sparing else 0
+        if asked != self._asked_spacing:
+            self._asked_spacing, self._told_spacing = asked, _telling_spacing(*asked)
+        return self._told_spacing
+
+
+def _telling_spacing(rates: tuple[float, float], dt: float, roundings: set[Rounding],
+                     latency: int) -> int:
+    """
+    Return after how many frames of dt seconds each readings tell these roundings apart; 0: none.
+
+    Readings come in each frame, or also later than their latency where that is not 0.
+    """
+    amounts = [abs(rate) * dt / unit for rate, unit in zip(rates, (MM, DEGREE))]
+    spacings = [1, *range(latency + 1, LONGEST + 1)] if latency else [1]
+    # Above a half, rounding gains what truncation loses; below it both lose the same.
+    for frames in spacings:
+        if any(0.62 < amount * frames % 1 < 0.88 for amount in amounts
+               if frames == 1 or amount * frames < FEW):
+            return frames
+    if Rounding.CARRY in roundings and any(0.15 < amount % 1 < 0.38 for amount in amounts):
+        return 1
+    return 0

@@ -67,6 +67,9 @@ class Tracks:
         """Seconds that the copies of the wheels have still to roll."""
         self._mean_pose: tuple[float, float, float] | None = None
         """Mean pose where they are; None until somebody asks."""
+        self._rates_of: Array | None = None
+        self._rates = 0.0, 0.0
+        """What was last asked for by `rates`, and of which speeds."""
         self._began = self._velocity = 0.0, 0.0, 0.0
         """Mean pose where these began, and how fast it changed there."""
         self.blur = self._vague = 0.0
@@ -82,13 +85,6 @@ class Tracks:
     def roundings(self) -> set[Rounding]:
         """The roundings that the robot may have."""
         return self._roundings
-
-    @property
-    def known(self) -> float:
-        """How well a robot is known that loses fractions by being asked, 0 to 1."""
-        if self._carries or self.rows.doubt[0] > PUZZLED:
-            return 0.0
-        return min(1.0, self.rows.readings / FAMILIAR)
 
     @property
     def requests(self) -> tuple[float, float]:
@@ -113,8 +109,12 @@ class Tracks:
     @property
     def rates(self) -> tuple[float, float]:
         """Metres and radians that the accumulators gain in a second."""
-        right, left = self.wheels.speed[:, 0, 0]
-        return float(right + left) / 2, float((right - left) / self.wheels.track_width[0, 0])
+        if self.wheels.speed is not self._rates_of:
+            self._rates_of = self.wheels.speed
+            right, left = self._rates_of[:, 0, 0].tolist()
+            width = float(self.wheels.track_width[0, 0])
+            self._rates = (right + left) / 2, (right - left) / width
+        return self._rates
 
     @property
     def held(self) -> Held:
@@ -285,7 +285,9 @@ class Tracks:
         self.wheels.spread(self.rows, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)))
         self._shares, self._mean_pose = self.rows.shares(), None
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
-        self._carries = self._roundings == {Rounding.CARRY}
+        carries = self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED
+        self.known = 0.0 if carries else min(1.0, self.rows.readings / FAMILIAR)
+        """How well a robot is known that loses fractions by being asked, 0 to 1."""
         self._start = self.rows.means[:, s.POSE].copy()
 
     def _forget(self) -> None:

@@ -43,11 +43,10 @@ def test_nothing_turns_faster_than_twice_what_wheels_can_do() -> None:
         assert check.possible(moved(0, angle), 12.0) is possible
 
 
-def turning(right: int, left: int, angle: int = 0, mode: oi.Mode = oi.Mode.SAFE) -> oi.Readings:
+def turning(right: int, left: int, angle: int = 0) -> oi.Readings:
     """Return a reading of a robot that was told to turn."""
     return oi.Readings({
-        'requested_right_velocity': right, 'requested_left_velocity': left, 'angle': angle,
-        'oi_mode': mode})
+        'requested_right_velocity': right, 'requested_left_velocity': left, 'angle': angle})
 
 
 @pytest.mark.parametrize('side', [1, -1])
@@ -56,24 +55,24 @@ def test_an_angle_is_stuck_after_one_turn_that_was_asked_for(side: int) -> None:
     degree = 1 / degrees(2.0)  # seconds, at 500 mm/s between wheels 0.25 m apart
     reading = turning(250 * side, -250 * side)
     for _ in range(2):
-        assert not check.observe(reading, 0.5 * degree)
-        assert not check.observe(reading, 359.4 * degree) and not check.stuck
-        assert check.observe(reading, 0.2 * degree) and check.stuck
-        assert not check.observe(reading, 0.2 * degree) and check.stuck, 'it is told once'
-        assert not check.observe(turning(250, -250, angle=1), 1.0), 'the turn begins anew'
-        assert not check.stuck
+        assert not check.observe(reading, 0.5 * degree, drives=True)
+        assert not check.observe(reading, 359.4 * degree, drives=True) and not check.stuck
+        assert check.observe(reading, 0.2 * degree, drives=True) and check.stuck
+        again = check.observe(reading, 0.2 * degree, drives=True)
+        assert not again and check.stuck, 'it is told once'
+        changed = check.observe(turning(250, -250, angle=1), 1.0, drives=True)
+        assert not changed and not check.stuck, 'the turn begins anew'
 
 
 def test_turns_to_and_fro_need_not_change_the_angle() -> None:
     check = TurnCheck(0.25)
     for _ in range(10):
-        assert not check.observe(turning(250, -250), 2.0)
-        assert not check.observe(turning(-250, 250), 2.0)
+        assert not check.observe(turning(250, -250), 2.0, drives=True)
+        assert not check.observe(turning(-250, 250), 2.0, drives=True)
 
 
-@pytest.mark.parametrize(('right', 'left', 'mode'), [
-    (250, 250, oi.Mode.SAFE), (250, -250, oi.Mode.PASSIVE), (250, -250, oi.Mode.OFF)])
-def test_a_robot_that_does_not_turn_keeps_its_angle(right: int, left: int, mode: oi.Mode) -> None:
+@pytest.mark.parametrize(('right', 'left', 'drives'), [(250, 250, True), (250, -250, False)])
+def test_a_robot_that_does_not_turn_keeps_its_angle(right: int, left: int, drives: bool) -> None:
     check = TurnCheck(0.25)
-    assert not check.observe(turning(right, left, mode=mode), 100.0)
+    assert not check.observe(turning(right, left), 100.0, drives=drives)
     assert not check.stuck

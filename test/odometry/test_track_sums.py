@@ -149,6 +149,7 @@ def test_a_reset_puts_the_origin_where_the_robot_is():
 def test_a_robot_is_familiar_after_sixty_readings(rounding, readings, doubt, known):
     tracks = sure(rounding)
     tracks.rows.readings, tracks.rows.doubt[:] = readings, doubt
+    tracks.reset()
     assert tracks.known == known
 
 
