@@ -123,6 +123,13 @@ def test_a_velocity_is_written_first_and_the_rest_only_if_there_is_any(busy, cal
     assert driver.drive.call_args.args[:2] == (0.2, 0.5)
 
 
+def test_counts_are_those_of_one_moment():
+    ours = Session(Driver(), 'nowhere', on_event=Heard(), on_failure=lambda: None)
+    before = ours.counts()
+    ours.driver.counts.frames += 1
+    assert (before.frames, ours.counts().frames) == (0, 1)
+
+
 def test_a_port_is_ours_alone_and_the_other_is_told_by_whom(terminal):
     ours = Port(terminal, 57600, timeout=0.01)
     assert 'is in use by' in refused(terminal)
