@@ -75,7 +75,7 @@ class Assumptions:
     @property
     def unsteady(self) -> Array:
         """Variance of travel by which wheels stray, m² for each metre: the likeliest, a track."""
-        likeliest: Array = UNSTEADY[self.steadiness.argmax(axis=1)]
+        likeliest: Array = UNSTEADY.take(self.steadiness.argmax(axis=1))
         return likeliest
 
     @classmethod

@@ -31,7 +31,7 @@ ROAMING, UNWATCHED = 0.0625, 3.0
 """m/s by which the place of a robot is doubted that was not watched for longer than this, s."""
 MOVED = slice(s.SPEED_RIGHT, s.SIZE)
 """The states that wheels move: their speeds, right first, the pose, and the accumulators."""
-GAINS = [s.GAIN_RIGHT, s.GAIN_LEFT]
+GAINS = slice(s.GAIN_RIGHT, s.GAIN_LEFT + 1)
 """The states that drift while wheels do not run steadily."""
 SIDES = np.array([[1.0], [-1.0]])
 """In which direction a wheel turns the robot, right first."""
@@ -75,16 +75,18 @@ def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: 
     linear, angular = scales
     travel = doubt * (JITTER ** 2 * did.changes[:, None] + (UNEVEN * did.path) ** 2)
     travel = travel + unsteady * did.path + did.unsure[:, None]
-    travel = travel + did.free * (FREE_SPEED * did.seconds) ** 2
+    if did.free:
+        travel += (FREE_SPEED * did.seconds) ** 2
     wrong = doubt * ((MISCOUNTED * did.miscounted) ** 2 + (2 * JITTER) ** 2 * did.turned)
     q = np.zeros((len(doubt), s.SIZE, s.SIZE))
     q[:, MOVED, MOVED] = _of_wheels(
-        np.stack([slip * slip * did.path, travel, wrong]), heading, width, scales,
+        np.array([slip * slip * did.path, travel, wrong]), heading, width, scales,
         did.free / max(did.seconds, SLOT))
     if did.path[:, 0].any():
-        again = REOPEN * np.clip(doubt - 1, 0, 10) / 10
-        np.einsum('tii->ti', q)[:] += did.seconds * (DRIFTS + again[:, None] * SPREADS)
-        q[:, GAINS, GAINS] += did.seconds * WANDER ** 2 * unsteady[:, None]
+        again = REOPEN * np.minimum(np.maximum(doubt - 1, 0), 10) / 10
+        variances = q.reshape(len(q), -1)[:, ::s.SIZE + 1]
+        variances += did.seconds * (DRIFTS + again[:, None] * SPREADS)
+        variances[:, GAINS] += did.seconds * WANDER ** 2 * unsteady[:, None]
     return q
 
 
@@ -99,8 +101,8 @@ def _of_wheels(variances: Array, heading: Array, width: Array, scales: Scales,
     linear, angular = scales
     kinds: Array = np.zeros((3, 2, len(width), s.SIZE - MOVED.start))
     slip, travel, wrong = kinds
-    slip[:, :, s.X - MOVED.start] = linear / 2 * np.cos(heading)
-    slip[:, :, s.Y - MOVED.start] = linear / 2 * np.sin(heading)
+    slip[..., s.X - MOVED.start] = linear / 2 * np.cos(heading)
+    slip[..., s.Y - MOVED.start] = linear / 2 * np.sin(heading)
     turn = SIDES / width
     slip[:, :, s.YAW - MOVED.start] = angular * turn
     wrong[:, :, s.DISTANCE - MOVED.start] = 0.5

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 RECENT = 0.35
 """Seconds after which the past of a request no longer matters: longer than any dead time."""
+ROOM = 64
+"""Changes of request that are remembered: more than come within that time, one a frame."""
 
 
 class RequestHistory:
@@ -28,21 +30,29 @@ class RequestHistory:
         self.asked = 0.0, 0.0
         """The same as numbers."""
         self._kept = [1.0, 1.0]
+        self._times = np.full(ROOM, np.inf)
+        """When each request came, then infinity."""
+        self._later = self._times[1:]
+        self._rates, self._sums = np.zeros((6, ROOM)), np.zeros((6, ROOM))
+        """Each request as a column: speeds, kept signs, upward signs; and their sums when it came.
+        """
         self.settle()
 
     @property
     def signs(self) -> tuple[Array, Array]:
         """The signs of the last requests that were not zero, and of these where zero is up."""
-        return self._rates[2:4, -1, None, None], self._rates[4:, -1, None, None]
+        kept, up = np.array(self._rate[2:]).reshape(2, 2, 1, 1)
+        return kept, up
 
     def settle(self) -> None:
         """Take the present requests to have held for long."""
         self.age = np.inf
         """Seconds since the last change."""
         self._now = 0.0
-        self._times = np.array([-RECENT])
-        self._rates = self._present()
-        self._sums = np.zeros((6, 1))
+        self._times[:] = np.inf
+        self._alike_since = -np.inf
+        """Since when all signs have been the same; infinity: they are not."""
+        self._begin(0, -RECENT, [0.0] * 6)
         self._compare_signs()
 
     def ask(self, right: float, left: float, stands: Sequence[bool]) -> Array:
@@ -58,18 +68,18 @@ class RequestHistory:
         change, self.speeds = speeds - self.speeds, speeds
         self._kept = [copysign(1.0, speed) if speed else kept
                       for speed, kept in zip(asked, self._kept)]
-        sums = self._sums[:, -1:] + self._rates[:, -1:] * (self._now - self._times[-1])
-        first = max(int(self._times.searchsorted(self._now - RECENT)) - 1, 0)
-        self._times = np.concatenate([self._times[first:], [self._now]])
-        self._sums = np.concatenate([self._sums[:, first:], sums], axis=1)
-        self._rates = np.concatenate([self._rates[:, first:], self._present()], axis=1)
+        held, signs = self._now - self._since, self._rate[2:]
+        sums = [total + rate * held for total, rate in zip(self._total, self._rate)]
+        self._begin(self._make_room(), self._now, sums)
+        if self._rate[2:] != signs:
+            self._alike_since = self._now
         self.age = 0.0
         self._compare_signs()
         return change
 
     def stand(self, wheel: int) -> None:
         """Note that the present request never moved a wheel."""
-        self.speeds[wheel] = self._rates[wheel, -1] = 0.0
+        self.speeds[wheel] = self._rate[wheel] = self._rates[wheel, self._last] = 0.0
 
     def step(self, seconds: float) -> None:
         """Let time pass."""
@@ -83,18 +93,34 @@ class RequestHistory:
         Speeds, kept signs, upward signs (zero is up); of both wheels, right first.
         """
         when = self._now - ago.ravel()
-        since = np.maximum(self._times.searchsorted(when) - 1, 0)
+        since = self._later.searchsorted(when)
         sums = self._rates.take(since, axis=1)  # take: a fifth of what an index costs
         sums *= when - self._times.take(since)
         sums += self._sums.take(since, axis=1)
         return sums.reshape(3, 2, *ago.shape)
 
-    def _present(self) -> Array:
+    def _begin(self, column: int, since: float, sums: list[float]) -> None:
+        """Write the present requests down."""
         up = [1.0 if speed >= 0 else -1.0 for speed in self.asked]
-        return np.array([*self.speeds, *self._kept, *up]).reshape(6, 1)
+        self._last, self._since, self._total = column, since, sums
+        self._rate: list[float] = [*self.speeds.tolist(), *self._kept, *up]
+        self._times[column] = since
+        self._rates[:, column] = self._rate
+        self._sums[:, column] = sums
+
+    def _make_room(self) -> int:
+        """Return the next free column, the first half of them forgotten where there is none."""
+        if self._last + 1 < ROOM:
+            return self._last + 1
+        left = ROOM // 2
+        for array in (self._times, self._rates, self._sums):
+            array[..., :left] = array[..., left:]
+        self._later[left - 1:] = np.inf
+        return left
 
     def _compare_signs(self) -> None:
         """See whether it makes a difference where an encoder takes its sign from."""
-        signs = self._rates[2:].reshape(2, 2, -1)
-        self.one_sign = signs[0, :, :1, None] if (signs == signs[0, :, :1]).all() else None
+        kept, up = self._rate[2:4], self._rate[4:]
+        alike = kept == up and self._alike_since < self._now - RECENT
+        self.one_sign = np.array(kept).reshape(2, 1, 1) if alike else None
         """The sign of each wheel, where all kinds of sign have been the same lately."""

@@ -24,8 +24,10 @@ class Springs:
 
     def __init__(self, which: NDArray[np.bool_], rates: Array, copies: Array) -> None:
         """`rates`: of the speeds of all tracks' wheels, m/s², axes (track, wheel)."""
-        self.which, = np.nonzero(which)
         self.some, self.only = bool(which.any()), bool(which.all())
+        if not self.some:
+            return
+        self.which, = np.nonzero(which)
         self.rate = np.repeat(rates[self.which].T[:, :, None], copies.shape[2], axis=2)
         self._damping = np.clip(copies[s.DAMPING, self.which], DAMPING.low, DAMPING.high)
         self._swing = np.sqrt(1 - self._damping ** 2)

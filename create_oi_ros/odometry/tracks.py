@@ -165,7 +165,7 @@ class Tracks:
         if self._seconds:
             f = self.wheels.transition(self._start[BEST])[0, s.X - MOVED.start:]
             p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, s.X:, s.X:]
-        blur = np.sqrt(np.diag(p)[3:])
+        blur = np.sqrt(p.diagonal()[3:])
         self._vague = float(blur[1]) / DEGREE
         self.blur = max(float(blur[0]) / MM / 2, self._vague)
         p = p[:3, :3] + (off * self._shares) @ off.T
@@ -173,9 +173,9 @@ class Tracks:
 
     def twist_variance(self) -> tuple[float, float]:
         """Return the variance of the forward speed, (m/s)², and of the turn rate, (rad/s)²."""
-        variances = np.diag(self.rows.p[0])
-        gains = variances[[s.GAIN_RIGHT, s.GAIN_LEFT]] * self.wheels.speed[:, 0, 0] ** 2
-        both = float(variances[[*s.SPEEDS]].sum() + gains.sum())
+        variances = self.rows.p[0].diagonal()
+        gains = variances[noise.GAINS] * self.wheels.speed[:, 0, 0] ** 2
+        both = float(variances[s.SPEED_RIGHT:s.SPEED_LEFT + 1].sum() + gains.sum())
         return both / 4 + 1e-6, both / float(self.wheels.track_width[0, 0]) ** 2 + 1e-6
 
     # Motion.
@@ -281,7 +281,7 @@ class Tracks:
 
     def _spread(self) -> None:
         """Make the copies of the wheels anew."""
-        variances = np.einsum('tii->ti', self.rows.p)[:, :s.UNKNOWNS]
+        variances = self.rows.p.diagonal(axis1=1, axis2=2)[:, :s.UNKNOWNS]
         self.wheels.spread(self.rows, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)))
         self._shares, self._mean_pose = self.rows.shares(), None
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
@@ -310,7 +310,7 @@ class Tracks:
         p = p + q
         p[:, MOVED], p[:, :, MOVED] = moved, moved.transpose(0, 2, 1)
         p[:, MOVED, MOVED] = moved @ f.transpose(0, 2, 1) + q[:, MOVED, MOVED]
-        self._q = np.stack([q[:, index, index] for index, _ in UNITS])
+        self._q = q.diagonal(axis1=1, axis2=2)[:, s.DISTANCE:].T
         p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
         return p
 

@@ -76,9 +76,9 @@ class WheelModel:
     def spread(self, rows: Rows, steps: Array) -> None:
         """Make copies from the tracks' means, off by these steps each."""
         self.signs, means = rows.signs, rows.means
+        self._kinds = set(rows.signs.kinds.tolist())
         copies = np.repeat(means.T[:s.DISTANCE, :, None], s.UNKNOWNS + 1, axis=2)
-        which = np.arange(s.UNKNOWNS)
-        copies[which, :, which + 1] += steps.T
+        np.einsum('utu->ut', copies[:s.UNKNOWNS, :, 1:])[:] += steps.T
         self.steps = steps
         self._take_unknowns(copies)
         self._all_move = bool((means[:, s.MOVES_RIGHT:s.MOVES_LEFT + 1] == 1).all())
@@ -93,7 +93,8 @@ class WheelModel:
         """Whether all wheels run at their goals, whether these are zero, and how far the farthest
         is from its own, m/s."""
         self._springs = Springs(rows.springs, rows.rates, copies)
-        self._ramp[rows.springs] = LEAST_RAMP
+        if self._springs.some:
+            self._ramp[rows.springs] = LEAST_RAMP
         self._before = self._sums()
         self._goal: Array | None = None
 
@@ -101,7 +102,8 @@ class WheelModel:
     def rates(self) -> Array:
         """How fast the speeds of springs change, m/s²; axes (track, wheel)."""
         rates = np.zeros((self.speed.shape[1], 2))
-        rates[self._springs.which] = self._springs.rate[:, :, 0].T
+        if self._springs.some:
+            rates[self._springs.which] = self._springs.rate[:, :, 0].T
         return rates
 
     def _take_unknowns(self, copies: Array) -> None:
@@ -110,10 +112,12 @@ class WheelModel:
         self._moves = copies[s.MOVES_RIGHT:s.MOVES_LEFT + 1]
         self._base_lag = copies[s.LAG]
         self._slow_lag, self._fast_lag = copies[s.SLOW_LAG], copies[s.FAST_LAG]
-        self._dead_times = np.maximum(copies[s.DEAD_TIME][:, [0, s.DEAD_TIME + 1]], 0.0)
+        dead_times = copies[s.DEAD_TIME]
+        self._dead_times = np.maximum(dead_times[:, :s.DEAD_TIME + 2:s.DEAD_TIME + 1], 0.0)
         self._ramp = np.maximum(copies[s.RAMP], LEAST_RAMP)
         self._braking = np.exp(copies[s.BRAKING])
         self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
+        self._width_of: tuple[float, float] | None = None
         self._lag_of: tuple[float, float] | None = None
         self._decay_of = 0.0
 
@@ -121,7 +125,7 @@ class WheelModel:
     def counts(self) -> Array:
         """What the encoders made of the motion: metres forwards, and radians."""
         right, left = self._rolled
-        return np.stack([(right + left) / 2, (right - left) / self.track_width])
+        return np.array([(right + left) / 2, (right - left) / self.track_width])
 
     @property
     def best_counts(self) -> tuple[float, float]:
@@ -146,7 +150,7 @@ class WheelModel:
     def ask(self, right: float, left: float, stands: Sequence[bool]) -> Array:
         """Take other requests, of which some may not move; return by how much they changed."""
         self.settled = self.standing = False
-        self._goal = None
+        self._goal, self.farthest = None, np.inf
         signs, was_recent = self.requests.signs, self.requests.age <= RECENT
         change = self.requests.ask(right, left, stands)
         if self.requests.one_sign is None:
@@ -154,8 +158,8 @@ class WheelModel:
             kinds = self.signs.kinds
             others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
             self.turned += others * self.speed[:, :, 0] ** 2
-        fastest = np.maximum(np.abs(self.requests.speeds), np.abs(self.speed[:, 0, 0]))
-        self._fastest = float(fastest[0]), float(fastest[1])
+        (right, left), speed = self.requests.speeds.tolist(), self.speed[:, 0, 0].tolist()
+        self._fastest = max(abs(right), abs(speed[0])), max(abs(left), abs(speed[1]))
         if not was_recent:  # else they are those of the last step
             self._before = self._sums()
         return change
@@ -193,18 +197,19 @@ class WheelModel:
         if goal is None or recent:
             goal = self._goal = self._goals(asked)
         self._find_lag(h)
-        way = goal - self.speed
-        far = np.abs(way)
-        self.farthest = float(far.max())
         springs, before = self._springs, self.speed
+        way = goal - before
+        far = np.abs(way)
+        if not recent:
+            self.farthest = float(far.max())
         if springs.only:
             self.speed, travel = springs.roll(goal, way, before, h)
         else:
             braking = way * before < 0
             if braking.any():
-                haste = np.where(braking, self._braking, 1.0)
-                travel = self._follow_bounded(
-                    goal, way, far, h, self._lag / haste, self._ramp / haste)
+                lag, ramp = self._braked
+                travel = self._follow_bounded(goal, way, far, h, np.where(braking, lag, self._lag),
+                                              np.where(braking, ramp, self._ramp))
             elif (far * self._ramp > self._lag).any():
                 travel = self._follow_bounded(goal, way, far, h, self._lag, self._ramp)
             else:
@@ -247,13 +252,22 @@ class WheelModel:
     def _follow_bounded(self, goal: Array, way: Array, far: Array, h: float, lag: Array,
                         ramp: Array) -> Array:
         """Do the same where some accelerations are bounded, or some wheels brake."""
-        first = np.minimum(np.maximum(far * ramp - lag, 0.0), h)
-        left = far - first / ramp
-        kept = left * np.exp((first - h) / lag)
-        short = (far + left) * first / 2 + (left - kept) * lag
-        self.speed = goal - np.copysign(kept, way)
-        travel: Array = goal * h - np.copysign(short, way)
-        return travel
+        first = far * ramp
+        first -= lag
+        np.minimum(np.maximum(first, 0.0, out=first), h, out=first)
+        left = way - np.copysign(first / ramp, way)
+        kept = first - h
+        kept /= lag
+        np.exp(kept, out=kept)
+        kept *= left
+        self.speed = goal - kept
+        short: Array = way + left
+        short *= first
+        short /= 2
+        left -= kept
+        left *= lag
+        short += left
+        return goal * h - short
 
     def _find_lag(self, h: float) -> None:
         """Work out the lag at the present speeds, and for springs what it does in h seconds."""
@@ -263,6 +277,7 @@ class WheelModel:
             slow, fast = parts.T[:, :, None, None]
             part = np.maximum(1 + self._slow_lag * slow - self._fast_lag * fast, LEAST_PART)
             self._lag = np.maximum(self._base_lag * part, SHORTEST_LAG)
+            self._braked = self._lag / self._braking, self._ramp / self._braking
         if self._springs.some and h != self._springs_of:
             self._springs_of = h
             self._springs.prepare(self._lag[:, self._springs.which], h)
@@ -272,20 +287,25 @@ class WheelModel:
         sign = self.requests.one_sign
         if sign is not None and (travel * sign).min() >= 0:
             return travel
+        if self._kinds == {NONE}:
+            return travel
+        rolled = _rolled(travel, before, self.speed, h)
         kept, up = self.requests.signs
-        kinds, late = self.signs.kinds[:, None], self.signs.late[:, None]
-        if means is None:
-            sign = np.where(kinds == LAST, kept, up)
-        else:
+        if means is not None:
             _, late_kept, late_up = means.take(OF_COPY, axis=3)
-            sign = np.where(kinds == LAST, np.where(late, late_kept, kept),
-                            np.where(late, late_up, up))
-        return np.where(kinds == NONE, travel, sign * _rolled(travel, before, self.speed, h))
+            late = self.signs.late[:, None]
+            kept, up = np.where(late, late_kept, kept), np.where(late, late_up, up)
+        if self._kinds == {LAST}:
+            return kept * rolled
+        kinds = self.signs.kinds[:, None]
+        return np.where(kinds == NONE, travel, np.where(kinds == LAST, kept, up) * rolled)
 
     def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
         poses = self.poses
         right, left = travel
-        turn = (right - left) * (scales[1] / self.track_width)
+        if self._width_of != scales:
+            self._width_of, self._turn = scales, scales[1] / self.track_width
+        turn = (right - left) * self._turn
         went = (right + left) * (scales[0] / 2)
         half = turn / 2
         middle = poses[2] + half
@@ -295,16 +315,20 @@ class WheelModel:
         poses[1] += went * np.sin(middle)
         poses[2] += turn
         self._rolled += counted
-        self.path += np.abs(travel[:, :, 0])
+        best = travel[:, :, 0]
+        self.path += np.abs(best)
         if counted is not travel:
-            self.miscounted += np.abs(travel[:, :, 0] - counted[:, :, 0])
+            self.miscounted += np.abs(best - counted[:, :, 0])
 
 
 def _rolled(travel: Array, before: Array, after: Array, h: float) -> Array:
     """Return the metres that wheels rolled, forth and back, while their speeds changed."""
-    change = np.maximum(np.abs(after - before), 1e-9)
-    both = (before * before + after * after) * (h / 2) / change
-    rolled: Array = np.where(before * after < 0, both, np.abs(travel))
+    rolled: Array = np.abs(travel)
+    back = before * after < 0
+    if back.any():
+        change = np.maximum(np.abs(after - before), 1e-9)
+        both = (before * before + after * after) * (h / 2) / change
+        rolled = np.where(back, both, rolled)
     return rolled
 
 

@@ -5,7 +5,8 @@
 import numpy as np
 import pytest
 
-from create_oi_ros.odometry.request_history import RequestHistory
+from create_oi_ros.odometry.request_history import RECENT, RequestHistory, ROOM
+from support.ride import SLOT
 
 NEITHER = False, False
 
@@ -66,14 +67,17 @@ def test_a_request_that_never_moved_a_wheel_stands_from_its_beginning():
 
 
 def test_what_was_asked_long_ago_is_forgotten_but_not_what_still_matters():
-    history = asked(*((speed / 100, 0.0, 0.05) for speed in range(1, 40)))
-    assert len(history._times) < 12
-    # The request of 1.6 s was for 0.33 m/s, and it is 1.95 s now.
-    assert means(history, 0.35, 0.3)[0, 0] == pytest.approx(0.33)
+    history = asked(*((speed / 1000, 0.0, SLOT) for speed in range(1, 400)))
+    assert len(history._times) == ROOM
+    # 20 slots ago the request was that of the 379th; the 399th is in force.
+    assert means(history, 20.5 * SLOT, 20.25 * SLOT)[0, 0] == pytest.approx(0.379)
+    assert means(history, 0.5 * SLOT, 0.0)[0, 0] == pytest.approx(0.399)
+    assert 23 * SLOT < RECENT
+    assert means(history, 23 * SLOT, 0.0)[0, 0] == pytest.approx(0.388)
     late = asked((0.2, 0.1, 0.36))
     late.ask(0.3, 0.1, NEITHER)
     late.step(0.01)
-    assert len(late._times) == 2
+    assert np.isfinite(late._times).sum() == 2
     assert means(late, 0.3, 0.01)[0] == pytest.approx([0.2, 0.1])
 
 
