@@ -31,6 +31,8 @@ ROAMING, UNWATCHED = 0.0625, 3.0
 """m/s by which the place of a robot is doubted that was not watched for longer than this, s."""
 MOVED = slice(s.SPEED_RIGHT, s.SIZE)
 """The states that wheels move: their speeds, right first, the pose, and the accumulators."""
+PLACE = slice(s.X - MOVED.start, None)
+"""The pose and the accumulators among these."""
 GAINS = slice(s.GAIN_RIGHT, s.GAIN_LEFT + 1)
 """The states that drift while wheels do not run steadily."""
 SIDES = np.array([[1.0], [-1.0]])
@@ -68,26 +70,28 @@ def along(variance: Array, terms: dict[int, Array | float]) -> Array:
 def of_motion(did: Stretch, doubt: Array, heading: Array, width: Array, scales: Scales,
               slip: float, unsteady: Array) -> Array:
     """
-    Return what motion adds: uneven wheels and late requests, slip, wrong signs, drift.
+    Return what motion adds to the states `MOVED`: uneven wheels, late requests, slip, wrong signs.
 
     `unsteady`: variance of travel by which wheels stray, m² for each metre.
     """
-    linear, angular = scales
     travel = doubt * (JITTER ** 2 * did.changes[:, None] + (UNEVEN * did.path) ** 2)
     travel = travel + unsteady * did.path + did.unsure[:, None]
     if did.free:
         travel += (FREE_SPEED * did.seconds) ** 2
     wrong = doubt * ((MISCOUNTED * did.miscounted) ** 2 + (2 * JITTER) ** 2 * did.turned)
-    q = np.zeros((len(doubt), s.SIZE, s.SIZE))
-    q[:, MOVED, MOVED] = _of_wheels(
+    return _of_wheels(
         np.array([slip * slip * did.path, travel, wrong]), heading, width, scales,
         did.free / max(did.seconds, SLOT))
-    if did.path[:, 0].any():
-        again = REOPEN * np.minimum(np.maximum(doubt - 1, 0), 10) / 10
-        variances = q.reshape(len(q), -1)[:, ::s.SIZE + 1]
-        variances += did.seconds * (DRIFTS + again[:, None] * SPREADS)
-        variances[:, GAINS] += did.seconds * WANDER ** 2 * unsteady[:, None]
-    return q
+
+
+def of_age(seconds: float, path: Array, doubt: Array, unsteady: Array) -> Array:
+    """Return the variances that motion adds to states that drift; axes (track, state)."""
+    if not path[:, 0].any():
+        return np.zeros((len(doubt), s.SIZE))
+    again = REOPEN * np.minimum(np.maximum(doubt - 1, 0), 10) / 10
+    variances: Array = seconds * (DRIFTS + again[:, None] * SPREADS)
+    variances[:, GAINS] += seconds * WANDER ** 2 * unsteady[:, None]
+    return variances
 
 
 def _of_wheels(variances: Array, heading: Array, width: Array, scales: Scales,

@@ -22,7 +22,7 @@ from .doubt import Doubt
 from .estimate import Geometry
 from .knowledge import Knowledge, known
 from .mark import MarkedPose
-from .noise import MOVED
+from .noise import MOVED, PLACE
 from .request_history import Array
 from .rounding import interval
 from .states import DEGREE, MM
@@ -163,11 +163,10 @@ class Tracks:
         off = poses - (poses @ self._shares)[:, None]
         p = self.rows.p[0, s.X:, s.X:]
         if self._seconds:
-            f = self.wheels.transition(self._start[BEST])[0, s.X - MOVED.start:]
-            p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, s.X:, s.X:]
-        blur = np.sqrt(p.diagonal()[3:])
-        self._vague = float(blur[1]) / DEGREE
-        self.blur = max(float(blur[0]) / MM / 2, self._vague)
+            f = self.wheels.transition(self._start[BEST])[0, PLACE]
+            p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, PLACE, PLACE]
+        far, turn = np.sqrt(p.diagonal()[3:]).tolist()
+        self._vague, self.blur = turn / DEGREE, max(far / MM / 2, turn / DEGREE)
         p = p[:3, :3] + (off * self._shares) @ off.T
         return tuple(((p + p.T) / 2).ravel().tolist())
 
@@ -304,14 +303,16 @@ class Tracks:
 
     def _carried(self) -> Array:
         """Return the covariances now; what is far from linear is noise in part."""
-        f, p, q = self.wheels.transition(self._start), self.rows.p, self._noise(ALL)
-        g, unknown = f[:, s.X - MOVED.start:, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
-        moved = f @ p
-        p = p + q
+        w, rows = self.wheels, self.rows
+        f, p, q = w.transition(self._start), rows.p.copy(), self._noise(ALL)
+        g, unknown = f[:, PLACE, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
+        moved, curved = f @ p, CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
+        aged = np.einsum('tii->ti', p)
+        aged += noise.of_age(self._seconds, w.path, rows.doubt, rows.unsteady)
         p[:, MOVED], p[:, :, MOVED] = moved, moved.transpose(0, 2, 1)
-        p[:, MOVED, MOVED] = moved @ f.transpose(0, 2, 1) + q[:, MOVED, MOVED]
-        self._q = q.diagonal(axis1=1, axis2=2)[:, s.DISTANCE:].T
-        p[:, s.X:, s.X:] += CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
+        p[:, MOVED, MOVED] = moved @ f.transpose(0, 2, 1) + q
+        p[:, s.X:, s.X:] += curved
+        self._q = q.diagonal(axis1=1, axis2=2)[:, s.DISTANCE - MOVED.start:].T
         return p
 
     def _close(self) -> None:

@@ -25,8 +25,11 @@ def added(doubt: float = 1.0, *, seconds: float = 0.0, free: bool = False,
              for name in ('changes', 'unsure', 'path', 'turned', 'miscounted')}
     stretch = Stretch(seconds, pairs['changes'], pairs['unsure'],
                       *(pairs[name][:, None] for name in ('path', 'turned', 'miscounted')), free)
-    found, = noise.of_motion(stretch, np.array([doubt]), np.array([HEADING]), np.array([WIDTH]),
-                             SCALES, SLIP, np.array([unsteady]))
+    doubts, each = np.array([doubt]), np.array([unsteady])
+    moved, = noise.of_motion(stretch, doubts, np.array([HEADING]), np.array([WIDTH]), SCALES, SLIP,
+                             each)
+    found = np.diag(noise.of_age(seconds, stretch.path, doubts, each)[0])
+    found[noise.MOVED, noise.MOVED] += moved
     return found
 
 
@@ -116,24 +119,3 @@ def test_wheels_that_do_not_run_steadily_stray_with_the_root_of_their_way(side):
 
 def test_a_robot_that_stands_does_not_change():
     assert not added(50.0, seconds=99.0, unsteady=1e-4).any()
-
-
-def test_a_surprise_is_doubt_of_the_way_and_of_the_turn():
-    found, = noise.of_surprise(np.array([4.0]), np.array([9.0]), np.array([HEADING]), SCALES)
-    assert found == pytest.approx(
-        4.0 * product({s.X: 1.1 * cos(HEADING), s.Y: 1.1 * sin(HEADING), s.DISTANCE: 1.0})
-        + 9.0 * product({s.YAW: 0.9, s.ANGLE: 1.0}))
-
-
-@pytest.mark.parametrize(('distance', 'turn', 'way'), [
-    (2.0, 0.0, 2.0), (-2.0, 0.0, 2.0), (0.0, 4.0, 0.5), (2.0, -4.0, 2.5)])
-def test_a_robot_that_roamed_strays_with_the_root_of_its_way(distance, turn, way):
-    found = noise.of_roaming(distance, turn, WIDTH, 3.0, SCALES)
-    expected = np.zeros((s.SIZE, s.SIZE))
-    expected[s.X, s.X] = expected[s.Y, s.Y] = 1.1 ** 2 * 0.09 ** 2 * way / 2
-    expected[s.YAW, s.YAW] = 0.9 ** 2 * 2 * 0.09 ** 2 * way / WIDTH ** 2
-    assert found == pytest.approx(expected)
-    unwatched = noise.of_roaming(distance, turn, WIDTH, 3.01, SCALES)
-    expected[s.X, s.X] = expected[s.Y, s.Y] = 1.1 ** 2 * (
-        0.09 ** 2 * way / 2 + (0.0625 * 3.01) ** 2)
-    assert unwatched == pytest.approx(expected)
