@@ -229,7 +229,8 @@ class Pilot:
         def steer() -> None:
             done = 1 - left() / (turns * tau)
             radius = inner + (outer - inner) * min(1.0, max(0.0, done))
-            rate = min(SPIRAL_TURN, CRUISE / radius, braked(left()))
+            # It brakes half as hard as a turn in place, for nothing corrects its end.
+            rate = min(SPIRAL_TURN, CRUISE / radius, braked(left() / 2))
             self.command(rate * radius, -rate)
         self.until(lambda: left() <= 0, f'{turns} turns of a spiral', 20.0 * turns, steer)
         self.stop()
