@@ -122,8 +122,8 @@ class CreateNode(Node):
     def stop(self) -> None:
         """Stop the robot, close the port, and write what was learned and captured."""
         self._commands.close()
-        self._diagnostics_thread.close()
         self.session.close()
+        self._diagnostics_thread.close()  # after the robot has stopped: it may be at work
         self.model.end(self.session)
         if self.capture is not None:
             self.capture.close()
