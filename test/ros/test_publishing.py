@@ -83,6 +83,13 @@ def test_what_is_due_again_comes_behind_the_odometry_in_its_period(frames):
         assert sum(name in names for names in told) == round(200 * oi.SLOT / PERIOD)
 
 
+def test_a_topic_that_changes_in_each_frame_comes_once_and_delays_no_other(frames):
+    frames.quiet()
+    told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(200)]
+    assert all(names.count('Bumper') == 1 for names in told)
+    assert sum('Cliff' in names for names in told) == round(200 * oi.SLOT / PERIOD)
+
+
 @pytest.mark.parametrize('rate', [10, 20, 40, 66])
 def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, rate):
     frames.motion_period = 1 / rate
