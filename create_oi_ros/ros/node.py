@@ -39,7 +39,7 @@ from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import FramePublisher, publisher
 from .services import Services
 from .topic_thread import TopicThread
-from .velocity_input import TwistReader
+from .velocity_input import driven, TwistReader
 
 DIAGNOSTICS_PERIOD = 1.0
 STALE_WARNING_INTERVAL = 5.0
@@ -136,7 +136,7 @@ class CreateNode(Node):
     def _on_stamped_velocity(self, message: TwistStamped) -> None:
         age = messages.age(message.header.stamp, self.get_clock().now().nanoseconds)
         if age <= self.parameters.cmd_vel_timeout:
-            self.session.drive(message.twist.linear.x, message.twist.angular.z)
+            self.session.drive(*driven(message.twist))
             return
         self._stale += 1
         self.get_logger().warning(

@@ -23,7 +23,7 @@ from ..oi import Readings
 from . import messages, topics
 from .messages import Content
 from .parameters import Parameters
-from .serialized import Fill, filling, is_number, Packing, packing
+from .serialized import Fill, filling, is_number, Packing, packing, PLEASE_REPORT
 from .topics import EARLY, Pace, Topic, TopicWatch
 
 CHECK_INTERVAL = 0.1
@@ -51,9 +51,8 @@ def cheapest(node: Node, message: Any, paths: tuple[str, ...]) -> Fill:
             return packing(message, paths, serialize_message, deserialize_message)
         except ValueError as error:
             node.get_logger().warning(
-                f'{type(message).__name__}: {error}. It is published as an object instead, which '
-                'takes more processor time; please report it, with the versions of ROS and of '
-                'its middleware')
+                f'{type(message).__name__}: {error}. It is published as an object instead, '
+                f'{PLEASE_REPORT}')
     return filling(message, paths)
 
 

@@ -29,6 +29,9 @@ BYTE_ORDER = 1
 """The byte of a serialized message that says the byte order of its numbers; odd: little endian."""
 LONGEST_GAP = 7
 """Most bytes between two fields: numbers are aligned to their size."""
+PLEASE_REPORT = ('which takes more processor time; please report it, with the versions of ROS and '
+                 'of its middleware')
+"""End of a warning that a message cannot be packed or read as bytes."""
 Fill = Callable[..., Any]
 """Takes the values of all fields, in order; returns what `Publisher.publish` takes."""
 

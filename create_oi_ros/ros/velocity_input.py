@@ -7,10 +7,15 @@ from collections.abc import Callable
 from geometry_msgs.msg import Twist
 from rclpy.serialization import deserialize_message, serialize_message
 
-from .serialized import Unpacking, unpacking
+from .serialized import PLEASE_REPORT, Unpacking, unpacking
 
 DRIVEN_AXES = 'linear.x', 'angular.z'
 """The fields of a Twist that two wheels can follow."""
+
+
+def driven(twist: Twist) -> tuple[float, float]:
+    """Return forward speed, m/s, and turn rate, rad/s."""
+    return twist.linear.x, twist.angular.z
 
 
 class TwistReader:
@@ -22,15 +27,12 @@ class TwistReader:
         try:
             self._unpack = unpacking(Twist(), DRIVEN_AXES, serialize_message)
         except ValueError as error:
-            warn(f'Twist: {error}. Commands are converted by rclpy instead, which takes more '
-                 'processor time; please report it, with the versions of ROS and of its '
-                 'middleware')
+            warn(f'Twist: {error}. Commands are converted by rclpy instead, {PLEASE_REPORT}')
 
     def __call__(self, received: bytes) -> tuple[float, float]:
         """Return both numbers."""
         found = None if self._unpack is None else self._unpack(received)
         if found is None:  # the sender has another byte order, or encodes otherwise
-            twist = deserialize_message(received, Twist)
-            return twist.linear.x, twist.angular.z
+            return driven(deserialize_message(received, Twist))
         linear, angular = found
         return linear, angular
