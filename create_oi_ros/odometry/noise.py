@@ -105,8 +105,8 @@ def _of_wheels(variances: Array, heading: Array, width: Array, scales: Scales,
     linear, angular = scales
     kinds: Array = np.zeros((3, 2, len(width), s.SIZE - MOVED.start))
     slip, travel, wrong = kinds
-    slip[..., s.X - MOVED.start] = linear / 2 * np.cos(heading)
-    slip[..., s.Y - MOVED.start] = linear / 2 * np.sin(heading)
+    slip[:, :, s.X - MOVED.start] = linear / 2 * np.cos(heading)
+    slip[:, :, s.Y - MOVED.start] = linear / 2 * np.sin(heading)
     turn = SIDES / width
     slip[:, :, s.YAW - MOVED.start] = angular * turn
     wrong[:, :, s.DISTANCE - MOVED.start] = 0.5

@@ -252,6 +252,9 @@ class WheelModel:
     def _follow_bounded(self, goal: Array, way: Array, far: Array, h: float, lag: Array,
                         ramp: Array) -> Array:
         """Do the same where some accelerations are bounded, or some wheels brake."""
+        # In place, for these arrays are large: `first`, the seconds at full acceleration; `left`,
+        # the way that is left after them; `kept`, what is left at the end; `short`, the travel
+        # that a wheel at its goal would have made beyond this one's.
         first = far * ramp
         first -= lag
         np.minimum(np.maximum(first, 0.0, out=first), h, out=first)
