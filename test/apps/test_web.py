@@ -83,8 +83,8 @@ def test_a_page_is_told_of_the_robot_and_drives_it(stage, pages):
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
     page.send('release')
     stage.ros.until(lambda: standing(robot))
-    assert page.known['samples']
-    assert {'bump', 'cliff', 'drop', 'wall', 'battery', 'charging', 'mode'} <= page.known.keys()
+    page.until(lambda: page.known['samples'] and {
+        'bump', 'cliff', 'drop', 'wall', 'battery', 'charging', 'mode'} <= page.known.keys())
     page.until(lambda: page.known.get('diagnostics', {}).get('driver', {}).get(
         'values', {}).get('cmd_vel publishers') == '/create_web')
 
