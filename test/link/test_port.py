@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ports that cannot be had, in words; a device that comes back under another name."""
 
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 import errno
 import os
 from pathlib import Path
 from select import POLLIN
+import socket
 import subprocess
 import sys
 import threading
@@ -19,6 +20,7 @@ from create_oi_ros.driver import Driver, Notice
 from create_oi_ros.link import port, session
 from create_oi_ros.link.port import holder, lasting_name, Port, PortError
 from create_oi_ros.link.session import Session
+from create_oi_ros.oi.codes import FAST_BAUD, FAST_SPACING
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.world import shipped
 from support.ros import Robot, TIMEOUT
@@ -153,6 +155,39 @@ def test_a_read_returns_what_has_come_or_nothing(line):
     os.write(other, bytes(range(256)))
     assert opened.read() == bytes(range(256))
     assert opened.read() == b''
+    os.close(other)
+
+
+def test_a_line_that_is_no_file_is_read_as_well():
+    opened = Port('loop://', 57600, timeout=0.01)
+    assert opened.descriptor is None and opened.read() == b''
+    opened.write(bytes(range(256)))
+    assert opened.read() == bytes(range(256))
+    opened.close()
+
+
+def test_a_line_over_the_network_is_read_and_lost():
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        opened = Port(f'socket://127.0.0.1:{server.getsockname()[1]}', 57600, timeout=TIMEOUT)
+        other, _ = server.accept()
+    with closing(opened), closing(other):
+        assert opened.descriptor is not None
+        other.sendall(b'hello')
+        assert opened.read() == b'hello'
+        opened.write(b'\x80\x83')
+        assert other.recv(2, socket.MSG_WAITALL) == b'\x80\x83'
+        other.shutdown(socket.SHUT_RDWR)
+        with pytest.raises(PortError, match='is the cable in'):
+            opened.read()
+
+
+def test_a_fast_line_gives_the_robot_time_for_each_byte(line, monkeypatch):
+    opened, other = line
+    slept = []
+    monkeypatch.setattr(port, 'time', SimpleNamespace(sleep=slept.append))
+    opened.baud = FAST_BAUD
+    opened.write(b'\x80\x83')
+    assert os.read(other, 9) == b'\x80\x83' and slept == [FAST_SPACING] * 2
     os.close(other)
 
 

@@ -6,25 +6,15 @@ from math import hypot
 import os
 from pathlib import Path
 import signal
-import threading
 
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.link.capture import Capture, CapturedPort, new_file
-from create_oi_ros.link.port import PortError
-from create_oi_ros.oi.tools.capture_format import (
-    CaptureError,
-    CaptureReader,
-    encode_head,
-    encode_record,
-    Record,
-    RecordKind,
-    records_of,
-)
+from create_oi_ros.oi.tools.capture_format import encode_head, encode_record, Record, RecordKind
 from create_oi_ros.sim.server.replay import Replay
-from support.ros import Scene, scene, TIMEOUT
+from support.captures import read, said
+from support.ros import Scene, scene
 from support.simulator import opened, receive, simulator
 
 SECOND = 1_000_000
@@ -32,22 +22,6 @@ LOSS = 2.0
 """Seconds of a capture that may be missing after kill -9 on a busy computer."""
 NEAR = 0.01
 """Metres by which odometry may differ for the same readings at slightly other times."""
-
-
-def read(path: Path) -> tuple[list[Record], str]:
-    """Return the records of a file, and the error if there is one."""
-    records = []
-    try:
-        for record in records_of([path.read_bytes()], CaptureReader()):
-            records.append(record)
-    except CaptureError as error:
-        return records, str(error)
-    return records, ''
-
-
-def said(records: list[Record], kind: RecordKind = RecordKind.FROM_ROBOT) -> bytes:
-    """Return all bytes of one direction."""
-    return b''.join(record.data for record in records if record.kind is kind)
 
 
 def written(path: Path, *records: tuple[float, RecordKind, bytes]) -> Path:
@@ -235,71 +209,3 @@ def test_a_capture_that_cannot_be_written_is_refused_at_start(
     assert node.ended() == 2
     assert 'parameter capture' in node.output and words in node.output
     assert 'Traceback' not in node.output
-
-
-# The port and the file alone.
-
-def test_bytes_of_both_directions_are_captured_in_order(tmp_path: Path) -> None:
-    robot, host = os.openpty()
-    file, path = new_file(str(tmp_path / 'c'))
-    capture = Capture(file, {}, print)
-    name = os.ttyname(host)
-    port = CapturedPort(capture, name, 57600, timeout=TIMEOUT)
-    os.close(host)
-    port.baud = 19200
-    port.write(b'\x80')
-    assert os.read(robot, 1) == b'\x80'
-    os.write(robot, b'hello')
-    heard = b''
-    while heard != b'hello':
-        heard += port.read()
-    os.close(robot)
-    for _ in range(2):
-        with pytest.raises(PortError):
-            port.read()
-    with pytest.raises(PortError):
-        port.write(b'\x83')
-    capture.close()
-    capture.add_text(RecordKind.NOTE, 'too late')
-    records, wrong = read(path)
-    assert not wrong
-    told = [(record.kind, record.text) for record in records if record.kind in (
-        RecordKind.OPENED, RecordKind.BAUD)]
-    assert told == [(RecordKind.OPENED, f'{name} at 57600 baud'), (RecordKind.BAUD, '19200')]
-    assert said(records) == b'hello' and said(records, RecordKind.TO_ROBOT) == b'\x80\x83'
-    assert [record.kind for record in records].count(RecordKind.LOST) == 1
-    assert records[-1].kind is RecordKind.END
-
-
-def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
-    full, told = threading.Event(), []
-
-    def on_failure(why: str) -> None:
-        told.append(why)
-        full.set()
-    file, _ = new_file(str(tmp_path / 'c'))
-    capture = Capture(file, {}, on_failure)
-    disk = os.open('/dev/full', os.O_WRONLY)
-    os.dup2(disk, file)
-    os.close(disk)
-    capture.add_text(RecordKind.NOTE, 'too much')
-    assert full.wait(TIMEOUT)
-    capture.add(RecordKind.FROM_ROBOT, b'\0')
-    capture.close()
-    assert told == ['No space left on device; nothing more is captured, the driver goes on']
-
-
-def test_a_disk_that_is_full_from_the_beginning_is_refused() -> None:
-    with pytest.raises(OSError, match='No space'):
-        Capture(os.open('/dev/full', os.O_WRONLY), {}, print)
-
-
-def test_a_home_is_found_and_nothing_overwritten(
-        tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv('HOME', str(tmp_path))
-    names = []
-    for _ in range(3):
-        file, path = new_file('~/walk.capture')
-        os.close(file)
-        names.append(path)
-    assert names == [tmp_path / f'walk{number}.capture' for number in ('', '-2', '-3')]
