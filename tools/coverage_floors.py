@@ -3,10 +3,10 @@
 """
 Compare the coverage of each room with its floor: `python tools/coverage_floors.py [--whole]`.
 
-`make test` runs this last; it reads `.coverage`. The floors are in pyproject.toml, under
-`[tool.coverage-floors]`. The exit code is 1 if a room is below its floor. A floor may only rise:
-the table shows where it can. `make test` measures the rooms under `[tool.coverage.run]`;
-`--whole`, of `make coverage`, compares all.
+It reads `.coverage`. The floors are in pyproject.toml, under `[tool.coverage-floors]`. The exit
+code is 1 if a room is below its floor. A floor may only rise: the table shows where it can.
+`make test` measures the rooms under `[tool.coverage.run]`, each by the tests of these rooms alone,
+and runs this after them; `--whole`, of `make coverage`, compares all.
 """
 
 from argparse import ArgumentParser
