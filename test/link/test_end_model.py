@@ -165,13 +165,14 @@ def killed(it: Real) -> None:
 
 
 def suspended(it: Real) -> None:
-    """Suspend the node, continue it, and suspend it again."""
+    """Suspend the node, continue it, and suspend it again when it drives on."""
     it.drive()
-    for _ in range(2):
-        os.kill(it.pid, signal.SIGSTOP)
-        it.until(lambda: not it.drives)
-        os.kill(it.pid, signal.SIGCONT)
-        it.until(lambda: it.robot.create.mode.name == 'SAFE')
+    os.kill(it.pid, signal.SIGSTOP)
+    it.until(lambda: not it.drives)
+    os.kill(it.pid, signal.SIGCONT)
+    it.until(lambda: it.drives)
+    os.kill(it.pid, signal.SIGSTOP)
+    it.until(lambda: not it.drives)
 
 
 def ended(it: Real) -> None:
