@@ -133,10 +133,17 @@ class WheelCommands:
         self._sent = self._rounded = None
 
     def reported(self, right: int, left: int, now: float) -> None:
-        """Note the requested speeds that the robot reports, mm/s; what it missed is sent again."""
+        """
+        Note the requested speeds that the robot reports, mm/s; what it missed is sent again.
+
+        A robot that stopped without being told, for somebody pressed a button or another program
+        did it, starts from rest.
+        """
         if self._sent == (right, left):
             self.missed = 0
         elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
+            if (right, left) == (0, 0) and not self.missed:
+                self._speeds = STOPPED
             self.forget_sent()
             self.missed += 1
 

@@ -158,6 +158,18 @@ def test_stop_and_the_end_of_commands_know_no_acceleration_limit():
         assert requested(loop)[-1] == oi.DriveDirect(right=0, left=0)
 
 
+def test_a_robot_that_somebody_else_stopped_starts_from_rest():
+    loop = Loop(Settings(limits=MotionLimits(linear_acceleration=0.5)))
+    loop.run(0.3)
+    loop.drive(0.3, 0.0, 1.0)
+    requested(loop)
+    loop.robot.receive(oi.DriveDirect(right=0, left=0).encode(), loop.now)
+    loop.drive(0.3, 0.0, 0.3)
+    assert requested(loop)[0].right < 50
+    loop.drive(0.3, 0.0, 1.0)
+    assert requested(loop)[-1].right == 300
+
+
 # Beside a goal.
 
 
