@@ -278,10 +278,11 @@ class Tracks:
 
     # Covariance.
 
-    def _spread(self) -> None:
+    def _spread(self, *, arrived: bool = False) -> None:
         """Make the copies of the wheels anew."""
         variances = self.rows.p.diagonal(axis1=1, axis2=2)[:, :s.UNKNOWNS]
-        self.wheels.spread(self.rows, np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2)))
+        steps = np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2))
+        self.wheels.spread(self.rows, steps, arrived=arrived)
         self._shares, self._mean_pose = self.rows.shares(), None
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
         carries = self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED
@@ -344,10 +345,9 @@ class Tracks:
             rows.p += noise.of_roaming(
                 distance * MM, angle * DEGREE, width, self._window, self.scales)
         if doubted:
-            gaps, _ = accumulators.innovation(self.rows, wholes)
+            (far, turn), _ = accumulators.innovation(rows, wholes)
             rows.p += noise.of_surprise(
-                gaps[0] ** 2 + MM ** 2, gaps[1] ** 2 + DEGREE ** 2, rows.means[:, s.YAW],
-                self.scales)
+                far ** 2 + MM ** 2, turn ** 2 + DEGREE ** 2, rows.means[:, s.YAW], self.scales)
         steady = self.wheels.requests.age > self._window + SWIFT
         logs = self.doubt.meet(rows, wholes, self._noisy, self.scales)
         if steady and not self._wild:
@@ -361,13 +361,13 @@ class Tracks:
         for wheel in self.band.learn(self.rows):
             self.wheels.requests.stand(wheel)
         self.doubt.rethink(rows, free=self.is_free)
-        self._open_window()
+        self._open_window(arrived=self.wheels.settled)
 
     def discard(self) -> None:
         """Let a reading go by that spans an unknown time: only the reset counts."""
         self._close()
         accumulators.empty(self.rows)
-        self._open_window()
+        self._open_window(arrived=self.wheels.settled)
 
     def since(self, began: Held, ended: Held, distance: int, angle: int) -> bool:
         """
@@ -393,8 +393,8 @@ class Tracks:
             fits &= gap < 4 * np.sqrt(p[:, index, index]) + 1.2 * unit
         return bool(fits.any())
 
-    def _open_window(self) -> None:
+    def _open_window(self, *, arrived: bool = False) -> None:
         self._wild, self._window = self.is_free, 0.0
         """Whether wheels were free since the last reading, and its age, seconds."""
-        self._spread()
-        self._noisy, self._path = np.zeros_like(self.wheels.path), np.zeros_like(self.wheels.path)
+        self._spread(arrived=arrived)
+        self._noisy, self._path = np.zeros((2, *self.wheels.path.shape))

@@ -73,8 +73,13 @@ class WheelModel:
         """Requests below this may not move a wheel, m/s (`dead_band`)."""
         self._fastest = 0.0, 0.0
 
-    def spread(self, rows: Rows, steps: Array) -> None:
-        """Make copies from the tracks' means, off by these steps each."""
+    def spread(self, rows: Rows, steps: Array, *, arrived: bool = False) -> None:
+        """
+        Make copies from the tracks' means, off by these steps each.
+
+        `arrived`: the wheels run at their goals, so each copy does, too, whatever it takes these
+        for. A reading that corrects a gain corrects the speed with it, not what follows.
+        """
         self.signs, means = rows.signs, rows.means
         self._kinds = set(rows.signs.kinds.tolist())
         copies = np.repeat(means.T[:s.DISTANCE, :, None], s.UNKNOWNS + 1, axis=2)
@@ -97,6 +102,15 @@ class WheelModel:
             self._ramp[rows.springs] = LEAST_RAMP
         self._before = self._sums()
         self._goal: Array | None = None
+        if arrived:
+            self._arrive()
+
+    def _arrive(self) -> None:
+        """Put the wheels at their goals, where they have been for a while."""
+        self.speed = self._goals(self.requests.speeds[:, None, None])
+        if self._springs.some:
+            self._springs.rate[:] = 0.0
+        self.settled, self.standing = True, not self.speed.any()
 
     @property
     def rates(self) -> Array:

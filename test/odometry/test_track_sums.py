@@ -125,6 +125,41 @@ def test_what_moves_neither_rests_nor_is_settled_at_once():
     assert tracks.settled and not tracks.rests
 
 
+def speeds(tracks: Tracks) -> np.ndarray:
+    """Return the speeds that the tracks believe the wheels to have."""
+    return tracks.wheels.speed[:, :, 0]
+
+
+def test_wheels_that_run_steadily_run_at_their_new_goals_after_a_reading():
+    tracks = driven(Tracks(Geometry()), 0.3, 0.1, 3.0)
+    before = speeds(tracks).copy()
+    assert tracks.wheels.settled
+    tracks.read(880, 120)
+    assert tracks.wheels.settled and not tracks.rests
+    after = speeds(tracks).copy()
+    assert (after != before).all()
+    means = tracks.rows.means
+    gains, offsets = (
+        means[:, [right, left]].T
+        for right, left in ((s.GAIN_RIGHT, s.GAIN_LEFT), (s.OFFSET_RIGHT, s.OFFSET_LEFT)))
+    assert after == pytest.approx(gains * [[0.3], [0.1]] + offsets)
+    driven(tracks, 0.3, 0.1, 0.3)
+    tracks.pose_covariance()
+    assert (speeds(tracks) == after).all()
+
+
+def test_wheels_that_change_their_speed_go_on_to_do_so_after_a_reading():
+    tracks = driven(Tracks(Geometry()), 0.3, 0.1, 3.0)
+    tracks.read(880, 120)
+    driven(tracks, 0.1, 0.3, 0.15)
+    tracks.read(30, 8)
+    assert not tracks.wheels.settled
+    before = speeds(tracks).copy()
+    driven(tracks, 0.1, 0.3, 0.15)
+    tracks.pose_covariance()
+    assert (speeds(tracks) != before).all()
+
+
 def test_a_reading_of_nothing_at_rest_teaches_nothing():
     tracks = driven(sure(), 0.0, 0.0, 0.9)
     tracks.read(0, 0)
