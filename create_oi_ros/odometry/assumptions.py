@@ -36,6 +36,16 @@ UNSTEADY = np.array([0.0, 0.002, 0.005, 0.01]) ** 2
 m² for each metre."""
 LIKELY_UNSTEADY = np.log([0.93, 0.04, 0.02, 0.01])
 """How likely each of these is before the first reading, as a logarithm."""
+AGAIN, LEAST_AFRESH = 0.45, 1e-3
+"""Part of what was learned that counts where the same readings are used again, and the weight that
+an assumption has then which was given up."""
+WHEELS = slice(s.SEPARATION + 1)
+"""The states that are properties of the wheels."""
+OF_SPRINGS, OF_LAGS = (
+    np.array([max((s.COMMON | response)[index].spread for response in responses)
+              for index in range(WHEELS.stop)])
+    for responses in ([s.SPRING], s.RESPONSES[:-1]))
+"""Standard deviations of these states at first."""
 NEAR = 0.02
 """Part of the weight of the better of two responses up to which the other one is kept."""
 YOUNG, OLD = 30, 120
@@ -95,6 +105,26 @@ class Assumptions:
         return cls([rounding for rounding, _, _ in kinds], signs, springs,
                    weights / weights.sum(), np.ones(len(kinds)), means, p,
                    np.zeros((len(kinds), 2)))
+
+    def afresh(self) -> 'Assumptions':
+        """
+        Return tracks that know the wheels as these do, and nothing else: none is given up yet.
+
+        What is assumed by none of these is assumed with the wheels of the best one.
+        """
+        own = [*zip(self.roundings, zip(*(each.tolist() for each in self.signs)))]
+        more = [kind for kind in product(Rounding, SIGNS) if kind not in own]
+        kinds, rows = own + more, [*range(len(own))] + [0] * len(more)
+        means, p = np.zeros((len(rows), s.SIZE)), np.zeros((len(rows), s.SIZE, s.SIZE))
+        means[:, WHEELS], means[:, s.MOVES] = self.means[rows, WHEELS], 1.0
+        p[:, WHEELS, WHEELS] = _less_sure(self.p[rows, WHEELS, WHEELS], self.springs[rows])
+        weights = np.full(len(rows), LEAST_AFRESH)
+        weights[:len(own)] = 1.0
+        signs = Signs(np.array([kind for _, (kind, _) in kinds]),
+                      np.array([late for _, (_, late) in kinds]))
+        return Assumptions(
+            [rounding for rounding, _ in kinds], signs, self.springs[rows],
+            weights / weights.sum(), np.ones(len(rows)), means, p, np.zeros((len(rows), 2)))
 
     def shares(self) -> Array:
         """Return what each track contributes to the estimate."""
@@ -179,3 +209,11 @@ class Assumptions:
         self.steadiness = self.steadiness[order]
         if self.mark is not None:
             self.mark.keep(order)
+
+
+def _less_sure(p: Array, springs: NDArray[np.bool_]) -> Array:
+    """Return covariances of the wheels in which only a part counts of what was learned."""
+    spreads = np.where(springs[:, None], OF_SPRINGS, OF_LAGS)
+    prior: Array = np.eye(WHEELS.stop) / spreads[:, :, None] ** 2
+    learned: Array = np.linalg.inv(p).astype(np.float64)
+    return np.linalg.inv(AGAIN * learned + (1 - AGAIN) * prior).astype(np.float64)

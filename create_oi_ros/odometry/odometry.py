@@ -4,20 +4,23 @@
 Pose, twist and covariance from every frame and a reading now and then.
 
 Between readings the tracks predict from the requested speeds, readings correct them and tell which
-of them to believe (`tracks`). This file watches whether the wheels obey at all, and follows the
-tracks' mean smoothly: the estimate moves as they move, and corrections are blended in.
+of them to believe (`filter`, `tracks`). This file decides with the `reading_plan` when to ask, and
+follows the tracks' mean smoothly: the estimate moves as they move, and corrections are blended in.
 """
 
+from collections.abc import Callable
 from math import cos, exp, hypot, sin
 
 from ..robot import TOP_SPEED, WHEEL_SEPARATION
+from .dead_band import DeadBand
 from .estimate import Estimate, Geometry, Increment
-from .knowledge import Knowledge, learned
-from .obedience import ExpectedTravel
+from .filter import Filter
+from .hindsight import Hindsight, Told
+from .knowledge import Knowledge, known
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
 from .states import DEGREE
-from .tracks import Held, LATE, Tracks
+from .tracks import LATE, Tracks
 
 BLEND = 0.1
 """Seconds in which a correction is blended in."""
@@ -32,8 +35,8 @@ TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / WHEEL_SEPARATION
 """How fast a robot can move, m/s and rad/s: the manual's top speed, and 3 % for fast wheels."""
 NEAR = 1e-7
 """m and rad by which an estimate that stands need not come nearer to its track."""
-COVARIANCE_EVERY = 20
-"""Frames from one covariance of the prediction to the next."""
+COVARIANCE_EVERY, STEADY_EVERY = 20, 40
+"""Frames from one covariance of the prediction to the next, and while wheels run steadily."""
 Pose = tuple[float, float, float]
 """x, y, yaw."""
 AS_BUILT = Geometry()
@@ -54,25 +57,19 @@ class Odometry:
         self.geometry = geometry
         self.window = window
         self.estimate = Estimate()
-        self.tracks = Tracks(geometry, robot)
+        self._filter = Filter(geometry) if robot is None else Filter(
+            geometry, known(robot), DeadBand(*robot.dead_band))
+        self._hindsight = Hindsight(geometry) if window and robot is None else None
+        """What the filter was told, as long as it may be followed again."""
         self._plain = PlainOdometry(geometry)
         self._plan = ReadingPlan(window)
-        self._obedience = ExpectedTravel()
         self._discard = True
-        self._gap = self._doubt = False
-        self._missed: list[tuple[Held, Held]] = []
-        """For each reading that may have been lost: what the accumulators were believed to hold
-        when it was asked for, and after the last frame that could have carried it."""
-        self._asked = self.tracks.held
-        """What they were believed to hold when a reading was last asked for."""
-        self._lost = False
-        """Whether frames were lost since then."""
-        self._driven: bool | None = None
-        """Whether the wheels obeyed their requests in the last frame; None before the first."""
-        self._lifted = False
-        """Whether a wheel hangs down."""
+        """Whether the next reading holds what came before; of a robot that is believed."""
         self._caught_up = False
         """Whether the estimate stands where the tracks do."""
+        self._patient = False
+        """Whether what is to be corrected is no motion of the robot: it comes from a look back, or
+        the robot moved less than was believed."""
         self._hasty = 0.0
         """Seconds for which corrections may still be as fast as the robot."""
         self._mark: Pose | None = None
@@ -83,8 +80,16 @@ class Odometry:
         self._twist_variance = self.estimate.twist_covariance
         self._unseen = 0
         """Frames since the tracks were last asked how sure they are after a reading."""
-        self._knowledge: Knowledge | None = None
-        """What was learned, once somebody has asked for it since the last reading."""
+        self._resting: Increment | None = None
+        """What a frame says as long as the robot rests."""
+        self._quiet = self._rested = 0
+        """Frames like that for which nothing will be asked, and those that came since the tracks
+        were told of one."""
+
+    @property
+    def tracks(self) -> Tracks:
+        """What is believed of the robot."""
+        return self._filter.tracks
 
     @property
     def reading_due(self) -> bool:
@@ -99,12 +104,7 @@ class Odometry:
     @property
     def knowledge(self) -> Knowledge | None:
         """What was learned of the robot; None before anything was."""
-        tracks = self.tracks
-        if not self.window or not tracks.rows.readings:
-            return None
-        if self._knowledge is None:
-            self._knowledge = learned(tracks.rows, tracks.band)
-        return self._knowledge
+        return self._filter.knowledge if self.window else None
 
     @property
     def seeks_rounding(self) -> bool:
@@ -127,6 +127,7 @@ class Odometry:
 
         `sparing`: ask seldom until it is unmarked, as long as the rounding is not known.
         """
+        self._wake()
         self._mark, self._plan.sparing = self.estimate[:3], sparing
         if self.window:
             self.tracks.mark()
@@ -138,25 +139,27 @@ class Odometry:
 
     def reset(self) -> None:
         """Begin again at the origin; what was learned of the robot stays, a mark does not."""
+        self._wake()
         self.unmark()
         e = self.estimate
         self.estimate = Estimate(right_wheel=e.right_wheel, left_wheel=e.left_wheel)
-        self._caught_up = False
-        self.tracks.reset()
+        self._tell(Filter.reset)
         self._look()
 
     def recounted(self) -> None:
         """Learn nothing from the next reading: the robot has set its accumulators to zero."""
         self._discard = True
+        self._tell(Filter.recounted)
 
     def interrupted(self) -> None:
         """Go on from here after frames were missed: the next reading spans an unknown time."""
-        self._gap = self._doubt = True
-        if not self.window:
-            self._discard = True
+        self._wake()
+        self._discard = True
+        self._tell(Filter.interrupted)
 
     def hurry(self) -> None:
         """Ask for the next reading soon."""
+        self._wake()
         self._plan.hurry()
 
     def update(self, increment: Increment) -> Estimate:
@@ -164,23 +167,32 @@ class Odometry:
         if not self.window:
             self.estimate = self._as_reported(increment)
             return self.estimate
+        if self._hindsight is not None:
+            self._look_back(self._hindsight, increment)
+            self._note(increment)
+        if self._rested < self._quiet and increment == self._resting:
+            self._rested += 1
+            return self.estimate
+        self._wake()
         before = self._goal
         rested = self._move(increment)
         after = before if rested else self.tracks.pose()
         self._goal = after
         self._unseen += 1
-        if increment.distance is not None and increment.angle is not None:
-            self._read(increment.distance, increment.angle)
+        if self._filter.read(increment):
+            self._plan.came()
+            self._patient = self._patient or self._filter.fell_short
             self._look()
             self._unseen = 0
-        elif self._unseen % COVARIANCE_EVERY == 0 and not rested:
+        elif self._is_time_to_look and not rested:
             self._look()
         rows = self.tracks.rows
         if self._mark is not None and rows.mark is not None:
             self._mark = _nearer(self._mark, rows.mark.mean(rows.shares()), increment.dt)
         if self._plan.due:
-            self._asked, self._lost = self.tracks.held, False
+            self._tell(Filter.asked)
         if rested and self._caught_up and self._unseen:
+            self._rest(increment)
             return self.estimate  # nothing has moved, nothing was learned
         turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
         went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
@@ -193,56 +205,71 @@ class Odometry:
             return self.estimate
         return self._plain.after(self.estimate, increment)
 
+    def _tell(self, event: Callable[[Filter], None]) -> None:
+        """Tell the filter what has happened, and keep it for one that follows again."""
+        event(self._filter)
+        self._note(event)
+
+    def _note(self, told: Told) -> None:
+        if self._hindsight is not None:
+            self._hindsight.note(told)
+
+    def _look_back(self, hindsight: Hindsight, increment: Increment) -> None:
+        """Go on with a filter that has followed the past again, once it knows the present."""
+        if self._mark is not None or increment.distance is not None:
+            return  # the mark is in the tracks; a reading is dear enough
+        if other := hindsight.step(self._filter):
+            self._wake()
+            self._filter, self._patient = other, True
+            self._look()
+        if hindsight.over:
+            self._hindsight = None
+
+    def _rest(self, increment: Increment) -> None:
+        """Look at the next frames no closer than needed, as long as they say the same."""
+        if self._mark is None and not increment.lost:
+            self._resting = increment
+            self._quiet = int(self._plan.quiet(self.tracks) / increment.dt) - 1
+
+    def _wake(self) -> None:
+        """Let the time of the frames pass that came while the robot rested."""
+        frames, self._rested, self._quiet = self._rested, 0, 0
+        if not frames or self._resting is None:
+            return
+        dt = self._resting.dt
+        for _ in range(frames):  # one by one: sums of floats depend on their order
+            self._filter.rest(self._resting)
+            self._plan.rest(dt)
+        self._unseen += frames
+        self._hasty = max(0.0, self._hasty - frames * dt)
+
     def _move(self, increment: Increment) -> bool:
         """Let the tracks predict, and plan the next reading; True where nothing has moved."""
-        dt, driven, tracks = increment.dt, increment.driven, self.tracks
-        right, left = (increment.right, increment.left) if driven else (0.0, 0.0)
-        steady = (right, left) == tracks.requests
-        if increment.lifted != self._lifted:
-            tracks.lift(increment.lifted)
-        if driven != self._driven:
+        dt = increment.dt
+        steady = self._filter.is_steady(increment)
+        if increment.driven != self._filter.driven:
             self._plan.hurry()
-            tracks.free(not driven)
-        if self._gap:
-            tracks.resume(right, left)
-        rested = steady and tracks.rests
-        tracks.advance(dt, right, left)
+        rested = self._filter.move(increment)
         if self._hasty:
             self._hasty = max(0.0, self._hasty - dt)
         if not steady and dt > LATE:
             self._plan.hurry()
             self._hasty = HASTY
-        self._obedience.step(dt, right, left, tracks)
-        self._gap, self._driven, self._lifted = False, driven, increment.lifted
-        self._lost = self._lost or increment.lost
-        in_vain = self._plan.step(dt, steady=steady, tracks=tracks)
-        if in_vain and self._lost:
-            self._missed.append((self._asked, tracks.held))
+        if self._plan.step(dt, steady=steady, tracks=self.tracks):
+            self._tell(Filter.unanswered)
         return rested
 
-    def _read(self, distance: int, angle: int) -> None:
-        self._plan.came()
-        tracks, obedience = self.tracks, self._obedience
-        missed, self._missed = self._missed, []
-        if self._lost:
-            missed.append((self._asked, tracks.held))
-        if self._discard or any(tracks.since(*held, distance, angle) for held in missed):
-            # The first reading may hold travel from before; one that was lost on the line has
-            # taken away what this one lacks.
-            tracks.discard()
-        else:
-            if self._driven:
-                obedience.judge(distance, angle, tracks)
-            tracks.read(distance, angle, doubted=self._doubt)
-        obedience.restart()
-        self._discard = self._doubt = False
-        self._knowledge = None
+    @property
+    def _is_time_to_look(self) -> bool:
+        frames = STEADY_EVERY if self.tracks.wheels.settled else COVARIANCE_EVERY
+        return self._unseen % frames == 0
 
     def _look(self) -> None:
         """Ask the tracks where the robot is, and how sure they are."""
         self._goal = self.tracks.pose()
         self._covariance = self.tracks.pose_covariance()
         self._twist_variance = self.tracks.twist_variance()
+        self._caught_up = False
 
     def _followed(self, dt: float, went: float, turned: float) -> Estimate:
         """Move the estimate as the tracks' mean moved, and some way towards it."""
@@ -254,7 +281,8 @@ class Odometry:
         x, y, yaw = goal[0] - before.x - dx, goal[1] - before.y - dy, goal[2] - before.yaw - turned
         part = 1 - exp(-dt / BLEND)
         far, askew = hypot(x, y), abs(yaw)
-        hasty = self.tracks.is_free or self._hasty
+        self._patient = self._patient and (far > FAR or askew > ASKEW)
+        hasty = (self.tracks.is_free or self._hasty) and not self._patient
         room = TOP_TURN * dt - abs(turned) if hasty and askew > ASKEW else 0.0
         twist = yaw * _share(part, askew, max(TWIST * dt, room))
         room = TOP * dt - abs(went) if far > FAR else 0.0

@@ -102,12 +102,10 @@ class ReadingPlan:
 
         Return whether it was the last one in which the answer to a question could have come.
         """
-        self._age += dt
-        self._probed += dt
-        self._steady = self._steady + dt if steady else 0.0
-        self._asked += 1
+        if not steady:
+            self._steady = -dt
+        self.rest(dt)
         in_vain = self._asked == ANSWER
-        self._since += 1
         if self._probe:
             self.due = self._since >= self._spacing
             self._probe -= int(self.due)
@@ -124,11 +122,23 @@ class ReadingPlan:
             self._asked = self._since = 0
         return in_vain
 
+    def rest(self, dt: float) -> None:
+        """Let a frame pass in which nothing is to be asked."""
+        self._age += dt
+        self._probed += dt
+        self._steady += dt
+        self._asked += 1
+        self._since += 1
+
+    def quiet(self, tracks: Tracks) -> float:
+        """Return the seconds for which nothing will be asked of a robot that rests on."""
+        if self.due or self.pending or self._probe or self._steady < SETTLED:
+            return 0.0
+        return self._patience(tracks) - self._age
+
     def _is_time(self, dt: float, tracks: Tracks) -> bool:
         """Tell whether to ask now: when the answer tells much, or after patience."""
         patience = self._patience(tracks)
-        if self.sparing and len(tracks.roundings) > 1 and not tracks.is_free:
-            patience = max(patience, SPARING * self.window)
         if (tracks.is_free or tracks.rests or tracks.blur > BLURRED
                 or tracks.known < FORESEEN or tracks.roundings == {Rounding.CARRY}):
             return self._age >= patience
@@ -137,13 +147,18 @@ class ReadingPlan:
         return self._age >= TELLING * self.window and tracks.tells(self._latency * dt)
 
     def _patience(self, tracks: Tracks) -> float:
+        """Return the seconds to wait after the last reading."""
+        if tracks.is_free:
+            return FREE * self.window
+        least = SPARING * self.window if self.sparing and len(tracks.roundings) > 1 else 0.0
+        return max(least, self._wait(tracks))
+
+    def _wait(self, tracks: Tracks) -> float:
         """
-        Return the seconds to wait after the last reading.
+        Return the same for somebody who does not mind readings.
 
         They vary: steady motion read at even intervals would be rounded alike each time.
         """
-        if tracks.is_free:
-            return FREE * self.window
         if tracks.blur > BLURRED:
             return SOON * self.window
         patience = 1 + STRETCH * tracks.known

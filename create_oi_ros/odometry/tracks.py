@@ -20,7 +20,6 @@ from .assumptions import Assumptions
 from .dead_band import DeadBand, FASTEST
 from .doubt import Doubt
 from .estimate import Geometry
-from .knowledge import Knowledge, known
 from .mark import MarkedPose
 from .noise import MOVED, PLACE
 from .request_history import Array
@@ -56,22 +55,23 @@ Held = tuple[float, float]
 class Tracks:
     """All plausible tracks, the best first after each reading."""
 
-    def __init__(self, geometry: Geometry, robot: Knowledge | None = None) -> None:
+    def __init__(self, geometry: Geometry, rows: Assumptions | None = None,
+                 band: DeadBand | None = None) -> None:
         self.geometry = geometry
         self.scales = geometry.linear_scale, geometry.angular_scale
-        self.rows = Assumptions.all() if robot is None else known(robot)
+        self.rows = rows or Assumptions.all()
         self.wheels = WheelModel(FASTEST)
-        self.band = DeadBand() if robot is None else DeadBand(*robot.dead_band)
+        self.band = band or DeadBand()
         self.doubt = Doubt()
         self._idle = 0.0
         """Seconds that the copies of the wheels have still to roll."""
         self._mean_pose: tuple[float, float, float] | None = None
         """Mean pose where they are; None until somebody asks."""
+        self._velocity: tuple[float, float, float] | None = None
+        """How fast it changes there, likewise."""
         self._rates_of: Array | None = None
         self._rates = 0.0, 0.0
         """What was last asked for by `rates`, and of which speeds."""
-        self._began = self._velocity = 0.0, 0.0, 0.0
-        """Mean pose where these began, and how fast it changed there."""
         self.blur = self._vague = 0.0
         """Standard deviation of what the accumulators hold, 2 mm or degrees, when last looked; the
         same of the angle alone, degrees."""
@@ -145,12 +145,14 @@ class Tracks:
 
     def pose(self) -> tuple[float, float, float]:
         """Return the mean pose now: x, y, yaw."""
+        if self._mean_pose is None:
+            x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
+            self._mean_pose = x, y, yaw
         if not self._idle:
-            if self._mean_pose is None:
-                x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
-                self._mean_pose = x, y, yaw
             return self._mean_pose
-        (x, y, yaw), (east, north, rate) = self._began, self._velocity
+        if self._velocity is None:
+            self._velocity = self._mean_velocity()
+        (x, y, yaw), (east, north, rate) = self._mean_pose, self._velocity
         half = rate * self._idle / 2
         chord = self._idle * (sin(half) / half if half else 1.0)
         c, d = chord * cos(half), chord * sin(half)
@@ -233,8 +235,6 @@ class Tracks:
     def _roll(self, dt: float) -> None:
         self._seconds += dt
         self._window += dt
-        if not self._idle:
-            self._note_motion()
         self._idle += dt
         if (not self.wheels.settled or self.wheels.free) and self._idle > self._stride:
             self._catch_up()
@@ -243,15 +243,14 @@ class Tracks:
     def _stride(self) -> float:
         return STRIDE if self.wheels.requests.one_sign is not None else STRIDE / 2
 
-    def _note_motion(self) -> None:
-        """Note the mean motion, so that not each frame costs a sum over the copies."""
-        self._began = self.pose()
+    def _mean_velocity(self) -> tuple[float, float, float]:
+        """Return how fast the mean pose changes, so that frames need no sums over copies."""
         (right, left), yaw = self.wheels.speed[:, :, 0], self.wheels.poses[2, :, 0]
         linear, angular = self.scales
         speed = (right + left) * (self._shares * linear / 2)
         turning = (right - left) / self.wheels.track_width[:, 0]
-        self._velocity = (float(speed @ np.cos(yaw)), float(speed @ np.sin(yaw)),
-                          angular * float(turning @ self._shares))
+        return (float(speed @ np.cos(yaw)), float(speed @ np.sin(yaw)),
+                angular * float(turning @ self._shares))
 
     def _catch_up(self) -> None:
         """Let the copies of the wheels roll until now."""
@@ -261,7 +260,7 @@ class Tracks:
             self.wheels.roll(self._stride, self.scales)
         if idle > 0:
             self.wheels.roll(idle, self.scales)
-            self._mean_pose = None
+            self._mean_pose = self._velocity = None
 
     def _ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
@@ -283,7 +282,7 @@ class Tracks:
         variances = self.rows.p.diagonal(axis1=1, axis2=2)[:, :s.UNKNOWNS]
         steps = np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2))
         self.wheels.spread(self.rows, steps, arrived=arrived)
-        self._shares, self._mean_pose = self.rows.shares(), None
+        self._shares, self._mean_pose, self._velocity = self.rows.shares(), None, None
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
         carries = self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED
         self.known = 0.0 if carries else min(1.0, self.rows.readings / FAMILIAR)

@@ -76,6 +76,8 @@ PARTS = {
     'odometry/accumulators': ('odometry/test_accumulators.py',),
     'odometry/dead_band': ('odometry/test_dead_band.py',),
     'odometry/assumptions': ('odometry/test_assumptions.py',),
+    'odometry/filter': ('odometry/test_disturbed_odometry.py', 'odometry/test_hindsight.py'),
+    'odometry/hindsight': ('odometry/test_hindsight.py',),
     'odometry/doubt': ('odometry/test_doubt.py',),
     'odometry/estimate': ('odometry/test_plain.py',),
     'odometry/knowledge': ('odometry/test_knowledge.py',),

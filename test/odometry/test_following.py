@@ -7,6 +7,7 @@ from math import cos, exp, hypot, pi, radians, sin
 import pytest
 
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
+from support.ride import Ride, SLOT
 
 DT = 0.02
 GEOMETRY = Geometry(wheel_separation=0.25, wheel_radius=0.04)
@@ -134,3 +135,29 @@ def test_haste_ends_with_time():
     made = odometry((0.0, 0.0, 0.0), hasty=1.0)
     made.update(Increment(DT, 0.0, 0.0, driven=True))
     assert made._hasty == pytest.approx(1.0 - DT)
+
+
+def test_there_is_no_haste_to_correct_what_was_no_motion_until_it_is_small():
+    made = odometry((0.0, 0.0, radians(40)), hasty=9.0, free=True)
+    made._patient = True
+    assert made._followed(DT, 0.0, 0.0).yaw == pytest.approx(radians(0.16))
+    assert made._patient
+    made._goal = 0.0, 0.0, radians(4)
+    made._followed(DT, 0.0, 0.0)
+    assert not made._patient
+
+
+@pytest.mark.parametrize('slots', [0, 20])
+def test_a_robot_that_is_held_is_not_turned_back_in_a_leap(slots):
+    ride = Ride()
+    ride.learn()
+    ride.begin()
+    ride.go(slots * SLOT, 0.1, -0.1)
+    ride.body.drive(right=0, left=0)  # held: it still says that it is asked to turn
+    ride.right, ride.left = 0.1, -0.1
+    for _ in range(400):
+        ride.hear(ride.odometry.reading_due)
+    heard = ride.estimates[-400:]
+    corrections = [b.yaw - a.yaw - b.angular * SLOT for a, b in zip(heard, heard[1:])]
+    assert sum(corrections) < radians(-10)
+    assert min(corrections) > radians(-8.1) * SLOT

@@ -12,7 +12,7 @@ import pytest
 
 from create_oi_ros.odometry import Increment, Odometry
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import IDEAL
+from create_oi_ros.sim.body.config import CENTRE, IDEAL
 from support.ride import assert_smooth, assert_sound, Request, Ride, ROUNDINGS, SLOT
 
 WHEEL = st.integers(-500, 500).map(lambda mm: mm / 1000)
@@ -153,6 +153,35 @@ def test_asks_once_a_window_for_one_frame_and_again_when_no_answer_comes() -> No
     assert 3 <= sum(questions) <= 12
     assert not any(a and b for a, b in zip(questions, questions[1:]))
     assert sum(asked(Odometry(window=1.0), 200)) > 10
+
+
+class Wakeful(Odometry):
+    """Looks at each frame as closely as at any other."""
+
+    def _rest(self, increment: Increment) -> None:
+        pass
+
+
+@pytest.mark.parametrize('event', ['', 'interrupted', 'hurry', 'mark', 'reset'])
+def test_frames_of_a_robot_that_rests_are_left_out_and_nothing_is_lost(event: str) -> None:
+    rides, due = [], []
+    for kind in (Odometry, Wakeful):
+        ride = Ride(config=CENTRE)
+        ride.odometry = kind(window=1.0)
+        told = []
+        for seconds, right, left in [(3, 0.2, 0.1), (7.4, 0, 0), (2, -0.1, 0.1), (9.13, 0, 0)] * 2:
+            ride.go(seconds, right, left)
+            for _ in range(100):
+                ride.go(SLOT, right, left)
+                told.append(ride.odometry.reading_due)
+        if event:
+            getattr(ride.odometry, event)()
+        ride.go(3, 0.1, 0.2)
+        rides.append(ride)
+        due.append(told)
+    assert due[0] == due[1]
+    assert sum(due[0]) > 3
+    assert rides[0].estimates == rides[1].estimates
 
 
 def test_without_a_window_it_asks_in_every_frame_and_believes_the_robot() -> None:
