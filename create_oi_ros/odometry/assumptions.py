@@ -110,11 +110,14 @@ class Assumptions:
         """
         Return tracks that know the wheels as these do, and nothing else: none is given up yet.
 
-        What is assumed by none of these is assumed with the wheels of the best one.
+        The best of each rounding and sign goes on. What none of these assumes is assumed with the
+        wheels of the best one.
         """
-        own = [*zip(self.roundings, zip(*(each.tolist() for each in self.signs)))]
+        best = self._best_of_each([*range(len(self.roundings))])
+        own = [(self.roundings[i], (int(self.signs.kinds[i]), bool(self.signs.late[i])))
+               for i in best]
         more = [kind for kind in product(Rounding, SIGNS) if kind not in own]
-        kinds, rows = own + more, [*range(len(own))] + [0] * len(more)
+        kinds, rows = own + more, best + [0] * len(more)
         means, p = np.zeros((len(rows), s.SIZE)), np.zeros((len(rows), s.SIZE, s.SIZE))
         means[:, WHEELS], means[:, s.MOVES] = self.means[rows, WHEELS], 1.0
         p[:, WHEELS, WHEELS] = _less_sure(self.p[rows, WHEELS, WHEELS], self.springs[rows])

@@ -281,6 +281,7 @@ class Tracks:
         """Make the copies of the wheels anew."""
         variances = self.rows.p.diagonal(axis1=1, axis2=2)[:, :s.UNKNOWNS]
         steps = np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2))
+        steps[~self.rows.springs, s.BRAKING] *= -1  # softer brakes: harder ones tell nothing
         self.wheels.spread(self.rows, steps, arrived=arrived)
         self._shares, self._mean_pose, self._velocity = self.rows.shares(), None, None
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}

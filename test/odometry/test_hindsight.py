@@ -21,6 +21,7 @@ from support.ride import assert_smooth, Ride, SLOT
 
 SLOW_BRAKES = replace(CENTRE, braking=0.31, dead_time=0.084)
 SPEEDS = -0.3, 0.0, 0.2, 0.4
+DRIVES = 16
 
 
 def play(ride: Ride, seed: int, seconds: int) -> None:
@@ -35,12 +36,12 @@ def test_what_went_wrong_before_a_robot_was_known_is_put_right(monkeypatch):
     missed = []
     for after in (AFTER, (inf,)):
         monkeypatch.setattr(hindsight, 'AFTER', after)
-        for seed in range(8):
+        for seed in range(DRIVES):
             ride = Ride(config=SLOW_BRAKES)
             play(ride, seed, 150)
             assert_smooth(ride.estimates)
             missed.append(ride.miss[1])
-    assert sum(missed[:8]) < sum(missed[8:]) / 2
+    assert sum(missed[:DRIVES]) < 0.7 * sum(missed[DRIVES:])
 
 
 TURNING = Increment(dt=SLOT, right=0.2, left=0.1, driven=True)
@@ -104,10 +105,11 @@ def test_nobody_looks_back_before_the_robot_is_known():
     assert all(kept.step(now) is None for _ in range(1000))
     now.tracks.rows.doubt -= 10.0
     assert caught_up(kept, now).tracks.rows.readings > 0
-    assert not kept.over
-    assert all(kept.step(now) is None for _ in range(1000))
-    kept._driven = AFTER[1]
-    caught_up(kept, now)
+    for driven in AFTER[1:]:
+        assert not kept.over
+        assert all(kept.step(now) is None for _ in range(1000))
+        kept._driven = driven
+        caught_up(kept, now)
     assert kept.over
 
 
@@ -133,8 +135,9 @@ def test_a_filter_that_has_taken_over_with_fewer_readings_is_not_new():
     now.tracks.rows.readings += 1  # one was not believed when it came again
     other = caught_up(kept, now)
     assert other.tracks.rows.readings < now.tracks.rows.readings
-    kept._driven = AFTER[1]
-    caught_up(kept, other)
+    for driven in AFTER[1:]:
+        kept._driven = driven
+        other = caught_up(kept, other)
     assert kept.over
 
 
