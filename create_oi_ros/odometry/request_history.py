@@ -30,6 +30,7 @@ class RequestHistory:
         self.asked = 0.0, 0.0
         """The same as numbers."""
         self._kept = [1.0, 1.0]
+        self._of_signs: list[float] = []
         self._times = np.full(ROOM, np.inf)
         """When each request came, then infinity."""
         self._later = self._times[1:]
@@ -37,12 +38,6 @@ class RequestHistory:
         """Each request as a column: speeds, kept signs, upward signs; and their sums when it came.
         """
         self.settle()
-
-    @property
-    def signs(self) -> tuple[Array, Array]:
-        """The signs of the last requests that were not zero, and of these where zero is up."""
-        kept, up = np.array(self._rate[2:]).reshape(2, 2, 1, 1)
-        return kept, up
 
     def settle(self) -> None:
         """Take the present requests to have held for long."""
@@ -68,10 +63,10 @@ class RequestHistory:
         change, self.speeds = speeds - self.speeds, speeds
         self._kept = [copysign(1.0, speed) if speed else kept
                       for speed, kept in zip(asked, self._kept)]
-        held, signs = self._now - self._since, self._rate[2:]
+        held, signs = self._now - self._since, self.signs
         sums = [total + rate * held for total, rate in zip(self._total, self._rate)]
         self._begin(self._make_room(), self._now, sums)
-        if self._rate[2:] != signs:
+        if self.signs is not signs:
             self._alike_since = self._now
         self.age = 0.0
         self._compare_signs()
@@ -101,9 +96,14 @@ class RequestHistory:
 
     def _begin(self, column: int, since: float, sums: list[float]) -> None:
         """Write the present requests down."""
-        up = [1.0 if speed >= 0 else -1.0 for speed in self.asked]
+        signs = [*self._kept, *(1.0 if speed >= 0 else -1.0 for speed in self.asked)]
         self._last, self._since, self._total = column, since, sums
-        self._rate: list[float] = [*self.speeds.tolist(), *self._kept, *up]
+        self._rate: list[float] = [*self.speeds.tolist(), *signs]
+        if signs != self._of_signs:
+            self._of_signs = signs
+            kept, up = np.array(signs).reshape(2, 2, 1, 1)
+            self.signs: tuple[Array, Array] = kept, up
+            """The signs of the last requests that were not zero, and of these where zero is up."""
         self._times[column] = since
         self._rates[:, column] = self._rate
         self._sums[:, column] = sums
@@ -122,5 +122,5 @@ class RequestHistory:
         """See whether it makes a difference where an encoder takes its sign from."""
         kept, up = self._rate[2:4], self._rate[4:]
         alike = kept == up and self._alike_since < self._now - RECENT
-        self.one_sign = np.array(kept).reshape(2, 1, 1) if alike else None
+        self.one_sign = self.signs[0] if alike else None
         """The sign of each wheel, where all kinds of sign have been the same lately."""

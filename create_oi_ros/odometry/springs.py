@@ -71,4 +71,7 @@ class Springs:
         shrunk, angle, square = np.exp(-decay * self._h), swing * self._h, omega * omega
         cos, sin = shrunk * np.cos(angle), shrunk * np.sin(angle) / swing
         damped = decay * sin
-        return np.stack([cos + damped, sin, square * sin, cos - damped, 1 / square, lag])
+        made = np.empty((6, *lag.shape))
+        made[0], made[1], made[2] = cos + damped, sin, square * sin
+        made[3], made[4], made[5] = cos - damped, 1 / square, lag
+        return made

@@ -167,7 +167,7 @@ class WheelModel:
         self._goal, self.farthest = None, np.inf
         signs, was_recent = self.requests.signs, self.requests.age <= RECENT
         change = self.requests.ask(right, left, stands)
-        if self.requests.one_sign is None:
+        if self.requests.signs is not signs:
             kept, up = (now != was for now, was in zip(self.requests.signs, signs))
             kinds = self.signs.kinds
             others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
