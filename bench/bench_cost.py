@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Processor time and memory of the node: `python bench/bench_cost.py`, five minutes, a table.
+Processor time and memory of the node: `python bench/bench_cost.py`, a quarter of an hour, a table.
 
 The node runs with its dead-man process at 66.7 frames a second, with one subscriber on each topic
 in another process. Its processor time, as a share of one core, is measured standing, and driving
@@ -25,7 +25,7 @@ from processes import family, processor_shares, resident
 from results import Figure, repeated, run
 from scene import scene
 
-REPETITIONS = 3
+REPETITIONS = 5
 # Seconds to wait before a measurement, and its duration.
 SETTLE, WATCH = 1.5, 4.0
 STANDING, DRIVING = 1.4, 1.6

@@ -16,9 +16,9 @@ whole simulated robot, with default parameters. By class of robot:
   worse  by how much a drive was worse than a reading a second, degrees a turn, at most
 
 Then how the error grows with the time since the start, for nobody knows a new robot; the
-conditions of `odometry_rig` (slip, held wheels, a lifted or pushed robot, demos); and the trials
-of `odometry_cases`: a damaged line and, with `--logs FOLDER`, logs of real wheels. At last, what
-an update costs (`odometry_cost`).
+conditions of `odometry_rig` (slip, held wheels, a lifted or pushed robot, demos); short drives
+(`odometry_starts`); and the trials of `odometry_cases`: a damaged line and, with `--logs FOLDER`,
+logs of real wheels. At last, what an update costs (`odometry_cost`).
 """
 
 from argparse import ArgumentParser
@@ -39,6 +39,7 @@ from odometry_cases import damaged_line, follow_log, rows_of
 from odometry_cost import costs
 from odometry_loop import Journey
 from odometry_rig import Condition, CONDITIONS, follow, nees_of, simulate
+from odometry_starts import starts
 from results import Figure, keep, machine
 from rivals import Rival
 from robots import CLASSES
@@ -297,6 +298,7 @@ def main() -> None:
             print_table([each for some in pool.imap_unordered(old, old_jobs) for each in some])
         made = [each for kind in TARGETS for each in figures(
             kind, cells[kind, 'ours'], {name: cells[kind, name] for name in RIVALS})]
+        made += starts(pool)
         made += trials(pool, options.logs)
     made += costs()
     if options.drives == DRIVES_EACH and options.seed == HELD_OUT:
