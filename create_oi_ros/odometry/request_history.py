@@ -31,6 +31,7 @@ class RequestHistory:
         """The same as numbers."""
         self._kept = [1.0, 1.0]
         self._of_signs: list[float] = []
+        """The signs as numbers: kept, then upward, right first in each."""
         self._times = np.full(ROOM, np.inf)
         """When each request came, then infinity."""
         self._later = self._times[1:]
