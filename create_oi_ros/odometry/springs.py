@@ -41,15 +41,20 @@ class Springs:
     def prepare(self, lag: Array, h: float) -> None:
         """Get ready for steps of h seconds with the lag at the present speeds."""
         self._lag, self._h = lag, h
-        self._easy = self._factors(lag)
+        self._easy: Array | None = None
         self._braked: Array | None = None
 
     def roll(self, goal: Array, way: Array, speed: Array, h: float) -> tuple[Array, Array]:
         """Let h seconds pass; return the speeds and the travel."""
-        factors, braking = self._easy, way * speed < 0
-        if braking.any():
-            if self._braked is None:
-                self._braked = self._factors(self._lag / self._braking)
+        braking = way * speed < 0
+        if not braking.any():
+            if self._easy is None:
+                self._easy = self._factors(self._lag)
+            factors = self._easy
+        else:
+            if self._easy is None or self._braked is None:
+                both = self._factors(np.array([self._lag, self._lag / self._braking]))
+                self._easy, self._braked = both[:, 0], both[:, 1]
             factors = np.where(braking, self._braked, self._easy)
         stay, push, pull, keep, mass, lag = factors
         left = stay * way - push * self.rate
@@ -60,7 +65,8 @@ class Springs:
 
     def stop(self) -> Array:
         """Let the rates come to rest; return the travel that this costs."""
-        travel: Array = self._easy[4] * self.rate
+        omega = 2 * self._damping / self._lag
+        travel: Array = self.rate / (omega * omega)
         self.rate = np.zeros_like(self.rate)
         return travel
 
