@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 
 RECENT = 0.35
 """Seconds after which the past of a request no longer matters: longer than any dead time."""
+STEP = 0.03
+"""A change of request from one frame to the next that is larger is a step, m/s. The driver's
+limits allow less, unless somebody sets others."""
 ROOM = 64
 """Changes of request that are remembered: more than come within that time, one a frame."""
 
@@ -72,6 +75,13 @@ class RequestHistory:
         self.age = 0.0
         self._compare_signs()
         return change
+
+    def breaks(self, right: float, left: float) -> bool:
+        """Return whether such requests would be a step, or change a sign."""
+        return any(abs(speed - before) > STEP or (speed >= 0) != (upward > 0)
+                   or (speed and copysign(1.0, speed) != kept)
+                   for speed, before, kept, upward in zip(
+                       (right, left), self.asked, self._kept, self._of_signs[2:]))
 
     def stand(self, wheel: int) -> None:
         """Note that the present request never moved a wheel."""

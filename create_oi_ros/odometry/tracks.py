@@ -8,8 +8,6 @@ for each unknown, and the differences between the copies are the columns of the 
 All tracks are rows of the same arrays. docs/odometry.md has the sums.
 """
 
-from math import cos, sin
-
 import numpy as np
 
 from ..robot import Rounding, SLOT
@@ -21,14 +19,16 @@ from .dead_band import DeadBand, FASTEST
 from .doubt import Doubt
 from .estimate import Geometry
 from .mark import MarkedPose
+from .mean_pose import MeanPose
 from .noise import MOVED, PLACE
-from .request_history import Array
+from .request_history import Array, RECENT
 from .rounding import interval
 from .states import DEGREE, MM
 from .wheel_model import WheelModel
 
 STRIDE = 1.9 * SLOT
-"""Seconds that wheels roll at once while their speeds change."""
+"""Seconds that wheels roll at once while their speeds change; half of it after a request of
+another sign, for they may cross zero."""
 LATE = 1.6 * SLOT
 """Seconds of a frame from which on one before it was lost."""
 SMALLEST_STEP = 1e-5
@@ -63,12 +63,7 @@ class Tracks:
         self.wheels = WheelModel(FASTEST)
         self.band = band or DeadBand()
         self.doubt = Doubt()
-        self._idle = 0.0
-        """Seconds that the copies of the wheels have still to roll."""
-        self._mean_pose: tuple[float, float, float] | None = None
-        """Mean pose where they are; None until somebody asks."""
-        self._velocity: tuple[float, float, float] | None = None
-        """How fast it changes there, likewise."""
+        self._mean = MeanPose(self.wheels)
         self._rates_of: Array | None = None
         self._rates = 0.0, 0.0
         """What was last asked for by `rates`, and of which speeds."""
@@ -133,7 +128,7 @@ class Tracks:
         if self._vague < VAGUE:
             return False
         angle = float(self.rows.means[0, s.ANGLE]) + self.wheels.best_counts[1]
-        angle = abs(angle + self.rates[1] * (self._idle + ahead)) / DEGREE
+        angle = abs(angle + self.rates[1] * (self.wheels.behind + ahead)) / DEGREE
         ends = interval(self.rows.roundings[0], int(angle))
         return min(abs(end - angle) for end in ends) < OPEN * self._vague
 
@@ -145,18 +140,7 @@ class Tracks:
 
     def pose(self) -> tuple[float, float, float]:
         """Return the mean pose now: x, y, yaw."""
-        if self._mean_pose is None:
-            x, y, yaw = (self.wheels.poses[:, :, 0] @ self._shares).tolist()
-            self._mean_pose = x, y, yaw
-        if not self._idle:
-            return self._mean_pose
-        if self._velocity is None:
-            self._velocity = self._mean_velocity()
-        (x, y, yaw), (east, north, rate) = self._mean_pose, self._velocity
-        half = rate * self._idle / 2
-        chord = self._idle * (sin(half) / half if half else 1.0)
-        c, d = chord * cos(half), chord * sin(half)
-        return x + c * east - d * north, y + c * north + d * east, yaw + 2 * half
+        return self._mean.now()
 
     def pose_covariance(self) -> tuple[float, ...]:
         """Return the covariance of the mean pose, row by row."""
@@ -215,6 +199,7 @@ class Tracks:
 
     def resume(self, right: float, left: float) -> None:
         """Go on after a gap in which the wheels have reached these requests."""
+        self._catch_up()
         self._ask(right, left)
         self.wheels.requests.settle()
         self.free(self.wheels.free)
@@ -235,36 +220,24 @@ class Tracks:
     def _roll(self, dt: float) -> None:
         self._seconds += dt
         self._window += dt
-        self._idle += dt
-        if (not self.wheels.settled or self.wheels.free) and self._idle > self._stride:
+        self.wheels.wait(dt)
+        if (not self.wheels.settled or self.wheels.free) and self.wheels.behind > self._stride:
             self._catch_up()
 
     @property
     def _stride(self) -> float:
         return STRIDE if self.wheels.requests.one_sign is not None else STRIDE / 2
 
-    def _mean_velocity(self) -> tuple[float, float, float]:
-        """Return how fast the mean pose changes, so that frames need no sums over copies."""
-        (right, left), yaw = self.wheels.speed[:, :, 0], self.wheels.poses[2, :, 0]
-        linear, angular = self.scales
-        speed = (right + left) * (self._shares * linear / 2)
-        turning = (right - left) / self.wheels.track_width[:, 0]
-        return (float(speed @ np.cos(yaw)), float(speed @ np.sin(yaw)),
-                angular * float(turning @ self._shares))
-
     def _catch_up(self) -> None:
         """Let the copies of the wheels roll until now."""
-        idle, self._idle = self._idle, 0.0
-        while idle > 1.5 * self._stride and not self.wheels.settled:
-            idle -= self._stride
-            self.wheels.roll(self._stride, self.scales)
-        if idle > 0:
-            self.wheels.roll(idle, self.scales)
-            self._mean_pose = self._velocity = None
+        if self.wheels.behind:
+            self._mean.roll()
+            self.wheels.catch_up(self._stride, self.scales)
 
     def _ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
-        self._catch_up()
+        if self.wheels.requests.age > RECENT or self.wheels.requests.breaks(right, left):
+            self._catch_up()
         were_open = any(self.band.open)
         answers = self.band.ask(right, left)
         if were_open or any(self.band.open) or self.rows.means[0, s.MOVES].tolist() != answers:
@@ -283,7 +256,8 @@ class Tracks:
         steps = np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2))
         steps[~self.rows.springs, s.BRAKING] *= -1  # softer brakes: harder ones tell nothing
         self.wheels.spread(self.rows, steps, arrived=arrived)
-        self._shares, self._mean_pose, self._velocity = self.rows.shares(), None, None
+        self._shares = self.rows.shares()
+        self._mean.begin(self._shares, self.scales)
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
         carries = self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED
         self.known = 0.0 if carries else min(1.0, self.rows.readings / FAMILIAR)

@@ -69,6 +69,8 @@ class WheelModel:
         self.requests = RequestHistory()
         self.free = False
         """Whether wheels keep their speed, whatever is asked."""
+        self.behind = 0.0
+        """Seconds that have passed and that the copies have still to roll."""
         self._slowest = slowest
         """Requests below this may not move a wheel, m/s (`dead_band`)."""
         self._fastest = 0.0, 0.0
@@ -165,7 +167,7 @@ class WheelModel:
         """Take other requests, of which some may not move; return by how much they changed."""
         self.settled = self.standing = False
         self._goal, self.farthest = None, np.inf
-        signs, was_recent = self.requests.signs, self.requests.age <= RECENT
+        signs, was_recent = self.requests.signs, self.is_recent
         change = self.requests.ask(right, left, stands)
         if self.requests.signs is not signs:
             kept, up = (now != was for now, was in zip(self.requests.signs, signs))
@@ -178,11 +180,30 @@ class WheelModel:
             self._before = self._sums()
         return change
 
-    def roll(self, h: float, scales: tuple[float, float]) -> None:
-        """Let h seconds pass; scales are of true over counted travel and turn."""
+    @property
+    def is_recent(self) -> bool:
+        """Whether wheels may still follow a request that was changed."""
+        return self.requests.age - self.behind <= RECENT
+
+    def wait(self, dt: float) -> None:
+        """Let time pass in which the copies will roll later."""
+        self.requests.step(dt)
+        self.behind += dt
+
+    def catch_up(self, stride: float, scales: tuple[float, float]) -> None:
+        """
+        Let the copies roll until now, in steps of about `stride` seconds while speeds change.
+
+        `scales`: true over counted travel and turn.
+        """
+        while self.behind > 1.5 * stride and not self.settled:
+            self._roll(stride, scales)
+        self._roll(self.behind, scales)
+
+    def _roll(self, h: float, scales: tuple[float, float]) -> None:
         requests = self.requests
-        recent = requests.age <= RECENT
-        requests.step(h)
+        recent = self.is_recent
+        self.behind -= h
         sums = None
         asked: Array = requests.speeds[:, None, None]
         if recent:
@@ -203,7 +224,7 @@ class WheelModel:
 
     def _sums(self) -> Array:
         """Return sums over the requests as late as each track's dead time, and its copy's."""
-        return self.requests.sums(self._dead_times)
+        return self.requests.sums(self._dead_times + self.behind)
 
     def _follow(self, asked: Array, h: float, recent: bool) -> Array:
         """Let wheels run towards their goals; return their travel."""

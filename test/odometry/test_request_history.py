@@ -98,3 +98,12 @@ def test_age_is_that_of_the_last_change():
 def test_where_all_kinds_of_sign_are_the_same_lately_there_is_one(requests, same):
     one = asked(*requests).one_sign
     assert (one if one is None else one[:, 0, 0].tolist()) == same
+
+
+@pytest.mark.parametrize(('right', 'left', 'breaks'), [
+    (0.02, -0.01, False), (0.04, -0.03, False), (0.049, -0.01, False), (0.051, -0.01, True),
+    (0.02, -0.041, True), (0.0, -0.01, False), (0.02, 0.0, True), (-0.005, -0.01, True),
+    (0.02, 0.01, True)])
+def test_a_step_and_another_sign_break_what_was_asked(right, left, breaks):
+    """A zero is upward, so only what ran backwards gets another sign by it."""
+    assert asked((0.02, -0.01, 0.1)).breaks(right, left) == breaks

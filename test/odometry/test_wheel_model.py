@@ -13,6 +13,7 @@ from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.wheel_model import LAST, NONE, WheelModel
 from support.ride import SLOT
+from support.wheels import roll
 
 FINE = 2e-5
 """Seconds of a small step."""
@@ -46,7 +47,7 @@ def rolled(wheels: WheelModel, requests: Sequence[tuple[float, float]]) -> Way:
     for seconds, speed in requests:
         wheels.ask(speed, speed, [False, False])
         for _ in range(round(seconds / SLOT)):
-            wheels.roll(SLOT, AS_ASKED)
+            roll(wheels, SLOT, AS_ASKED)
     return Way(float(wheels.poses[0, 0, 0]), float(wheels.counts[0, 0, 0]),
                float(wheels.speed[0, 0, 0]))
 
@@ -119,5 +120,5 @@ def test_rates_outlive_new_copies() -> None:
     copied.spread(rows, np.full((1, s.UNKNOWNS), 1e-6))
     for each in (wheels, copied):
         for _ in range(5):
-            each.roll(SLOT, AS_ASKED)
+            roll(each, SLOT, AS_ASKED)
     assert copied.speed[:, :, 0] == pytest.approx(wheels.speed[:, :, 0], abs=1e-9)

@@ -12,6 +12,7 @@ from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.wheel_model import LAST, NONE, UPWARD, WheelModel
 from create_oi_ros.robot import FIRMWARE_SEPARATION
+from support.wheels import roll
 
 AS_COUNTED = 1.0, 1.0
 H = 0.03
@@ -43,7 +44,7 @@ def asked(made: WheelModel, right: float, left: float, *steps: float) -> WheelMo
     """Let wheels follow a request for some steps, seconds each."""
     made.ask(right, left, [False, False])
     for seconds in steps:
-        made.roll(seconds, AS_COUNTED)
+        roll(made, seconds, AS_COUNTED)
     return made
 
 
@@ -111,7 +112,7 @@ def test_a_wheel_that_starts_to_run_does_not_brake():
 def test_a_request_reaches_wheels_after_the_dead_time():
     made = asked(wheels({s.DEAD_TIME: 0.05}), 0.3, 0.3, H)
     assert speeds(made) == [0.0, 0.0]
-    made.roll(H, AS_COUNTED)
+    roll(made, H, AS_COUNTED)
     # In the second step it is there for a third of the time.
     assert speeds(made)[0] == pytest.approx(0.1 * (1 - exp(-H / 0.08)))
 
@@ -131,7 +132,7 @@ def test_poses_follow_arcs_with_the_scales_of_true_motion():
     for settled in (False, True):
         made.settled = settled
         x, y, yaw = made.poses[:, 0, 0]
-        made.roll(2.0, (1.1, 0.9))
+        roll(made, 2.0, (1.1, 0.9))
         turn = 0.4 / (FIRMWARE_SEPARATION * 1.05)
         chord = 0.4 * 1.1 * (sin(0.45 * turn) / (0.45 * turn) if settled else 1.0)
         assert made.poses[:, 0, 0].tolist() == pytest.approx([
@@ -146,7 +147,7 @@ def test_wheels_that_arrive_are_put_at_their_goals_and_nothing_of_the_way_is_los
     made = asked(wheels({}), 0.2, 0.1, *(14 * [H]))
     assert not made.settled
     for _ in range(26):
-        made.roll(H, AS_COUNTED)
+        roll(made, H, AS_COUNTED)
     assert made.settled and speeds(made) == pytest.approx([0.2, 0.1], rel=1e-12)
     lags = made._lag[:, 0, 0]
     assert made.path[:, 0] == pytest.approx(np.array([0.2, 0.1]) * (1.2 - lags))

@@ -1,0 +1,85 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where the robot is on average over all tracks, also between two steps of their wheels.
+
+The copies of the wheels roll some frames at once. In between the mean goes on as it did last: with
+its speeds, and with what these changed by.
+"""
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from .request_history import Array
+from .wheel_model import WheelModel
+
+Pose = tuple[float, float, float]
+"""x, y, yaw; m and rad."""
+
+
+class Motion(NamedTuple):
+    """How a pose changes in a second, and what that changes by; m and rad."""
+
+    east: float
+    north: float
+    turn: float
+    more: float
+    """Of the speed ahead."""
+    more_turn: float
+
+
+class MeanPose:
+    """The mean of the tracks' poses, which costs little in most frames."""
+
+    def __init__(self, wheels: WheelModel) -> None:
+        self._wheels = wheels
+        self._pose: Pose | None = None
+        """The mean when the wheels last rolled; None until somebody asks."""
+        self._motion: Motion | None = None
+        """How it moved then, likewise."""
+        self._before: tuple[Array, float] | None = None
+        """The wheels' speeds before they rolled, and for how long they did; None: they did not."""
+
+    def begin(self, shares: Array, scales: tuple[float, float]) -> None:
+        """Take new copies of the wheels, the tracks' shares, and true over counted travel."""
+        self._shares, self._scales = shares, scales
+        self._pose = self._motion = self._before = None
+
+    def roll(self) -> None:
+        """Note that the wheels are about to catch up."""
+        self._before = self._wheels.speed, self._wheels.behind
+        self._pose = self._motion = None
+
+    def now(self) -> Pose:
+        """Return the mean pose now."""
+        wheels = self._wheels
+        if self._pose is None:
+            x, y, yaw = (wheels.poses[:, :, 0] @ self._shares).tolist()
+            self._pose = x, y, yaw
+        if not wheels.behind:
+            return self._pose
+        if self._motion is None:
+            self._motion = self._moves()
+        (x, y, yaw), move, middle = self._pose, self._motion, wheels.behind / 2
+        half = (move.turn + move.more_turn * middle) * middle
+        chord = wheels.behind * (sin(half) / half if half else 1.0)
+        c, d, more = chord * cos(half), chord * sin(half), move.more * middle
+        east, north = move.east + more * cos(yaw), move.north + more * sin(yaw)
+        return x + c * east - d * north, y + c * north + d * east, yaw + 2 * half
+
+    def _moves(self) -> Motion:
+        """Return how the mean moves, and how the best track speeds up."""
+        wheels, (linear, angular) = self._wheels, self._scales
+        (right, left), yaw = wheels.speed[:, :, 0], wheels.poses[2, :, 0]
+        ahead = (right + left) * (self._shares * (linear / 2))
+        turn = (right - left) / wheels.track_width[:, 0]
+        more = more_turn = 0.0
+        if self._before is not None and not wheels.settled:
+            before, seconds = self._before
+            right, left = ((wheels.speed[:, 0, 0] - before[:, 0, 0]) / seconds).tolist()
+            more = (right + left) * linear / 2
+            more_turn = (right - left) * angular / float(wheels.track_width[0, 0])
+        return Motion(float(ahead @ np.cos(yaw)), float(ahead @ np.sin(yaw)),
+                      angular * float(turn @ self._shares), more, more_turn)
