@@ -94,7 +94,7 @@ class Filter:
         return rested
 
     def rest(self, increment: Increment) -> None:
-        """Do the same where the robot rests, and this frame says what the one before did."""
+        """Do the same where this frame says what the one before did, and wheels are at goals."""
         dt, right, left, *_ = increment
         self.tracks.advance(dt, right, left)
         self._obedience.step(dt, right, left, self.tracks)

@@ -17,6 +17,7 @@ from .estimate import Estimate, Geometry, Increment
 from .filter import Filter
 from .hindsight import Hindsight, Told
 from .knowledge import Knowledge, known
+from .mean_pose import Pose
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
 from .states import DEGREE
@@ -35,10 +36,12 @@ TOP, TOP_TURN = 1.03 * TOP_SPEED, 2 * 1.03 * TOP_SPEED / WHEEL_SEPARATION
 """How fast a robot can move, m/s and rad/s: the manual's top speed, and 3 % for fast wheels."""
 NEAR = 1e-7
 """m and rad by which an estimate that stands need not come nearer to its track."""
+CLOSE = 5e-5
+"""The same while it moves steadily."""
 COVARIANCE_EVERY, STEADY_EVERY = 20, 40
 """Frames from one covariance of the prediction to the next, and while wheels run steadily."""
-Pose = tuple[float, float, float]
-"""x, y, yaw."""
+STILL = (0.0, 0.0)
+"""The course of a robot that rests."""
 AS_BUILT = Geometry()
 FLOOR = 1e-9
 """Variance of a pose that is known exactly, m² and rad²."""
@@ -80,11 +83,13 @@ class Odometry:
         self._twist_variance = self.estimate.twist_covariance
         self._unseen = 0
         """Frames since the tracks were last asked how sure they are after a reading."""
-        self._resting: Increment | None = None
-        """What a frame says as long as the robot rests."""
-        self._quiet = self._rested = 0
+        self._same: Increment | None = None
+        """What a frame says as long as the robot rests, or moves steadily."""
+        self._quiet = self._counted = 0
         """Frames like that for which nothing will be asked, and those that came since the tracks
         were told of one."""
+        self._course = 0.0, 0.0
+        """Metres and radians that the tracks' mean moved by in the last frame."""
 
     @property
     def tracks(self) -> Tracks:
@@ -170,11 +175,13 @@ class Odometry:
         if self._hindsight is not None:
             self._look_back(self._hindsight, increment)
             self._note(increment)
-        if self._rested < self._quiet and increment == self._resting:
-            self._rested += 1
+        if self._counted < self._quiet and increment == self._same:
+            self._counted += 1
+            if self._course != STILL:
+                self.estimate = self._further()
             return self.estimate
         self._wake()
-        before = self._goal
+        before, settled = self._goal, self.tracks.wheels.settled
         rested = self._move(increment)
         after = before if rested else self.tracks.pose()
         self._goal = after
@@ -192,11 +199,15 @@ class Odometry:
         if self._plan.due:
             self._tell(Filter.asked)
         if rested and self._caught_up and self._unseen:
-            self._rest(increment)
+            self._course = STILL
+            self._count(increment)
             return self.estimate  # nothing has moved, nothing was learned
         turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
         went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
         self.estimate = self._followed(increment.dt, went, turned)
+        if settled and not rested and self._unseen and self._is_on_course:
+            self._course = went, turned
+            self._count(increment)
         return self.estimate
 
     def _as_reported(self, increment: Increment) -> Estimate:
@@ -225,23 +236,44 @@ class Odometry:
         if hindsight.over:
             self._hindsight = None
 
-    def _rest(self, increment: Increment) -> None:
+    @property
+    def _is_on_course(self) -> bool:
+        """Whether the estimate moves steadily, and is where the tracks' mean is."""
+        if not self.tracks.wheels.settled or self.tracks.is_free:
+            return False
+        (x, y, yaw), e = self._goal, self.estimate
+        return abs(x - e.x) < CLOSE and abs(y - e.y) < CLOSE and abs(yaw - e.yaw) < CLOSE
+
+    def _count(self, increment: Increment) -> None:
         """Look at the next frames no closer than needed, as long as they say the same."""
         if self._mark is None and not increment.lost:
-            self._resting = increment
-            self._quiet = int(self._plan.quiet(self.tracks) / increment.dt) - 1
+            dt = increment.dt
+            self._same, self._quiet = increment, int(self._plan.quiet(dt, self.tracks) / dt) - 1
+            if self._course != STILL:
+                self._quiet = min(self._quiet, STEADY_EVERY - self._unseen % STEADY_EVERY - 1)
+
+    def _further(self) -> Estimate:
+        """Return the estimate a frame further on its course."""
+        e, (went, turned), g = self.estimate, self._course, self.geometry
+        middle, half = e.yaw + turned / 2, turned * g.wheel_separation / 2
+        return e._replace(
+            x=e.x + went * cos(middle), y=e.y + went * sin(middle), yaw=e.yaw + turned,
+            right_wheel=e.right_wheel + (went + half) / g.wheel_radius,
+            left_wheel=e.left_wheel + (went - half) / g.wheel_radius)
 
     def _wake(self) -> None:
-        """Let the time of the frames pass that came while the robot rested."""
-        frames, self._rested, self._quiet = self._rested, 0, 0
-        if not frames or self._resting is None:
+        """Let the time of the frames pass that were only counted."""
+        frames, self._counted, self._quiet = self._counted, 0, 0
+        if not frames or self._same is None:
             return
-        dt = self._resting.dt
+        dt = self._same.dt
         for _ in range(frames):  # one by one: sums of floats depend on their order
-            self._filter.rest(self._resting)
+            self._filter.rest(self._same)
             self._plan.rest(dt)
         self._unseen += frames
         self._hasty = max(0.0, self._hasty - frames * dt)
+        if self._course != STILL:
+            self._goal = self.tracks.pose()
 
     def _move(self, increment: Increment) -> bool:
         """Let the tracks predict, and plan the next reading; True where nothing has moved."""

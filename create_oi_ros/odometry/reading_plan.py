@@ -117,7 +117,7 @@ class ReadingPlan:
             self.due = True
         else:
             self.due = self._alone = (
-                self._age >= SOON * self.window and self._is_time(dt, tracks))
+                self._age >= SOON * self.window and self._left(dt, tracks) <= 0)
         if self.due:
             self._asked = self._since = 0
         return in_vain
@@ -130,21 +130,28 @@ class ReadingPlan:
         self._asked += 1
         self._since += 1
 
-    def quiet(self, tracks: Tracks) -> float:
-        """Return the seconds for which nothing will be asked of a robot that rests on."""
+    def quiet(self, dt: float, tracks: Tracks) -> float:
+        """
+        Return the seconds for which nothing will be asked of a robot that rests, or moves, on.
+
+        Its wheels are at their goals; frames take dt seconds.
+        """
         if self.due or self.pending or self._probe or self._steady < SETTLED:
             return 0.0
-        return self._patience(tracks) - self._age
+        wait = self._left(dt, tracks)
+        if len(tracks.roundings) > 1 and not tracks.rests and self._spacing_of(dt, tracks):
+            wait = min(wait, max(PROBE_STEADY - self._steady, PROBE_EVERY - self._probed))
+        return wait
 
-    def _is_time(self, dt: float, tracks: Tracks) -> bool:
-        """Tell whether to ask now: when the answer tells much, or after patience."""
+    def _left(self, dt: float, tracks: Tracks) -> float:
+        """Return the seconds until it is time to ask: the answer tells much, or patience ends."""
         patience = self._patience(tracks)
         if (tracks.is_free or tracks.rests or tracks.blur > BLURRED
                 or tracks.known < FORESEEN or tracks.roundings == {Rounding.CARRY}):
-            return self._age >= patience
-        if self._age >= patience + SPARE * self.window * tracks.known:
-            return True
-        return self._age >= TELLING * self.window and tracks.tells(self._latency * dt)
+            return patience - self._age
+        left = patience + SPARE * self.window * tracks.known - self._age
+        soonest = TELLING * self.window - self._age
+        return min(left, max(soonest, tracks.tells_in(self._latency * dt)))
 
     def _patience(self, tracks: Tracks) -> float:
         """Return the seconds to wait after the last reading."""
@@ -179,8 +186,10 @@ class ReadingPlan:
         if (self._steady < PROBE_STEADY or self._probed < PROBE_EVERY or tracks.rests
                 or not tracks.settled or tracks.is_free):
             return 0
-        if len(tracks.roundings) == 1:
-            return 0
+        return 0 if len(tracks.roundings) == 1 else self._spacing_of(dt, tracks)
+
+    def _spacing_of(self, dt: float, tracks: Tracks) -> int:
+        """Return the same for wheels that have run steadily for long enough."""
         # Most frames ask the same as the one before.
         asked = tracks.rates, dt, tracks.roundings, self._latency if self.sparing else 0
         if asked != self._asked_spacing:

@@ -8,6 +8,8 @@ for each unknown, and the differences between the copies are the columns of the 
 All tracks are rows of the same arrays. docs/odometry.md has the sums.
 """
 
+from math import inf
+
 import numpy as np
 
 from ..robot import Rounding, SLOT
@@ -119,18 +121,26 @@ class Tracks:
         return (float(self.rows.means[0, s.DISTANCE]) + distance,
                 float(self.rows.means[0, s.ANGLE]) + angle)
 
-    def tells(self, ahead: float) -> bool:
+    def tells_in(self, ahead: float) -> float:
         """
-        Tell whether nobody knows which angle a robot that loses fractions will report.
+        Return in how many seconds a question would tell much of a robot that loses fractions.
 
-        It will so many seconds from now. A degree that is certain would tell nothing.
+        Nobody knows then which whole angle it will report, so many seconds later. A degree that is
+        certain would tell nothing. At the present rates; infinity: in no time.
         """
         if self._vague < VAGUE:
-            return False
+            return inf
+        rate = self.rates[1] / DEGREE
         angle = float(self.rows.means[0, s.ANGLE]) + self.wheels.best_counts[1]
-        angle = abs(angle + self.rates[1] * (self.wheels.behind + ahead)) / DEGREE
-        ends = interval(self.rows.roundings[0], int(angle))
-        return min(abs(end - angle) for end in ends) < OPEN * self._vague
+        angle = angle / DEGREE + rate * (self.wheels.behind + ahead)
+        rounding, amount = self.rows.roundings[0], abs(angle)
+        ends = interval(rounding, round(amount) if rounding is Rounding.ROUND else int(amount))
+        if angle < 0:
+            ends = -ends[1], -ends[0]
+        room = OPEN * self._vague
+        if min(abs(end - angle) for end in ends) < room:
+            return 0.0
+        return (abs(ends[rate > 0] - angle) - room) / abs(rate) if rate else inf
 
     def goals(self, right: float, left: float) -> tuple[float, float]:
         """Return the speeds at which the wheels settle when they are asked for these, m/s."""

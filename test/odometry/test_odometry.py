@@ -156,9 +156,17 @@ def test_asks_once_a_window_for_one_frame_and_again_when_no_answer_comes() -> No
 
 
 class Wakeful(Odometry):
+    """Looks at each frame of a robot that rests as closely as at any other."""
+
+    def _count(self, increment: Increment) -> None:
+        if increment.right or increment.left:
+            super()._count(increment)
+
+
+class Watchful(Odometry):
     """Looks at each frame as closely as at any other."""
 
-    def _rest(self, increment: Increment) -> None:
+    def _count(self, increment: Increment) -> None:
         pass
 
 
@@ -182,6 +190,43 @@ def test_frames_of_a_robot_that_rests_are_left_out_and_nothing_is_lost(event: st
     assert due[0] == due[1]
     assert sum(due[0]) > 3
     assert rides[0].estimates == rides[1].estimates
+
+
+@pytest.mark.parametrize('rounding', ROUNDINGS)
+def test_frames_of_steady_motion_are_left_out_and_hardly_anything_is_lost(
+        rounding: Rounding) -> None:
+    rides = [Ride(rounding, config=CENTRE) for _ in range(2)]
+    for ride, kind in zip(rides, (Odometry, Watchful)):
+        ride.odometry = kind(window=1.0)
+    due: list[list[bool]] = [[], []]
+    for seconds, right, left in [(20, 0.2, 0.1), (9, -0.1, 0.1), (15, 0.15, 0.15)]:
+        for _ in range(round(seconds / SLOT)):
+            for ride, told in zip(rides, due):
+                ride.go(SLOT, right, left)
+                told.append(ride.odometry.reading_due)
+    fast, close = rides
+    assert due[0] == due[1] and sum(due[0]) > 20
+    for one, other in zip(fast.estimates, close.estimates):
+        assert one[:3] == pytest.approx(other[:3], abs=2e-4)
+        assert one[3:5] == pytest.approx(other[3:5], abs=1e-3)
+        assert one.pose_covariance == pytest.approx(other.pose_covariance, rel=0.01, abs=1e-7)
+        assert one[-4:] == pytest.approx(other[-4:], abs=0.01)
+    assert_smooth(fast.estimates)
+
+
+@pytest.mark.parametrize('event', ['interrupted', 'hurry', 'mark', 'reset'])
+def test_steady_motion_that_was_only_counted_is_there_when_something_happens(event: str) -> None:
+    rides = [Ride(config=CENTRE) for _ in range(2)]
+    for ride, kind in zip(rides, (Odometry, Watchful)):
+        ride.odometry = kind(window=1.0)
+        ride.go(13, 0.2, 0.1)
+        while ride.odometry.reading_due:
+            ride.go(SLOT, 0.2, 0.1)
+        ride.go(25 * SLOT, 0.2, 0.1)
+        getattr(ride.odometry, event)()
+        ride.go(0.6, 0.2, 0.1)
+    for one, other in zip(*(ride.estimates for ride in rides)):
+        assert one[:5] == pytest.approx(other[:5], abs=3e-4)
 
 
 def test_without_a_window_it_asks_in_every_frame_and_believes_the_robot() -> None:

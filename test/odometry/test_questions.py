@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """At which moments the robot is asked for distance and angle."""
 
-from math import degrees
+from math import degrees, inf
 
 import numpy as np
 import pytest
@@ -45,29 +45,50 @@ def test_a_reading_tells_much_where_another_whole_degree_begins(
         angle = degrees(tracks.held[1])
         way = abs((angle - edge + 0.5) % 1 - 0.5)  # to the nearest edge
         if angle > 1 and abs(way - 0.15) > 0.01:
-            told.add(tracks.tells(0.0))
-            assert tracks.tells(0.0) == (way < 0.15)
+            told.add(way < 0.15)
+            assert (tracks.tells_in(0.0) == 0) == (way < 0.15)
     assert told == {True, False}
 
 
 def test_the_first_degree_of_a_robot_that_cuts_off_has_no_edge_at_zero() -> None:
     tracks = turning(Rounding.TRUNCATE, 0.3)
     assert abs(degrees(tracks.held[1])) < 0.1
-    assert not tracks.tells(0.0)
+    assert tracks.tells_in(0.0) > 0
 
 
 def test_a_prediction_that_is_sure_needs_no_moment() -> None:
     tracks = turning(Rounding.TRUNCATE, 0.05)
-    assert not any(tracks.tells(ahead * SLOT) for ahead in range(100))
+    assert all(tracks.tells_in(ahead * SLOT) == inf for ahead in range(100))
 
 
 def test_the_moment_is_that_of_the_answer() -> None:
     tracks, later = turning(Rounding.TRUNCATE, 0.3), []
-    expected = [tracks.tells(frames * SLOT) for frames in range(1, 60)]
+    expected = [tracks.tells_in(frames * SLOT) == 0 for frames in range(1, 60)]
     for _ in expected:
         tracks.advance(SLOT, RIGHT, LEFT)
-        later.append(tracks.tells(0.0))
+        later.append(tracks.tells_in(0.0) == 0)
     assert sum(a != b for a, b in zip(expected, later)) <= 2  # at edges, to a frame
+
+
+@pytest.mark.parametrize('rounding', [Rounding.TRUNCATE, Rounding.ROUND])
+@pytest.mark.parametrize(('right', 'left'), [(RIGHT, LEFT), (LEFT, RIGHT), (-LEFT, -0.07)])
+def test_it_is_known_how_long_nothing_will_be_told(
+        rounding: Rounding, right: float, left: float) -> None:
+    """Never too long; and where the next edge is ahead, hardly too short."""
+    tracks = turning(rounding, 0.3)
+    for _ in range(100):
+        tracks.advance(SLOT, right, left)
+    expected, waited = [], 0
+    for _ in range(400):
+        expected.append(tracks.tells_in(0.0))
+        tracks.advance(SLOT, right, left)
+    for frame, seconds in enumerate(expected):
+        ahead = round(seconds / SLOT)
+        if seconds and frame + ahead < len(expected):
+            assert expected[frame + ahead] <= 2 * SLOT
+            assert all(expected[frame + k] for k in range(ahead - 1))
+            waited = max(waited, ahead)
+    assert waited > 4
 
 
 @pytest.mark.parametrize('latency', [1, 2, 3])
