@@ -186,6 +186,21 @@ class Odometry:
         after = before if rested else self.tracks.pose()
         self._goal = after
         self._unseen += 1
+        self._learn(increment, rested)
+        if rested and self._caught_up and self._unseen:
+            self._course = STILL
+            self._count(increment)
+            return self.estimate  # nothing has moved, nothing was learned
+        turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
+        went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
+        self.estimate = self._followed(increment.dt, went, turned)
+        if settled and not rested and self._unseen and self._is_on_course:
+            self._course = went, turned
+            self._count(increment)
+        return self.estimate
+
+    def _learn(self, increment: Increment, rested: bool) -> None:
+        """Take in what the frame tells, and look how sure the tracks are where it is time to."""
         if self._filter.read(increment):
             self._plan.came()
             self._patient = self._patient or self._filter.fell_short
@@ -198,17 +213,6 @@ class Odometry:
             self._mark = _nearer(self._mark, rows.mark.mean(rows.shares()), increment.dt)
         if self._plan.due:
             self._tell(Filter.asked)
-        if rested and self._caught_up and self._unseen:
-            self._course = STILL
-            self._count(increment)
-            return self.estimate  # nothing has moved, nothing was learned
-        turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
-        went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
-        self.estimate = self._followed(increment.dt, went, turned)
-        if settled and not rested and self._unseen and self._is_on_course:
-            self._course = went, turned
-            self._count(increment)
-        return self.estimate
 
     def _as_reported(self, increment: Increment) -> Estimate:
         if self._discard and increment.distance is not None:
