@@ -19,7 +19,7 @@ Pose = tuple[float, float, float]
 """x, y, yaw; m and rad."""
 
 
-class Motion(NamedTuple):
+class MeanMotion(NamedTuple):
     """How a pose changes in a second, and what that changes by; m and rad."""
 
     east: float
@@ -37,7 +37,7 @@ class MeanPose:
         self._wheels = wheels
         self._pose: Pose | None = None
         """The mean when the wheels last rolled; None until somebody asks."""
-        self._motion: Motion | None = None
+        self._motion: MeanMotion | None = None
         """How it moved then, likewise."""
         self._before: tuple[Array, float] | None = None
         """The wheels' speeds before they rolled, and for how long they did; None: they did not."""
@@ -69,7 +69,7 @@ class MeanPose:
         east, north = move.east + more * cos(yaw), move.north + more * sin(yaw)
         return x + c * east - d * north, y + c * north + d * east, yaw + 2 * half
 
-    def _moves(self) -> Motion:
+    def _moves(self) -> MeanMotion:
         """Return how the mean moves, and how the best track speeds up."""
         wheels, (linear, angular) = self._wheels, self._scales
         (right, left), yaw = wheels.speed[:, :, 0], wheels.poses[2, :, 0]
@@ -81,5 +81,5 @@ class MeanPose:
             right, left = ((wheels.speed[:, 0, 0] - before[:, 0, 0]) / seconds).tolist()
             more = (right + left) * linear / 2
             more_turn = (right - left) * angular / float(wheels.track_width[0, 0])
-        return Motion(float(ahead @ np.cos(yaw)), float(ahead @ np.sin(yaw)),
+        return MeanMotion(float(ahead @ np.cos(yaw)), float(ahead @ np.sin(yaw)),
                       angular * float(turn @ self._shares), more, more_turn)
