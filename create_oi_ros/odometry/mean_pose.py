@@ -82,4 +82,4 @@ class MeanPose:
             more = (right + left) * linear / 2
             more_turn = (right - left) * angular / float(wheels.track_width[0, 0])
         return MeanMotion(float(ahead @ np.cos(yaw)), float(ahead @ np.sin(yaw)),
-                      angular * float(turn @ self._shares), more, more_turn)
+                          angular * float(turn @ self._shares), more, more_turn)

@@ -41,8 +41,18 @@ def stepped(random: Random, frames: int) -> Iterator[Speeds]:
         yield speeds
 
 
+def nudged(random: Random, frames: int) -> Iterator[Speeds]:
+    """Ask for a little more or less just when the last request ceases to be recent."""
+    right, left, until = 0.2, 0.2, RECENT
+    for frame in range(frames):
+        if frame * SLOT >= until:
+            right, left = (random.choice((0.18, 0.2, 0.22)) for _ in range(2))
+            until = frame * SLOT + RECENT + random.randint(-2, 3) * SLOT
+        yield right, left
+
+
 @pytest.mark.parametrize('seed', range(8))
-@pytest.mark.parametrize('ask', [steered, stepped])
+@pytest.mark.parametrize('ask', [steered, stepped, nudged])
 def test_wheels_that_roll_late_come_to_the_same_place(ask, seed):
     late, prompt = Tracks(Geometry()), Tracks(Geometry())
     compared, off = 0, np.zeros(2)
