@@ -73,6 +73,8 @@ class Assumptions:
     rates: Array
     """How fast the speeds of springs change, m/s², right and left; part of no covariance."""
     readings: int = 0
+    taught: float = 0.0
+    """How many of these were far enough apart to tell how the wheels run."""
     mark: MarkedPose | None = None
     """Where the robot was at a moment; None: nobody wants to know."""
     steadiness: Array = field(init=False)

@@ -99,3 +99,4 @@ class Doubt:
         rows.doubt[:] = 1.0  # else what the readings say would count for nothing
         rows.join(others, REBORN)
         rows.readings = 0
+        rows.taught = 0.0

@@ -30,9 +30,10 @@ UNSETTLED = 2.0
 """Windows between readings while the requests change."""
 STRETCH = 2.0
 """How much longer waits become, in part, while the robot becomes known."""
-BLURRED, SOON = 2.0, 0.4
-"""Doubt of what the accumulators hold, degrees or twice as many mm, from which on to ask after
-this part of a window, the least there is."""
+BLURRED, SOON = (1.6, 2.0), 0.4
+"""Doubt of what the accumulators hold, degrees or twice as many mm, of a new and of a known robot,
+from which on to ask after this part of a window, the least there is. A new robot's wheels are less
+sure than they seem."""
 TELLING, SPARE = 1.0, 3.0
 """Windows after a reading from which on to ask when the answer tells much; windows to wait longer
 for such a moment once the robot is known."""
@@ -146,7 +147,7 @@ class ReadingPlan:
     def _left(self, dt: float, tracks: Tracks) -> float:
         """Return the seconds until it is time to ask: the answer tells much, or patience ends."""
         patience = self._patience(tracks)
-        if (tracks.is_free or tracks.rests or tracks.blur > BLURRED
+        if (tracks.is_free or tracks.rests or _is_blurred(tracks)
                 or tracks.known < FORESEEN or tracks.roundings == {Rounding.CARRY}):
             return patience - self._age
         left = patience + SPARE * self.window * tracks.known - self._age
@@ -166,7 +167,7 @@ class ReadingPlan:
 
         They vary: steady motion read at even intervals would be rounded alike each time.
         """
-        if tracks.blur > BLURRED:
+        if _is_blurred(tracks):
             return SOON * self.window
         patience = 1 + STRETCH * tracks.known
         if self._steady < SETTLED:
@@ -195,6 +196,12 @@ class ReadingPlan:
         if asked != self._asked_spacing:
             self._asked_spacing, self._told_spacing = asked, _telling_spacing(*asked)
         return self._told_spacing
+
+
+def _is_blurred(tracks: Tracks) -> bool:
+    """Tell whether nobody knows well enough what the accumulators hold."""
+    new, known = BLURRED
+    return tracks.blur > new + (known - new) * tracks.known
 
 
 def _telling_spacing(rates: tuple[float, float], dt: float, roundings: set[Rounding],

@@ -8,7 +8,7 @@ as late. Means over a frame that ended a dead time ago are differences of sums a
 they change smoothly with the dead time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import copysign
 
 import numpy as np
@@ -47,6 +47,8 @@ class RequestHistory:
         """Take the present requests to have held for long."""
         self.age = np.inf
         """Seconds since the last change."""
+        self._broken_at: list[float] = []
+        """When requests were a step, or changed a sign."""
         self._now = 0.0
         self._times[:] = np.inf
         self._alike_since = -np.inf
@@ -62,6 +64,10 @@ class RequestHistory:
         """
         if self.age > RECENT:
             self.settle()
+        if self.turns(right, left) or any(
+                abs(speed - before) > STEP for speed, before in zip((right, left), self.asked)):
+            recent = [at for at in self._broken_at if at > self._now - RECENT]
+            self._broken_at = [*recent, self._now]
         self.asked = asked = right, left
         speeds = np.array([0.0 if stand else speed for stand, speed in zip(stands, asked)])
         change, self.speeds = speeds - self.speeds, speeds
@@ -76,12 +82,22 @@ class RequestHistory:
         self._compare_signs()
         return change
 
-    def breaks(self, right: float, left: float) -> bool:
-        """Return whether such requests would be a step, or change a sign."""
-        return any(abs(speed - before) > STEP or (speed >= 0) != (upward > 0)
-                   or (speed and copysign(1.0, speed) != kept)
-                   for speed, before, kept, upward in zip(
-                       (right, left), self.asked, self._kept, self._of_signs[2:]))
+    def turns(self, right: float, left: float) -> bool:
+        """Return whether such requests would change a sign."""
+        return any((speed >= 0) != (upward > 0) or (speed and copysign(1.0, speed) != kept)
+                   for speed, kept, upward in zip(
+                       (right, left), self._kept, self._of_signs[2:]))
+
+    def broken(self, first: Array, last: Array) -> Iterator[Array]:
+        """
+        Return the moments between two others at which requests broke, all as seconds ago.
+
+        Each is an array like those, within their times: some may have it outside theirs.
+        """
+        for at in self._broken_at:
+            ago = self._now - at
+            if ((last < ago) & (ago < first)).any():
+                yield np.minimum(np.maximum(ago, last), first)
 
     def stand(self, wheel: int) -> None:
         """Note that the present request never moved a wheel."""

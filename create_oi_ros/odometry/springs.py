@@ -17,6 +17,8 @@ from .request_history import Array
 DAMPING = s.SPRING[s.DAMPING]
 STILL = 0.01
 """m/s² below which a wheel at its goal stays there."""
+SLIGHT = 0.004
+"""m/s by which a speed may change while nobody minds when a wheel began or ceased to brake."""
 
 
 class Springs:
@@ -38,14 +40,14 @@ class Springs:
         """Whether a speed changes."""
         return bool(np.abs(self.rate).max() >= STILL)
 
-    def prepare(self, lag: Array, h: float) -> None:
+    def prepare(self, lag: Array, h: float | Array) -> None:
         """Get ready for steps of h seconds with the lag at the present speeds."""
         self._lag, self._h = lag, h
         self._easy: Array | None = None
         self._braked: Array | None = None
 
-    def roll(self, goal: Array, way: Array, speed: Array, h: float) -> tuple[Array, Array]:
-        """Let h seconds pass; return the speeds and the travel."""
+    def roll(self, goal: Array, way: Array, speed: Array) -> tuple[Array, Array]:
+        """Let the time of a step pass; return the speeds and the travel."""
         braking = way * speed < 0
         if not braking.any():
             if self._easy is None:
@@ -56,12 +58,16 @@ class Springs:
                 both = self._factors(np.array([self._lag, self._lag / self._braking]))
                 self._easy, self._braked = both[:, 0], both[:, 1]
             factors = np.where(braking, self._braked, self._easy)
-        stay, push, pull, keep, mass, lag = factors
-        left = stay * way - push * self.rate
-        rate = pull * way + keep * self.rate
-        travel: Array = goal * h - mass * (rate - self.rate) - lag * (way - left)
-        self.rate = rate
-        return goal - left, travel
+        rate = self.rate
+        after, self.rate, travel = _step(factors, goal, way, rate, self._h)
+        other = (braking != ((goal - after) * after < 0)) & (np.abs(after - speed) > SLIGHT)
+        if other.any():  # these begin or cease to brake within the step
+            at = other.nonzero()
+            h = self._h if isinstance(self._h, float) else self._h[at[1:]]
+            after[at], self.rate[at], travel[at] = _in_two(
+                goal[at], speed[at], rate[at], after[at], braking[at], h, self._lag[at],
+                self._braking[at[1:]], self._damping[at[1:]], self._swing[at[1:]])
+        return after, travel
 
     def stop(self) -> Array:
         """Let the rates come to rest; return the travel that this costs."""
@@ -71,13 +77,42 @@ class Springs:
         return travel
 
     def _factors(self, lag: Array) -> Array:
-        """Return how ways and rates become those h seconds later, and what that costs."""
-        omega = 2 * self._damping / lag
-        decay, swing = self._damping * omega, self._swing * omega
-        shrunk, angle, square = np.exp(-decay * self._h), swing * self._h, omega * omega
-        cos, sin = shrunk * np.cos(angle), shrunk * np.sin(angle) / swing
-        damped = decay * sin
-        made = np.empty((6, *lag.shape))
-        made[0], made[1], made[2] = cos + damped, sin, square * sin
-        made[3], made[4], made[5] = cos - damped, 1 / square, lag
-        return made
+        return _factors(lag, self._damping, self._swing, self._h)
+
+
+def _factors(lag: Array, damping: Array, swing: Array, h: float | Array) -> Array:
+    """Return how ways and rates become those h seconds later, and what that costs."""
+    omega = 2 * damping / lag
+    decay, swing = damping * omega, swing * omega
+    shrunk, angle, square = np.exp(-decay * h), swing * h, omega * omega
+    cos, sin = shrunk * np.cos(angle), shrunk * np.sin(angle) / swing
+    damped = decay * sin
+    made = np.empty((6, *lag.shape))
+    made[0], made[1], made[2] = cos + damped, sin, square * sin
+    made[3], made[4], made[5] = cos - damped, 1 / square, lag
+    return made
+
+
+def _step(factors: Array, goal: Array, way: Array, rate: Array, h: float | Array,
+          ) -> tuple[Array, Array, Array]:
+    """Let h seconds pass; return the speeds, their rates and the travel."""
+    stay, push, pull, keep, mass, lag = factors
+    left = stay * way - push * rate
+    after: Array = pull * way + keep * rate
+    travel: Array = goal * h - mass * (after - rate) - lag * (way - left)
+    return goal - left, after, travel
+
+
+def _in_two(goal: Array, speed: Array, rate: Array, after: Array, braking: Array,
+            h: float | Array, lag: Array, harder: Array, damping: Array, swing: Array,
+            ) -> tuple[Array, Array, Array]:
+    """Do the same where wheels begin or cease to brake, about when they pass zero or the goal."""
+    passed = np.where((goal - speed) * (goal - after) < 0, goal, 0.0)
+    first = h * np.clip((passed - speed) / (after - speed), 0.0, 1.0)
+    travel, softer = np.zeros_like(speed), lag / harder
+    for lags, seconds in ((np.where(braking, softer, lag), first),
+                          (np.where(braking, lag, softer), h - first)):
+        factors = _factors(lags, damping, swing, seconds)
+        speed, rate, went = _step(factors, goal, goal - speed, rate, seconds)
+        travel += went
+    return speed, rate, travel

@@ -29,16 +29,16 @@ from .states import DEGREE, MM
 from .wheel_model import WheelModel
 
 STRIDE = 1.9 * SLOT
-"""Seconds that wheels roll at once while their speeds change; half of it after a request of
-another sign, for they may cross zero."""
+"""Seconds that wheels roll at once while their speeds change."""
 LATE = 1.6 * SLOT
 """Seconds of a frame from which on one before it was lost."""
 SMALLEST_STEP = 1e-5
 """Least difference between a copy and its track."""
 CURVED = 0.2
 """Part of what unknowns are believed to do that is not in proportion to them."""
-FAMILIAR, PUZZLED = 60, 5.0
-"""Readings after which a robot is known, unless the best track has this doubt."""
+FAMILIAR, PUZZLED, APART = 64, 5.0, 1.0
+"""Readings after which a robot is known, unless the best track has this doubt; seconds from one to
+the next that count as one. Those of a probe teach how it rounds, not how its wheels run."""
 VAGUE, OPEN = 0.1, 0.5
 """Least standard deviation of an angle, degrees, of which a reading may tell something, and how
 many of them it may be from where another whole number begins."""
@@ -231,22 +231,18 @@ class Tracks:
         self._seconds += dt
         self._window += dt
         self.wheels.wait(dt)
-        if (not self.wheels.settled or self.wheels.free) and self.wheels.behind > self._stride:
+        if (not self.wheels.settled or self.wheels.free) and self.wheels.behind > STRIDE:
             self._catch_up()
-
-    @property
-    def _stride(self) -> float:
-        return STRIDE if self.wheels.requests.one_sign is not None else STRIDE / 2
 
     def _catch_up(self) -> None:
         """Let the copies of the wheels roll until now."""
         if self.wheels.behind:
             self._mean.roll()
-            self.wheels.catch_up(self._stride, self.scales)
+            self.wheels.catch_up(STRIDE, self.scales)
 
     def _ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
-        if self.wheels.requests.age > RECENT or self.wheels.requests.breaks(right, left):
+        if self.wheels.requests.age > RECENT or self.wheels.requests.turns(right, left):
             self._catch_up()
         were_open = any(self.band.open)
         answers = self.band.ask(right, left)
@@ -270,7 +266,7 @@ class Tracks:
         self._mean.begin(self._shares, self.scales)
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
         carries = self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED
-        self.known = 0.0 if carries else min(1.0, self.rows.readings / FAMILIAR)
+        self.known = 0.0 if carries else min(1.0, self.rows.taught / FAMILIAR)
         """How well a robot is known that loses fractions by being asked, 0 to 1."""
         self._start = self.rows.means[:, s.POSE].copy()
 
@@ -339,6 +335,7 @@ class Tracks:
         if self.doubt.is_surprised and steady:
             self.band.doubt()
         logs += accumulators.learn(rows, wholes)
+        rows.taught += min(1.0, self._window / APART)
         rows.weigh(logs / max(1.0, float(rows.doubt[0])))  # a model that fails tells little
         accumulators.take_out(rows, wholes)
         rows.bound()

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot import FIRMWARE_SEPARATION
+from . import lags
 from . import states as s
 from .noise import MOVED
 from .request_history import Array, RECENT, RequestHistory
@@ -32,10 +33,14 @@ EDGE = 0.005
 """m/s below which an offset fades."""
 ARRIVED = 3e-4
 """m/s from its goal at which a wheel is there."""
+ALIKE = 0.015
+"""By so much these parts may change before the lag is worked out again."""
 LEAST_PART = 0.05
 """What is left of a lag at any speed."""
 SHORTEST_LAG, LEAST_RAMP = 0.004, 1e-6
 """Seconds, and s²/m."""
+MOMENT = 1e-9
+"""Seconds in which nothing is asked."""
 OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 1)])
 """Which of a track's two dead times a copy has."""
 SAME = np.eye(s.SIZE)[None, MOVED]
@@ -102,6 +107,8 @@ class WheelModel:
         self._springs = Springs(rows.springs, rows.rates, copies)
         if self._springs.some:
             self._ramp[rows.springs] = LEAST_RAMP
+        self._ramps = [np.broadcast_to(ramp, self._gain.shape)
+                       for ramp in (self._ramp, self._ramp / self._braking)]
         self._before = self._sums()
         self._goal: Array | None = None
         if arrived:
@@ -135,6 +142,7 @@ class WheelModel:
         self.track_width = FIRMWARE_SEPARATION * (1 + copies[s.SEPARATION])
         self._width_of: tuple[float, float] | None = None
         self._lag_of: tuple[float, float] | None = None
+        self._parts: tuple[float, ...] = (np.inf,) * 4
         self._decay_of = 0.0
 
     @property
@@ -201,32 +209,49 @@ class WheelModel:
         self._roll(self.behind, scales)
 
     def _roll(self, h: float, scales: tuple[float, float]) -> None:
-        requests = self.requests
+        """Let h seconds pass, in parts where a step of the requests reaches a wheel meanwhile."""
         recent = self.is_recent
         self.behind -= h
-        sums = None
-        asked: Array = requests.speeds[:, None, None]
-        if recent:
-            sums = self._sums()
-            means = (sums - self._before) / h
+        if not recent:
+            self._step(h, None, scales)
+            return
+        end = self._dead_times + self.behind
+        begin = end + h
+        left: float | Array = h
+        for broken in self.requests.broken(begin, end):
+            self._step(begin - broken, self.requests.sums(broken), scales)
+            begin, left = broken, broken - end
+        self._step(left, self.requests.sums(end), scales)
+
+    def _step(self, h: float | Array, sums: Array | None, scales: tuple[float, float]) -> None:
+        """
+        Let h seconds pass, in which changes of the requests count as their mean.
+
+        `sums`: over the requests at the end, as late as each dead time; None: nothing changes.
+        Both have an entry for each track's dead time, and its copy's; h may be one number for all.
+        """
+        asked: Array = self.requests.speeds[:, None, None]
+        means = None
+        if sums is not None:
+            means = (sums - self._before) / np.maximum(h, MOMENT)
+            self._before = sums
             asked = means[0].take(OF_COPY, axis=2)
+        h = _of_copies(h)
         before = self.speed
         if self.free or self.settled:
             travel = self.speed * h
         else:
-            travel = self._follow(asked, h, recent)
+            travel = self._follow(asked, h, recent=sums is not None)
         counted = travel
         if not self.free:
-            counted = self._counted(travel, before, h, means if recent else None)
-        if sums is not None:
-            self._before = sums
+            counted = self._counted(travel, before, h, means)
         self._move(travel, counted, scales)
 
     def _sums(self) -> Array:
         """Return sums over the requests as late as each track's dead time, and its copy's."""
         return self.requests.sums(self._dead_times + self.behind)
 
-    def _follow(self, asked: Array, h: float, recent: bool) -> Array:
+    def _follow(self, asked: Array, h: float | Array, *, recent: bool) -> Array:
         """Let wheels run towards their goals; return their travel."""
         goal = self._goal
         if goal is None or recent:
@@ -238,21 +263,20 @@ class WheelModel:
         if not recent:
             self.farthest = float(far.max())
         if springs.only:
-            self.speed, travel = springs.roll(goal, way, before, h)
+            self.speed, travel = springs.roll(goal, way, before)
         else:
             braking = way * before < 0
             if braking.any():
-                lag, ramp = self._braked
-                travel = self._follow_bounded(goal, way, far, h, np.where(braking, lag, self._lag),
-                                              np.where(braking, ramp, self._ramp))
+                self.speed, travel = lags.braked(
+                    goal, before, braking, h, self._usual, self._softer)
             elif (far * self._ramp > self._lag).any():
-                travel = self._follow_bounded(goal, way, far, h, self._lag, self._ramp)
+                self.speed, travel = lags.bounded(goal, way, h, self._usual)
             else:
                 travel = self._follow_freely(goal, way, h)
         if springs.some and not springs.only:
             which = springs.which
             self.speed[:, which], travel[:, which] = springs.roll(
-                goal[:, which], way[:, which], before[:, which], h)
+                goal[:, which], way[:, which], before[:, which])
         if not recent and self.farthest < ARRIVED and not (springs.some and springs.swinging):
             self._settle(goal, travel)
         return travel
@@ -274,53 +298,45 @@ class WheelModel:
         moved: Array = np.where(np.abs(asked) < self._slowest, goal * self._moves, goal)
         return moved
 
-    def _follow_freely(self, goal: Array, way: Array, h: float) -> Array:
+    def _follow_freely(self, goal: Array, way: Array, h: float | Array) -> Array:
         """Let wheels follow that do not brake, and whose acceleration is not bounded."""
-        if h != self._decay_of:
-            self._decay_of = h
+        if not isinstance(h, float) or h != self._decay_of:
+            self._decay_of = h if isinstance(h, float) else 0.0
             self._decay = np.exp(-h / self._lag)
             self._gone = (1 - self._decay) * self._lag
         self.speed = goal - way * self._decay
         travel: Array = goal * h - way * self._gone
         return travel
 
-    def _follow_bounded(self, goal: Array, way: Array, far: Array, h: float, lag: Array,
-                        ramp: Array) -> Array:
-        """Do the same where some accelerations are bounded, or some wheels brake."""
-        # In place, for these arrays are large: `first`, the seconds at full acceleration; `left`,
-        # the way that is left after them; `kept`, what is left at the end; `short`, the travel
-        # that a wheel at its goal would have made beyond this one's.
-        first = far * ramp
-        first -= lag
-        np.minimum(np.maximum(first, 0.0, out=first), h, out=first)
-        left = way - np.copysign(first / ramp, way)
-        kept = first - h
-        kept /= lag
-        np.exp(kept, out=kept)
-        kept *= left
-        self.speed = goal - kept
-        short: Array = way + left
-        short *= first
-        short /= 2
-        left -= kept
-        left *= lag
-        short += left
-        return goal * h - short
-
-    def _find_lag(self, h: float) -> None:
+    def _find_lag(self, h: float | Array) -> None:
         """Work out the lag at the present speeds, and for springs what it does in h seconds."""
         if self._lag_of != self._fastest:
-            self._lag_of, self._decay_of, self._springs_of = self._fastest, 0.0, 0.0
-            parts = np.array([lag_parts(speed) for speed in self._fastest])
-            slow, fast = parts.T[:, :, None, None]
-            part = np.maximum(1 + self._slow_lag * slow - self._fast_lag * fast, LEAST_PART)
-            self._lag = np.maximum(self._base_lag * part, SHORTEST_LAG)
-            self._braked = self._lag / self._braking, self._ramp / self._braking
-        if self._springs.some and h != self._springs_of:
+            self._lag_of = self._fastest
+            right, left = map(lag_parts, self._fastest)
+            parts = *right, *left
+            if any(abs(part - was) > ALIKE for part, was in zip(parts, self._parts)):
+                self._take_lag(parts)
+        springs = self._springs
+        if not springs.some:
+            return
+        if not isinstance(h, float):
+            self._springs_of = 0.0
+            springs.prepare(self._lag[:, springs.which], h[springs.which])
+        elif h != self._springs_of:
             self._springs_of = h
-            self._springs.prepare(self._lag[:, self._springs.which], h)
+            springs.prepare(self._lag[:, springs.which], h)
 
-    def _counted(self, travel: Array, before: Array, h: float, means: Array | None) -> Array:
+    def _take_lag(self, parts: tuple[float, ...]) -> None:
+        """Work out the lag anew: its slow and fast part count so much, right then left."""
+        self._parts, self._decay_of, self._springs_of = parts, 0.0, 0.0
+        slow, fast = np.array(parts).reshape(2, 2).T[:, :, None, None]
+        part = np.maximum(1 + self._slow_lag * slow - self._fast_lag * fast, LEAST_PART)
+        self._lag = lag = np.maximum(self._base_lag * part, SHORTEST_LAG)
+        self._usual, self._softer = zip((lag, lag / self._braking), self._ramps)
+
+    def _counted(
+        self, travel: Array, before: Array, h: float | Array, means: Array | None,
+    ) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""
         sign = self.requests.one_sign
         if sign is not None and (travel * sign).min() >= 0:
@@ -359,7 +375,12 @@ class WheelModel:
             self.miscounted += np.abs(best - counted[:, :, 0])
 
 
-def _rolled(travel: Array, before: Array, after: Array, h: float) -> Array:
+def _of_copies(each: float | Array) -> float | Array:
+    """Return what each copy has, from what each track's two dead times have."""
+    return each if isinstance(each, float) else each.take(OF_COPY, axis=1)
+
+
+def _rolled(travel: Array, before: Array, after: Array, h: float | Array) -> Array:
     """Return the metres that wheels rolled, forth and back, while their speeds changed."""
     rolled: Array = np.abs(travel)
     back = before * after < 0

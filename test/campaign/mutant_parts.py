@@ -90,6 +90,7 @@ PARTS = {
     'odometry/mark': ('odometry/test_mark.py',),
     'odometry/mean_pose': ('odometry/test_mean_pose.py',),
     'odometry/request_history': ('odometry/test_request_history.py',),
+    'odometry/lags': TRACKS,
     'odometry/springs': TRACKS,
     'odometry/states': ('odometry/test_states.py',),
     'odometry/tracks': ('odometry/test_track_sums.py', *TRACKS),

@@ -26,7 +26,7 @@ def turning(rounding: Rounding, vague: float) -> Tracks:
     tracks.read(180, 10)
     rows = tracks.rows
     rows.roundings[:] = [rounding] * len(rows.roundings)
-    rows.readings = 100
+    rows.taught = 100.0
     rows.steadiness[:, 1:] = -np.inf  # wheels that run steadily
     rows.p[:] = 0.0
     rows.p[:, s.ANGLE, s.ANGLE] = (vague * s.DEGREE) ** 2

@@ -45,13 +45,20 @@ FIRST = 0.8 + 0.4 * 0.618
 
 @pytest.mark.parametrize(('tracks', 'seconds'), [
     (believed(is_free=True), 0.5), (believed(is_free=True, blur=9.0), 0.5),
-    (believed(blur=2.01), 0.4), (believed(rests=True), 1.0 * FIRST),
+    (believed(blur=1.61), 0.4), (believed(blur=1.81, known=0.5), 0.4),
+    (believed(blur=2.01, known=1.0), 0.4), (believed(rests=True), 1.0 * FIRST),
     (believed(rests=True, known=1.0), 1.0 * FIRST)])
 def test_how_long_it_waits_while_nothing_is_asked(tracks, seconds):
     for window in (1.0, 2.5):
         plan = read(window)
         for _ in range(1):
             assert first_due(plan, tracks) == pytest.approx(seconds * window, abs=DT)
+
+
+@pytest.mark.parametrize(('blur', 'known'), [(1.59, 0.0), (1.79, 0.5), (1.99, 1.0)])
+def test_a_robot_is_asked_no_earlier_below_its_limit_of_doubt(blur, known):
+    blurred = first_due(read(), believed(blur=blur, known=known))
+    assert blurred == first_due(read(), believed(known=known)) > 0.4
 
 
 @pytest.mark.parametrize(('known', 'seconds'), [(0.0, 2.0), (0.5, 4.0), (1.0, 6.0)])

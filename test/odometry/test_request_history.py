@@ -100,10 +100,29 @@ def test_where_all_kinds_of_sign_are_the_same_lately_there_is_one(requests, same
     assert (one if one is None else one[:, 0, 0].tolist()) == same
 
 
-@pytest.mark.parametrize(('right', 'left', 'breaks'), [
-    (0.02, -0.01, False), (0.04, -0.03, False), (0.049, -0.01, False), (0.051, -0.01, True),
-    (0.02, -0.041, True), (0.0, -0.01, False), (0.02, 0.0, True), (-0.005, -0.01, True),
-    (0.02, 0.01, True)])
-def test_a_step_and_another_sign_break_what_was_asked(right, left, breaks):
+@pytest.mark.parametrize(('right', 'left', 'turns', 'breaks'), [
+    (0.02, -0.01, False, False), (0.04, -0.03, False, False), (0.049, -0.01, False, False),
+    (0.051, -0.01, False, True), (0.02, -0.041, False, True), (0.0, -0.01, False, False),
+    (0.02, 0.0, True, True), (-0.005, -0.01, True, True), (0.02, 0.01, True, True)])
+def test_a_step_and_another_sign_break_what_was_asked(right, left, turns, breaks):
     """A zero is upward, so only what ran backwards gets another sign by it."""
-    assert asked((0.02, -0.01, 0.1)).breaks(right, left) == breaks
+    history = asked((0.02, -0.01, 0.2))
+    assert history.turns(right, left) == turns
+    history.ask(right, left, NEITHER)
+    history.step(0.1)
+    assert bool([*history.broken(np.array([0.15]), np.array([0.05]))]) == breaks
+
+
+def test_moments_at_which_requests_broke_are_told_within_each_span_the_oldest_first():
+    history = asked((0.2, 0.1, 0.06), (0.1, -0.1, 0.05), (0.11, -0.1, 0.04))
+    first, last = np.array([0.2, 0.12, 0.08]), np.array([0.1, 0.05, 0.03])
+    told = [moment.tolist() for moment in history.broken(first, last)]
+    assert told == [pytest.approx([0.15, 0.12, 0.08]), pytest.approx([0.1, 0.09, 0.08])]
+    assert [*history.broken(np.array([0.08]), np.array([0.0]))] == []
+
+
+def test_moments_that_no_longer_matter_are_forgotten():
+    history = asked((0.2, 0.1, RECENT + 0.01), (0.2, 0.2, RECENT - 0.01), (0.2, 0.3, 0.02))
+    assert len([*history.broken(np.array([9.0]), np.array([0.0]))]) == 2
+    history = asked((0.2, 0.1, RECENT + 0.01), (0.2, 0.2, RECENT + 0.01), (0.2, 0.3, 0.02))
+    assert len([*history.broken(np.array([9.0]), np.array([0.0]))]) == 1

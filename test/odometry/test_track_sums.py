@@ -9,7 +9,7 @@ import pytest
 
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.odometry import states as s
-from create_oi_ros.odometry.tracks import Tracks
+from create_oi_ros.odometry.tracks import FAMILIAR, Tracks
 from create_oi_ros.robot import FIRMWARE_SEPARATION, Rounding
 from support.ride import SLOT
 
@@ -177,15 +177,23 @@ def test_a_reset_puts_the_origin_where_the_robot_is():
     assert not tracks.rows.p[0, s.X:s.YAW + 1].any()
 
 
-@pytest.mark.parametrize(('rounding', 'readings', 'doubt', 'known'), [
-    (Rounding.TRUNCATE, 0, 1.0, 0.0), (Rounding.TRUNCATE, 30, 1.0, 0.5),
-    (Rounding.ROUND, 90, 5.0, 1.0), (Rounding.TRUNCATE, 60, 5.1, 0.0),
-    (Rounding.CARRY, 60, 1.0, 0.0)])
-def test_a_robot_is_familiar_after_sixty_readings(rounding, readings, doubt, known):
+@pytest.mark.parametrize(('rounding', 'taught', 'doubt', 'known'), [
+    (Rounding.TRUNCATE, 0, 1.0, 0.0), (Rounding.TRUNCATE, FAMILIAR / 2, 1.0, 0.5),
+    (Rounding.ROUND, 90, 5.0, 1.0), (Rounding.TRUNCATE, FAMILIAR, 5.1, 0.0),
+    (Rounding.CARRY, FAMILIAR, 1.0, 0.0)])
+def test_a_robot_is_familiar_after_some_readings(rounding, taught, doubt, known):
     tracks = sure(rounding)
-    tracks.rows.readings, tracks.rows.doubt[:] = readings, doubt
+    tracks.rows.taught, tracks.rows.doubt[:] = taught, doubt
     tracks.reset()
     assert tracks.known == known
+
+
+def test_readings_teach_how_wheels_run_by_the_time_between_them():
+    tracks = sure()
+    for seconds, taught in (0.5, 0.5), (0.015, 0.515), (3.0, 1.515):
+        tracks = driven(tracks, 0.3, 0.1, seconds)
+        tracks.read(round(tracks.held[0] / MM), round(tracks.held[1] / DEGREE))
+        assert tracks.rows.taught == pytest.approx(taught, abs=0.01)
 
 
 @pytest.mark.parametrize(('distance', 'angle', 'explained'), [

@@ -29,13 +29,15 @@ class Way(NamedTuple):
     speed: float
 
 
-def track(*, spring: bool, sign: int = NONE, braking: float = 0.0) -> WheelModel:
-    """Return wheels without dead time of which one track is sure."""
+def track(*, spring: bool, sign: int = NONE, braking: float = 0.0, ramp: float = 0.0,
+          dead_time: float = 0.0) -> WheelModel:
+    """Return wheels of which one track is sure."""
     rows = Assumptions.all()
     rows.keep([next(i for i in range(len(rows.springs))
                     if rows.springs[i] == spring and rows.signs.kinds[i] == sign)])
-    for index, value in {s.LAG: LAG, s.SLOW_LAG: 0.0, s.FAST_LAG: 0.0, s.DEAD_TIME: 0.0,
-                         s.BRAKING: braking, s.RAMP: DAMPING if spring else 0.0}.items():
+    for index, value in {s.LAG: LAG, s.SLOW_LAG: 0.0, s.FAST_LAG: 0.0,
+                         s.DEAD_TIME: dead_time, s.BRAKING: braking,
+                         s.RAMP: DAMPING if spring else ramp}.items():
         rows.clear(index, value)
     wheels = WheelModel(0.0)
     wheels.spread(rows, np.full((1, s.UNKNOWNS), 1e-6))
@@ -52,8 +54,9 @@ def rolled(wheels: WheelModel, requests: Sequence[tuple[float, float]]) -> Way:
                float(wheels.speed[0, 0, 0]))
 
 
-def summed(requests: Sequence[tuple[float, float]], braking: float = 0.0) -> Way:
-    """Return the same of a spring, in small steps."""
+def summed(requests: Sequence[tuple[float, float]], braking: float = 0.0, *,
+           ramp: float | None = None) -> Way:
+    """Return the same in small steps: of a spring, or of a lag with a bounded acceleration."""
     travel = counted = speed = rate = 0.0
     up = 1.0
     for seconds, goal in requests:
@@ -62,7 +65,11 @@ def summed(requests: Sequence[tuple[float, float]], braking: float = 0.0) -> Way
             haste = exp(braking) if (goal - speed) * speed < 0 else 1.0
             lag = LAG / haste
             omega = 2 * DAMPING / lag
-            rate += (omega ** 2 * (goal - speed) - 2 * DAMPING * omega * rate) * FINE
+            if ramp is None:
+                rate += (omega ** 2 * (goal - speed) - 2 * DAMPING * omega * rate) * FINE
+            else:
+                most = haste / ramp if ramp else np.inf
+                rate = max(-most, min(most, (goal - speed) / lag))
             speed += rate * FINE
             travel, counted = travel + speed * FINE, counted + up * abs(speed) * FINE
     return Way(travel, counted, speed)
@@ -79,10 +86,31 @@ def test_a_spring_is_where_small_steps_lead(most: int) -> None:
     assert way.speed == pytest.approx(expected.speed, abs=2e-4)
 
 
-def test_a_spring_that_brakes_in_another_way_stays_near_the_small_steps() -> None:
+@pytest.mark.parametrize('braking', [-1.0, 0.5])
+def test_a_spring_that_brakes_in_another_way_stays_near_the_small_steps(braking: float) -> None:
     """Speed and rate turn round within a step, where it changes how fast the wheel is."""
-    way = rolled(track(spring=True, braking=0.5), UPS_AND_DOWNS)
-    assert way.travel == pytest.approx(summed(UPS_AND_DOWNS, 0.5).travel, abs=1.5e-3)
+    way = rolled(track(spring=True, braking=braking), UPS_AND_DOWNS)
+    assert way.travel == pytest.approx(summed(UPS_AND_DOWNS, braking).travel, abs=5e-4)
+
+
+@pytest.mark.parametrize('slots', [1, 2, 3])
+@pytest.mark.parametrize('ramp', [0.0, 1.0, 3.0])
+@pytest.mark.parametrize('braking', [-1.0, 0.0, 0.5])
+def test_a_lag_turns_back_where_small_steps_do_however_long_its_steps(
+        slots: int, ramp: float, braking: float) -> None:
+    """A step of the request reaches the wheel within a step of the sums, and it stops in one."""
+    wheels, dead_time = track(spring=False, braking=braking, ramp=ramp, dead_time=0.052), 0.052
+    for seconds, speed in UPS_AND_DOWNS:
+        wheels.ask(speed, speed, [False, False])
+        for _ in range(round(seconds / SLOT)):
+            wheels.wait(SLOT)
+            if wheels.behind > (slots - 0.5) * SLOT:
+                wheels.catch_up(slots * SLOT, AS_ASKED)
+    wheels.catch_up(slots * SLOT, AS_ASKED)
+    *before, (seconds, speed) = UPS_AND_DOWNS
+    expected = summed([*before, (seconds - dead_time, speed)], braking, ramp=ramp)
+    assert float(wheels.poses[0, 0, 0]) == pytest.approx(expected.travel, abs=5e-4)
+    assert float(wheels.speed[0, 0, 0]) == pytest.approx(expected.speed, abs=1e-3)
 
 
 @pytest.mark.parametrize('spring', [False, True], ids=['lag', 'spring'])

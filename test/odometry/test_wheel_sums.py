@@ -113,8 +113,7 @@ def test_a_request_reaches_wheels_after_the_dead_time():
     made = asked(wheels({s.DEAD_TIME: 0.05}), 0.3, 0.3, H)
     assert speeds(made) == [0.0, 0.0]
     roll(made, H, AS_COUNTED)
-    # In the second step it is there for a third of the time.
-    assert speeds(made)[0] == pytest.approx(0.1 * (1 - exp(-H / 0.08)))
+    assert speeds(made)[0] == pytest.approx(0.3 * (1 - exp(-(2 * H - 0.05) / 0.08)))
 
 
 def test_slow_requests_move_wheels_by_the_part_that_is_believed():
