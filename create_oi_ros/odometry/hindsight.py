@@ -20,7 +20,7 @@ AFTER = 40.0, 120.0
 """Seconds of driving after which to look back."""
 CONFUSED = 6.0
 """Doubt of the best track from which on what was learned is not worth it."""
-HASTE = 4
+HASTE = 3
 """Entries of the past that are followed with each frame."""
 LONGEST = 20_000
 """Entries that are kept at most: five minutes in which no two frames are alike."""

@@ -92,11 +92,12 @@ class RequestHistory:
         """
         Return the moments between two others at which requests broke, all as seconds ago.
 
-        Each is an array like those, within their times: some may have it outside theirs.
+        The last axis is for a track's own dead time and its copy's. Only what broke within the
+        time of some track itself is told, as an array like those and within their times.
         """
         for at in self._broken_at:
             ago = self._now - at
-            if ((last < ago) & (ago < first)).any():
+            if ((last < ago) & (ago < first))[..., :1].any():
                 yield np.minimum(np.maximum(ago, last), first)
 
     def stand(self, wheel: int) -> None:

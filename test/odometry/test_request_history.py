@@ -115,10 +115,13 @@ def test_a_step_and_another_sign_break_what_was_asked(right, left, turns, breaks
 
 def test_moments_at_which_requests_broke_are_told_within_each_span_the_oldest_first():
     history = asked((0.2, 0.1, 0.06), (0.1, -0.1, 0.05), (0.11, -0.1, 0.04))
-    first, last = np.array([0.2, 0.12, 0.08]), np.array([0.1, 0.05, 0.03])
+    first = np.array([[0.2, 0.12], [0.12, 0.14], [0.08, 0.12]])
+    last = np.array([[0.1, 0.05], [0.05, 0.1], [0.03, 0.08]])
     told = [moment.tolist() for moment in history.broken(first, last)]
-    assert told == [pytest.approx([0.15, 0.12, 0.08]), pytest.approx([0.1, 0.09, 0.08])]
-    assert [*history.broken(np.array([0.08]), np.array([0.0]))] == []
+    assert told == [[pytest.approx(row) for row in rows] for rows in (
+        [[0.15, 0.12], [0.12, 0.14], [0.08, 0.12]], [[0.1, 0.09], [0.09, 0.1], [0.08, 0.09]])]
+    assert [*history.broken(np.array([[0.08]]), np.array([[0.0]]))] == []
+    assert [*history.broken(np.array([[0.08, 0.16]]), np.array([[0.0, 0.05]]))] == []
 
 
 def test_moments_that_no_longer_matter_are_forgotten():
