@@ -4,6 +4,7 @@
 
 from functools import cache
 from math import cos, degrees, hypot, sin, sqrt
+from statistics import fmean
 
 import pytest
 
@@ -27,18 +28,18 @@ LESSON = ((0.2, 0.3), (0.1, -0.7), (0.0, 0.0), (-0.2, 0.2), (0.3, 0.4), (0.0, 0.
 
 
 @cache
-def lessons(rounding: Rounding) -> Loop:
+def lessons(rounding: Rounding, begin: int) -> Loop:
     """Return a driver after a minute and a half of driving by steps, as scripts drive."""
     loop = Loop(Settings(odometry_window=1.0, limits=AT_ONCE), rounding=rounding)
     loop.run(0.3)
-    for linear, angular in LESSON * 8:
+    for linear, angular in (LESSON[begin:] + LESSON[:begin]) * 8:
         loop.drive(linear, angular, 1.5)
     return loop
 
 
-def learned(rounding: Rounding) -> Loop:
+def learned(rounding: Rounding, begin: int = 0) -> Loop:
     """Return a driver that knows its robot. Tests share it: each one plays and comes to rest."""
-    loop = lessons(rounding)
+    loop = lessons(rounding, begin)
     loop.run(1.0)
     # Readings still correct where the lessons ended; with a new origin they correct the script.
     loop.driver.reset_odometry()
@@ -74,10 +75,11 @@ def play(loop: Loop, text: str) -> tuple[float, float, float]:
 @pytest.mark.parametrize('rounding', list(Rounding))
 def test_after_a_script_the_odometry_is_where_the_robot_is(
         rounding: Rounding, script: str) -> None:
-    loop = learned(rounding)
-    place, heading, _ = play(loop, script)
-    assert place < 0.008
-    assert heading < 1.0
+    """As a root mean square of drivers that learned in another order: one alone may be lucky."""
+    played = [play(learned(rounding, begin), script) for begin in range(4)]
+    places, headings, _ = zip(*played)
+    assert sqrt(fmean(each ** 2 for each in places)) < 0.008
+    assert sqrt(fmean(each ** 2 for each in headings)) < 1.0
 
 
 def test_a_script_is_followed_again_when_it_is_played_again() -> None:
