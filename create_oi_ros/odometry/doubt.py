@@ -24,6 +24,9 @@ what it stays."""
 LOST, ENOUGH, PAUSE, REBORN = 4.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
+UNLIKE = 0.03
+"""How likely that is where it takes the readings for rounded otherwise. Those of wheels that run
+steadily have told the rounding, whatever is wrong with the model of all others."""
 UNSEEN, ODD = 0.2, 4.0
 """Part of a reading's oddity that becomes doubt even where process noise has no share in it; the
 square of the standard deviations from which on a reading is odd. Readings of a robot that is
@@ -96,6 +99,8 @@ class Doubt:
         others.p[:, OUTSIDE, OUTSIDE] = rows.p[0, OUTSIDE, OUTSIDE]
         others.rates[:] = rows.rates[0]
         accumulators.empty(others)
+        others.weights[[each is not rows.roundings[0] for each in others.roundings]] *= UNLIKE
+        others.weights /= others.weights.sum()
         rows.doubt[:] = 1.0  # else what the readings say would count for nothing
         rows.join(others, REBORN)
         rows.readings = 0

@@ -137,6 +137,17 @@ def test_what_is_tried_again_starts_where_the_robot_is():
     assert (rows.means[1:, s.DISTANCE:] == 0).all()
 
 
+def test_the_rounding_that_was_learned_stays_likely_when_all_is_tried_again():
+    """Steady wheels have told it, and a model of the rest that fails is no reason to forget it."""
+    rows, doubt, others = one_track(9.0), Doubt(), Assumptions.all()
+    for _ in range(12):
+        doubt.rethink(rows, free=False)
+    alike = np.array([each is rows.roundings[0] for each in others.roundings])
+    expected = others.weights * np.where(alike, 1.0, 0.03)
+    assert rows.weights[1:] == pytest.approx(0.01 * expected / expected.sum())
+    assert 0 < alike.sum() < len(alike)
+
+
 UNSTEADY = np.array([0.0, 0.002, 0.005, 0.01])
 LIKELY = 0.93, 0.04, 0.02, 0.01
 
