@@ -25,8 +25,8 @@ LOST, ENOUGH, PAUSE, REBORN = 4.0, 12, 40, 1e-2
 """Doubt, for how many readings, from which on all else is tried again; readings until the next
 time; the weight of what is tried."""
 UNLIKE = 0.03
-"""How likely that is where it takes the readings for rounded otherwise. Those of wheels that run
-steadily have told the rounding, whatever is wrong with the model of all others."""
+"""Factor of that weight where a track takes the readings for rounded in another way: steady wheels
+have told the rounding, and that does not depend on how wheels follow a change."""
 UNSEEN, ODD = 0.2, 4.0
 """Part of a reading's oddity that becomes doubt even where process noise has no share in it; the
 square of the standard deviations from which on a reading is odd. Readings of a robot that is
