@@ -63,7 +63,7 @@ def _cut(rows: Assumptions, index: int, ends: Array, tick: float) -> Array:
     if rows.mark is not None:
         rows.mark.cut(column, index, moved, less)
     rows.means += column * moved[:, None]
-    rows.p -= less[:, None, None] * column[:, :, None] * column[:, None, :]
+    rows.p -= np.einsum('ti,tj->tij', less[:, None] * column, column)  # a third of a broadcast
     return mass
 
 

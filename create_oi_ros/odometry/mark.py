@@ -43,7 +43,7 @@ class MarkedPose:
         """
         row = self._common[:, index].copy()
         self.poses += row * shift[:, None]
-        self._common -= less[:, None, None] * columns[:, :, None] * row[:, None, :]
+        self._common -= np.einsum('ti,tj->tij', less[:, None] * columns, row)
 
     def scale(self, index: int, factors: Array) -> None:
         """Let a state become a multiple of itself, by a factor a track."""
