@@ -25,8 +25,9 @@ SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, T
 LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
 LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
 """How much likelier than the rest these are before the first reading; reported of real robots."""
-LIKELY_SPRING = 0.5
-"""The same of a spring, beside each of the other responses: none was seen on a first Create."""
+LIKELY_RESPONSE = 1.0, 1.0, 1.0, 0.4, 0.1
+"""The same of each of the responses: springs were not seen on a first Create, and braking softly
+is one more thing to assume."""
 IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
 """Weights below which a track is given up, and below which it has no share in the estimate."""
 CLEAR, LEAST_WEIGHT = 5.0, 2e-6
@@ -44,10 +45,11 @@ WHEELS = slice(s.SEPARATION + 1)
 OF_SPRINGS, OF_LAGS = (
     np.array([max((s.COMMON | response)[index].spread for response in responses)
               for index in range(WHEELS.stop)])
-    for responses in ([s.SPRING], s.RESPONSES[:-1]))
+    for responses in (s.SPRINGS, s.LAGS))
 """Standard deviations of these states at first."""
-NEAR = 0.02
-"""Part of the weight of the better of two responses up to which the other one is kept."""
+NEAR = 1e-3
+"""Part of the weight of the better of two responses up to which the other one is kept: springs
+learn later than lags what their wheels are like."""
 YOUNG, OLD = 30, 120
 """Readings from which on only one track of each kind is kept, and none for the sake of variety."""
 LOWEST, HIGHEST = np.array([(prior.low, prior.high) for prior in s.PRIORS]).T
@@ -94,10 +96,10 @@ class Assumptions:
     def all(cls) -> 'Assumptions':
         """Assume anything that is plausible of a robot that nobody knows."""
         kinds = list(product(Rounding, SIGNS, s.RESPONSES))
-        springs = np.array([response is s.SPRING for _, _, response in kinds])
+        springs = np.array([response in s.SPRINGS for _, _, response in kinds])
         weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN.get(sign, 1.0)
-                            for rounding, sign, _ in kinds])
-        weights[springs] *= LIKELY_SPRING
+                            * likely for rounding, sign, likely in product(
+                                Rounding, SIGNS, LIKELY_RESPONSE)])
         means, p = np.zeros((len(kinds), s.SIZE)), np.zeros((len(kinds), s.SIZE, s.SIZE))
         for row, (_, _, response) in enumerate(kinds):
             for index, prior in (s.COMMON | response).items():

@@ -185,7 +185,7 @@ def _same(value: float) -> float:
     return value
 
 
-ANY = s.COMMON | s.RESPONSES[0]
+ANY = s.COMMON | s.LAGS[0]
 """What a state may be."""
 OF_LAG = {
     'right_gain': Number(s.GAIN_RIGHT, _same, _same),

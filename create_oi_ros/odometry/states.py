@@ -56,16 +56,19 @@ SPRING = {
     FAST_LAG: Prior(0.2, 0.3, -0.1, 0.95), DAMPING: Prior(0.5, 0.15, 0.15, 0.95),
     DEAD_TIME: Prior(0.08, 0.05, 0.0, 0.25)}
 """Wheels that overshoot."""
-RESPONSES = (
+SPRINGS = SPRING, SPRING | {BRAKING: Prior(-0.8, 0.35, -1.3, 1.3)}
+"""The same, braking as they start or softly: those are too far apart for one to become the other
+before springs are given up."""
+LAGS = (
     {LAG: Prior(0.12, 0.08, 0.004, 0.6), SLOW_LAG: Prior(0.25, 0.25, -0.1, 0.8),
      FAST_LAG: Prior(0.2, 0.3, -0.1, 0.95), RAMP: Prior(0.1, 0.2, 0.0, 4.0)},
     {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.3, -0.1, 0.8),
      FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(0.7, 0.5, 0.0, 4.0)},
     {LAG: Prior(0.02, 0.02, 0.004, 0.6), SLOW_LAG: Prior(0.0, 0.3, -0.1, 0.8),
      FAST_LAG: Prior(0.0, 0.3, -0.1, 0.95), RAMP: Prior(2.0, 0.8, 0.0, 4.0)},
-    SPRING,
 )
-"""Lags that decay and constant accelerations (as 1 / a, s²/m), which can become each other, and
-springs."""
-PRIORS = tuple((COMMON | RESPONSES[0]).get(index, NOTHING) for index in range(SIZE))
+"""Lags that decay and constant accelerations (as 1 / a, s²/m), which can become each other."""
+RESPONSES = LAGS + SPRINGS
+"""All that a track may begin with."""
+PRIORS = tuple((COMMON | LAGS[0]).get(index, NOTHING) for index in range(SIZE))
 """Of all states, of wheels that are no springs."""

@@ -34,8 +34,9 @@ LATE = 1.6 * SLOT
 """Seconds of a frame from which on one before it was lost."""
 SMALLEST_STEP = 1e-5
 """Least difference between a copy and its track."""
-CURVED = 0.2
-"""Part of what unknowns are believed to do that is not in proportion to them."""
+CURVED, CURVED_SPRING = 0.2, 0.3
+"""Part of what unknowns are believed to do that is not in proportion to them; the same of springs,
+which are farther from it."""
 FAMILIAR, PUZZLED, APART = 64, 5.0, 1.0
 """Readings after which a robot is known, unless the best track has this doubt; seconds from one to
 the next that count as one. Those of a probe teach how it rounds, not how its wheels run."""
@@ -287,7 +288,8 @@ class Tracks:
         w, rows = self.wheels, self.rows
         f, p, q = w.transition(self._start), rows.p.copy(), self._noise(ALL)
         g, unknown = f[:, PLACE, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
-        moved, curved = f @ p, CURVED ** 2 * (g @ unknown @ g.transpose(0, 2, 1))
+        curved = np.where(rows.springs, CURVED_SPRING, CURVED)[:, None, None] ** 2
+        moved, curved = f @ p, curved * (g @ unknown @ g.transpose(0, 2, 1))
         aged = np.einsum('tii->ti', p)
         aged += noise.of_age(self._seconds, w.path, rows.doubt, rows.unsteady)
         p[:, MOVED], p[:, :, MOVED] = moved, moved.transpose(0, 2, 1)

@@ -41,6 +41,20 @@ def test_any_wheels_are_followed(
     assert ride.miss[0] < 0.4  # of 14 m
 
 
+def test_wheels_that_overshoot_and_brake_softly_are_followed() -> None:
+    """Such a wheel swings back far when it stops; its encoder counts that forwards."""
+    missed = []
+    for rounding, seconds, overshoot in product(ROUNDINGS, (0.05, 0.07), (0.2, 0.3)):
+        ride = Ride(rounding, config=replace(
+            CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(seconds),
+            overshoot=overshoot, dead_time=0.07, braking=0.4))
+        for right, left in REVERSALS * 7:
+            ride.go(2.1, right, left)
+        ride.go(3)
+        missed.append(ride.miss[1])
+    assert hypot(*missed) < 8 * sqrt(len(missed))  # of some 2600 in each of twelve drives
+
+
 def test_yaw_is_never_corrected_by_more_than_five_degrees_in_half_a_second() -> None:
     ride = Ride(config=CENTRE)
     for right, left in REVERSALS * 3:

@@ -90,7 +90,7 @@ def test_free_wheels_may_run_at_any_speed():
 def rest_of(doubt: float, path: tuple[float, float]) -> np.ndarray:
     """Return what a path adds besides the slow change of what is known of the robot."""
     found = added(doubt, seconds=2.0, path=path)
-    for index, prior in (s.COMMON | s.RESPONSES[0]).items():
+    for index, prior in (s.COMMON | s.LAGS[0]).items():
         again = 0.03 * min(max(doubt - 1, 0), 10) / 10
         found[index, index] -= 2.0 * (prior.drift ** 2 + again * prior.spread ** 2)
     return found

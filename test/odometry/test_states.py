@@ -31,14 +31,21 @@ def test_both_wheels_are_believed_to_be_alike():
 
 def test_lags_may_become_each_other():
     """Their ranges are the same; the bound may be any of theirs."""
-    lags = s.RESPONSES[:3]
-    for index in lags[0]:
-        assert len({(lag[index].low, lag[index].high) for lag in lags}) == 1
+    for index in s.LAGS[0]:
+        assert len({(lag[index].low, lag[index].high) for lag in s.LAGS}) == 1
+
+
+def test_springs_may_become_each_other_and_are_believed_to_brake_differently():
+    hard, soft = (s.COMMON | spring for spring in s.SPRINGS)
+    assert all((hard[index].low, hard[index].high) == (soft[index].low, soft[index].high)
+               for index in hard)
+    assert [index for index in hard if hard[index] != soft[index]] == [s.BRAKING]
+    assert soft[s.BRAKING].mean + soft[s.BRAKING].spread < hard[s.BRAKING].mean
 
 
 def test_springs_have_the_ranges_of_lags_where_they_mean_the_same():
     for index in (s.LAG, s.SLOW_LAG, s.FAST_LAG):
-        lag, spring = s.RESPONSES[0][index], s.SPRING[index]
+        lag, spring = s.LAGS[0][index], s.SPRING[index]
         assert (lag.low, lag.high) == (spring.low, spring.high)
     dead_time, spring = s.COMMON[s.DEAD_TIME], s.SPRING[s.DEAD_TIME]
     assert (dead_time.low, dead_time.high) == (spring.low, spring.high)
