@@ -25,9 +25,9 @@ SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, T
 LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
 LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
 """How much likelier than the rest these are before the first reading; reported of real robots."""
-LIKELY_RESPONSE = 1.0, 1.0, 1.0, 0.4, 0.1
-"""The same of each of the responses: springs were not seen on a first Create, and braking softly
-is one more thing to assume."""
+LIKELY_RESPONSE = [1.0] * len(s.LAGS) + [0.4, 0.1]
+"""The same of each response: springs were not seen on a first Create, and soft brakes are one more
+thing to assume."""
 IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
 """Weights below which a track is given up, and below which it has no share in the estimate."""
 CLEAR, LEAST_WEIGHT = 5.0, 2e-6
@@ -98,8 +98,8 @@ class Assumptions:
         kinds = list(product(Rounding, SIGNS, s.RESPONSES))
         springs = np.array([response in s.SPRINGS for _, _, response in kinds])
         weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN.get(sign, 1.0)
-                            * likely for rounding, sign, likely in product(
-                                Rounding, SIGNS, LIKELY_RESPONSE)])
+                            for rounding, sign, _ in kinds])
+        weights *= np.resize(LIKELY_RESPONSE, len(kinds))  # the response varies fastest
         means, p = np.zeros((len(kinds), s.SIZE)), np.zeros((len(kinds), s.SIZE, s.SIZE))
         for row, (_, _, response) in enumerate(kinds):
             for index, prior in (s.COMMON | response).items():

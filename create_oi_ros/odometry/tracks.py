@@ -35,8 +35,8 @@ LATE = 1.6 * SLOT
 SMALLEST_STEP = 1e-5
 """Least difference between a copy and its track."""
 CURVED, CURVED_SPRING = 0.2, 0.3
-"""Part of what unknowns are believed to do that is not in proportion to them; the same of springs,
-which are farther from it."""
+"""Part of what unknowns are believed to do that is not in proportion to them, for lags and for
+springs."""
 FAMILIAR, PUZZLED, APART = 64, 5.0, 1.0
 """Readings after which a robot is known, unless the best track has this doubt; seconds from one to
 the next that count as one. Those of a probe teach how it rounds, not how its wheels run."""
