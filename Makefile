@@ -11,7 +11,7 @@
 #   make coverage        every test, measuring the whole package; a floor for each of its rooms
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
-#   make bench           measure speed and cost: half an hour, on a quiet machine
+#   make bench           measure speed and cost: 45 minutes, on a quiet machine
 #   make bench-compare   compare two measurements
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Run all bench programs: `python bench/everything.py [OPTIONS]`, half an hour.
+Run all bench programs: `python bench/everything.py [OPTIONS]`, 45 minutes.
 
 They run one after the other, and options are passed on to each. If one fails, the others still
 run. Those of odometry and goals are not among them: they take long and need no quiet machine, so

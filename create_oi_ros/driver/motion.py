@@ -104,6 +104,8 @@ class WheelCommands:
         self._rounded: WheelSpeeds | None = None
         """What `_sent` was rounded from; None where it must be sent again."""
         self._sent_at = -inf
+        self._taken: tuple[int, int] | None = None
+        """What the robot reports."""
         self.blocked = False
         """Whether the bumper is pressed."""
         self.missed = 0
@@ -124,9 +126,23 @@ class WheelCommands:
         """Whether the wheels stand, or are to stand at once."""
         return self._wanted == self._speeds == STOPPED
 
+    @property
+    def steady(self) -> bool:
+        """Whether the robot has been told the wanted speeds, and has taken them."""
+        return self._wanted == self._speeds == self._rounded and self._sent == self._taken
+
+    def held_speed(self, now: float) -> None:
+        """Note that steady wheels had nothing to do: the next change of speed starts from now."""
+        self._ramped_at = now
+
+    @property
+    def expires_at(self) -> float:
+        """Until when the newest command holds."""
+        return self._commanded_at + self.limits.timeout
+
     def expired(self, now: float) -> bool:
         """Tell whether the newest command is too old to hold."""
-        return now - self._commanded_at > self.limits.timeout
+        return now > self.expires_at
 
     def forget_sent(self) -> None:
         """Forget which speeds were sent last, so that they are sent again."""
@@ -139,7 +155,8 @@ class WheelCommands:
         A robot that stopped without being told, for somebody pressed a button or another program
         did it, starts from rest.
         """
-        if self._sent == (right, left):
+        self._taken = right, left
+        if self._sent == self._taken:
             self.missed = 0
         elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
             if (right, left) == (0, 0) and not self.missed:

@@ -62,6 +62,11 @@ class Outbox:
         """Whether commands are queued."""
         return bool(self._queue)
 
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is queued, and every request has ended."""
+        return not self._queue and not self._unconfirmed
+
     def clear(self) -> None:
         """Drop everything that has not been written; its requests end as lost."""
         lost = [queued.request for queued in self._queue if queued.request is not None]

@@ -76,6 +76,7 @@ class Session:
         """Lend the driver, with the time; what it decides to send is written."""
         with self._lock:
             now = time.monotonic()
+            self.driver.catch_up()
             yield self.driver, now
             self._send()  # first: a command must not wait for the rest
             self._exchange(now)
@@ -104,6 +105,7 @@ class Session:
     def counts(self) -> LinkCounts:
         """Return what the line has carried so far."""
         with self._lock:
+            self.driver.catch_up()
             return copy(self.driver.counts)
 
     @property
@@ -223,6 +225,8 @@ class Session:
             if self._closing.is_set():
                 return
             now = time.monotonic()
+            if received and self.driver.may_wait(received, now):
+                return
             if received:
                 self.driver.receive(received, now)
                 self._report_events()  # first: a bump must not wait

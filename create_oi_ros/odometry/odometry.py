@@ -88,6 +88,8 @@ class Odometry:
         self._quiet = self._counted = 0
         """Frames like that for which nothing will be asked, and those that came since the tracks
         were told of one."""
+        self._calm: Increment | None = None
+        """The last frame, where the wheels run steadily, but the estimate is not on its course."""
         self._course = 0.0, 0.0
         """Metres and radians that the tracks' mean moved by in the last frame."""
 
@@ -105,6 +107,13 @@ class Odometry:
         answer is under way.
         """
         return not self.window or self._plan.due
+
+    @property
+    def quiet_frames(self) -> int:
+        """Frames that say the same as the last one for which no reading will be asked for."""
+        if self._calm is not None:
+            return self._frames_left(self._calm)
+        return max(0, self._quiet - self._counted)
 
     @property
     def knowledge(self) -> Knowledge | None:
@@ -194,9 +203,12 @@ class Odometry:
         turned, middle = after[2] - before[2], (after[2] + before[2]) / 2
         went = (after[0] - before[0]) * cos(middle) + (after[1] - before[1]) * sin(middle)
         self.estimate = self._followed(increment.dt, went, turned)
-        if settled and not rested and self._unseen and self._is_on_course:
-            self._course = went, turned
-            self._count(increment)
+        if settled and self.tracks.wheels.settled:
+            if not rested and self._unseen and self._is_on_course:
+                self._course = went, turned
+                self._count(increment)
+            else:
+                self._calm = increment
         return self.estimate
 
     def _learn(self, increment: Increment, rested: bool) -> None:
@@ -243,18 +255,24 @@ class Odometry:
     @property
     def _is_on_course(self) -> bool:
         """Whether the estimate moves steadily, and is where the tracks' mean is."""
-        if not self.tracks.wheels.settled or self.tracks.is_free:
+        if self.tracks.is_free:
             return False
         (x, y, yaw), e = self._goal, self.estimate
         return abs(x - e.x) < CLOSE and abs(y - e.y) < CLOSE and abs(yaw - e.yaw) < CLOSE
 
     def _count(self, increment: Increment) -> None:
         """Look at the next frames no closer than needed, as long as they say the same."""
-        if self._mark is None and not increment.lost:
-            dt = increment.dt
-            self._same, self._quiet = increment, int(self._plan.quiet(dt, self.tracks) / dt) - 1
-            if self._course != STILL:
-                self._quiet = min(self._quiet, STEADY_EVERY - self._unseen % STEADY_EVERY - 1)
+        self._same, self._quiet = increment, self._frames_left(increment)
+
+    def _frames_left(self, increment: Increment) -> int:
+        """Return how many frames more may say the same until something is asked, or looked at."""
+        if self._mark is not None or increment.lost:
+            return 0
+        dt = increment.dt
+        left = int(self._plan.quiet(dt, self.tracks) / dt) - 1
+        if self._course == STILL and self.tracks.rests:
+            return left
+        return min(left, STEADY_EVERY - self._unseen % STEADY_EVERY - 1)
 
     def _further(self) -> Estimate:
         """Return the estimate a frame further on its course."""
@@ -267,7 +285,7 @@ class Odometry:
 
     def _wake(self) -> None:
         """Let the time of the frames pass that were only counted."""
-        frames, self._counted, self._quiet = self._counted, 0, 0
+        frames, self._counted, self._quiet, self._calm = self._counted, 0, 0, None
         if not frames or self._same is None:
             return
         dt = self._same.dt

@@ -162,6 +162,20 @@ class PacketList:
         """Return the seconds that a frame takes on the wire at a baud rate."""
         return self.frame_size * BITS_PER_BYTE / baud
 
+    def bits_without(self, *names: str) -> int:
+        """Return the bits of a frame that hold neither its checksum nor one of these packets."""
+        checked = self.frame_size - 1
+        bits = bytearray(b'\xff' * checked + b'\0')
+        place = len((HEADER, 'length'))
+        for number in self.ids:
+            place += 1
+            for single in singles(number):
+                size = size_of(single)
+                if NAMES[single] in names:
+                    bits[place:place + size] = bytes(size)
+                place += size
+        return int.from_bytes(bits)
+
     def unpack_reply(self, reply: bytes) -> Readings:
         """Decode the reply to Query List (or Sensors); ValueError if its length is wrong."""
         if len(reply) != self.reply_size:

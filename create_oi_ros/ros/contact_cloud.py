@@ -39,6 +39,13 @@ class ContactCloud:
             header=messages.header(parameters.base_frame, Time()), height=1, fields=fields,
             is_bigendian=False, point_step=POINT.size, is_dense=True)
 
+    @property
+    def due_at(self) -> float:
+        """Stamp, s, from which on a frame is needed that says nothing new."""
+        if not self._wanted:
+            return inf
+        return -inf if self._count else self._due_at  # points move with the robot
+
     def publish(self, moved: Moved, parameters: Parameters) -> None:
         """Take a frame in, and publish what is felt when it is due."""
         stamp = moved.stamp

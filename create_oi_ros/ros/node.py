@@ -156,6 +156,7 @@ class CreateNode(Node):
             case Moved():
                 self._frames.publish(event, *self._periods)
                 self._contacts.publish(event, self.parameters)
+                self.session.driver.wait_until = min(self._frames.due_at, self._contacts.due_at)
                 self._actions.report()
             case ModeChanged():
                 self._publish_mode(event.status)

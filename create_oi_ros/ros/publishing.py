@@ -85,12 +85,13 @@ class FilledTopic:
         self.filled_from: object = None
         """The estimate or the readings of the last message."""
         self._values: tuple[Any, ...] = ()
-        self.wanted = False
-        """Whether there are subscribers, or the topic is latched."""
+        self.heard = self.wanted = False
+        """Whether there are subscribers; whether that, or the topic is latched."""
 
     def check(self) -> None:
         """Look whether there are subscribers."""
-        self.wanted = self._latched or self._count() > 0
+        self.heard = self._count() > 0
+        self.wanted = self._latched or self.heard
 
     def publish(self, stamp: tuple[int, int], source: Any) -> None:
         """Publish the message with this stamp; `source` is an estimate or readings."""
@@ -128,6 +129,8 @@ class FramePublisher:
         self._complete = False
         self._seen: object = None
         self._due_at = -inf
+        self._hears_sensors = False
+        """Whether somebody hears a topic that is also published when nothing has changed."""
         self._check()
 
     @staticmethod
@@ -143,6 +146,12 @@ class FramePublisher:
             node, topics.TF, messages.empty_transforms(*frames), messages.transforms,
             header='transforms[0].header')
         return [odom, tf, joints]
+
+    @property
+    def due_at(self) -> float:
+        """Stamp, s, from which on a frame is to be published that says nothing new."""
+        sensors_due_at = self._due_at if self._hears_sensors else inf
+        return min(self._motion_pace.due_at, sensors_due_at) - EARLY
 
     def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> None:
         """
@@ -203,6 +212,8 @@ class FramePublisher:
             filled.check()
         for _, filled in self._sensors:
             filled.check()
+        self._hears_sensors = any(
+            filled.heard for _, members in self._groups.values() for _, filled in members)
         for _ in range(CLOCK_TRIES):
             before, now = time.monotonic_ns(), self._clock.now().nanoseconds
             after = time.monotonic_ns()

@@ -51,6 +51,7 @@ PARTS = {
     'driver/command_watch': ('driver/test_line_watch.py',),
     'driver/frame_budget': ('driver/test_line_watch.py',),
     'driver/baud_search': ('driver/test_line_watch.py',),
+    'driver/waiting_frames': ('driver/test_waiting_frames.py',),
     'driver/stream_plan': ('driver/test_line_watch.py',),
     'driver/script_control': SCRIPTS,
     'driver/script_speeds': ('driver/test_script_speeds.py',),

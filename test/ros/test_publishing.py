@@ -39,15 +39,20 @@ class Frames:
                 send(message)
             return tell
         monkeypatch.setattr(publishing, 'sending', sending)
-        self._publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
+        self.publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
         stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
+
+    @property
+    def stamp(self) -> float:
+        """Stamp of the newest frame, s."""
+        return self._slot * oi.SLOT
 
     def next(self, **readings: int) -> list[str]:
         """Return the topics of a frame, in order; readings that are not given are zero."""
         self._told.clear()
         self._slot += 1
-        self._publisher.publish(
-            Moved(self._slot * oi.SLOT, oi.Readings(QUIET | readings), Estimate()),
+        self.publisher.publish(
+            Moved(self.stamp, oi.Readings(QUIET | readings), Estimate()),
             PERIOD, self.motion_period)
         return self._told
 
@@ -98,6 +103,16 @@ def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, r
     assert all(names[0] == 'Bumper' for names in told)
     assert sum('Odometry' in names for names in told) == pytest.approx(
         1000 * oi.SLOT * rate, abs=1)
+
+
+@pytest.mark.parametrize('rate', [0, 3, 20])
+def test_frames_in_which_something_is_due_are_told_beforehand(frames, rate):
+    frames.motion_period = 1 / rate if rate else 0.0
+    frames.quiet()
+    frames.next()
+    for _ in range(400):
+        due = frames.publisher.due_at <= frames.stamp + oi.SLOT
+        assert bool(frames.next()) == due
 
 
 def test_only_what_is_heard_or_latched_is_published(frames):
