@@ -25,6 +25,7 @@ SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, T
 LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
 LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
 """How much likelier than the rest these are before the first reading; reported of real robots."""
+LIKELIEST_SIGN = max(SIGNS, key=lambda sign: LIKELY_SIGN.get(sign, 1.0))
 LIKELY_RESPONSE = [1.0] * len(s.LAGS) + [0.4, 0.1]
 """The same of each response: springs were not seen on a first Create, and soft brakes are one more
 thing to assume."""
@@ -77,6 +78,8 @@ class Assumptions:
     readings: int = 0
     taught: float = 0.0
     """How many of these were far enough apart to tell how the wheels run."""
+    open_signs: bool = False
+    """Whether each track stands for all signs of encoders: none has made a difference yet."""
     mark: MarkedPose | None = None
     """Where the robot was at a moment; None: nobody wants to know."""
     steadiness: Array = field(init=False)
@@ -110,6 +113,22 @@ class Assumptions:
                    weights / weights.sum(), np.ones(len(kinds)), means, p,
                    np.zeros((len(kinds), 2)))
 
+    @classmethod
+    def new(cls) -> 'Assumptions':
+        """Assume the same, with one track for all signs: wheels at rest have none."""
+        rows = cls.all()
+        rows.keep([i for i, sign in enumerate(zip(*rows.signs)) if sign == LIKELIEST_SIGN])
+        rows.open_signs = True
+        return rows
+
+    def tell_signs_apart(self) -> None:
+        """Let each track become one for each sign: from now on they make a difference."""
+        self.open_signs, count = False, len(self.weights)
+        self.keep(np.repeat(np.arange(count), len(SIGNS)).tolist())
+        self.signs = Signs(*map(np.array, zip(*SIGNS * count)))
+        self.weights *= np.tile([LIKELY_SIGN.get(sign, 1.0) for sign in SIGNS], count)
+        self.weights /= self.weights.sum()
+
     def afresh(self) -> 'Assumptions':
         """
         Return tracks that know the wheels as these do, and nothing else: none is given up yet.
@@ -120,7 +139,8 @@ class Assumptions:
         best = self._best_of_each([*range(len(self.roundings))])
         own = [(self.roundings[i], (int(self.signs.kinds[i]), bool(self.signs.late[i])))
                for i in best]
-        more = [kind for kind in product(Rounding, SIGNS) if kind not in own]
+        others = (LIKELIEST_SIGN,) if self.open_signs else SIGNS
+        more = [kind for kind in product(Rounding, others) if kind not in own]
         kinds, rows = own + more, best + [0] * len(more)
         means, p = np.zeros((len(rows), s.SIZE)), np.zeros((len(rows), s.SIZE, s.SIZE))
         means[:, WHEELS], means[:, s.MOVES] = self.means[rows, WHEELS], 1.0
@@ -131,7 +151,8 @@ class Assumptions:
                       np.array([late for _, (_, late) in kinds]))
         return Assumptions(
             [rounding for rounding, _ in kinds], signs, self.springs[rows],
-            weights / weights.sum(), np.ones(len(rows)), means, p, np.zeros((len(rows), 2)))
+            weights / weights.sum(), np.ones(len(rows)), means, p, np.zeros((len(rows), 2)),
+            open_signs=self.open_signs)
 
     def shares(self) -> Array:
         """Return what each track contributes to the estimate."""

@@ -94,7 +94,7 @@ class Doubt:
         if self._astray < ENOUGH or free:
             return
         self._astray = -PAUSE
-        others = Assumptions.all()
+        others = Assumptions.new() if rows.open_signs else Assumptions.all()
         others.means[:, OUTSIDE] = rows.means[0, OUTSIDE]
         others.p[:, OUTSIDE, OUTSIDE] = rows.p[0, OUTSIDE, OUTSIDE]
         others.rates[:] = rows.rates[0]

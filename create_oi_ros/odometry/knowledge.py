@@ -19,7 +19,7 @@ import numpy as np
 
 from ..robot import Rounding, SLOT
 from . import states as s
-from .assumptions import Assumptions, SIGNS
+from .assumptions import Assumptions, LIKELY_SIGN, SIGNS
 from .dead_band import DeadBand
 from .request_history import Array
 from .wheel_model import lag_parts, LAST, NONE, Signs, UPWARD
@@ -223,8 +223,7 @@ def learned(rows: Assumptions, band: DeadBand) -> Knowledge:
     p = p + np.einsum('t,ti,tj->ij', weights, off, off)
     return numbers(mean, p, {
         'rounding': _summed(rows.roundings, whole),
-        'encoder_sign': _summed([SOURCES[int(kind), bool(late)]
-                                 for kind, late in zip(*rows.signs)], whole),
+        'encoder_sign': _sources(rows, whole),
         'response': response,
         'dead_band': (band.stands, band.moves), 'readings': rows.readings})
 
@@ -242,6 +241,14 @@ def numbers(mean: Array, p: Array, rest: Mapping[str, Any]) -> Knowledge:
     return Knowledge(
         **found, **rest,
         correlations=tuple(tuple(r[i, :i].tolist()) for i in range(1, len(STATES))))
+
+
+def _sources(rows: Assumptions, whole: Array) -> dict[SignSource, float]:
+    """Return how likely each source of signs is; as likely as at first where none mattered yet."""
+    if rows.open_signs:
+        likely = [LIKELY_SIGN.get(sign, 1.0) for sign in SIGNS]
+        return {SOURCES[sign]: each / sum(likely) for sign, each in zip(SIGNS, likely)}
+    return _summed([SOURCES[int(kind), bool(late)] for kind, late in zip(*rows.signs)], whole)
 
 
 def _summed(kinds: list[Any], weights: Array) -> dict[Any, float]:

@@ -64,7 +64,7 @@ class RequestHistory:
         """
         if self.age > RECENT:
             self.settle()
-        if self.turns(right, left) or any(
+        if any(self.turning(right, left)) or any(
                 abs(speed - before) > STEP for speed, before in zip((right, left), self.asked)):
             recent = [at for at in self._broken_at if at > self._now - RECENT]
             self._broken_at = [*recent, self._now]
@@ -82,11 +82,10 @@ class RequestHistory:
         self._compare_signs()
         return change
 
-    def turns(self, right: float, left: float) -> bool:
-        """Return whether such requests would change a sign."""
-        return any((speed >= 0) != (upward > 0) or (speed and copysign(1.0, speed) != kept)
-                   for speed, kept, upward in zip(
-                       (right, left), self._kept, self._of_signs[2:]))
+    def turning(self, right: float, left: float) -> list[bool]:
+        """Return of which wheel such requests would change a sign."""
+        return [(speed >= 0) != (upward > 0) or bool(speed and copysign(1.0, speed) != kept)
+                for speed, kept, upward in zip((right, left), self._kept, self._of_signs[2:])]
 
     def broken(self, first: Array, last: Array) -> Iterator[Array]:
         """

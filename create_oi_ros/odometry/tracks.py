@@ -26,7 +26,7 @@ from .noise import MOVED, PLACE
 from .request_history import Array, RECENT
 from .rounding import interval
 from .states import DEGREE, MM
-from .wheel_model import WheelModel
+from .wheel_model import ARRIVED, WheelModel
 
 STRIDE = 1.9 * SLOT
 """Seconds that wheels roll at once while their speeds change."""
@@ -62,7 +62,7 @@ class Tracks:
                  band: DeadBand | None = None) -> None:
         self.geometry = geometry
         self.scales = geometry.linear_scale, geometry.angular_scale
-        self.rows = rows or Assumptions.all()
+        self.rows = rows or Assumptions.new()
         self.wheels = WheelModel(FASTEST)
         self.band = band or DeadBand()
         self.doubt = Doubt()
@@ -74,6 +74,10 @@ class Tracks:
         """Standard deviation of what the accumulators hold, 2 mm or degrees, when last looked; the
         same of the angle alone, degrees."""
         accumulators.empty(self.rows)
+        self._noisy: Array = np.zeros((2, 0))
+        """Variances of the accumulators since the last reading that are process noise."""
+        self._path: Array = np.zeros((2, 0))
+        """Metres that each wheel rolled since then."""
         self._forget()
         self._open_window()
 
@@ -243,8 +247,11 @@ class Tracks:
 
     def _ask(self, right: float, left: float) -> Array:
         """Take other requests; return by how much they changed."""
-        if self.wheels.requests.age > RECENT or self.wheels.requests.turns(right, left):
+        turning = self.wheels.requests.turning(right, left)
+        if self.wheels.requests.age > RECENT or any(turning):
             self._catch_up()
+        if self.rows.open_signs and (abs(self.wheels.speed[turning, :, 0]) > ARRIVED).any():
+            self._tell_signs_apart()
         were_open = any(self.band.open)
         answers = self.band.ask(right, left)
         if were_open or any(self.band.open) or self.rows.means[0, s.MOVES].tolist() != answers:
@@ -254,6 +261,15 @@ class Tracks:
         change = self.wheels.ask(right, left, [answer == 0 for answer in answers])
         self._changes += change * change
         return change
+
+    def _tell_signs_apart(self) -> None:
+        """Follow each sign of the encoders from now on."""
+        self._close()
+        each = len(self.rows.weights)
+        self.rows.tell_signs_apart()
+        times = len(self.rows.weights) // each
+        self._noisy, self._path = self._noisy.repeat(times, -1), self._path.repeat(times, -1)
+        self._spread()
 
     # Covariance.
 

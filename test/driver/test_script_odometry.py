@@ -76,7 +76,7 @@ def play(loop: Loop, text: str) -> tuple[float, float, float]:
 def test_after_a_script_the_odometry_is_where_the_robot_is(
         rounding: Rounding, script: str) -> None:
     """As a root mean square of drivers that learned in another order: one alone may be lucky."""
-    played = [play(learned(rounding, begin), script) for begin in range(4)]
+    played = [play(learned(rounding, begin), script) for begin in range(len(LESSON))]
     places, headings, _ = zip(*played)
     assert sqrt(fmean(each ** 2 for each in places)) < 0.008
     assert sqrt(fmean(each ** 2 for each in headings)) < 1.0

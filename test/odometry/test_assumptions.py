@@ -28,6 +28,45 @@ def test_a_spring_is_kept_beside_the_best_lag_while_it_comes_near(
     assert rows.weights[0] == rows.weights.max()
 
 
+def of_kinds(rows: Assumptions) -> dict[tuple, float]:
+    """Return the weight of each kind of track."""
+    return {(rounding, int(kind), bool(late), *mean): weight for rounding, kind, late, mean, weight
+            in zip(rows.roundings, *rows.signs, rows.means.tolist(), rows.weights)}
+
+
+def test_signs_that_are_told_apart_are_all_that_a_robot_may_have() -> None:
+    rows, everything = Assumptions.new(), Assumptions.all()
+    assert rows.open_signs and len(rows.weights) * len(SIGNS) == len(everything.weights)
+    assert rows.weights.sum() == pytest.approx(1.0)
+    rows.tell_signs_apart()
+    assert not rows.open_signs
+    assert of_kinds(rows) == pytest.approx(of_kinds(everything))
+    for mine in (rows.doubt, rows.p, rows.means, rows.steadiness, rows.rates, rows.springs):
+        assert len(mine) == len(everything.weights)
+
+
+def test_each_track_goes_on_with_what_it_knows_when_signs_are_told_apart() -> None:
+    rows = Assumptions.new()
+    rows.keep([3, 1])
+    rows.doubt = np.array([2.0, 5.0])
+    rows.p[1] *= 3
+    rows.steadiness[1] -= 1.0
+    before = rows.p.copy(), rows.steadiness.copy(), rows.weights.copy()
+    rows.tell_signs_apart()
+    assert rows.doubt.tolist() == [2.0] * len(SIGNS) + [5.0] * len(SIGNS)
+    for mine, was in zip((rows.p, rows.steadiness), before):
+        assert (mine == np.repeat(was, len(SIGNS), axis=0)).all()
+    assert rows.weights.reshape(2, -1).sum(axis=1) == pytest.approx(before[2])
+
+
+def test_open_signs_stay_open_when_the_past_is_followed_again() -> None:
+    rows = Assumptions.new()
+    rows.keep([2])
+    afresh = rows.afresh()
+    assert afresh.open_signs
+    assert sorted(afresh.roundings, key=str) == sorted(Rounding, key=str)
+
+
 def test_all_are_kept_of_a_robot_that_is_new() -> None:
     rows = Assumptions.all()
     before = len(rows.roundings)

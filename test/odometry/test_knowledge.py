@@ -172,3 +172,8 @@ def test_how_late_a_wheel_is_is_less_sure_where_its_numbers_go_together() -> Non
                      for place, row in enumerate(matrix) if place)
         deviations.append(replace(robot, correlations=rows).delay(0.3).deviation)
     assert deviations[0] > deviations[1] > deviations[2]
+
+
+def test_no_source_of_signs_is_likelier_than_at_first_before_one_has_mattered():
+    assert (learned(Assumptions.new(), DeadBand()).encoder_sign
+            == pytest.approx(learned(Assumptions.all(), DeadBand()).encoder_sign))

@@ -109,8 +109,7 @@ def test_the_mean_is_that_of_the_shares():
 
 def test_an_error_from_before_the_mark_moves_the_mark_and_leaves_what_came_since():
     """A gain that turns out wrong corrects the turn before the mark and the one after it."""
-    tracks = Tracks(Geometry())
-    rows = tracks.rows
+    rows = Assumptions.new()
     rows.keep([0])
     for index in range(s.SIZE):
         rows.clear(index, float(rows.means[0, index]))
@@ -118,7 +117,7 @@ def test_an_error_from_before_the_mark_moves_the_mark_and_leaves_what_came_since
                          (s.DEAD_TIME, 0.0)):
         rows.clear(index, value)
     rows.clear(s.SEPARATION, 0.0, 0.05 ** 2)
-    tracks._spread()
+    tracks = Tracks(Geometry(), rows)
     for _ in range(200):
         tracks.advance(SLOT, 0.1, -0.1)
     tracks.mark()

@@ -107,7 +107,7 @@ def test_where_all_kinds_of_sign_are_the_same_lately_there_is_one(requests, same
 def test_a_step_and_another_sign_break_what_was_asked(right, left, turns, breaks):
     """A zero is upward, so only what ran backwards gets another sign by it."""
     history = asked((0.02, -0.01, 0.2))
-    assert history.turns(right, left) == turns
+    assert any(history.turning(right, left)) == turns
     history.ask(right, left, NEITHER)
     history.step(0.1)
     assert bool([*history.broken(np.array([0.15]), np.array([0.05]))]) == breaks

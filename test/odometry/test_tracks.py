@@ -7,6 +7,7 @@ from math import sqrt
 import pytest
 
 from create_oi_ros.odometry import Geometry
+from create_oi_ros.odometry.assumptions import Assumptions, SIGNS
 from create_oi_ros.odometry.tracks import Tracks
 from support.ride import SLOT
 
@@ -70,3 +71,35 @@ def test_a_mean_pose_that_was_asked_for_is_worked_out_anew_when_it_changes(track
     assert tracks.pose()[0] > before[0]
     tracks.reset()
     assert tracks.pose() == (0.0, 0.0, 0.0)
+
+
+def test_signs_are_told_apart_when_a_rolling_wheel_is_asked_for_another(tracks: Tracks) -> None:
+    """Which sign the encoder of a wheel counts by makes no difference before."""
+    new = len(tracks.rows.weights)
+    for right, left in ((0.2, 0.1), (0.0, 0.0)):
+        drive(tracks, right, left)
+    drive(tracks, 0.1, -0.1)  # from rest, and both signs have turned before the wheel does
+    assert tracks.rows.open_signs and len(tracks.rows.weights) == new
+    tracks.advance(SLOT, 0.1, 0.0)  # is it forwards that the wheel rolls out?
+    assert not tracks.rows.open_signs and len(tracks.rows.weights) == new * len(SIGNS)
+    drive(tracks, 0.0, 0.0)
+    tracks.read(0, 30)
+
+
+def test_tracks_that_were_told_apart_are_where_they_would_be_had_they_always_been() -> None:
+    late, always = Tracks(Geometry()), Tracks(Geometry(), Assumptions.all())
+    for tracks in (late, always):
+        drive(tracks, 0.2, 0.1)
+        tracks.read(280, 45)
+        drive(tracks, -0.1, 0.1)
+        tracks.read(20, -90)
+        drive(tracks, 0.1, 0.0)
+    assert len(late.rows.weights) == len(always.rows.weights)
+    assert late.pose() == pytest.approx(always.pose(), abs=0.01)
+    assert late.pose_covariance() == pytest.approx(always.pose_covariance(), rel=0.2, abs=1e-4)
+
+
+def drive(tracks: Tracks, right: float, left: float, seconds: float = 2.0) -> None:
+    """Let time pass under these requests."""
+    for _ in range(round(seconds / SLOT)):
+        tracks.advance(SLOT, right, left)
