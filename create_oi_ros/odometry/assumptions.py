@@ -20,12 +20,12 @@ from .mark import MarkedPose
 from .request_history import Array
 from .wheel_model import LAST, NONE, Signs, UPWARD
 
-SIGNS = ((NONE, False), (LAST, False), (LAST, True), (UPWARD, False), (UPWARD, True))
-"""Signs of encoders, and whether they wait for the dead time."""
 LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
-LIKELY_SIGN = {(LAST, True): 4.0, (LAST, False): 2.0}
-"""How much likelier than the rest these are before the first reading; reported of real robots."""
-LIKELIEST_SIGN = max(SIGNS, key=lambda sign: LIKELY_SIGN.get(sign, 1.0))
+LIKELY_SIGN = {(NONE, False): 1.0, (LAST, False): 2.0, (LAST, True): 4.0, (UPWARD, False): 1.0,
+               (UPWARD, True): 1.0}
+"""How much likelier than the rest a robot truncates, and signs of encoders are, before the first
+reading: the likely ones were reported of real robots. A sign may wait for the dead time."""
+SIGNS, LIKELIEST_SIGN = tuple(LIKELY_SIGN), max(LIKELY_SIGN, key=LIKELY_SIGN.__getitem__)
 LIKELY_RESPONSE = [1.0] * len(s.LAGS) + [0.4, 0.1]
 """The same of each response: springs were not seen on a first Create, and soft brakes are one more
 thing to assume."""
@@ -100,7 +100,7 @@ class Assumptions:
         """Assume anything that is plausible of a robot that nobody knows."""
         kinds = list(product(Rounding, SIGNS, s.RESPONSES))
         springs = np.array([response in s.SPRINGS for _, _, response in kinds])
-        weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN.get(sign, 1.0)
+        weights = np.array([LIKELY_ROUNDING.get(rounding, 1.0) * LIKELY_SIGN[sign]
                             for rounding, sign, _ in kinds])
         weights *= np.resize(LIKELY_RESPONSE, len(kinds))  # the response varies fastest
         means, p = np.zeros((len(kinds), s.SIZE)), np.zeros((len(kinds), s.SIZE, s.SIZE))
@@ -126,7 +126,7 @@ class Assumptions:
         self.open_signs, count = False, len(self.weights)
         self.keep(np.repeat(np.arange(count), len(SIGNS)).tolist())
         self.signs = Signs(*map(np.array, zip(*SIGNS * count)))
-        self.weights *= np.tile([LIKELY_SIGN.get(sign, 1.0) for sign in SIGNS], count)
+        self.weights *= np.tile(list(LIKELY_SIGN.values()), count)
         self.weights /= self.weights.sum()
 
     def afresh(self) -> 'Assumptions':

@@ -246,8 +246,8 @@ def numbers(mean: Array, p: Array, rest: Mapping[str, Any]) -> Knowledge:
 def _sources(rows: Assumptions, whole: Array) -> dict[SignSource, float]:
     """Return how likely each source of signs is; as likely as at first where none mattered yet."""
     if rows.open_signs:
-        likely = [LIKELY_SIGN.get(sign, 1.0) for sign in SIGNS]
-        return {SOURCES[sign]: each / sum(likely) for sign, each in zip(SIGNS, likely)}
+        return {SOURCES[sign]: likely / sum(LIKELY_SIGN.values())
+                for sign, likely in LIKELY_SIGN.items()}
     return _summed([SOURCES[int(kind), bool(late)] for kind, late in zip(*rows.signs)], whole)
 
 

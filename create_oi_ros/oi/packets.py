@@ -164,17 +164,9 @@ class PacketList:
 
     def bits_without(self, *names: str) -> int:
         """Return the bits of a frame that hold neither its checksum nor one of these packets."""
-        checked = self.frame_size - 1
-        bits = bytearray(b'\xff' * checked + b'\0')
-        place = len((HEADER, 'length'))
-        for number in self.ids:
-            place += 1
-            for single in singles(number):
-                size = size_of(single)
-                if NAMES[single] in names:
-                    bits[place:place + size] = bytes(size)
-                place += size
-        return int.from_bytes(bits)
+        every = (packet.wire.every_bit for packet in self.packets)
+        return self._mask | int.from_bytes(self._frame.pack(*(
+            0 if name in names else bits for name, bits in zip(self.names, every))))
 
     def unpack_reply(self, reply: bytes) -> Readings:
         """Decode the reply to Query List (or Sensors); ValueError if its length is wrong."""

@@ -13,6 +13,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Moved
 from create_oi_ros.driver.stream_plan import StreamPlan
 from create_oi_ros.driver.waiting_frames import NOISY, WaitingFrames
+from create_oi_ros.link.session import Session
 from create_oi_ros.sim.body.config import BodyConfig
 from support.loop import AT_ONCE, STEP
 from support.patient_loop import PatientLoop
@@ -94,7 +95,7 @@ def both(act: Callable[[PatientLoop], None], **options) -> tuple[PatientLoop, Pa
         act(loop)
         loop.run(3 * PATIENCE)
         loop.driver.catch_up()
-        loop._report()
+        loop.report()
     return loops
 
 
@@ -162,13 +163,25 @@ def test_a_new_speed_is_taken_in_at_the_same_time():
     assert patient.heard == eager.heard
 
 
-def test_what_waits_comes_before_what_is_asked_of_the_driver():
-    def act(loop: PatientLoop) -> None:
-        loop.drive(0.2, 0.0, 10.05)
-        loop.driver.catch_up()
-        loop.driver.reset_odometry()
-    eager, patient = both(act)
-    assert patient.moved == eager.moved
+def waits() -> PatientLoop:
+    """Return a loop of a robot that drives, while frames wait."""
+    loop = PatientLoop(PATIENCE)
+    loop.drive(0.2, 0.0, 10.0)
+    while loop.kept < 2:
+        loop.turn()
+    return loop
+
+
+@pytest.mark.parametrize('use', [
+    lambda session: session.request().__enter__(), Session.counts, Session.health,
+    Session.close], ids=['request', 'counts', 'health', 'close'])
+def test_a_session_takes_in_what_waits_before_anything_else(use):
+    loop = waits()
+    session = Session(loop.driver, 'nowhere', on_event=lambda event: None,
+                      on_failure=lambda: None, dead_man=False)
+    frames = loop.driver.counts.frames
+    use(session)
+    assert loop.driver.counts.frames == frames + loop.kept
 
 
 def test_health_counts_what_waits():

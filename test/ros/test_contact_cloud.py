@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The topic `contacts`, as a costmap receives it."""
 
-from math import hypot
+from itertools import count
+from math import hypot, inf
 import struct
 
 from create_oi_msgs.msg import Mode
@@ -11,8 +12,14 @@ import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import PointCloud2, PointField
 
+from create_oi_ros import oi
+from create_oi_ros.driver import Moved
 from create_oi_ros.driver.contacts import OUTSIDE
-from create_oi_ros.robot import BODY_RADIUS
+from create_oi_ros.driver.stream_plan import ALL
+from create_oi_ros.odometry import Estimate
+from create_oi_ros.robot import BODY_RADIUS, SLOT
+from create_oi_ros.ros.contact_cloud import ContactCloud
+from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import scene
 
@@ -77,3 +84,19 @@ def test_a_bump_stop_that_does_not_exist_is_refused(stage):
     node = stage.node(robot.link, bump_stop='both')
     assert node.ended() == 2
     assert "parameter bump_stop = 'both'; allowed: off, forward" in node.output
+
+
+def test_each_frame_is_needed_while_there_are_points(stage):
+    heard = stage.ros.listen(PointCloud2, 'contacts', BEST_EFFORT)
+    cloud, slots = ContactCloud(stage.ros.node, Parameters()), count()
+
+    def publish(**readings: int) -> float:
+        stamp = next(slots) * SLOT
+        quiet = dict.fromkeys(ALL, 0)
+        cloud.publish(Moved(stamp, oi.Readings(quiet | readings), Estimate()), Parameters())
+        return stamp
+    assert cloud.due_at == inf
+    stage.ros.until(lambda: publish() and heard, 'a cloud')
+    assert publish() < cloud.due_at < inf
+    publish(bumps_and_wheel_drops=1)
+    assert cloud.due_at == -inf

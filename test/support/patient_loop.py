@@ -7,10 +7,8 @@ from random import Random
 from typing import Any
 
 from create_oi_ros.driver import Moved, Notice
+from create_oi_ros.link.session import READ_TIMEOUT
 from support.loop import Loop, STEP
-
-TIMEOUT = 0.1
-"""Seconds without a byte after which the host polls the driver."""
 
 
 class PatientLoop(Loop):
@@ -30,7 +28,9 @@ class PatientLoop(Loop):
         self.looks = 0
         """How often the host looked at frames."""
         self._due_at = -inf
-        self._polled_at = self.now
+        self._read_at = self.now
+        self.kept = 0
+        """Pieces of bytes that wait."""
 
     def turn(self) -> None:
         """Let one step of time pass."""
@@ -38,10 +38,13 @@ class PatientLoop(Loop):
         self.robot.poll(self.now)
         self._carry_down(self.robot.data_to_send())
         while (data := self._arrived(self._down)) is not None:
-            if not self.driver.may_wait(data, self.now):
+            self._read_at = self.now
+            if self.driver.may_wait(data, self.now):
+                self.kept += 1
+            else:
                 self.driver.receive(data, self.now)
                 self._look()
-        if self.now - self._polled_at > TIMEOUT:
+        if self.now - self._read_at > READ_TIMEOUT:
             self._look()
         self._send()
 
@@ -55,12 +58,11 @@ class PatientLoop(Loop):
             self._down.append((self.now + STEP, data[place:]))
 
     def _look(self) -> None:
-        self.looks += 1
-        self._polled_at = self.now
-        self._report()
+        self.looks, self.kept = self.looks + 1, 0
+        self.report()
         self.driver.poll(self.now)
         self._send()
-        self._report()
+        self.report()
 
     def _send(self) -> None:
         self._carry(self._up, self.driver.data_to_send())
@@ -68,7 +70,8 @@ class PatientLoop(Loop):
             self.heard += data
             self.robot.receive(data, self.now)
 
-    def _report(self) -> None:
+    def report(self) -> None:
+        """Tell the host what has happened."""
         while (event := self.driver.next_event()) is not None:
             if isinstance(event, Moved | Notice):
                 self.told.append((self.now, event))
