@@ -70,7 +70,7 @@ class MeanPose:
         return x + c * east - d * north, y + c * north + d * east, yaw + 2 * half
 
     def _moves(self) -> MeanMotion:
-        """Return how the mean moves, and how the best track speeds up."""
+        """Return how the mean moves and speeds up."""
         wheels, (linear, angular) = self._wheels, self._scales
         (right, left), yaw = wheels.speed[:, :, 0], wheels.poses[2, :, 0]
         ahead = (right + left) * (self._shares * (linear / 2))
@@ -78,7 +78,8 @@ class MeanPose:
         more = more_turn = 0.0
         if self._before is not None and not wheels.settled:
             before, seconds = self._before
-            right, left = ((wheels.speed[:, 0, 0] - before[:, 0, 0]) / seconds).tolist()
+            change = (wheels.speed[:, :, 0] - before[:, :, 0]) @ self._shares
+            right, left = (change / seconds).tolist()
             more = (right + left) * linear / 2
             more_turn = (right - left) * angular / float(wheels.track_width[0, 0])
         return MeanMotion(float(ahead @ np.cos(yaw)), float(ahead @ np.sin(yaw)),
