@@ -253,8 +253,9 @@ class Tracks:
         if self.rows.open_signs and (abs(self.wheels.speed[turning, :, 0]) > ARRIVED).any():
             self._tell_signs_apart()
         were_open = any(self.band.open)
-        answers = self.band.ask(right, left)
-        if were_open or any(self.band.open) or self.rows.means[0, s.MOVES].tolist() != answers:
+        answers = self.band.ask(right, left, self.wheels.requests.age)
+        if not self.band.goes_on and (
+                were_open or self.rows.means[0, s.MOVES].tolist() != answers):
             self._close()
             self.band.decide(self.rows, answers)
             self._spread()
@@ -357,7 +358,7 @@ class Tracks:
         rows.weigh(logs / max(1.0, float(rows.doubt[0])))  # a model that fails tells little
         accumulators.take_out(rows, wholes)
         rows.bound()
-        for wheel in self.band.learn(self.rows):
+        for wheel in self.band.learn(self.rows, self.wheels.requests.age):
             self.wheels.requests.stand(wheel)
         self.doubt.rethink(rows, free=self.is_free)
         self._open_window(arrived=self.wheels.settled)
