@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from .request_history import Array
 
+SLOWEST, MIDDLE, FASTEST = 0.05, 0.076, 0.5
+"""m/s between which a lag depends on the speed, as one over it: by one part below the middle, by
+another above."""
 Bounds = tuple[Array, Array]
 """Lag and ramp of each copy of each wheel."""
 Motion = tuple[Array, Array]
@@ -62,3 +65,9 @@ def _turned_back(goal: Array, speed: Array, after: Array, h: float | Array, soft
     halted, there = bounded(goal, goal - speed, stops, softer)
     after, back = bounded(goal, goal - halted, h - stops, usual)
     return after, there + back
+
+def lag_parts(speed: float) -> tuple[float, float]:
+    """Return how much of the parts of a lag counts that slow and fast wheels have, 0 to 1."""
+    slow = (1 / min(max(speed, SLOWEST), MIDDLE) - 1 / MIDDLE) / (1 / SLOWEST - 1 / MIDDLE)
+    fast = (1 / MIDDLE - 1 / max(speed, MIDDLE)) / (1 / MIDDLE - 1 / FASTEST)
+    return slow, fast

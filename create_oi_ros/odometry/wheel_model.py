@@ -26,9 +26,6 @@ from .noise import MOVED
 from .request_history import Array, RECENT, RequestHistory
 from .springs import Springs
 
-SLOWEST, MIDDLE, FASTEST = 0.05, 0.076, 0.5
-"""m/s between which a lag depends on the speed, as one over it: by one part below the middle, by
-another above."""
 EDGE = 0.005
 """m/s below which an offset fades."""
 ARRIVED = 3e-4
@@ -39,6 +36,8 @@ LEAST_PART = 0.05
 """What is left of a lag at any speed."""
 SHORTEST_LAG, LEAST_RAMP = 0.004, 1e-6
 """Seconds, and s²/m."""
+SAME_SPEED = 1e-6
+"""m/s by which a mean of the same requests may change."""
 MOMENT = 1e-9
 """Seconds in which nothing is asked."""
 OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 1)])
@@ -78,7 +77,8 @@ class WheelModel:
         """Seconds that have passed and that the copies have still to roll."""
         self._slowest = slowest
         """Requests below this may not move a wheel, m/s (`dead_band`)."""
-        self._fastest = 0.0, 0.0
+        self._heard, self._fastest = [0.0, 0.0], (0.0, 0.0)
+        """What the best track's wheels last heard; the faster of that and of their speeds then."""
 
     def spread(self, rows: Rows, steps: Array, *, arrived: bool = False) -> None:
         """
@@ -182,8 +182,6 @@ class WheelModel:
             kinds = self.signs.kinds
             others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
             self.turned += others * self.speed[:, :, 0] ** 2
-        (right, left), speed = self.requests.speeds.tolist(), self.speed[:, 0, 0].tolist()
-        self._fastest = max(abs(right), abs(speed[0])), max(abs(left), abs(speed[1]))
         if not was_recent:  # else they are those of the last step
             self._before = self._sums()
         return change
@@ -236,6 +234,7 @@ class WheelModel:
             means = (sums - self._before) / np.maximum(h, MOMENT)
             self._before = sums
             asked = means[0].take(OF_COPY, axis=2)
+            self._hear(asked)
         h = _of_copies(h)
         before = self.speed
         if self.free or self.settled:
@@ -246,6 +245,16 @@ class WheelModel:
         if not self.free:
             counted = self._counted(travel, before, h, means)
         self._move(travel, counted, scales)
+
+    def _hear(self, asked: Array) -> None:
+        """Note how fast each wheel is that hears of another request: its lag depends on it."""
+        now, before = asked[:, 0, 0].tolist(), self._heard
+        if now != before:
+            speeds = self.speed[:, 0, 0].tolist()
+            self._heard, (right, left) = now, (
+                max(abs(each), abs(speed)) if abs(each - was) > SAME_SPEED else fastest
+                for each, was, speed, fastest in zip(now, before, speeds, self._fastest))
+            self._fastest = right, left
 
     def _sums(self) -> Array:
         """Return sums over the requests as late as each track's dead time, and its copy's."""
@@ -312,7 +321,7 @@ class WheelModel:
         """Work out the lag at the present speeds, and for springs what it does in h seconds."""
         if self._lag_of != self._fastest:
             self._lag_of = self._fastest
-            right, left = map(lag_parts, self._fastest)
+            right, left = map(lags.lag_parts, self._fastest)
             parts = *right, *left
             if any(abs(part - was) > ALIKE for part, was in zip(parts, self._parts)):
                 self._take_lag(parts)
@@ -389,10 +398,3 @@ def _rolled(travel: Array, before: Array, after: Array, h: float | Array) -> Arr
         both = (before * before + after * after) * (h / 2) / change
         rolled = np.where(back, both, rolled)
     return rolled
-
-
-def lag_parts(speed: float) -> tuple[float, float]:
-    """Return how much of the parts of a lag counts that slow and fast wheels have, 0 to 1."""
-    slow = (1 / min(max(speed, SLOWEST), MIDDLE) - 1 / MIDDLE) / (1 / SLOWEST - 1 / MIDDLE)
-    fast = (1 / MIDDLE - 1 / max(speed, MIDDLE)) / (1 / MIDDLE - 1 / FASTEST)
-    return slow, fast

@@ -12,7 +12,7 @@ import numpy as np
 from ...odometry import Family, Knowledge, Known, Rounding, SignSource
 from ...odometry import states as s
 from ...odometry.knowledge import ANY, numbers, STATES
-from ...odometry.wheel_model import lag_parts
+from ...odometry.lags import lag_parts
 from .fit import Fit, fit, search
 from .fractions import roundings
 from .moves import Reads
