@@ -87,8 +87,9 @@ class Filter:
         if self._gap:
             tracks.resume(right, left)
         rested = steady and tracks.rests
-        tracks.advance(dt, right, left)
-        self._obedience.step(dt, right, left, tracks)
+        if driven or self.driven is not None:  # else it is the time before the origin
+            tracks.advance(dt, right, left)
+            self._obedience.step(dt, right, left, tracks)
         self._gap, self.driven, self._lifted = False, driven, increment.lifted
         self._lost = self._lost or increment.lost
         return rested
@@ -111,14 +112,14 @@ class Filter:
         missed, self._missed = self._missed, []
         if self._lost:
             missed.append((self._asked, tracks.held))
-        if self._discard or any(tracks.since(*held, distance, angle) for held in missed):
+        if self._discard or any(came_since(*held, distance, angle, tracks) for held in missed):
             # The first reading may hold travel from before; one that was lost on the line has
             # taken away what this one lacks.
             tracks.discard()
         else:
             if self.driven:
                 obedience.judge(distance, angle, tracks)
-            tracks.read(distance, angle, doubted=self._doubt)
+            tracks.read(distance, angle, doubted=self._doubt, driven=bool(self.driven))
         obedience.restart()
         self._discard = self._doubt = False
         self._knowledge = None
@@ -128,3 +129,19 @@ class Filter:
 def _requests(increment: Increment) -> tuple[float, float]:
     """Return what the wheels are asked that obey."""
     return (increment.right, increment.left) if increment.driven else (0.0, 0.0)
+
+
+def came_since(began: Held, ended: Held, distance: int, angle: int, tracks: Tracks) -> bool:
+    """
+    Tell whether a surprising reading is only what came since a moment.
+
+    A reading was lost on the line while the accumulators held something between these.
+    """
+    if tracks.is_free or tracks.explains(distance, angle):
+        return False
+    for (_, unit), whole, now, first, last in zip(
+            UNITS, (distance, angle), tracks.held, began, ended):
+        low, high = sorted((now - first, now - last))
+        if not low - 2 * unit <= whole * unit <= high + 2 * unit:
+            return False
+    return True

@@ -8,7 +8,7 @@ depends on the rounding. Of a normal distribution that is cut to an interval a p
 is described here by its mass, mean and variance (docs/odometry.md, "An integer is an interval").
 """
 
-from math import erf, erfc, exp, sqrt, tau
+from math import erf, erfc, exp, inf, sqrt, tau
 
 from ..robot import Rounding
 
@@ -24,6 +24,21 @@ def interval(rounding: Rounding, whole: int) -> tuple[float, float]:
         return whole - 0.5, whole + 0.5
     return (float(whole) if whole > 0 else whole - 1.0,
             float(whole) if whole < 0 else whole + 1.0)
+
+
+def telling_in(rounding: Rounding, amount: float, rate: float, room: float) -> float:
+    """
+    Return in how many seconds an amount comes near to where another whole number begins.
+
+    It grows by `rate` in a second; `room`: how near. 0: it is; infinity: it never does.
+    """
+    whole = abs(amount)
+    ends = interval(rounding, round(whole) if rounding is Rounding.ROUND else int(whole))
+    if amount < 0:
+        ends = -ends[1], -ends[0]
+    if min(abs(end - amount) for end in ends) < room:
+        return 0.0
+    return (abs(ends[rate > 0] - amount) - room) / abs(rate) if rate else inf
 
 
 def cut_normal(low: float, high: float) -> tuple[float, float, float]:

@@ -24,7 +24,7 @@ from .mark import MarkedPose
 from .mean_pose import MeanPose
 from .noise import MOVED, PLACE
 from .request_history import Array, RECENT
-from .rounding import interval
+from .rounding import telling_in
 from .states import DEGREE, MM
 from .wheel_model import ARRIVED, WheelModel
 
@@ -47,6 +47,8 @@ NEAR = 0.002
 """m/s from its goal at which a wheel's speed is known well enough to tell roundings apart."""
 SWIFT = 0.3
 """Seconds in which most wheels have followed a request."""
+SLIGHT = 0.1
+"""Part of a unit: less in a window that is read as zero is no motion, where nothing drives."""
 RESTLESS = 0.03
 """Doubt of the speed of wheels that begin or cease to obey, m/s."""
 ALL, BEST = slice(None), slice(1)
@@ -138,14 +140,7 @@ class Tracks:
         rate = self.rates[1] / DEGREE
         angle = float(self.rows.means[0, s.ANGLE]) + self.wheels.best_counts[1]
         angle = angle / DEGREE + rate * (self.wheels.behind + ahead)
-        rounding, amount = self.rows.roundings[0], abs(angle)
-        ends = interval(rounding, round(amount) if rounding is Rounding.ROUND else int(amount))
-        if angle < 0:
-            ends = -ends[1], -ends[0]
-        room = OPEN * self._vague
-        if min(abs(end - angle) for end in ends) < room:
-            return 0.0
-        return (abs(ends[rate > 0] - angle) - room) / abs(rate) if rate else inf
+        return telling_in(self.rows.roundings[0], angle, rate, OPEN * self._vague)
 
     def goals(self, right: float, left: float) -> tuple[float, float]:
         """Return the speeds at which the wheels settle when they are asked for these, m/s."""
@@ -332,12 +327,22 @@ class Tracks:
 
     # Readings.
 
-    def read(self, distance: int, angle: int, *, doubted: bool = False) -> None:
-        """Take a reading in; `doubted`: expect nothing of it."""
+    def read(self, distance: int, angle: int, *, doubted: bool = False, driven: bool = True,
+             ) -> None:
+        """Take a reading in; `doubted`: expect nothing of it; `driven`: else only pushes move."""
         wholes, rows = (distance, angle), self.rows
         if wholes == (0, 0) and self.rests and not self.wheels.path.any():
             self._window = 0.0
             return  # it stood all the time, and nothing is learned
+        self._catch_up()
+        moved = zip(self.wheels.best_counts, UNITS)
+        if wholes == (0, 0) and not driven and all(
+                abs(count) < SLIGHT * unit for count, (_, unit) in moved):
+            self._forget()
+            for index in s.SPEEDS:
+                rows.clear(index, 0.0, RESTLESS ** 2)
+            self._open_window()
+            return  # nobody pushes it
         self._close()
         if self._wild and any(wholes):
             width = float(self.wheels.track_width[0, 0])
@@ -368,21 +373,6 @@ class Tracks:
         self._close()
         accumulators.empty(self.rows)
         self._open_window(arrived=self.wheels.settled)
-
-    def since(self, began: Held, ended: Held, distance: int, angle: int) -> bool:
-        """
-        Tell whether a surprising reading is only what came since a moment.
-
-        A reading was lost on the line while the accumulators held something between these.
-        """
-        if self.is_free or self.explains(distance, angle):
-            return False
-        for (_, unit), whole, now, first, last in zip(
-                UNITS, (distance, angle), self.held, began, ended):
-            low, high = sorted((now - first, now - last))
-            if not low - 2 * unit <= whole * unit <= high + 2 * unit:
-                return False
-        return True
 
     def explains(self, distance: int, angle: int) -> bool:
         """Tell whether a plausible track expected such a reading."""

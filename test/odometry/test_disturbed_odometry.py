@@ -3,15 +3,16 @@
 """Odometry of robots that are held, pushed or lifted, and over lines that lose readings."""
 
 from dataclasses import replace
-from math import hypot
+from math import degrees, hypot
 
 import pytest
 
 from create_oi_ros.odometry import Increment, Odometry
+from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import IDEAL
 from create_oi_ros.sim.world import World
-from support.ride import assert_smooth, Ride, SLOT
+from support.ride import assert_smooth, Ride, ROUNDINGS, SLOT
 
 
 def test_a_reversal_just_before_a_reading_is_no_disobedience() -> None:
@@ -107,6 +108,32 @@ def test_a_reading_that_was_lost_on_the_line_does_not_take_travel_back() -> None
     ride.go(3)
     assert ride.miss[0] < 0.08
     assert ride.miss[1] < 3
+
+
+def doubt_after(ride: Ride, seconds: float) -> float:
+    """Return how little the yaw is known, degrees, after a reading in the last second of many."""
+    ride.go(seconds)
+    return degrees(min(each.pose_covariance[8] for each in ride.estimates[-70:]) ** 0.5)
+
+
+@pytest.mark.parametrize('rounding', ROUNDINGS)
+def test_a_robot_that_stands_in_passive_stays_where_it_is_known_to_be(rounding: Rounding) -> None:
+    """Nothing drives it. It may be pushed, but readings of zero say that it is not."""
+    ride = Ride(rounding)
+    ride.driven = False
+    before = doubt_after(ride, 10)
+    assert doubt_after(ride, 600) < before + 0.1
+    ride.body.push(speed=0.2, rate=0.5, seconds=3.0)
+    pushed = doubt_after(ride, 10)
+    assert pushed > before + 2
+    assert doubt_after(ride, 600) < pushed + 0.1
+
+
+def test_the_time_before_the_first_frame_moves_nothing_from_the_origin() -> None:
+    """Nobody knows what a robot did that nothing drove, but the origin is where it is now."""
+    odometry = Odometry(window=1.0)
+    odometry.update(Increment(dt=SLOT, right=0.0, left=0.0, driven=False, distance=0, angle=0))
+    assert odometry.estimate.pose_covariance[8] < 1e-8
 
 
 def test_a_held_robot_is_not_taken_for_one_whose_reading_was_lost() -> None:

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a whole number says about the amount behind it."""
 
-from math import exp, sqrt, tau
+from math import exp, inf, sqrt, tau
 
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.odometry.rounding import cut_normal, interval
+from create_oi_ros.odometry.rounding import cut_normal, interval, telling_in
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.encoders import Accumulator
 from support.ride import ROUNDINGS
@@ -73,3 +73,14 @@ def test_an_interval_holds_whatever_rounds_to_its_number(
     accumulator.add(amount)
     low, high = interval(rounding, accumulator.take())
     assert low - 1e-5 <= amount <= high + 1e-5
+
+
+@pytest.mark.parametrize(('rounding', 'amount', 'rate', 'seconds'), [
+    (Rounding.TRUNCATE, 2.5, 0.5, 0.8), (Rounding.TRUNCATE, 2.5, -0.5, 0.8),
+    (Rounding.TRUNCATE, -2.25, -0.5, 1.3), (Rounding.TRUNCATE, 0.25, -0.5, 2.3),
+    (Rounding.ROUND, 2.0, 0.5, 0.8), (Rounding.ROUND, -2.25, -0.5, 0.3),
+    (Rounding.TRUNCATE, 2.95, 0.5, 0.0), (Rounding.TRUNCATE, 2.05, 0.5, 0.0),
+    (Rounding.ROUND, 2.5, 0.0, 0.0), (Rounding.ROUND, 2.0, 0.0, inf)])
+def test_an_amount_tells_most_where_another_whole_number_begins(
+        rounding: Rounding, amount: float, rate: float, seconds: float) -> None:
+    assert telling_in(rounding, amount, rate, 0.1) == pytest.approx(seconds)

@@ -8,6 +8,7 @@ import pytest
 
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.odometry.assumptions import Assumptions, SIGNS
+from create_oi_ros.odometry.filter import came_since
 from create_oi_ros.odometry.tracks import Tracks
 from support.ride import SLOT
 
@@ -33,16 +34,16 @@ def test_a_reading_of_what_came_since_a_lost_one_is_known_by_its_size(tracks: Tr
     for _ in range(200):
         tracks.advance(SLOT, SPEED, SPEED)
     since, before = (round(1000 * (tracks.held[0] - held[0])) for held in (ended, began))
-    assert tracks.since(began, ended, since, 0)
-    assert tracks.since(began, ended, before, 0)
-    assert not tracks.since(began, ended, since - 10, 0)
-    assert not tracks.since(began, ended, before + 10, 0)
-    assert not tracks.since(began, ended, since, 10)  # and it has turned, which nothing lost
+    assert came_since(began, ended, since, 0, tracks)
+    assert came_since(began, ended, before, 0, tracks)
+    assert not came_since(began, ended, since - 10, 0, tracks)
+    assert not came_since(began, ended, before + 10, 0, tracks)
+    assert not came_since(began, ended, since, 10, tracks)  # and it has turned, which nothing lost
 
 
 def test_a_reading_that_is_expected_is_not_taken_for_part_of_one(tracks: Tracks) -> None:
     held = round(1000 * tracks.held[0])
-    assert not tracks.since((0.0, 0.0), (0.0, 0.0), held, 0)
+    assert not came_since((0.0, 0.0), (0.0, 0.0), held, 0, tracks)
 
 
 def doubt_of_change(dt: float) -> float:
