@@ -43,24 +43,25 @@ def telling_in(rounding: Rounding, amount: float, rate: float, room: float) -> f
 
 def cut_normal(low: float, high: float) -> tuple[float, float, float]:
     """Return mean, variance and mass of the standard normal's part between low and high."""
-    if low > -high:
+    mirrored = low > -high
+    if mirrored:
         # The moments are wanted from the tail that is computed without cancellation.
-        mean, variance, mass = cut_normal(-high, -low)
-        return -mean, variance, mass
+        low, high = -high, -low
     if high < -FAR_TAIL:
-        return _cut_tail(low, high)
-    if high < 0:
-        mass = (erfc(-high * ROOT_HALF) - erfc(-low * ROOT_HALF)) / 2
+        mean, variance, mass = _cut_tail(low, high)
     else:
-        mass = (erf(high * ROOT_HALF) - erf(low * ROOT_HALF)) / 2
-    width = high - low
-    if width < 1e-3:
-        # So narrow a piece is flat.
-        return (low + high) / 2, width * width / 12, mass
-    at_low, at_high = _density(low), _density(high)
-    mean = (at_low - at_high) / mass
-    variance = 1 + (low * at_low - high * at_high) / mass - mean * mean
-    return mean, min(1.0, max(variance, 1e-9)), mass
+        mass = (erfc(-high * ROOT_HALF) - erfc(-low * ROOT_HALF) if high < 0 else
+                erf(high * ROOT_HALF) - erf(low * ROOT_HALF)) / 2
+        width = high - low
+        if width < 1e-3:
+            # So narrow a piece is flat.
+            mean, variance = (low + high) / 2, width * width / 12
+        else:
+            at_low, at_high = _density(low), _density(high)
+            mean = (at_low - at_high) / mass
+            variance = 1 + (low * at_low - high * at_high) / mass - mean * mean
+            variance = min(1.0, max(variance, 1e-9))
+    return -mean if mirrored else mean, variance, mass
 
 
 def _density(z: float) -> float:

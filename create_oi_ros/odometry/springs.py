@@ -109,10 +109,9 @@ def _in_two(goal: Array, speed: Array, rate: Array, after: Array, braking: Array
     """Do the same where wheels begin or cease to brake, about when they pass zero or the goal."""
     passed = np.where((goal - speed) * (goal - after) < 0, goal, 0.0)
     first = h * np.clip((passed - speed) / (after - speed), 0.0, 1.0)
-    travel, softer = np.zeros_like(speed), lag / harder
-    for lags, seconds in ((np.where(braking, softer, lag), first),
-                          (np.where(braking, lag, softer), h - first)):
-        factors = _factors(lags, damping, swing, seconds)
-        speed, rate, went = _step(factors, goal, goal - speed, rate, seconds)
-        travel += went
-    return speed, rate, travel
+    softer, seconds = lag / harder, np.array([first, h - first])
+    lags = np.array([np.where(braking, softer, lag), np.where(braking, lag, softer)])
+    both = _factors(lags, damping, swing, seconds)
+    speed, rate, there = _step(both[:, 0], goal, goal - speed, rate, seconds[0])
+    speed, rate, then = _step(both[:, 1], goal, goal - speed, rate, seconds[1])
+    return speed, rate, there + then

@@ -285,7 +285,7 @@ class WheelModel:
         if springs.some and not springs.only:
             which = springs.which
             self.speed[:, which], travel[:, which] = springs.roll(
-                goal[:, which], way[:, which], before[:, which])
+                *(each.take(which, axis=1) for each in (goal, way, before)))
         if not recent and self.farthest < ARRIVED and not (springs.some and springs.swinging):
             self._settle(goal, travel)
         return travel
@@ -330,10 +330,10 @@ class WheelModel:
             return
         if not isinstance(h, float):
             self._springs_of = 0.0
-            springs.prepare(self._lag[:, springs.which], h[springs.which])
+            springs.prepare(self._lag.take(springs.which, axis=1), h[springs.which])
         elif h != self._springs_of:
             self._springs_of = h
-            springs.prepare(self._lag[:, springs.which], h)
+            springs.prepare(self._lag.take(springs.which, axis=1), h)
 
     def _take_lag(self, parts: tuple[float, ...]) -> None:
         """Work out the lag anew: its slow and fast part count so much, right then left."""
@@ -355,7 +355,7 @@ class WheelModel:
         rolled = _rolled(travel, before, self.speed, h)
         kept, up = self.requests.signs
         if means is not None:
-            _, late_kept, late_up = means.take(OF_COPY, axis=3)
+            late_kept, late_up = means[1:].take(OF_COPY, axis=3)
             late = self.signs.late[:, None]
             kept, up = np.where(late, late_kept, kept), np.where(late, late_up, up)
         if self._kinds == {LAST}:
