@@ -65,13 +65,13 @@ def cut_normal(low: float, high: float) -> tuple[float, float, float]:
 
 
 def _density(z: float) -> float:
-    return exp(-z * z / 2) / ROOT_TAU if abs(z) < 38 else 0.0
+    return exp(-z * z / 2) / ROOT_TAU
 
 
 def _cut_tail(low: float, high: float) -> tuple[float, float, float]:
     """Return the same far below zero, where the density falls like exp(-rate (high - z))."""
     rate, width = -high, high - low
-    fall = exp(-rate * width) if rate * width < 700 else 0.0
+    fall = exp(-rate * width)
     if rate * width < 1e-3:
         return (low + high) / 2, width * width / 12, _density(high) * width
     mean = high - 1 / rate + width * fall / (1 - fall)
