@@ -44,7 +44,10 @@ class MeanPose:
 
     def begin(self, shares: Array, scales: tuple[float, float]) -> None:
         """Take new copies of the wheels, the tracks' shares, and true over counted travel."""
-        self._shares, self._scales = shares, scales
+        self._shares, (linear, angular) = shares, scales
+        self._ahead = shares * (linear / 2)
+        self._turn = shares * angular / self._wheels.track_width[:, 0]
+        """By which sums and differences of the wheels' speeds become those of the mean."""
         self._pose = self._motion = self._before = None
 
     def roll(self) -> None:
@@ -71,16 +74,14 @@ class MeanPose:
 
     def _moves(self) -> MeanMotion:
         """Return how the mean moves and speeds up."""
-        wheels, (linear, angular) = self._wheels, self._scales
+        wheels = self._wheels
         (right, left), yaw = wheels.speed[:, :, 0], wheels.poses[2, :, 0]
-        ahead = (right + left) * (self._shares * (linear / 2))
-        turn = (right - left) / wheels.track_width[:, 0]
+        ahead = (right + left) * self._ahead
         more = more_turn = 0.0
         if self._before is not None and not wheels.settled:
             before, seconds = self._before
-            change = (wheels.speed[:, :, 0] - before[:, :, 0]) @ self._shares
-            right, left = (change / seconds).tolist()
-            more = (right + left) * linear / 2
-            more_turn = (right - left) * angular / float(wheels.track_width[0, 0])
+            right_more, left_more = (wheels.speed[:, :, 0] - before[:, :, 0]) / seconds
+            more = float((right_more + left_more) @ self._ahead)
+            more_turn = float((right_more - left_more) @ self._turn)
         return MeanMotion(float(ahead @ np.cos(yaw)), float(ahead @ np.sin(yaw)),
-                          angular * float(turn @ self._shares), more, more_turn)
+                          float((right - left) @ self._turn), more, more_turn)

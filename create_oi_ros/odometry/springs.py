@@ -60,13 +60,20 @@ class Springs:
             factors = np.where(braking, self._braked, self._easy)
         rate = self.rate
         after, self.rate, travel = _step(factors, goal, way, rate, self._h)
-        other = (braking != ((goal - after) * after < 0)) & (np.abs(after - speed) > SLIGHT)
+        other = braking != ((goal - after) * after < 0)
+        if other.any():
+            other &= np.abs(after - speed) > SLIGHT
         if other.any():  # these begin or cease to brake within the step
-            at = other.nonzero()
-            h = self._h if isinstance(self._h, float) else self._h[at[1:]]
-            after[at], self.rate[at], travel[at] = _in_two(
-                goal[at], speed[at], rate[at], after[at], braking[at], h, self._lag[at],
-                self._braking[at[1:]], self._damping[at[1:]], self._swing[at[1:]])
+            # Positions in the flat arrays: take is several times faster than an index of all axes.
+            at = np.flatnonzero(other)
+            copy = at % self._damping.size
+            h = self._h if isinstance(self._h, float) else self._h.take(copy)
+            parted = _in_two(
+                goal.take(at), speed.take(at), rate.take(at), after.take(at), braking.take(at), h,
+                self._lag.take(at), self._braking.take(copy), self._damping.take(copy),
+                self._swing.take(copy))
+            for whole, part in zip((after, self.rate, travel), parted):
+                whole.ravel()[at] = part
         return after, travel
 
     def stop(self) -> Array:
@@ -82,14 +89,19 @@ class Springs:
 
 def _factors(lag: Array, damping: Array, swing: Array, h: float | Array) -> Array:
     """Return how ways and rates become those h seconds later, and what that costs."""
-    omega = 2 * damping / lag
-    decay, swing = damping * omega, swing * omega
-    shrunk, angle, square = np.exp(-decay * h), swing * h, omega * omega
-    cos, sin = shrunk * np.cos(angle), shrunk * np.sin(angle) / swing
-    damped = decay * sin
     made = np.empty((6, *lag.shape))
-    made[0], made[1], made[2] = cos + damped, sin, square * sin
-    made[3], made[4], made[5] = cos - damped, 1 / square, lag
+    stay, push, pull, keep, mass, _ = made
+    made[5] = lag
+    omega = 2 * damping / lag
+    passed = omega * h
+    shrunk, angle = np.exp(passed * -damping), passed * swing
+    cos, sin = shrunk * np.cos(angle), shrunk * np.sin(angle) / swing
+    np.divide(sin, omega, out=push)
+    np.multiply(sin, omega, out=pull)
+    sin *= damping
+    np.add(cos, sin, out=stay)
+    np.subtract(cos, sin, out=keep)
+    np.divide(1.0, omega * omega, out=mass)
     return made
 
 
@@ -103,7 +115,7 @@ def _step(factors: Array, goal: Array, way: Array, rate: Array, h: float | Array
     return goal - left, after, travel
 
 
-def _in_two(goal: Array, speed: Array, rate: Array, after: Array, braking: Array,
+def _in_two(goal: Array, speed: Array, rate: Array, after: Array, braking: NDArray[np.bool_],
             h: float | Array, lag: Array, harder: Array, damping: Array, swing: Array,
             ) -> tuple[Array, Array, Array]:
     """Do the same where wheels begin or cease to brake, about when they pass zero or the goal."""

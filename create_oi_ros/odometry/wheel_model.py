@@ -88,7 +88,9 @@ class WheelModel:
         for. A reading that corrects a gain corrects the speed with it, not what follows.
         """
         self.signs, means = rows.signs, rows.means
-        self._kinds = set(rows.signs.kinds.tolist())
+        kinds = rows.signs.kinds
+        self._kinds, self._late = set(kinds.tolist()), rows.signs.late[:, None]
+        self._of_motion, self._of_last = (kinds == NONE)[:, None], (kinds == LAST)[:, None]
         copies = np.repeat(means.T[:s.DISTANCE, :, None], s.UNKNOWNS + 1, axis=2)
         np.einsum('utu->ut', copies[:s.UNKNOWNS, :, 1:])[:] += steps.T
         self.steps = steps
@@ -268,9 +270,8 @@ class WheelModel:
         self._find_lag(h)
         springs, before = self._springs, self.speed
         way = goal - before
-        far = np.abs(way)
         if not recent:
-            self.farthest = float(far.max())
+            self.farthest = float(np.abs(way).max())
         if springs.only:
             self.speed, travel = springs.roll(goal, way, before)
         else:
@@ -278,7 +279,7 @@ class WheelModel:
             if braking.any():
                 self.speed, travel = lags.braked(
                     goal, before, braking, h, self._usual, self._softer)
-            elif (far * self._ramp > self._lag).any():
+            elif (np.abs(way) * self._ramp > self._lag).any():
                 self.speed, travel = lags.bounded(goal, way, h, self._usual)
             else:
                 travel = self._follow_freely(goal, way, h)
@@ -356,27 +357,26 @@ class WheelModel:
         kept, up = self.requests.signs
         if means is not None:
             late_kept, late_up = means[1:].take(OF_COPY, axis=3)
-            late = self.signs.late[:, None]
-            kept, up = np.where(late, late_kept, kept), np.where(late, late_up, up)
+            kept = np.where(self._late, late_kept, kept)
+            up = np.where(self._late, late_up, up)
         if self._kinds == {LAST}:
             return kept * rolled
-        kinds = self.signs.kinds[:, None]
-        return np.where(kinds == NONE, travel, np.where(kinds == LAST, kept, up) * rolled)
+        return np.where(self._of_motion, travel, np.where(self._of_last, kept, up) * rolled)
 
     def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
-        poses = self.poses
+        x, y, yaw = self.poses
         right, left = travel
         if self._width_of != scales:
             self._width_of, self._turn = scales, scales[1] / self.track_width
         turn = (right - left) * self._turn
         went = (right + left) * (scales[0] / 2)
         half = turn / 2
-        middle = poses[2] + half
+        middle = yaw + half
         if self.settled:  # an arc, maybe a long one
             went *= np.sinc(half / np.pi)
-        poses[0] += went * np.cos(middle)
-        poses[1] += went * np.sin(middle)
-        poses[2] += turn
+        x += went * np.cos(middle)
+        y += went * np.sin(middle)
+        yaw += turn
         self._rolled += counted
         best = travel[:, :, 0]
         self.path += np.abs(best)
