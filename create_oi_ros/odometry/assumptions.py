@@ -31,6 +31,9 @@ LIKELY_RESPONSE = [1.0] * len(s.LAGS) + [0.4, 0.1]
 thing to assume."""
 IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
 """Weights below which a track is given up, and below which it has no share in the estimate."""
+FAINT = 1e-4
+"""Part of the weight of the best spring below which a spring is given up, and likewise a lag:
+springs learn later than lags what their wheels are like, so these do not judge them."""
 CLEAR, LEAST_WEIGHT = 5.0, 2e-6
 """Doubt of the best track from which on no other is given up, and the weight that others keep."""
 UNSTEADY = np.array([0.0, 0.002, 0.005, 0.01]) ** 2
@@ -80,6 +83,8 @@ class Assumptions:
     """How many of these were far enough apart to tell how the wheels run."""
     open_signs: bool = False
     """Whether each track stands for all signs of encoders: none has made a difference yet."""
+    reborn: bool = False
+    """Whether all was tried again, so that what is right may be faint at first."""
     mark: MarkedPose | None = None
     """Where the robot was at a moment; None: nobody wants to know."""
     steadiness: Array = field(init=False)
@@ -164,14 +169,25 @@ class Assumptions:
         """Weigh the tracks by how likely each found a reading (logarithms); drop some."""
         weights = self.weights * np.exp(np.maximum(logs - logs.max(), -LEAST))
         weights /= weights.sum()
+        least: Array | float = IMPLAUSIBLE
         if self.doubt[weights.argmax()] > CLEAR and self.readings < OLD:
             weights = np.maximum(weights, LEAST_WEIGHT)
+        elif not self.reborn:
+            least = np.maximum(IMPLAUSIBLE, FAINT * self._best_alike(weights))
+        plausible = weights > least
         self.weights = weights
         self.readings += 1
-        order = [int(i) for i in np.argsort(-weights) if weights[i] > IMPLAUSIBLE]
+        order = [int(i) for i in np.argsort(-weights) if plausible[i]]
         if self.readings > YOUNG:
             order = self._best_of_each(order)
         self.keep(order)
+
+    def _best_alike(self, weights: Array) -> Array:
+        """Return for each track the largest of these weights among its kind: springs, or lags."""
+        springs, lags = (
+            weights[kind].max(initial=0.0) for kind in (self.springs, ~self.springs))
+        best: Array = np.where(self.springs, springs, lags)
+        return best
 
     def _best_of_each(self, order: list[int]) -> list[int]:
         """Return the best track of each rounding and sign; its other response if it comes near."""
