@@ -37,6 +37,8 @@ SMALLEST_STEP = 1e-5
 CURVED, CURVED_SPRING = 0.2, 0.3
 """Part of what unknowns are believed to do that is not in proportion to them, for lags and for
 springs."""
+SPRUNG = 0.5
+"""How much larger the variance of a pose is than a filter of wheels that overshoot believes."""
 FAMILIAR, PUZZLED, APART = 64, 5.0, 1.0
 """Readings after which a robot is known, unless the best track has this doubt; seconds from one to
 the next that count as one. Those of a probe teach how it rounds, not how its wheels run."""
@@ -164,6 +166,7 @@ class Tracks:
         far, turn = np.sqrt(p.diagonal()[3:]).tolist()
         self._vague, self.blur = turn / DEGREE, max(far / MM / 2, turn / DEGREE)
         p = p[:3, :3] + (off * self._shares) @ off.T
+        p *= 1 + SPRUNG * float(self._shares @ self.rows.springs)
         return tuple(((p + p.T) / 2).ravel().tolist())
 
     def twist_variance(self) -> tuple[float, float]:
@@ -250,7 +253,7 @@ class Tracks:
         were_open = any(self.band.open)
         answers = self.band.ask(right, left, self.wheels.requests.age)
         if not self.band.goes_on and (
-                were_open or self.rows.means[0, s.MOVES].tolist() != answers):
+                were_open or [self.rows.means.item(0, index) for index in s.MOVES] != answers):
             self._close()
             self.band.decide(self.rows, answers)
             self._spread()

@@ -230,6 +230,15 @@ def test_covariances_of_pose_and_twist_are_those_of_the_states():
         (both / 4 + 1e-6, both / FIRMWARE_SEPARATION ** 2 + 1e-6), rel=1e-3)
 
 
+def test_the_pose_of_wheels_that_overshoot_is_less_sure_than_their_filter_is():
+    tracks = driven(sure(), 0.3, 0.1, 1.5)
+    tracks.rows.clear(s.YAW, 0.0, 1e-4)
+    believed, blur = np.array(tracks.pose_covariance()), tracks.blur
+    tracks.rows.springs[:] = True
+    assert tracks.pose_covariance() == pytest.approx(1.5 * believed)
+    assert tracks.blur == blur
+
+
 def test_doubt_of_the_heading_becomes_doubt_of_the_place_as_the_robot_drives():
     tracks = driven(sure(), 0.2, 0.2, 1.5)
     tracks.reset()
