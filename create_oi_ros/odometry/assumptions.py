@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ..robot import Rounding
 from . import states as s
+from .encoder_signs import LAST, NONE, Signs, UPWARD
 from .mark import MarkedPose
 from .request_history import Array
-from .wheel_model import LAST, NONE, Signs, UPWARD
 
 LIKELY_ROUNDING = {Rounding.TRUNCATE: 2.0}
 LIKELY_SIGN = {(NONE, False): 1.0, (LAST, False): 2.0, (LAST, True): 4.0, (UPWARD, False): 1.0,
@@ -58,6 +58,8 @@ YOUNG, OLD = 30, 120
 """Readings from which on only one track of each kind is kept, and none for the sake of variety."""
 LOWEST, HIGHEST = np.array([(prior.low, prior.high) for prior in s.PRIORS]).T
 """The range of each state; springs have their own damping."""
+SMALLEST_STEP = 1e-5
+"""Least difference between a copy of the wheels and its track."""
 LEAST = 4.0
 """The most by which one reading may tell two tracks apart, as a logarithm."""
 
@@ -164,6 +166,13 @@ class Assumptions:
         shares: Array = np.where(self.weights < NEGLIGIBLE, 0.0, self.weights)
         shares /= shares.sum()
         return shares
+
+    def steps(self) -> Array:
+        """Return by how much the copies of each track's wheels are off, each in its unknown."""
+        variances = self.p.diagonal(axis1=1, axis2=2)[:, :s.UNKNOWNS]
+        steps: Array = np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2))
+        steps[~self.springs, s.BRAKING] *= -1  # softer brakes: harder ones tell nothing
+        return steps
 
     def weigh(self, logs: Array) -> None:
         """Weigh the tracks by how likely each found a reading (logarithms); drop some."""

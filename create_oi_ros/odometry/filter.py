@@ -88,7 +88,7 @@ class Filter:
             tracks.resume(right, left)
         rested = steady and tracks.rests
         if driven or self.driven is not None:  # else it is the time before the origin
-            tracks.advance(dt, right, left)
+            tracks.advance(dt, right, left, to_read=increment.distance is not None)
             self._obedience.step(dt, right, left, tracks)
         self._gap, self.driven, self._lifted = False, driven, increment.lifted
         self._lost = self._lost or increment.lost

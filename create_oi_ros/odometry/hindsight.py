@@ -71,14 +71,14 @@ class Hindsight:
             self._other = Filter(self._geometry, rows.afresh(), DeadBand(band.stands, band.moves))
             self._entry = self._times = 0
         for _ in range(HASTE):
-            told = self._follow(self._other)
-            if told is None:
+            copies = self._other.tracks.wheels.steps
+            if self._follow(self._other) is None:
                 other, self._other = self._other, None
                 self._left.pop(0)
                 self._readings = 0  # it may have had some fewer
                 return other
-            if isinstance(told, Increment) and told.distance is not None:
-                break  # readings are dear
+            if self._other.tracks.wheels.steps is not copies:
+                break  # copies of the wheels that are made anew are dear, as with each reading
         return None
 
     def _follow(self, other: Filter) -> Told | None:

@@ -21,9 +21,9 @@ from ..robot import Rounding, SLOT
 from . import states as s
 from .assumptions import Assumptions, LIKELY_SIGN, SIGNS
 from .dead_band import DeadBand
+from .encoder_signs import LAST, NONE, Signs, UPWARD
 from .lags import lag_parts
 from .request_history import Array
-from .wheel_model import LAST, NONE, Signs, UPWARD
 
 
 class SignSource(Enum):

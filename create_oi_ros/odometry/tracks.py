@@ -32,8 +32,6 @@ STRIDE = 1.9 * SLOT
 """Seconds that wheels roll at once while their speeds change."""
 LATE = 1.6 * SLOT
 """Seconds of a frame from which on one before it was lost."""
-SMALLEST_STEP = 1e-5
-"""Least difference between a copy and its track."""
 CURVED, CURVED_SPRING = 0.2, 0.3
 """Part of what unknowns are believed to do that is not in proportion to them, for lags and for
 springs."""
@@ -178,9 +176,9 @@ class Tracks:
 
     # Motion.
 
-    def advance(self, dt: float, right: float, left: float) -> None:
+    def advance(self, dt: float, right: float, left: float, *, to_read: bool = False) -> None:
         """
-        Let time pass under these requests.
+        Let time pass under these requests; `to_read`: a reading follows at once.
 
         Where frames were lost, nobody knows when within that time the requests came.
         """
@@ -188,7 +186,7 @@ class Tracks:
             if dt > LATE:
                 dt /= 2
                 self._roll(dt)
-            change = self._ask(right, left)
+            change = self._ask(right, left, to_read)
             if dt > LATE / 2:
                 self._unsure += (change * dt) ** 2 / 3
         self._roll(dt)
@@ -243,7 +241,7 @@ class Tracks:
             self._mean.roll()
             self.wheels.catch_up(STRIDE, self.scales)
 
-    def _ask(self, right: float, left: float) -> Array:
+    def _ask(self, right: float, left: float, to_read: bool = False) -> Array:
         """Take other requests; return by how much they changed."""
         turning = self.wheels.requests.turning(right, left)
         if self.wheels.requests.age > RECENT or any(turning):
@@ -254,12 +252,21 @@ class Tracks:
         answers = self.band.ask(right, left, self.wheels.requests.age)
         if not self.band.goes_on and (
                 were_open or [self.rows.means.item(0, index) for index in s.MOVES] != answers):
-            self._close()
-            self.band.decide(self.rows, answers)
-            self._spread()
+            self._decide(answers, anew=were_open or not to_read)
         change = self.wheels.ask(right, left, [answer == 0 for answer in answers])
         self._changes += change * change
         return change
+
+    def _decide(self, answers: list[float | None], *, anew: bool) -> None:
+        """Take other answers to whether wheels move; their copies are made `anew`, or go on."""
+        if anew:
+            self._close()
+            self.band.decide(self.rows, answers)
+            self._spread()
+        else:  # a reading will make them, and nothing has depended on the answers up to now
+            self._catch_up()
+            self.band.decide(self.rows, answers)
+            self.wheels.decide(self.rows.means, self.rows.steps())
 
     def _tell_signs_apart(self) -> None:
         """Follow each sign of the encoders from now on."""
@@ -274,10 +281,7 @@ class Tracks:
 
     def _spread(self, *, arrived: bool = False) -> None:
         """Make the copies of the wheels anew."""
-        variances = self.rows.p.diagonal(axis1=1, axis2=2)[:, :s.UNKNOWNS]
-        steps = np.sqrt(np.maximum(variances, SMALLEST_STEP ** 2))
-        steps[~self.rows.springs, s.BRAKING] *= -1  # softer brakes: harder ones tell nothing
-        self.wheels.spread(self.rows, steps, arrived=arrived)
+        self.wheels.spread(self.rows, self.rows.steps(), arrived=arrived)
         self._shares = self.rows.shares()
         self._mean.begin(self._shares, self.scales)
         self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}

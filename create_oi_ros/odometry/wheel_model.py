@@ -14,7 +14,7 @@ others are off by one standard deviation in one unknown each.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ..robot import FIRMWARE_SEPARATION
 from . import lags
 from . import states as s
+from .encoder_signs import Encoders, Signs
 from .noise import MOVED
 from .request_history import Array, RECENT, RequestHistory
 from .springs import Springs
@@ -44,17 +45,6 @@ OF_COPY = np.array([int(copy == s.DEAD_TIME + 1) for copy in range(s.UNKNOWNS + 
 """Which of a track's two dead times a copy has."""
 SAME = np.eye(s.SIZE)[None, MOVED]
 """How states that wheels move follow from all, where they did not."""
-NONE, LAST, UPWARD = range(3)
-"""Where an encoder takes its sign from: the motion; the last speed asked that was not zero; the
-speed asked, where zero counts as forwards."""
-
-
-class Signs(NamedTuple):
-    """How each track's encoders take their signs."""
-
-    kinds: Array
-    late: Array
-    """Whether a request's sign waits for the dead time."""
 
 
 class Rows(Protocol):
@@ -87,15 +77,12 @@ class WheelModel:
         `arrived`: the wheels run at their goals, so each copy does, too, whatever it takes these
         for. A reading that corrects a gain corrects the speed with it, not what follows.
         """
-        self.signs, means = rows.signs, rows.means
-        kinds = rows.signs.kinds
-        self._kinds, self._late = set(kinds.tolist()), rows.signs.late[:, None]
-        self._of_motion, self._of_last = (kinds == NONE)[:, None], (kinds == LAST)[:, None]
+        self._encoders, means = Encoders(rows.signs), rows.means
         copies = np.repeat(means.T[:s.DISTANCE, :, None], s.UNKNOWNS + 1, axis=2)
         np.einsum('utu->ut', copies[:s.UNKNOWNS, :, 1:])[:] += steps.T
         self.steps = steps
         self._take_unknowns(copies)
-        self._all_move = bool((means[:, s.MOVES_RIGHT:s.MOVES_LEFT + 1] == 1).all())
+        self._note_moves(means)
         self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1].copy()
         self.poses = copies[s.X:s.YAW + 1].copy()
         self._rolled = np.zeros((2,) + copies.shape[1:])
@@ -115,6 +102,21 @@ class WheelModel:
         self._goal: Array | None = None
         if arrived:
             self._arrive()
+
+    def decide(self, means: Array, steps: Array) -> None:
+        """
+        Go on with other means and steps of whether slow requests move the wheels.
+
+        Where these were known before, all copies agree up to now.
+        """
+        for moves, index in zip(self._moves, s.MOVES):
+            moves[:] = means[:, index, None]
+            moves[:, 1 + index] += steps[:, index]
+            self.steps[:, index] = steps[:, index]
+        self._note_moves(means)
+
+    def _note_moves(self, means: Array) -> None:
+        self._all_move = bool((means[:, s.MOVES_RIGHT:s.MOVES_LEFT + 1] == 1).all())
 
     def _arrive(self) -> None:
         """Put the wheels at their goals, where they have been for a while."""
@@ -180,10 +182,8 @@ class WheelModel:
         signs, was_recent = self.requests.signs, self.is_recent
         change = self.requests.ask(right, left, stands)
         if self.requests.signs is not signs:
-            kept, up = (now != was for now, was in zip(self.requests.signs, signs))
-            kinds = self.signs.kinds
-            others = np.where(kinds == LAST, kept[:, :, 0], (kinds == UPWARD) & up[:, :, 0])
-            self.turned += others * self.speed[:, :, 0] ** 2
+            turned = self._encoders.turned(signs, self.requests.signs)
+            self.turned += turned * self.speed[:, :, 0] ** 2
         if not was_recent:  # else they are those of the last step
             self._before = self._sums()
         return change
@@ -348,20 +348,15 @@ class WheelModel:
         self, travel: Array, before: Array, h: float | Array, means: Array | None,
     ) -> Array:
         """Return what the encoders make of the travel, by each track's idea of their signs."""
-        sign = self.requests.one_sign
-        if sign is not None and (travel * sign).min() >= 0:
+        requests, encoders = self.requests, self._encoders
+        if encoders.see_motion(travel, requests.one_sign):
             return travel
-        if self._kinds == {NONE}:
-            return travel
-        rolled = _rolled(travel, before, self.speed, h)
-        kept, up = self.requests.signs
+        late = None
         if means is not None:
-            late_kept, late_up = means[1:].take(OF_COPY, axis=3)
-            kept = np.where(self._late, late_kept, kept)
-            up = np.where(self._late, late_up, up)
-        if self._kinds == {LAST}:
-            return kept * rolled
-        return np.where(self._of_motion, travel, np.where(self._of_last, kept, up) * rolled)
+            kept, up = means[1:].take(OF_COPY, axis=3)
+            late = kept, up
+        rolled = _rolled(travel, before, self.speed, h)
+        return encoders.counted(travel, rolled, requests.signs, late)
 
     def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
         x, y, yaw = self.poses

@@ -91,6 +91,7 @@ PARTS = {
     'odometry/mark': ('odometry/test_mark.py',),
     'odometry/mean_pose': ('odometry/test_mean_pose.py',),
     'odometry/request_history': ('odometry/test_request_history.py',),
+    'odometry/encoder_signs': TRACKS,
     'odometry/lags': TRACKS,
     'odometry/springs': TRACKS,
     'odometry/states': ('odometry/test_states.py',),

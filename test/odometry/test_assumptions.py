@@ -9,7 +9,7 @@ import pytest
 
 from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions, NEAR, SIGNS, YOUNG
-from create_oi_ros.odometry.wheel_model import LAST
+from create_oi_ros.odometry.encoder_signs import LAST
 from create_oi_ros.robot import Rounding
 
 

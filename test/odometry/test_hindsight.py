@@ -16,6 +16,7 @@ from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.filter import Filter
 from create_oi_ros.odometry.hindsight import AFTER, Hindsight, LONGEST
+from create_oi_ros.odometry.wheel_model import WheelModel
 from create_oi_ros.sim.body.config import CENTRE
 from support.ride import assert_smooth, Ride, SLOT
 
@@ -93,6 +94,25 @@ def test_the_past_is_followed_as_it_was(monkeypatch, event):
     assert other.tracks.roundings == again.tracks.roundings
     assert other.tracks.requests == (0.0, 0.0)
     assert kept.over
+
+
+def test_of_what_makes_new_copies_no_more_is_followed_in_a_frame_than_one(monkeypatch):
+    starting = [STANDING._replace(right=speed, left=speed) for speed in (0.01, 0.2, 0.01, 0.0)]
+    now = Filter(Geometry())
+    kept = told(now, FRAMES + (starting + STILL) * 5)
+    kept._driven = AFTER[0]
+    made: list[int] = []
+    spread = WheelModel.spread
+
+    def counted(self, *args, **kwargs):
+        made[-1] += 1
+        spread(self, *args, **kwargs)
+    monkeypatch.setattr(WheelModel, 'spread', counted)
+    made.append(-1)  # with the filter itself
+    while not kept.step(now):
+        made.append(0)
+    assert max(made) == 1
+    assert sum(made) > 5 * 3
 
 
 def test_nobody_looks_back_before_the_robot_is_known():

@@ -11,8 +11,8 @@ import pytest
 from create_oi_ros.odometry import Family, Knowledge, Known, SignSource, states
 from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.dead_band import DeadBand
+from create_oi_ros.odometry.encoder_signs import UPWARD
 from create_oi_ros.odometry.knowledge import known, learned, PERIOD, SIGNS, STATES
-from create_oi_ros.odometry.wheel_model import UPWARD
 from create_oi_ros.robot import Rounding
 
 KINDS = len(Rounding) * len(SIGNS)

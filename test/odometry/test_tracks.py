@@ -4,9 +4,11 @@
 
 from math import sqrt
 
+import numpy as np
 import pytest
 
 from create_oi_ros.odometry import Geometry
+from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions, SIGNS
 from create_oi_ros.odometry.filter import came_since
 from create_oi_ros.odometry.tracks import Tracks
@@ -98,6 +100,22 @@ def test_tracks_that_were_told_apart_are_where_they_would_be_had_they_always_bee
     assert len(late.rows.weights) == len(always.rows.weights)
     assert late.pose() == pytest.approx(always.pose(), abs=0.01)
     assert late.pose_covariance() == pytest.approx(always.pose_covariance(), rel=0.2, abs=1e-4)
+
+
+@pytest.mark.parametrize('slow', [(0.01, 0.01), (0.01, 0.2), (-0.01, 0.0), (0.0, 0.01)])
+def test_copies_go_on_where_it_becomes_open_whether_a_request_moves_the_wheels(
+        slow: tuple[float, float]) -> None:
+    going, anew = Tracks(Geometry()), Tracks(Geometry())
+    for tracks in (going, anew):
+        drive(tracks, 0.2, 0.1)
+        tracks.advance(SLOT, *slow, to_read=tracks is going)
+        drive(tracks, *slow)
+        tracks._close()
+    assert going.band.open == anew.band.open == [0 < abs(speed) < 0.1 for speed in slow]
+    assert going.rows.means == pytest.approx(anew.rows.means, abs=1e-6)
+    moves = list(s.MOVES)
+    assert going.rows.p[:, moves] == pytest.approx(anew.rows.p[:, moves], rel=1e-2, abs=1e-6)
+    assert (np.abs(going.rows.p[0, moves, s.DISTANCE]) > 1e-4).tolist() == going.band.open
 
 
 def drive(tracks: Tracks, right: float, left: float, seconds: float = 2.0) -> None:

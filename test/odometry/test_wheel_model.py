@@ -11,7 +11,8 @@ import pytest
 
 from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions
-from create_oi_ros.odometry.wheel_model import LAST, NONE, WheelModel
+from create_oi_ros.odometry.encoder_signs import LAST, NONE
+from create_oi_ros.odometry.wheel_model import WheelModel
 from support.ride import SLOT
 from support.wheels import roll
 

@@ -10,7 +10,8 @@ import pytest
 
 from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions
-from create_oi_ros.odometry.wheel_model import LAST, NONE, UPWARD, WheelModel
+from create_oi_ros.odometry.encoder_signs import LAST, NONE, UPWARD
+from create_oi_ros.odometry.wheel_model import WheelModel
 from create_oi_ros.robot import FIRMWARE_SEPARATION
 from support.wheels import roll
 

@@ -13,9 +13,9 @@ from create_oi_ros.odometry import Geometry
 from create_oi_ros.odometry import states as s
 from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.dead_band import DeadBand
+from create_oi_ros.odometry.encoder_signs import LAST
 from create_oi_ros.odometry.lags import FASTEST, MIDDLE, SLOWEST
 from create_oi_ros.odometry.tracks import Tracks
-from create_oi_ros.odometry.wheel_model import LAST
 from create_oi_ros.robot import FIRMWARE_SEPARATION
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, CENTRE
