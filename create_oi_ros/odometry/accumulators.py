@@ -56,9 +56,7 @@ def _cut(rows: Assumptions, index: int, ends: Array, tick: float) -> Array:
     column = rows.p[:, :, index].copy()
     variance = column[:, index] + tick * tick
     spread = np.sqrt(variance)
-    lows, highs = ((ends - rows.means[:, index]) / spread).tolist()
-    cuts: Array = np.array([cut_normal(*each) for each in zip(lows, highs)])
-    shift, kept, mass = cuts[:, 0], cuts[:, 1], cuts[:, 2]
+    shift, kept, mass = cut_normal(*(ends - rows.means[:, index]) / spread)
     moved, less = shift / spread, (1 - kept) / variance
     if rows.mark is not None:
         rows.mark.cut(column, index, moved, less)

@@ -8,14 +8,22 @@ depends on the rounding. Of a normal distribution that is cut to an interval a p
 is described here by its mass, mean and variance (docs/odometry.md, "An integer is an interval").
 """
 
-from math import erf, erfc, exp, inf, sqrt, tau
+from math import erfc, inf, sqrt, tau
+
+import numpy as np
 
 from ..robot import Rounding
+from .request_history import Array
 
 ROOT_HALF = sqrt(0.5)
 ROOT_TAU = sqrt(tau)
-FAR_TAIL = 6.0
-"""Standard deviations from which the tail is treated as an exponential."""
+ERFC = np.frompyfunc(erfc, 1, 1)
+FARTHEST = 30.0
+"""Standard deviations beyond which the tail is taken for the one that begins there: farther out,
+densities are too small for a float."""
+FLAT = 1e-3
+"""Standard deviations: so narrow a piece is flat."""
+LEAST_VARIANCE = 1e-9
 
 
 def interval(rounding: Rounding, whole: int) -> tuple[float, float]:
@@ -41,39 +49,22 @@ def telling_in(rounding: Rounding, amount: float, rate: float, room: float) -> f
     return (abs(ends[rate > 0] - amount) - room) / abs(rate) if rate else inf
 
 
-def cut_normal(low: float, high: float) -> tuple[float, float, float]:
-    """Return mean, variance and mass of the standard normal's part between low and high."""
+def cut_normal(low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """Return means, variances and masses of the standard normal's parts between low and high."""
+    ends = np.array([low, high])
     mirrored = low > -high
-    if mirrored:
-        # The moments are wanted from the tail that is computed without cancellation.
-        low, high = -high, -low
-    if high < -FAR_TAIL:
-        mean, variance, mass = _cut_tail(low, high)
-    else:
-        mass = (erfc(-high * ROOT_HALF) - erfc(-low * ROOT_HALF) if high < 0 else
-                erf(high * ROOT_HALF) - erf(low * ROOT_HALF)) / 2
-        width = high - low
-        if width < 1e-3:
-            # So narrow a piece is flat.
-            mean, variance = (low + high) / 2, width * width / 12
-        else:
-            at_low, at_high = _density(low), _density(high)
-            mean = (at_low - at_high) / mass
-            variance = 1 + (low * at_low - high * at_high) / mass - mean * mean
-            variance = min(1.0, max(variance, 1e-9))
-    return -mean if mirrored else mean, variance, mass
-
-
-def _density(z: float) -> float:
-    return exp(-z * z / 2) / ROOT_TAU
-
-
-def _cut_tail(low: float, high: float) -> tuple[float, float, float]:
-    """Return the same far below zero, where the density falls like exp(-rate (high - z))."""
-    rate, width = -high, high - low
-    fall = exp(-rate * width)
-    if rate * width < 1e-3:
-        return (low + high) / 2, width * width / 12, _density(high) * width
-    mean = high - 1 / rate + width * fall / (1 - fall)
-    variance = 1 / rate ** 2 - width * width * fall / (1 - fall) ** 2
-    return mean, max(variance, 1e-12), _density(high) / rate * (1 - fall)
+    # The moments are wanted from the tail that is computed without cancellation.
+    ends = np.where(mirrored, -ends[::-1], ends)
+    beyond = np.minimum(ends[1] + FARTHEST, 0.0)
+    ends -= beyond
+    below = np.asarray(ERFC(ends * -ROOT_HALF), float) / 2
+    mass = below[1] - below[0]
+    density = np.exp(-ends * ends / 2) / (ROOT_TAU * mass)
+    at_low, at_high = ends * density
+    mean = density[0] - density[1]
+    variance = np.clip(1 + at_low - at_high - mean * mean, LEAST_VARIANCE, 1.0)
+    width = ends[1] - ends[0]
+    flat = width < FLAT
+    mean = np.where(flat, (ends[0] + ends[1]) / 2, mean) + beyond
+    variance = np.where(flat, width * width / 12, variance)
+    return np.where(mirrored, -mean, mean), variance, mass

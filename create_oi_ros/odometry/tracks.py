@@ -302,10 +302,10 @@ class Tracks:
         return noise.of_motion(did, self.rows.doubt[tracks], heading, w.track_width[tracks, 0],
                                self.scales, self.geometry.slip, self.rows.unsteady[tracks])
 
-    def _carried(self) -> Array:
-        """Return the covariances now; what is far from linear is noise in part."""
+    def _carried(self, p: Array) -> Array:
+        """Make covariances of the start those of now; what is far from linear is noise in part."""
         w, rows = self.wheels, self.rows
-        f, p, q = w.transition(self._start), rows.p.copy(), self._noise(ALL)
+        f, q = w.transition(self._start), self._noise(ALL)
         g, unknown = f[:, PLACE, :s.UNKNOWNS], p[:, :s.UNKNOWNS, :s.UNKNOWNS]
         curved = np.where(rows.springs, CURVED_SPRING, CURVED)[:, None, None] ** 2
         moved, curved = f @ p, curved * (g @ unknown @ g.transpose(0, 2, 1))
@@ -323,7 +323,7 @@ class Tracks:
         w, means = self.wheels, self.rows.means
         if self.rows.mark is not None:
             self.rows.mark.advance(w.transition(self._start))
-        self.rows.p = self._carried()
+        self._carried(self.rows.p)
         self._noisy += self._q
         self._path += w.path
         means[:, s.POSE] = w.poses[:, :, 0].T
@@ -384,7 +384,7 @@ class Tracks:
     def explains(self, distance: int, angle: int) -> bool:
         """Tell whether a plausible track expected such a reading."""
         self._catch_up()
-        p, fits = self._carried(), self.rows.weights > 1e-3
+        p, fits = self._carried(self.rows.p.copy()), self.rows.weights > 1e-3
         for (index, unit), whole, moved in zip(UNITS, (distance, angle), self.wheels.counts):
             gap = np.abs(self.rows.means[:, index] + moved[:, 0] - whole * unit)
             fits &= gap < 4 * np.sqrt(p[:, index, index]) + 1.2 * unit

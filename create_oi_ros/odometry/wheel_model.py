@@ -83,8 +83,8 @@ class WheelModel:
         self.steps = steps
         self._take_unknowns(copies)
         self._note_moves(means)
-        self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1].copy()
-        self.poses = copies[s.X:s.YAW + 1].copy()
+        self.speed = copies[s.SPEED_RIGHT:s.SPEED_LEFT + 1]
+        self.poses = copies[s.X:s.YAW + 1]
         self._rolled = np.zeros((2,) + copies.shape[1:])
         """Metres that the encoders counted, forwards."""
         self.path = np.zeros((2, len(means)))
