@@ -24,6 +24,7 @@ densities are too small for a float."""
 FLAT = 1e-3
 """Standard deviations: so narrow a piece is flat."""
 LEAST_VARIANCE = 1e-9
+"""What is left at least, for differences of floats may be below zero."""
 
 
 def interval(rounding: Rounding, whole: int) -> tuple[float, float]:
