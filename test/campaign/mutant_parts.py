@@ -91,7 +91,7 @@ PARTS = {
     'odometry/mark': ('odometry/test_mark.py',),
     'odometry/mean_pose': ('odometry/test_mean_pose.py',),
     'odometry/request_history': ('odometry/test_request_history.py',),
-    'odometry/encoder_signs': TRACKS,
+    'odometry/encoder_signs': ('odometry/test_encoder_signs.py',),
     'odometry/lags': TRACKS,
     'odometry/springs': TRACKS,
     'odometry/states': ('odometry/test_states.py',),

@@ -238,3 +238,26 @@ def test_what_is_known_of_steadiness_stays_with_its_track() -> None:
     rows.join(others, 0.5)
     assert rows.steadiness.shape == (4, 4)
     assert rows.unsteady[2:] == pytest.approx(others.unsteady)
+
+
+def test_copies_are_off_by_a_standard_deviation_and_those_of_lags_brake_softer() -> None:
+    rows = of_two()
+    rows.springs = np.array([False, True])
+    rows.p = np.array([np.diag(np.arange(1.0, s.SIZE + 1)), np.diag(np.zeros(s.SIZE))])
+    lag, spring = rows.steps()
+    assert np.abs(lag) == pytest.approx(np.sqrt(np.arange(1.0, s.UNKNOWNS + 1)))
+    assert [index for index in range(s.UNKNOWNS) if lag[index] < 0] == [s.BRAKING]
+    assert spring.tolist() == [1e-5] * s.UNKNOWNS
+
+
+@pytest.mark.parametrize(('response', 'index', 'spread'), [
+    (0, s.GAIN_RIGHT, 0.035), (0, s.RAMP, 0.8), (0, s.LAG, 0.08), (3, s.DAMPING, 0.15),
+    (3, s.DEAD_TIME, 0.05), (4, s.BRAKING, 0.5)])
+def test_a_part_of_what_was_learned_of_the_wheels_counts_afresh(
+        response: int, index: int, spread: float) -> None:
+    rows = Assumptions.all()
+    rows.keep([response])
+    rows.p[0] = np.eye(s.SIZE) * 1e-4
+    p = rows.afresh().p
+    assert p[0, index, index] == pytest.approx(1 / (0.45 / 1e-4 + 0.55 / spread ** 2))
+    assert not p[:, s.SEPARATION + 1:].any()

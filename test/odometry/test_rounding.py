@@ -77,7 +77,8 @@ def test_an_interval_holds_whatever_rounds_to_its_number(
 
 @pytest.mark.parametrize(('rounding', 'amount', 'rate', 'seconds'), [
     (Rounding.TRUNCATE, 2.5, 0.5, 0.8), (Rounding.TRUNCATE, 2.5, -0.5, 0.8),
-    (Rounding.TRUNCATE, -2.25, -0.5, 1.3), (Rounding.TRUNCATE, 0.25, -0.5, 2.3),
+    (Rounding.TRUNCATE, -2.25, -0.5, 1.3), (Rounding.TRUNCATE, -2.25, 0.5, 0.3),
+    (Rounding.TRUNCATE, 0.25, -0.5, 2.3),
     (Rounding.ROUND, 2.0, 0.5, 0.8), (Rounding.ROUND, -2.25, -0.5, 0.3),
     (Rounding.TRUNCATE, 2.7, -0.5, 1.2), (Rounding.ROUND, 2.7, 0.5, 1.4),
     (Rounding.TRUNCATE, 2.95, 0.5, 0.0), (Rounding.TRUNCATE, 2.05, 0.5, 0.0),
