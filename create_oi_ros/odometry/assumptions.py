@@ -85,8 +85,9 @@ class Assumptions:
     """How many of these were far enough apart to tell how the wheels run."""
     open_signs: bool = False
     """Whether each track stands for all signs of encoders: none has made a difference yet."""
-    reborn: bool = False
-    """Whether all was tried again, so that what is right may be faint at first."""
+    patient: bool = False
+    """Whether what is right may be faint at first: all is tried again, or the robot may be another
+    one than was known."""
     mark: MarkedPose | None = None
     """Where the robot was at a moment; None: nobody wants to know."""
     steadiness: Array = field(init=False)
@@ -181,7 +182,7 @@ class Assumptions:
         least: Array | float = IMPLAUSIBLE
         if self.doubt[weights.argmax()] > CLEAR and self.readings < OLD:
             weights = np.maximum(weights, LEAST_WEIGHT)
-        elif not self.reborn:
+        elif not self.patient:
             least = np.maximum(IMPLAUSIBLE, FAINT * self._best_alike(weights))
         plausible = weights > least
         self.weights = weights

@@ -103,6 +103,6 @@ class Doubt:
         others.weights /= others.weights.sum()
         rows.doubt[:] = 1.0  # else what the readings say would count for nothing
         rows.join(others, REBORN)
-        rows.reborn = True
+        rows.patient = True
         rows.readings = 0
         rows.taught = 0.0

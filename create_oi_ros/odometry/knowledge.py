@@ -282,6 +282,7 @@ def known(knowledge: Knowledge) -> Assumptions:
                        np.tile(means, (len(kinds), 1)), np.tile(p, (len(kinds), 1, 1)),
                        np.zeros((len(kinds), 2)))
     rows.join(Assumptions.all(), UNKNOWN)
+    rows.patient = True
     return rows
 
 

@@ -16,7 +16,7 @@ from ..robot import Rounding, SLOT
 from . import accumulators, noise
 from . import states as s
 from .accumulators import UNITS
-from .assumptions import Assumptions
+from .assumptions import Assumptions, YOUNG
 from .dead_band import DeadBand, FASTEST
 from .doubt import Doubt
 from .estimate import Geometry
@@ -36,7 +36,8 @@ CURVED, CURVED_SPRING = 0.2, 0.3
 """Part of what unknowns are believed to do that is not in proportion to them, for lags and for
 springs."""
 SPRUNG = 0.5
-"""How much larger the variance of a pose is than a filter of wheels that overshoot believes."""
+"""How much larger the variance of a pose is than a filter of wheels that overshoot believes, once
+these are not new."""
 FAMILIAR, PUZZLED, APART = 64, 5.0, 1.0
 """Readings after which a robot is known, unless the best track has this doubt; seconds from one to
 the next that count as one. Those of a probe teach how it rounds, not how its wheels run."""
@@ -164,7 +165,8 @@ class Tracks:
         far, turn = np.sqrt(p.diagonal()[3:]).tolist()
         self._vague, self.blur = turn / DEGREE, max(far / MM / 2, turn / DEGREE)
         p = p[:3, :3] + (off * self._shares) @ off.T
-        p *= 1 + SPRUNG * float(self._shares @ self.rows.springs)
+        if self.rows.readings > YOUNG:
+            p *= 1 + SPRUNG * float(self._shares @ self.rows.springs)
         return tuple(((p + p.T) / 2).ravel().tolist())
 
     def twist_variance(self) -> tuple[float, float]:

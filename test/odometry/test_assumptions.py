@@ -144,15 +144,15 @@ def test_an_implausible_track_is_given_up_unless_the_best_one_explains_little(
     assert len(of_two(weights=(1.0, 2e-6)).weights) == 2
 
 
-@pytest.mark.parametrize(('first', 'second', 'weight', 'reborn', 'kept'), [
+@pytest.mark.parametrize(('first', 'second', 'weight', 'patient', 'kept'), [
     ('lag', 'lag', 1.1e-4, False, 2), ('lag', 'lag', 9e-5, False, 1),
     ('spring', 'spring', 9e-5, False, 1), ('lag', 'spring', 9e-5, False, 2),
     ('spring', 'lag', 9e-5, False, 2), ('lag', 'lag', 9e-5, True, 2)])
-def test_a_faint_track_is_given_up_for_one_of_its_kind_unless_all_is_tried_again(
-        first, second, weight, reborn, kept) -> None:
+def test_a_faint_track_is_given_up_for_one_of_its_kind_unless_it_may_be_right(
+        first, second, weight, patient, kept) -> None:
     rows = of_two(weights=(1 - weight, weight))
     rows.springs = np.array([kind == 'spring' for kind in (first, second)])
-    rows.reborn = reborn
+    rows.patient = patient
     rows.weigh(np.zeros(2))
     assert len(rows.weights) == kept
 

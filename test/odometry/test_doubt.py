@@ -128,7 +128,7 @@ def test_what_is_tried_again_starts_where_the_robot_is():
     assert len(rows.weights) == 1 + len(others.weights)
     assert rows.weights[0] == pytest.approx(0.99)
     assert rows.weights[1:].sum() == pytest.approx(0.01)
-    assert (rows.doubt == 1.0).all() and rows.readings == 0 and rows.reborn
+    assert (rows.doubt == 1.0).all() and rows.readings == 0 and rows.patient
     assert (rows.rates == 0.25).all()
     outside = slice(s.MOVES_RIGHT, s.DISTANCE)
     assert (rows.means[:, outside] == 0.5).all()

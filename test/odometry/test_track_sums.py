@@ -234,7 +234,9 @@ def test_the_pose_of_wheels_that_overshoot_is_less_sure_than_their_filter_is():
     tracks = driven(sure(), 0.3, 0.1, 1.5)
     tracks.rows.clear(s.YAW, 0.0, 1e-4)
     believed, blur = np.array(tracks.pose_covariance()), tracks.blur
-    tracks.rows.springs[:] = True
+    tracks.rows.springs[:], tracks.rows.readings = True, 30
+    assert tracks.pose_covariance() == pytest.approx(believed)  # it is new
+    tracks.rows.readings = 31
     assert tracks.pose_covariance() == pytest.approx(1.5 * believed)
     assert tracks.blur == blur
 
