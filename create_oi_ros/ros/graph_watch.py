@@ -14,8 +14,7 @@ import time
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from .reference import type_name
-from .topics import CMD_VEL
+from .topics import CMD_VEL, type_name
 
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """What ROS calls a node that it has not heard of yet, though its publisher was found."""

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Collection, Sequence
 from dataclasses import fields
 import textwrap
@@ -20,14 +19,21 @@ ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
 
 def parse(arguments: Sequence[str]) -> None:
     """Answer --help and --version, and refuse what is no ROS argument, with exit code 2."""
+    remove_ros_args(['', *arguments])  # raises an error if ROS cannot read its own arguments
+    if plain := plain_arguments(arguments):
+        _answer(plain)
+
+
+def _answer(arguments: Sequence[str]) -> None:
+    # Here: it takes half a megabyte, and most nodes start without such arguments.
+    from argparse import ArgumentParser, RawDescriptionHelpFormatter
     parser = ArgumentParser(
         prog='create_node', formatter_class=RawDescriptionHelpFormatter,
         usage='create_node [--help] [--version] [--ros-args -p NAME:=VALUE ...]',
         description='Run the driver of an iRobot Create as a ROS 2 node.',
         epilog=parameter_help())
     parser.add_argument('--version', action='version', version=f'create_node {__version__}')
-    remove_ros_args(['', *arguments])  # raises an error if ROS cannot read its own arguments
-    _, unknown = parser.parse_known_args(plain_arguments(arguments))
+    _, unknown = parser.parse_known_args(arguments)
     if unknown:
         parser.error(refusal(unknown))
 

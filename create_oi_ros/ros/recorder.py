@@ -22,8 +22,7 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from .bags import definitions
-from .reference import type_name
-from .topics import CMD_VEL, LATCHED, PUBLISHED
+from .topics import CMD_VEL, LATCHED, PUBLISHED, type_name
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos

@@ -20,17 +20,11 @@ from ..oi.tools import markdown
 from .actions import ACTIONS
 from .parameters import Parameters
 from .services import SERVICES
-from .topics import CONTACTS, PUBLISHED, TF
+from .topics import CONTACTS, PUBLISHED, TF, type_name
 
 CONFIG_WIDTH = 93
 """Characters of a comment line at most."""
 POLICY_INDENT = 12 * ' '
-
-
-def type_name(type_: type) -> str:
-    """Return the name of a message, service or action type as people write it."""
-    package = type_.__module__.partition('.')[0]
-    return f'{package}/{type_.__name__}'
 
 
 def topics() -> str:

@@ -169,6 +169,12 @@ NEEDED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.needs})
 """All readings that sensor topics are made from, the watched ones among them."""
 
 
+def type_name(type_: type) -> str:
+    """Return the name of a message, service or action type as people write it."""
+    package = type_.__module__.partition('.')[0]
+    return f'{package}/{type_.__name__}'
+
+
 def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
     """Return SENSOR_TOPICS, set for a battery whose charge is known or not."""
     return [

@@ -5,7 +5,7 @@
 from contextlib import suppress
 import os
 from pathlib import Path
-import shutil
+from stat import S_IMODE
 
 
 def write_whole(target: Path, content: bytes) -> None:
@@ -29,7 +29,7 @@ def _replace(target: Path, content: bytes) -> None:
     try:
         beside.write_bytes(content)
         if target.exists():
-            shutil.copymode(target, beside)
+            beside.chmod(S_IMODE(target.stat().st_mode))
         beside.replace(target)
     except OSError:
         with suppress(FileNotFoundError):  # where it could not be created

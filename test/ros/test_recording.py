@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from rclpy.serialization import deserialize_message
 
-from create_oi_ros.ros.reference import type_name
-from create_oi_ros.ros.topics import PUBLISHED, Topic
+from create_oi_ros.ros.topics import PUBLISHED, Topic, type_name
 from support.ros import Scene, scene
 from support.source import ROOT
 

@@ -7,7 +7,6 @@ A command is its name and its fields: `name=value`. The parser reads forward onl
 position, so that every error names line and column.
 """
 
-from difflib import get_close_matches
 from enum import IntEnum, IntFlag
 import re
 from typing import Any, NamedTuple, NoReturn
@@ -230,6 +229,7 @@ def _meant(name: str) -> str:
     """Return the commands that a wrong name may mean, '' if none: Drive 200 means Drive."""
     begun = [key for key in KINDS if name.startswith(key)]
     if not begun:
+        from difflib import get_close_matches  # here: few programs ever need it
         return ', '.join(KINDS[key].title for key in get_close_matches(name, KINDS))
     kind = KINDS[max(begun, key=len)]
     return ' '.join([kind.title, *(f'{field}=...' for field in _declared(kind))])
