@@ -51,7 +51,7 @@ def braked(goal: Array, speed: Array, braking: NDArray[np.bool_], h: float | Arr
     lag, ramp = (np.where(braking, brake, drive) for brake, drive in zip(softer, usual))
     after, travel = bounded(goal, goal - speed, h, (lag, ramp))
     back = after * speed < 0
-    if back.any():  # these stop and turn back within the step
+    if np.count_nonzero(back):  # these stop and turn back within the step
         at = back.nonzero()
         after[at], travel[at] = _turned_back(
             goal[at], speed[at], after[at], h if isinstance(h, float) else h[at[1:]],

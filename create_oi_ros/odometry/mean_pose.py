@@ -75,13 +75,14 @@ class MeanPose:
     def _moves(self) -> MeanMotion:
         """Return how the mean moves and speeds up."""
         wheels = self._wheels
-        (right, left), yaw = wheels.speed[:, :, 0], wheels.poses[2, :, 0]
+        speed, yaw = wheels.speed[:, :, 0], wheels.poses[2, :, 0]
+        right, left = speed[0], speed[1]
         ahead = (right + left) * self._ahead
         more = more_turn = 0.0
         if self._before is not None and not wheels.settled:
             before, seconds = self._before
-            right_more, left_more = (wheels.speed[:, :, 0] - before[:, :, 0]) / seconds
-            more = float((right_more + left_more) @ self._ahead)
-            more_turn = float((right_more - left_more) @ self._turn)
+            change = (speed - before[:, :, 0]) / seconds
+            more = float((change[0] + change[1]) @ self._ahead)
+            more_turn = float((change[0] - change[1]) @ self._turn)
         return MeanMotion(float(ahead @ np.cos(yaw)), float(ahead @ np.sin(yaw)),
                           float((right - left) @ self._turn), more, more_turn)

@@ -96,7 +96,7 @@ class RequestHistory:
         """
         for at in self._broken_at:
             ago = self._now - at
-            if ((last < ago) & (ago < first))[..., :1].any():
+            if np.count_nonzero(((last < ago) & (ago < first))[..., :1]):
                 yield np.minimum(np.maximum(ago, last), first)
 
     def stand(self, wheel: int) -> None:

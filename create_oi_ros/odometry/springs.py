@@ -20,6 +20,9 @@ STILL = 0.01
 SLIGHT = 0.004
 """m/s by which a speed may change while nobody minds when a wheel began or ceased to brake."""
 
+STAY, PUSH, PULL, KEEP, MASS, LAG = range(6)
+"""What a step multiplies ways, rates and their changes by."""
+
 
 class Springs:
     """The tracks whose wheels are springs."""
@@ -49,7 +52,7 @@ class Springs:
     def roll(self, goal: Array, way: Array, speed: Array) -> tuple[Array, Array]:
         """Let the time of a step pass; return the speeds and the travel."""
         braking = way * speed < 0
-        if not braking.any():
+        if not np.count_nonzero(braking):
             if self._easy is None:
                 self._easy = self._factors(self._lag)
             factors = self._easy
@@ -61,9 +64,9 @@ class Springs:
         rate = self.rate
         after, self.rate, travel = _step(factors, goal, way, rate, self._h)
         other = braking != ((goal - after) * after < 0)
-        if other.any():
+        if np.count_nonzero(other):
             other &= np.abs(after - speed) > SLIGHT
-        if other.any():  # these begin or cease to brake within the step
+        if np.count_nonzero(other):  # these begin or cease to brake within the step
             # Positions in the flat arrays: take is several times faster than an index of all axes.
             at = np.flatnonzero(other)
             copy = at % self._damping.size
@@ -90,28 +93,26 @@ class Springs:
 def _factors(lag: Array, damping: Array, swing: Array, h: float | Array) -> Array:
     """Return how ways and rates become those h seconds later, and what that costs."""
     made = np.empty((6, *lag.shape))
-    stay, push, pull, keep, mass, _ = made
-    made[5] = lag
+    made[LAG] = lag
     omega = 2 * damping / lag
     passed = omega * h
     shrunk, angle = np.exp(passed * -damping), passed * swing
     cos, sin = shrunk * np.cos(angle), shrunk * np.sin(angle) / swing
-    np.divide(sin, omega, out=push)
-    np.multiply(sin, omega, out=pull)
+    np.divide(sin, omega, out=made[PUSH])
+    np.multiply(sin, omega, out=made[PULL])
     sin *= damping
-    np.add(cos, sin, out=stay)
-    np.subtract(cos, sin, out=keep)
-    np.divide(1.0, omega * omega, out=mass)
+    np.add(cos, sin, out=made[STAY])
+    np.subtract(cos, sin, out=made[KEEP])
+    np.divide(1.0, omega * omega, out=made[MASS])
     return made
 
 
 def _step(factors: Array, goal: Array, way: Array, rate: Array, h: float | Array,
           ) -> tuple[Array, Array, Array]:
     """Let h seconds pass; return the speeds, their rates and the travel."""
-    stay, push, pull, keep, mass, lag = factors
-    left = stay * way - push * rate
-    after: Array = pull * way + keep * rate
-    travel: Array = goal * h - mass * (after - rate) - lag * (way - left)
+    left = factors[STAY] * way - factors[PUSH] * rate
+    after: Array = factors[PULL] * way + factors[KEEP] * rate
+    travel: Array = goal * h - factors[MASS] * (after - rate) - factors[LAG] * (way - left)
     return goal - left, after, travel
 
 

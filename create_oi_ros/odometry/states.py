@@ -22,6 +22,8 @@ DAMPING = RAMP
 """Of a spring, in the place of the acceleration's bound, which a spring does not have."""
 UNKNOWNS = 15
 """The states that have a copy of the wheels."""
+GOALS = slice(GAIN_RIGHT, OFFSET_LEFT + 1)
+"""Those on which depends at which speed a wheel settles."""
 POSE = (X, Y, YAW)
 MOVES = (MOVES_RIGHT, MOVES_LEFT)
 SPEEDS = (SPEED_RIGHT, SPEED_LEFT)

@@ -145,9 +145,9 @@ class Tracks:
 
     def goals(self, right: float, left: float) -> tuple[float, float]:
         """Return the speeds at which the wheels settle when they are asked for these, m/s."""
-        mean = self.rows.means[0]
-        return (float(mean[s.GAIN_RIGHT] * right + mean[s.OFFSET_RIGHT] * np.sign(right)),
-                float(mean[s.GAIN_LEFT] * left + mean[s.OFFSET_LEFT] * np.sign(left)))
+        gain_right, gain_left, offset_right, offset_left = self.rows.means[0, s.GOALS].tolist()
+        return (gain_right * right + offset_right * ((right > 0) - (right < 0)),
+                gain_left * left + offset_left * ((left > 0) - (left < 0)))
 
     def pose(self) -> tuple[float, float, float]:
         """Return the mean pose now: x, y, yaw."""

@@ -233,7 +233,7 @@ class WheelModel:
         asked: Array = self.requests.speeds[:, None, None]
         means = None
         if sums is not None:
-            means = (sums - self._before) / np.maximum(h, MOMENT)
+            means = (sums - self._before) / _at_least(h)
             self._before = sums
             asked = means[0].take(OF_COPY, axis=2)
             self._hear(asked)
@@ -276,7 +276,7 @@ class WheelModel:
             self.speed, travel = springs.roll(goal, way, before)
         else:
             braking = way * before < 0
-            if braking.any():
+            if np.count_nonzero(braking):
                 self.speed, travel = lags.braked(
                     goal, before, braking, h, self._usual, self._softer)
             elif (np.abs(way) * self._ramp > self._lag).any():
@@ -359,8 +359,8 @@ class WheelModel:
         return encoders.counted(travel, rolled, requests.signs, late)
 
     def _move(self, travel: Array, counted: Array, scales: tuple[float, float]) -> None:
-        x, y, yaw = self.poses
-        right, left = travel
+        x, y, yaw = self.poses[0], self.poses[1], self.poses[2]
+        right, left = travel[0], travel[1]
         if self._width_of != scales:
             self._width_of, self._turn = scales, scales[1] / self.track_width
         turn = (right - left) * self._turn
@@ -379,6 +379,11 @@ class WheelModel:
             self.miscounted += np.abs(best - counted[:, :, 0])
 
 
+def _at_least(h: float | Array) -> float | Array:
+    """Return these seconds, or a moment."""
+    return max(h, MOMENT) if isinstance(h, float) else np.maximum(h, MOMENT)
+
+
 def _of_copies(each: float | Array) -> float | Array:
     """Return what each copy has, from what each track's two dead times have."""
     return each if isinstance(each, float) else each.take(OF_COPY, axis=1)
@@ -388,7 +393,7 @@ def _rolled(travel: Array, before: Array, after: Array, h: float | Array) -> Arr
     """Return the metres that wheels rolled, forth and back, while their speeds changed."""
     rolled: Array = np.abs(travel)
     back = before * after < 0
-    if back.any():
+    if np.count_nonzero(back):
         change = np.maximum(np.abs(after - before), 1e-9)
         both = (before * before + after * after) * (h / 2) / change
         rolled = np.where(back, both, rolled)
