@@ -8,6 +8,7 @@ is cut to it, and the mass that is inside is the likelihood of the track.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..robot import Rounding
 from . import states as s
@@ -23,13 +24,15 @@ UNLIKELY = 1e-2
 """Likelihood that is left to a reading that a track rules out."""
 Wholes = tuple[int, int]
 """A reading: millimetres and degrees."""
+Mask = NDArray[np.bool_]
+"""Some of the tracks."""
 
 
 def innovation(rows: Assumptions, wholes: Wholes) -> tuple[Array, Array]:
     """Return how far readings are from their predictions, and the standard deviations."""
-    gaps, spreads = [], []
+    rounds, gaps, spreads = _round(rows), [], []
     for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
-        low, high = _ends(rows, whole) * unit
+        low, high = _ends(rounds, whole) * unit
         gaps.append((low + high) / 2 - rows.means[:, index])
         spreads.append(np.sqrt(rows.p[:, index, index] + tick ** 2 + (high - low) ** 2 / 12))
     return np.stack(gaps), np.stack(spreads)
@@ -37,15 +40,19 @@ def innovation(rows: Assumptions, wholes: Wholes) -> tuple[Array, Array]:
 
 def learn(rows: Assumptions, wholes: Wholes) -> Array:
     """Cut all tracks to a reading; return the logarithms of their likelihoods."""
-    logs = np.zeros(len(rows.roundings))
+    rounds, logs = _round(rows), np.zeros(len(rows.roundings))
     for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
-        logs += np.log(_cut(rows, index, _ends(rows, whole) * unit, tick) + UNLIKELY)
+        logs += np.log(_cut(rows, index, _ends(rounds, whole) * unit, tick) + UNLIKELY)
     return logs
 
 
-def _ends(rows: Assumptions, whole: int) -> Array:
-    """Return the lower and upper ends of a whole number, in each track's rounding."""
-    rounds = np.array([each is Rounding.ROUND for each in rows.roundings])
+def _round(rows: Assumptions) -> Mask:
+    """Return which tracks suppose that the robot rounds."""
+    return np.array([each is Rounding.ROUND for each in rows.roundings])
+
+
+def _ends(rounds: Mask, whole: int) -> Array:
+    """Return the lower and upper ends of a whole number, rounded by some tracks, cut by others."""
     rounded, cut = interval(Rounding.ROUND, whole), interval(Rounding.TRUNCATE, whole)
     ends: Array = np.where(rounds, np.array(rounded)[:, None], np.array(cut)[:, None])
     return ends

@@ -286,11 +286,12 @@ class Tracks:
         self.wheels.spread(self.rows, self.rows.steps(), arrived=arrived)
         self._shares = self.rows.shares()
         self._mean.begin(self._shares, self.scales)
-        self._roundings = {each for each, share in zip(self.rows.roundings, self._shares) if share}
+        roundings, shares = self.rows.roundings, self._shares.tolist()
+        self._roundings = {each for each, share in zip(roundings, shares) if share}
         carries = self._roundings == {Rounding.CARRY} or self.rows.doubt[0] > PUZZLED
         self.known = 0.0 if carries else min(1.0, self.rows.taught / FAMILIAR)
         """How well a robot is known that loses fractions by being asked, 0 to 1."""
-        self._start = self.rows.means[:, s.POSE].copy()
+        self._start = self.rows.means[:, s.X:s.YAW + 1].copy()
 
     def _forget(self) -> None:
         """Begin to gather noise afresh."""
@@ -328,9 +329,9 @@ class Tracks:
         self._carried(self.rows.p)
         self._noisy += self._q
         self._path += w.path
-        means[:, s.POSE] = w.poses[:, :, 0].T
+        means[:, s.X:s.YAW + 1] = w.poses[:, :, 0].T
         means[:, s.DISTANCE:] += w.counts[:, :, 0].T
-        means[:, s.SPEEDS] = w.speed[:, :, 0].T
+        means[:, s.SPEED_RIGHT:s.SPEED_LEFT + 1] = w.speed[:, :, 0].T
         self.rows.rates = w.rates
         self._forget()
 
