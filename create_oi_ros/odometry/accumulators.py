@@ -30,7 +30,7 @@ Mask = NDArray[np.bool_]
 
 def innovation(rows: Assumptions, wholes: Wholes) -> tuple[Array, Array]:
     """Return how far readings are from their predictions, and the standard deviations."""
-    rounds, gaps, spreads = _round(rows), [], []
+    rounds, gaps, spreads = _which_round(rows), [], []
     for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
         low, high = _ends(rounds, whole) * unit
         gaps.append((low + high) / 2 - rows.means[:, index])
@@ -40,13 +40,13 @@ def innovation(rows: Assumptions, wholes: Wholes) -> tuple[Array, Array]:
 
 def learn(rows: Assumptions, wholes: Wholes) -> Array:
     """Cut all tracks to a reading; return the logarithms of their likelihoods."""
-    rounds, logs = _round(rows), np.zeros(len(rows.roundings))
+    rounds, logs = _which_round(rows), np.zeros(len(rows.roundings))
     for (index, unit), whole, tick in zip(UNITS, wholes, TICKS):
         logs += np.log(_cut(rows, index, _ends(rounds, whole) * unit, tick) + UNLIKELY)
     return logs
 
 
-def _round(rows: Assumptions) -> Mask:
+def _which_round(rows: Assumptions) -> Mask:
     """Return which tracks suppose that the robot rounds."""
     return np.array([each is Rounding.ROUND for each in rows.roundings])
 

@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a program loads of ROS when it starts."""
+"""What a program loads when it starts."""
 
 import subprocess
 import sys
@@ -22,6 +22,24 @@ print([name for name in ('rosidl_generator_py', 'lark', {GENERATOR!r}) if name i
 import {GENERATOR}
 print('lark' in sys.modules)
 """
+SELDOM = ('argparse', 'difflib', 'json', 'shutil', 'create_oi_ros.ros.reference',
+          'create_oi_ros.oi.tools.markdown')
+"""What only documents, typing errors and wrong arguments need."""
+NODE = f"""
+import sys
+import numpy, rclpy, rclpy.action, rclpy.serialization, serial
+before = set(sys.modules)  # what others load is not ours to say
+from create_oi_ros.ros import node, node_arguments
+node_arguments.parse(['--ros-args', '-p', 'port:=/dev/create'])
+print(sorted(({{*sys.modules}} - before) & {{*{SELDOM!r}}}), len(sys.modules) > len(before))
+"""
+
+
+def test_a_node_loads_nothing_that_it_seldom_needs() -> None:
+    done = subprocess.run(
+        [sys.executable, '-c', NODE], text=True, capture_output=True, timeout=60, check=True)
+
+    assert done.stdout == '[] True\n'
 
 
 def test_a_program_does_without_the_code_generator_of_messages_until_it_imports_it() -> None:

@@ -3,6 +3,7 @@
 """Files that are written as a whole or not at all."""
 
 from pathlib import Path
+import resource
 
 import pytest
 
@@ -26,6 +27,20 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path: Path) -> None:
     write_whole(link, b'new')
     assert link.is_symlink()
     assert target.read_text() == 'new'
+
+
+def test_a_file_that_does_not_fit_leaves_the_old_one(tmp_path: Path) -> None:
+    target = tmp_path / 'model.yaml'
+    target.write_text('old')
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (16, limits[1]))  # no file may be larger
+    try:
+        with pytest.raises(OSError, match='too large'):
+            write_whole(target, bytes(17))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert target.read_text() == 'old'
+    assert list(tmp_path.iterdir()) == [target], 'nothing is left beside it'
 
 
 @pytest.mark.parametrize('name', ['no/such/folder', '.'])
