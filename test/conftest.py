@@ -12,6 +12,10 @@ import pytest
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
 settings.load_profile('repeatable')
 
+# Tests kill programs at any moment. What those leave in shared memory would stay, half a megabyte
+# each, and can hang the tests of a later run.
+os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
+
 HANGS = 360.0
 """Seconds after which a test ends its process: pytest's timeout is shorter, and has not helped."""
 STDERR = pytest.StashKey[int]()

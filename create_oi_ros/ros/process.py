@@ -25,6 +25,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor, TimeoutException
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
+from .shared_memory import remove_unfinished
 from .user_errors import check_environment
 
 PR_SET_PDEATHSIG = 1
@@ -102,6 +103,8 @@ def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedE
     UserError: something in the environment is wrong.
     """
     check_environment()
+    for sentence in remove_unfinished():
+        print(sentence, file=sys.stderr)
     leave_out_generator()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     executor = SingleThreadedExecutor()

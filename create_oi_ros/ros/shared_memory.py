@@ -1,0 +1,47 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Shared memory that a killed program left unfinished.
+
+Fast DDS, the middleware of ROS, keeps a file in shared memory for each port of a ROS domain. A
+program that is killed in the moment in which it makes one leaves a file that is not marked as
+ready. Every later program that gets the same port waits for that mark, without a word, for ever.
+"""
+
+from pathlib import Path
+import sys
+import time
+
+FOLDER = Path('/dev/shm')
+"""Where Linux keeps shared memory."""
+PORTS = 'fastrtps_port*[0-9]'
+WORD = 4
+"""Bytes at the beginning of a port, in which Boost.Interprocess marks how far it is made."""
+UNFINISHED = (0, 1)
+"""Marks: 0 nothing done yet, 1 in the making; 2 is ready."""
+OLD = 2.0
+"""Seconds; a program that lives makes a port ready in a thousandth of that."""
+
+
+def remove_unfinished(folder: Path = FOLDER) -> list[str]:
+    """Remove the ports that nobody will finish; return a sentence for the user about each."""
+    return [_remove(port) for port in sorted(folder.glob(PORTS)) if _unfinished(port)]
+
+
+def _unfinished(port: Path) -> bool:
+    try:
+        with port.open('rb') as file:
+            word = file.read(WORD)
+        age = time.time() - port.stat().st_mtime
+    except OSError:  # removed meanwhile, or not ours to read
+        return False
+    return len(word) == WORD and int.from_bytes(word, sys.byteorder) in UNFINISHED and age > OLD
+
+
+def _remove(port: Path) -> str:
+    left = f'{port} was left by a program that was killed as it started, and can hang ROS'
+    try:
+        port.unlink(missing_ok=True)
+    except OSError as error:
+        return f'{left}: it cannot be removed ({error.strerror}); `sudo rm {port}`'
+    return f'{left}: removed'
