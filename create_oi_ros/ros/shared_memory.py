@@ -8,6 +8,7 @@ program that is killed in the moment in which it makes one leaves a file that is
 ready. Every later program that gets the same port waits for that mark, without a word, for ever.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 import sys
 import time
@@ -19,23 +20,27 @@ WORD = 4
 """Bytes at the beginning of a port, in which Boost.Interprocess marks how far it is made."""
 UNFINISHED = (0, 1)
 """Marks: 0 nothing done yet, 1 in the making; 2 is ready."""
-OLD = 2.0
-"""Seconds; a program that lives makes a port ready in a thousandth of that."""
+WAIT = 1.0
+"""Seconds after which a port is ready, or its program dead: it takes less than a thousandth."""
 
 
-def remove_unfinished(folder: Path = FOLDER) -> list[str]:
+def remove_unfinished(
+    folder: Path = FOLDER, wait: Callable[[], object] = lambda: time.sleep(WAIT),
+) -> list[str]:
     """Remove the ports that nobody will finish; return a sentence for the user about each."""
-    return [_remove(port) for port in sorted(folder.glob(PORTS)) if _unfinished(port)]
+    unfinished = [port for port in sorted(folder.glob(PORTS)) if _is_unfinished(port)]
+    if unfinished:
+        wait()
+    return [_remove(port) for port in unfinished if _is_unfinished(port)]
 
 
-def _unfinished(port: Path) -> bool:
+def _is_unfinished(port: Path) -> bool:
     try:
         with port.open('rb') as file:
             word = file.read(WORD)
-        age = time.time() - port.stat().st_mtime
     except OSError:  # removed meanwhile, or not ours to read
         return False
-    return len(word) == WORD and int.from_bytes(word, sys.byteorder) in UNFINISHED and age > OLD
+    return int.from_bytes(word, sys.byteorder) in UNFINISHED  # also where it has no bytes yet
 
 
 def _remove(port: Path) -> str:
