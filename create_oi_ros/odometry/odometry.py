@@ -40,6 +40,9 @@ CLOSE = 5e-5
 """The same while it moves steadily."""
 COVARIANCE_EVERY, STEADY_EVERY = 20, 40
 """Frames from one covariance of the prediction to the next, and while wheels run steadily."""
+NEW, NEW_EVERY = 10, 4
+"""Readings up to which a robot is new, and the same as above for its wheels: how soon they follow
+is what is known least, so doubt grows fast when they are asked for another speed."""
 STILL = (0.0, 0.0)
 """The course of a robot that rests."""
 AS_BUILT = Geometry()
@@ -220,6 +223,8 @@ class Odometry:
             self._unseen = 0
         elif self._is_time_to_look and not rested:
             self._look()
+        elif not rested and self._is_time_to_glance:
+            self._covariance = self.tracks.pose_covariance(glance=True)
         rows = self.tracks.rows
         if self._mark is not None and rows.mark is not None:
             self._mark = _nearer(self._mark, rows.mark.mean(rows.shares()), increment.dt)
@@ -317,6 +322,11 @@ class Odometry:
     def _is_time_to_look(self) -> bool:
         frames = STEADY_EVERY if self.tracks.wheels.settled else COVARIANCE_EVERY
         return self._unseen % frames == 0
+
+    @property
+    def _is_time_to_glance(self) -> bool:
+        return (self.tracks.rows.readings < NEW and not self.tracks.wheels.settled
+                and self._unseen % NEW_EVERY == 0)
 
     def _look(self) -> None:
         """Ask the tracks where the robot is, and how sure they are."""

@@ -64,7 +64,7 @@ class Tracks:
     def __init__(self, geometry: Geometry, rows: Assumptions | None = None,
                  band: DeadBand | None = None) -> None:
         self.geometry = geometry
-        self.scales = geometry.linear_scale, geometry.angular_scale
+        self.scales = self._true_scales = geometry.linear_scale, geometry.angular_scale
         self.rows = rows or Assumptions.new()
         self.wheels = WheelModel(FASTEST)
         self.band = band or DeadBand()
@@ -117,8 +117,7 @@ class Tracks:
         if self.wheels.speed is not self._rates_of:
             self._rates_of = self.wheels.speed
             right, left = self._rates_of[:, 0, 0].tolist()
-            width = float(self.wheels.track_width[0, 0])
-            self._rates = (right + left) / 2, (right - left) / width
+            self._rates = (right + left) / 2, (right - left) / float(self.wheels.track_width[0, 0])
         return self._rates
 
     @property
@@ -153,17 +152,19 @@ class Tracks:
         """Return the mean pose now: x, y, yaw."""
         return self._mean.now()
 
-    def pose_covariance(self) -> tuple[float, ...]:
-        """Return the covariance of the mean pose, row by row."""
-        self._catch_up()
+    def pose_covariance(self, *, glance: bool = False) -> tuple[float, ...]:
+        """Return the covariance of the mean pose, row by row; a glance has no other effect."""
+        if not glance:
+            self._catch_up()
         poses = self.wheels.poses[:, :, 0]
         off = poses - (poses @ self._shares)[:, None]
         p = self.rows.p[0, s.X:, s.X:]
         if self._seconds:
             f = self.wheels.transition(self._start[BEST])[0, PLACE]
             p = f @ self.rows.p[0] @ f.T + self._noise(BEST)[0, PLACE, PLACE]
-        far, turn = np.sqrt(p.diagonal()[3:]).tolist()
-        self._vague, self.blur = turn / DEGREE, max(far / MM / 2, turn / DEGREE)
+        if not glance:
+            far, turn = np.sqrt(p.diagonal()[3:]).tolist()
+            self._vague, self.blur = turn / DEGREE, max(far / MM / 2, turn / DEGREE)
         p = p[:3, :3] + (off * self._shares) @ off.T
         if self.rows.readings > YOUNG:
             p *= 1 + SPRUNG * float(self._shares @ self.rows.springs)
@@ -196,8 +197,7 @@ class Tracks:
     def lift(self, lifted: bool) -> None:
         """Take the robot off the floor, where wheels turn and nothing moves, or put it down."""
         self._close()
-        g = self.geometry
-        self.scales = (0.0, 0.0) if lifted else (g.linear_scale, g.angular_scale)
+        self.scales = (0.0, 0.0) if lifted else self._true_scales
         self._spread()
 
     def free(self, free: bool) -> None:

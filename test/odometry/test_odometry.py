@@ -5,6 +5,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from math import atan2, cos, radians, sin, tau
+from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,7 +13,7 @@ import pytest
 
 from create_oi_ros.odometry import Increment, Odometry
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import CENTRE, IDEAL
+from create_oi_ros.sim.body.config import CENTRE, IDEAL, Response, TimeConstant
 from support.ride import assert_smooth, assert_sound, Request, Ride, ROUNDINGS, SLOT
 
 WHEEL = st.integers(-500, 500).map(lambda mm: mm / 1000)
@@ -134,6 +135,25 @@ def test_rest_costs_no_certainty_and_motion_does() -> None:
     rested = ride.go(60).pose_covariance
     assert all(rested[i] < 1.001 * moved[i] + 1e-8 for i in (0, 4, 8))  # readings still teach
     assert ride.go(300, 0.2, 0.1).pose_covariance[8] > rested[8]
+
+
+@pytest.mark.parametrize('right', [0.03, 0.2])
+@pytest.mark.parametrize('dead_time', [0.03, 0.06])
+@pytest.mark.parametrize('response', [
+    {'time_constant': TimeConstant(0.12)}, {'time_constant': TimeConstant(0.25)},
+    {'response': Response.RAMP, 'wheel_acceleration': 0.7},
+    {'response': Response.RAMP, 'wheel_acceleration': 2.0},
+    {'response': Response.SECOND_ORDER, 'time_constant': TimeConstant(0.15)}])
+def test_a_new_robot_is_doubted_as_soon_as_it_moves(
+        response: dict[str, Any], dead_time: float, right: float) -> None:
+    """Nobody knows how soon its wheels follow; at no moment is it farther off than it says."""
+    ride = Ride(config=replace(CENTRE, dead_time=dead_time, **response))
+    ride.go(2)
+    for seconds, forth, left in ((0.5, right, -0.3), (0.8, -right, 0.3), (0.7, 0.0, 0.0)):
+        for _ in range(round(seconds / SLOT)):
+            estimate = ride.go(SLOT, forth, left)
+            off = radians(ride.miss[1])
+            assert abs(off) < 4 * estimate.pose_covariance[8] ** 0.5 + radians(0.1)
 
 
 def asked(odometry: Odometry, frames: int) -> Iterator[bool]:

@@ -230,6 +230,21 @@ def test_covariances_of_pose_and_twist_are_those_of_the_states():
         (both / 4 + 1e-6, both / FIRMWARE_SEPARATION ** 2 + 1e-6), rel=1e-3)
 
 
+def test_a_glance_at_the_covariance_changes_nothing():
+    tracks, other = (driven(Tracks(Geometry()), 0.3, 0.1, 1.5) for _ in range(2))
+    for each in tracks, other:
+        each.pose_covariance()
+        driven(each, -0.2, 0.3, 0.105)
+    blur, behind, before = tracks.blur, tracks.wheels.behind, speeds(tracks).copy()
+    seen = tracks.pose_covariance(glance=True)
+    assert (tracks.blur, tracks.wheels.behind) == (blur, behind)
+    assert behind and (speeds(tracks) == before).all()
+    looked = other.pose_covariance()
+    assert [seen[i] for i in (0, 4, 8)] == pytest.approx([looked[i] for i in (0, 4, 8)], rel=0.3)
+    assert other.blur != blur and not other.wheels.behind
+    assert tracks.pose_covariance() == looked
+
+
 def test_the_pose_of_wheels_that_overshoot_is_less_sure_than_their_filter_is():
     tracks = driven(sure(), 0.3, 0.1, 1.5)
     tracks.rows.clear(s.YAW, 0.0, 1e-4)
