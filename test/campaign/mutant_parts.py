@@ -95,7 +95,7 @@ PARTS = {
     'odometry/lags': TRACKS,
     'odometry/springs': TRACKS,
     'odometry/states': ('odometry/test_states.py',),
-    'odometry/tracks': ('odometry/test_track_sums.py', *TRACKS),
+    'odometry/tracks': ('odometry/test_track_sums.py', 'odometry/test_questions.py', *TRACKS),
     'odometry/wheel_model': TRACKS,
 }
 """By file of the package."""

@@ -95,3 +95,19 @@ def test_a_mean_pose_goes_on_along_the_arc_while_nothing_rolls():
     assert np.isfinite(tracks.held).all()
     assert tracks.pose() == pytest.approx(ahead, abs=0.02)
     assert hypot(ahead[0] - x, ahead[1] - y) > 0.2
+
+
+@pytest.mark.parametrize(('right', 'left'), [(1.0, 0.1), (-0.1, -1.0), (0.5, 0.9)])
+def test_between_two_steps_a_mean_that_speeds_up_goes_on_as_its_wheels_do(right, left):
+    tracks, compared = Tracks(Geometry()), 0
+    for frame in range(30):
+        seconds = frame * SLOT
+        tracks.advance(SLOT, right * seconds, left * seconds)
+        if frame > 17 and tracks.wheels.behind:  # the wheels follow
+            ahead = tracks.pose()
+            assert np.isfinite(tracks.held).all()  # now they roll
+            x, y, yaw = tracks.pose()
+            assert hypot(ahead[0] - x, ahead[1] - y) < 1e-5
+            assert abs(ahead[2] - yaw) < 1e-4
+            compared += 1
+    assert compared > 10

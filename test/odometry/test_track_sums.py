@@ -9,7 +9,8 @@ import pytest
 
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.odometry import states as s
-from create_oi_ros.odometry.tracks import FAMILIAR, Tracks
+from create_oi_ros.odometry.tracks import FAMILIAR, NEAR, RESTLESS, Tracks
+from create_oi_ros.odometry.wheel_model import ARRIVED
 from create_oi_ros.robot import FIRMWARE_SEPARATION, Rounding
 from support.ride import SLOT
 
@@ -166,6 +167,40 @@ def test_a_reading_of_nothing_at_rest_teaches_nothing():
     assert tracks.rows.readings == 0
     tracks.read(0, 1)
     assert tracks.rows.readings == 1
+
+
+@pytest.mark.parametrize(('distance', 'angle'), [(0, 20), (50, 0), (-50, -20), (1, 0)])
+def test_a_reading_that_spans_an_unknown_motion_is_believed(distance, angle):
+    tracks = driven(sure(), 0.0, 0.0, 0.3)
+    tracks.rows.clear(s.SPEED_RIGHT, 0.0, 1e-6)  # else they rest, and nothing is read
+    tracks.read(distance, angle, doubted=True)
+    rows = tracks.rows
+    assert rows.means[0, s.X] == pytest.approx(distance * MM, abs=1.5 * MM)
+    assert rows.means[0, s.YAW] == pytest.approx(angle * DEGREE, abs=1.5 * DEGREE)
+    assert (rows.p[0].diagonal()[[s.X, s.YAW]] > 0).all()
+
+
+def test_wheels_that_nobody_drives_or_pushes_may_still_begin_to_move():
+    tracks = driven(sure(), 0.0, 0.0, 0.3)
+    tracks.free(True)
+    driven(tracks, 0.0, 0.0, 0.3)
+    tracks.read(0, 0, driven=False)
+    assert tracks.rows.p[0].diagonal()[[*s.SPEEDS]] == pytest.approx(RESTLESS ** 2)
+
+
+def test_wheels_that_cease_to_obey_keep_their_speed():
+    tracks = driven(Tracks(Geometry()), 0.3, 0.1, 0.2)
+    assert tracks.wheels.rates.any()  # of springs, which swing
+    tracks.free(True)
+    assert not tracks.rows.rates.any()
+
+
+def test_wheels_are_settled_before_they_are_quite_at_their_goals():
+    tracks = driven(Tracks(Geometry()), 0.3, 0.1, 0.4)
+    while not tracks.settled:
+        driven(tracks, 0.3, 0.1, SLOT)
+    assert not tracks.wheels.settled
+    assert ARRIVED < tracks.wheels.farthest < NEAR
 
 
 def test_a_reset_puts_the_origin_where_the_robot_is():
