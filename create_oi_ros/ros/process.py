@@ -103,7 +103,7 @@ def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedE
     UserError: something in the environment is wrong.
     """
     check_environment()
-    for sentence in remove_unfinished():
+    for sentence in remove_unfinished(int(os.environ.get('ROS_DOMAIN_ID') or 0)):
         print(sentence, file=sys.stderr)
     leave_out_generator()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)

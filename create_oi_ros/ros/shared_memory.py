@@ -15,7 +15,8 @@ import time
 
 FOLDER = Path('/dev/shm')
 """Where Linux keeps shared memory."""
-PORTS = 'fastrtps_port*[0-9]'
+SHARED, FIRST, EACH = range(7000, 7400), 7400, 250
+"""Ports of all domains, the first one of domain 0, and how many a domain has (DDSI-RTPS 9.6.1)."""
 WORD = 4
 """Bytes at the beginning of a port, in which Boost.Interprocess marks how far it is made."""
 UNFINISHED = (0, 1)
@@ -25,10 +26,17 @@ WAIT = 1.0
 
 
 def remove_unfinished(
-    folder: Path = FOLDER, wait: Callable[[], object] = lambda: time.sleep(WAIT),
+    domain: int, folder: Path = FOLDER, wait: Callable[[], object] = lambda: time.sleep(WAIT),
 ) -> list[str]:
-    """Remove the ports that nobody will finish; return a sentence for the user about each."""
-    unfinished = [port for port in sorted(folder.glob(PORTS)) if _is_unfinished(port)]
+    """
+    Remove the ports that nobody will finish and a program of this ROS domain may get.
+
+    Return a sentence for the user about each.
+    """
+    first = FIRST + domain * EACH
+    numbers = *SHARED, *range(first, first + EACH)
+    ports = [folder / f'fastrtps_port{number}' for number in numbers]
+    unfinished = [port for port in ports if _is_unfinished(port)]
     if unfinished:
         wait()
     return [_remove(port) for port in unfinished if _is_unfinished(port)]
@@ -38,7 +46,7 @@ def _is_unfinished(port: Path) -> bool:
     try:
         with port.open('rb') as file:
             word = file.read(WORD)
-    except OSError:  # removed meanwhile, or not ours to read
+    except OSError:  # there is none, or it is not ours to read
         return False
     return int.from_bytes(word, sys.byteorder) in UNFINISHED  # also where it has no bytes yet
 
