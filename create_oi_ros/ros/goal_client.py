@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from .actions import ACTIONS, malformed
-from .process import leave_out_generator
+from .process import end_in_time, leave_out_generator
 from .user_errors import INTERRUPTED
 
 DISCOVERY_TIMEOUT = 10.0
@@ -63,10 +63,11 @@ class GoalClient:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
                  trace: TracebackType | None) -> None:
-        for client in self._clients.values():
-            client.destroy()
-        self.node.destroy_node()
-        rclpy.shutdown()
+        with end_in_time():
+            for client in self._clients.values():
+                client.destroy()
+            self.node.destroy_node()
+            rclpy.shutdown()
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
         if kind is KeyboardInterrupt:

@@ -11,6 +11,7 @@ to a socket, whichever thread receives it, and a thread of ours reads that socke
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 import ctypes
+import faulthandler
 from importlib import import_module
 import os
 import signal
@@ -34,6 +35,10 @@ SPIN_TIME = 0.05
 """Seconds for which `spin_ready` runs callbacks at most."""
 GENERATOR = 'rosidl_generator_py.generate_py_impl'
 """The part of ROS that writes the Python code of messages when a package is built."""
+END_TIME = 10.0
+"""Seconds in which ROS must have shut down."""
+STDERR = 2
+"""Its file descriptor: `sys.stderr` need not have one."""
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -94,6 +99,21 @@ def leave_out_generator() -> None:
 
 
 @contextmanager
+def end_in_time() -> Iterator[None]:
+    """
+    Exit with code 1, after the traceback of each thread, if the body takes longer than `END_TIME`.
+
+    For the end of ROS: Fast DDS 2.14 can wait for itself for ever when a node is destroyed while
+    another program leaves. That keeps Python from everything, so the limit needs no Python.
+    """
+    faulthandler.dump_traceback_later(END_TIME, exit=True, file=STDERR)
+    try:
+        yield
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+@contextmanager
 def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedExecutor]:
     """
     Initialise rclpy and yield an executor; at the end, destroy its nodes and shut rclpy down.
@@ -111,11 +131,12 @@ def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedE
     try:
         yield executor
     finally:
-        nodes = executor.get_nodes()
-        executor.shutdown()
-        for node in nodes:
-            node.destroy_node()
-        rclpy.shutdown()
+        with end_in_time():
+            nodes = executor.get_nodes()
+            executor.shutdown()
+            for node in nodes:
+                node.destroy_node()
+            rclpy.shutdown()
 
 
 def spin_until(executor: Executor, ended: Future) -> None:

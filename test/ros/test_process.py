@@ -33,6 +33,25 @@ from create_oi_ros.ros import node, node_arguments
 node_arguments.parse(['--ros-args', '-p', 'port:=/dev/create'])
 print(sorted(({{*sys.modules}} - before) & {{*{SELDOM!r}}}), len(sys.modules) > len(before))
 """
+HANGS = """
+import ctypes
+from create_oi_ros.ros import process
+{begin}
+    node.destroy_node = lambda: ctypes.PyDLL(None).sleep(600)  # Python can do nothing meanwhile
+    process.END_TIME = 0.2
+    print('done', flush=True)
+"""
+EXECUTOR = """
+import rclpy
+with process.ros_executor() as executor:
+    node = rclpy.create_node('program')
+    executor.add_node(node)
+"""
+GOALS = """
+from create_oi_ros.ros.goal_client import GoalClient
+with GoalClient() as robot:
+    node = robot.node
+"""
 
 
 def test_a_node_loads_nothing_that_it_seldom_needs() -> None:
@@ -64,3 +83,13 @@ def test_a_ros_without_that_package_is_no_error(monkeypatch: pytest.MonkeyPatch)
     leave_out_generator()
 
     assert GENERATOR not in sys.modules
+
+
+@pytest.mark.parametrize('begin', [EXECUTOR, GOALS], ids=['a node', 'a client of goals'])
+def test_a_program_ends_though_ros_hangs_at_its_end_and_tells_where(begin: str) -> None:
+    done = subprocess.run([sys.executable, '-c', HANGS.format(begin=begin)], text=True,
+                          capture_output=True, timeout=60, check=False)
+
+    assert (done.stdout, done.returncode) == ('done\n', 1)
+    assert done.stderr.startswith('Timeout (')
+    assert f'in {"ros_executor" if begin == EXECUTOR else "__exit__"}\n' in done.stderr
