@@ -30,20 +30,23 @@ class Line:
 
     def __init__(self, random: Random, latency: float) -> None:
         self._random, self._latency = random, latency
-        self._pieces: deque[tuple[float, bytes]] = deque()
+        self._pieces: deque[tuple[float, float, bytes]] = deque()
         self._last = 0.0
+        self.sent = 0.0
+        """When the last piece was sent that has arrived."""
 
     def put(self, data: bytes, now: float) -> None:
         """Send bytes."""
         if data:
             self._last = max(self._last, now + self._random.uniform(0, self._latency))
-            self._pieces.append((self._last, data))
+            self._pieces.append((self._last, now, data))
 
     def take(self, now: float) -> bytes:
         """Return what has arrived."""
         arrived = bytearray()
         while self._pieces and self._pieces[0][0] <= now:
-            arrived += self._pieces.popleft()[1]
+            _, self.sent, data = self._pieces.popleft()
+            arrived += data
         return bytes(arrived)
 
 
@@ -67,6 +70,10 @@ class Journey:
         self.estimate = Estimate()
         self.moves: list[tuple[float, Estimate, Truth]] = []
         """Each frame's estimate, with the truth when it arrived."""
+        self.most_sigmas = 0.0
+        """The most standard deviations that an estimate was off in yaw, at any moment."""
+        self._turned: dict[float, float] = {}
+        """How far the robot had turned when it sent something: a frame tells of that moment."""
         self.counts: list[Counts] = []
         """What the encoders had counted after each slot."""
         self.turned = self.path = 0.0
@@ -78,7 +85,9 @@ class Journey:
         self.now += self._step
         before = self.body.truth()
         self.robot.poll(self.now)
-        self._down.put(self._damage(self.robot.data_to_send()), self.now)
+        if sent := self._damage(self.robot.data_to_send()):
+            self._down.put(sent, self.now)
+            self._turned[self.now] = self.body.truth().turned
         self.driver.receive(self._down.take(self.now), self.now)
         self.driver.poll(self.now)
         self._up.put(self.driver.data_to_send(), self.now)
@@ -88,11 +97,17 @@ class Journey:
             if isinstance(event, Moved):
                 self.estimate = event.estimate
                 self.moves.append((event.stamp, event.estimate, truth))
+                self._look_how_sure(event.estimate)
         self._steps += 1
         if self._steps % TURNS == 0:
             self.counts.append(Counts(self.body.distance_total, self.body.angle_total))
         self.turned += abs(truth.turned - before.turned)
         self.path += abs(truth.travelled - before.travelled)
+
+    def _look_how_sure(self, e: Estimate) -> None:
+        """Note how many of its standard deviations an estimate is off."""
+        off = abs(e.yaw - self._turned[self._down.sent]) / e.pose_covariance[8] ** 0.5
+        self.most_sigmas = max(self.most_sigmas, off)
 
     def drive(self, wishes: Sequence[Wish], seconds: float) -> None:
         """Drive by cmd_vel, as a user does."""
