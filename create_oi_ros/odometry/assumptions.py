@@ -34,8 +34,6 @@ IMPLAUSIBLE, NEGLIGIBLE = 1e-6, 1e-4
 FAINT = 1e-4
 """Part of the weight of the best spring below which a spring is given up, and likewise a lag:
 springs learn later than lags what their wheels are like, so these do not judge them."""
-CLEAR, LEAST_WEIGHT = 5.0, 2e-6
-"""Doubt of the best track from which on no other is given up, and the weight that others keep."""
 UNSTEADY = np.array([0.0, 0.002, 0.005, 0.01]) ** 2
 """How much the speed of wheels that are asked for one speed may wander: variance of their travel,
 m² for each metre."""
@@ -54,8 +52,8 @@ OF_SPRINGS, OF_LAGS = (
 NEAR = 1e-3
 """Part of the weight of the better of two responses up to which the other one is kept: springs
 learn later than lags what their wheels are like."""
-YOUNG, OLD = 30, 120
-"""Readings from which on only one track of each kind is kept, and none for the sake of variety."""
+YOUNG = 30
+"""Readings from which on only one track of each kind is kept."""
 LOWEST, HIGHEST = np.array([(prior.low, prior.high) for prior in s.PRIORS]).T
 """The range of each state; springs have their own damping."""
 SMALLEST_STEP = 1e-5
@@ -180,9 +178,7 @@ class Assumptions:
         weights = self.weights * np.exp(np.maximum(logs - logs.max(), -LEAST))
         weights /= weights.sum()
         least: Array | float = IMPLAUSIBLE
-        if self.doubt[weights.argmax()] > CLEAR and self.readings < OLD:
-            weights = np.maximum(weights, LEAST_WEIGHT)
-        elif not self.patient:
+        if not self.patient:
             least = np.maximum(IMPLAUSIBLE, FAINT * self._best_alike(weights))
         plausible = weights > least
         self.weights = weights
