@@ -131,8 +131,9 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
     scores['ours'] = ours._replace(
         nees=nees_of(truth.pose.x, truth.pose.y, truth.turned, e),
         sigmas=abs(e.yaw - truth.turned) / e.pose_covariance[8] ** 0.5,
-        most_sigmas=journey.most_sigmas, step=largest_step(journey), worse=ours.turn - scores['a reading a second'].turn,
-        course=course(journey), response=robot.config.response.value)
+        most_sigmas=journey.most_sigmas, step=largest_step(journey),
+        worse=ours.turn - scores['a reading a second'].turn, course=course(journey),
+        response=robot.config.response.value)
     return [(kind, style, name, score) for name, score in scores.items()]
 
 
@@ -188,7 +189,8 @@ def print_table(results: Iterable[Result]) -> Cells:
         for name in (kind, f'{kind}: {style}', f'{kind}, {score.response} wheels'):
             cells.setdefault((name, estimator), []).append(score)
     print(f'{"":51}  deg a turn    % of path\n'
-          f'{"robots":28} {"by":18}   n    mean   95th   mean   95th    NEES  >4 ever   step  worse')
+          f'{"robots":28} {"by":18}   n    mean   95th   mean   95th    NEES  >4 ever   step'
+          '  worse')
     for (name, estimator), scores in sorted(cells.items()):
         if scores[0].response or ' wheels' not in name:
             print(show(name, estimator, scores))

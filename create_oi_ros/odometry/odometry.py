@@ -40,7 +40,7 @@ CLOSE = 5e-5
 """The same while it moves steadily."""
 COVARIANCE_EVERY, STEADY_EVERY = 20, 40
 """Frames from one covariance of the prediction to the next, and while wheels run steadily."""
-NEW, NEW_EVERY = 10, 4
+NEW, NEW_EVERY = 40, 4
 """Readings up to which a robot is new, and the same as above for its wheels: how soon they follow
 is what is known least, so doubt grows fast when they are asked for another speed."""
 STILL = (0.0, 0.0)

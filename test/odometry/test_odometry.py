@@ -4,7 +4,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import atan2, cos, radians, sin, tau
+from math import atan2, cos, degrees, radians, sin, tau
 from typing import Any
 
 from hypothesis import given, settings
@@ -14,7 +14,7 @@ import pytest
 from create_oi_ros.odometry import Increment, Odometry
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import CENTRE, IDEAL, Response, TimeConstant
-from support.ride import assert_smooth, assert_sound, Request, Ride, ROUNDINGS, SLOT
+from support.ride import assert_smooth, assert_sound, LESSON, Request, Ride, ROUNDINGS, SLOT
 
 WHEEL = st.integers(-500, 500).map(lambda mm: mm / 1000)
 REQUESTS = st.lists(st.tuples(st.sampled_from((0.03, 0.3, 1.5)), WHEEL, WHEEL), max_size=12)
@@ -154,6 +154,17 @@ def test_a_new_robot_is_doubted_as_soon_as_it_moves(
             estimate = ride.go(SLOT, forth, left)
             off = radians(ride.miss[1])
             assert abs(off) < 4 * estimate.pose_covariance[8] ** 0.5 + radians(0.1)
+
+
+def test_the_covariance_of_a_robot_that_is_not_known_follows_its_wheels() -> None:
+    ride = Ride()
+    for right, left in LESSON:
+        ride.go(2, right, left)
+    ride.go(3)
+    assert 15 < ride.odometry.tracks.rows.readings < 40
+    deviations = {
+        round(degrees(ride.go(SLOT, 0.2, -0.3).pose_covariance[8] ** 0.5), 2) for _ in range(30)}
+    assert len(deviations) > 5
 
 
 def asked(odometry: Odometry, frames: int) -> Iterator[bool]:
