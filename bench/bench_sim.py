@@ -133,7 +133,7 @@ def served_figures(count: int) -> list[Figure]:
     expected = count * passed / oi.SLOT
     return [
         Figure(f'{name}: processor, of one core, a robot', 100 * sum(used) / count / passed,
-               '%', 3),
+               '%', 2.5),
         Figure(f'{name}: frames within 2 ms of their slot',
                100 * sum(each <= ON_TIME for each in late) / len(late), '%', 99, at_least=True),
         Figure(f'{name}: frames late, median', 1e3 * late[len(late) // 2], 'ms'),
