@@ -161,7 +161,7 @@ def test_the_covariance_of_a_robot_that_is_not_known_follows_its_wheels() -> Non
     for right, left in LESSON:
         ride.go(2, right, left)
     ride.go(3)
-    assert 15 < ride.odometry.tracks.rows.readings < 40
+    assert ride.odometry.tracks.rows.readings > 15
     deviations = {
         round(degrees(ride.go(SLOT, 0.2, -0.3).pose_covariance[8] ** 0.5), 2) for _ in range(30)}
     assert len(deviations) > 5
