@@ -1,15 +1,16 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How fast the simulated Create is: `python bench/bench_sim.py`, 40 seconds, a table.
+How fast the simulated Create is: `python bench/bench_sim.py`, 4 minutes, a table.
 
 In memory: a robot drives while all single packets are streamed. Served: `create_sim` processes on
-pseudo terminals, read by this process. A frame's lateness is measured from the robot's earliest
-frame, so delays of the reading process and of the scheduler count as well. Other work on the
-machine shows: its load is printed.
+pseudo terminals, read by this process. The floor is `programs/line_floor.py`, as many of them and
+as often, in turn with the robots. A frame's lateness is measured from the robot's earliest frame,
+so delays of the reading process and of the scheduler count as well. Other work on the machine
+shows: its load is printed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, ExitStack
 import os
 from pathlib import Path
@@ -20,6 +21,7 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 from time import monotonic, perf_counter
+from typing import NamedTuple
 
 from create_oi_ros import oi
 from create_oi_ros.ros.programs import PROGRAMS
@@ -28,7 +30,7 @@ from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
 from processes import processor_seconds
-from results import Figure, run
+from results import Figure, repeated, run
 
 ALL = tuple(oi.PACKETS)
 FIT = tuple(number for number in oi.PACKETS if number not in (15, 16, 38))
@@ -37,6 +39,7 @@ SETTLE, WATCH = 2.0, 8.0
 """Seconds before and while a served robot is watched."""
 ROUNDS = 5
 """Times that served robots are measured."""
+FLOOR = Path(__file__).parent / 'programs' / 'line_floor.py'
 ON_TIME = 0.002
 """Seconds after its slot by which a frame counts as on time."""
 
@@ -74,12 +77,21 @@ def fuzz_seconds(count: int = 1_000_000) -> float:
     return perf_counter() - begin
 
 
+def robot(port: Path) -> list[str]:
+    """Return the command that serves a robot."""
+    return [sys.executable, '-c', PROGRAMS['create_sim'], '--link', str(port), '--world', 'room']
+
+
+def floor(port: Path) -> list[str]:
+    """Return the command that writes as much as a robot, and does nothing else."""
+    return [sys.executable, str(FLOOR), str(port), str(oi.PacketList(FIT).frame_size),
+            str(oi.SLOT)]
+
+
 @contextmanager
-def served(port: Path) -> Iterator[tuple[int, int]]:
-    """Run a robot; yield its process number and a descriptor of its port."""
-    process = subprocess.Popen(
-        [sys.executable, '-c', PROGRAMS['create_sim'], '--link', str(port), '--world', 'room'],
-        stdout=subprocess.PIPE)
+def served(command: list[str], port: Path) -> Iterator[tuple[int, int]]:
+    """Run a program; yield its process number and a descriptor of its port."""
+    process = subprocess.Popen(command, stdout=subprocess.PIPE)
     try:
         assert process.stdout is not None
         process.stdout.readline()
@@ -119,10 +131,22 @@ def lateness(times: list[float]) -> list[float]:
     return [offset - min(offsets) for offset in offsets]
 
 
-def served_figures(count: int) -> list[Figure]:
-    """Measure this many robots at once, a process each."""
+class Watched(NamedTuple):
+    """What several programs did at once."""
+
+    processor: float
+    """Per cent of a core that each took."""
+    came: float
+    """Per cent of the frames that were due."""
+    late: list[float]
+    """Seconds after its slot of each frame, the least first."""
+
+
+def watch(program: Callable[[Path], list[str]], count: int) -> Watched:
+    """Run a program this many times at once."""
     with TemporaryDirectory() as folder, ExitStack() as stack:
-        robots = [stack.enter_context(served(Path(folder) / f'create{n}')) for n in range(count)]
+        ports = (Path(folder) / f'create{n}' for n in range(count))
+        robots = [stack.enter_context(served(program(port), port)) for port in ports]
         lines = [line for _, line in robots]
         arrivals(lines, SETTLE)
         before = [processor_seconds(number) for number, _ in robots]
@@ -132,26 +156,38 @@ def served_figures(count: int) -> list[Figure]:
         used = [processor_seconds(number) - past
                 for (number, _), past in zip(robots, before, strict=True)]
     late = sorted(each for line in lines for each in lateness(times[line]))
+    return Watched(100 * sum(used) / count / passed,
+                   100 * len(late) * oi.SLOT / count / passed, late)
+
+
+def served_figures(count: int) -> list[Figure]:
+    """Measure robots and the floor in turn, several times: how dear code is varies by minutes."""
+    robots, floors = [], []
+    for _ in range(ROUNDS):
+        robots.append(watch(robot, count))
+        floors.append(watch(floor, count))
     name = f'{count} served' if count > 1 else 'one served'
-    expected = count * passed / oi.SLOT
+    least = median(each.processor for each in floors)
+    ratios = [each.processor / beside.processor
+              for each, beside in zip(robots, floors, strict=True)]
+
+    def lasting(what: str, part: float) -> Figure:
+        return repeated(f'{name}: frames late, {what}',
+                        [1e3 * each.late[int(len(each.late) * part)] for each in robots], 'ms')
+
     return [
-        Figure(f'{name}: processor, of one core, a robot', 100 * sum(used) / count / passed,
-               '%', 2.5),
-        Figure(f'{name}: frames within 2 ms of their slot',
-               100 * sum(each <= ON_TIME for each in late) / len(late), '%', 99, at_least=True),
-        Figure(f'{name}: frames late, median', 1e3 * late[len(late) // 2], 'ms'),
-        Figure(f'{name}: frames late, 99th percentile', 1e3 * late[len(late) * 99 // 100], 'ms'),
-        Figure(f'{name}: frames that came', 100 * len(late) / expected, '%',
-               at_least=True),
+        repeated(f'{name}: processor, of one core, a robot',
+                 [each.processor for each in robots], '%', 2.5),
+        repeated(f'{name}: processor, beside the floor', ratios, 'x floor',
+                 beside=f'floor {least:.1f} % of a core'),
+        repeated(f'{name}: frames within 2 ms of their slot',
+                 [100 * sum(late <= ON_TIME for late in each.late) / len(each.late)
+                  for each in robots], '%', 99, at_least=True),
+        lasting('median', 0.5),
+        lasting('99th percentile', 0.99),
+        repeated(f'{name}: frames that came', [each.came for each in robots], '%',
+                 at_least=True),
     ]
-
-
-def repeated_figures(count: int) -> list[Figure]:
-    """Measure the same several times: how dear code is after a sleep varies."""
-    runs = [served_figures(count) for _ in range(ROUNDS)]
-    rows = ((row[0], [each.value for each in row]) for row in zip(*runs, strict=True))
-    return [first._replace(value=median(values), worst=(min if first.at_least else max)(values))
-            for first, values in rows]
 
 
 def measure() -> list[Figure]:
@@ -161,8 +197,8 @@ def measure() -> list[Figure]:
                  max(times_real_time(world) for _ in range(3)), 'x', 100, at_least=True)
           for world in ('empty', 'room', 'apartment')),
         Figure('in memory: a million random bytes', fuzz_seconds(), 's'),
-        *repeated_figures(1),
-        *repeated_figures(20),
+        *served_figures(1),
+        *served_figures(20),
     ]
 
 

@@ -48,9 +48,10 @@ class Figure(NamedTuple):
 
 
 def repeated(what: str, values: Sequence[float], unit: str, target: float | None = None,
-             beside: str = '') -> Figure:
-    """Return the median of repetitions, and the highest as the worst: lower is better."""
-    return Figure(what, median(values), unit, target, worst=max(values), beside=beside)
+             beside: str = '', *, at_least: bool = False) -> Figure:
+    """Return the median of repetitions and the worst: the highest, unless higher is better."""
+    worst = min(values) if at_least else max(values)
+    return Figure(what, median(values), unit, target, at_least, worst, beside)
 
 
 def load_before(seconds: float = 1.0) -> float:

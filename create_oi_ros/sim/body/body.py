@@ -35,7 +35,7 @@ from .electrics import Electrics
 from .mechanics import Mechanics, Truth
 from .overlay import Overlay
 from .sensed import clamped, Sensed
-from .surroundings import beams, CLIFF_BELOW, WALL_SEEN
+from .surroundings import CLIFF_BELOW, WALL_SEEN
 
 MOMENT = 1e-9
 """Seconds by which a sum of times may miss a deadline."""
@@ -70,7 +70,7 @@ class Body:
 
     def low_side(self, *, duty0: float, duty1: float, duty2: float) -> None:
         """Set the low side drivers' duty cycles, clamped to 0 to 1."""
-        self._electrics.duties = tuple(map(_fraction, (duty0, duty1, duty2)))
+        self._electrics.switch(tuple(map(_fraction, (duty0, duty1, duty2))))
         self._sensed = None
 
     def allow_charging(self, allowed: bool) -> None:
@@ -215,7 +215,7 @@ class Body:
     def load(self, *, ld0: float = 0.0, ld1: float = 0.0, ld2: float = 0.0) -> None:
         """Set the loads of the low side drivers: amperes that each draws when fully on."""
         _finite('load', ld0, ld1, ld2)
-        self._electrics.loads = tuple(max(0.0, each) for each in (ld0, ld1, ld2))
+        self._electrics.load(tuple(max(0.0, each) for each in (ld0, ld1, ld2)))
         self._sensed = None
 
     # Time.
@@ -262,8 +262,9 @@ class Body:
         if self.config.cliffs_while_charging and battery.current > 0:
             floors = (0, 0, 0, 0)
         signals = self._noisy(floors)
-        virtual_wall, infrared = beams(self.world, mechanics.pose, electrics.base_powered)
-        overloads = electrics.overloads()
+        virtual_wall, infrared = mechanics.near.beams(
+            mechanics.pose, electrics.base_powered)
+        overloads = electrics.overloads
         right, left = mechanics.wheels.right, mechanics.wheels.left
         return Sensed(
             bump_left=bumps[0], bump_right=bumps[1], drop_left=not left.grounded,
@@ -286,11 +287,11 @@ class Body:
             capacity=clamped('capacity', battery.config.capacity / MILLI),
             home_base=electrics.home_base, internal_charger=electrics.charger)
 
-    def _noisy(self, floors: tuple[int, ...]) -> tuple[int, ...]:
+    def _noisy(self, floors: tuple[int, ...]) -> list[int]:
         """Return the floor signals with noise: up to 16 less or 15 more, never below 0."""
         bits = self._random.getrandbits(20)
-        return tuple(max(0, signal + (bits >> 5 * place & 31) - 16)
-                     for place, signal in enumerate(floors))
+        return [max(0, signal + (bits >> 5 * place & 31) - 16)
+                for place, signal in enumerate(floors)]
 
 
 def _fraction(value: float) -> float:

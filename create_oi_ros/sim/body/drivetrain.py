@@ -58,8 +58,10 @@ class Drivetrain:
 
     def twist(self) -> tuple[float, float]:
         """Return the forward velocity (m/s) and yaw rate (rad/s) that the wheels give the body."""
-        right = self.right.speed * self.right.grip
-        left = self.left.speed * self.left.grip
+        return self._together(self.right.speed * self.right.grip, self.left.speed * self.left.grip)
+
+    def _together(self, right: float, left: float) -> tuple[float, float]:
+        """Return how far ahead, and how far round, two true travels or speeds take the body."""
         return (right + left) / 2, (right - left) / self._separation
 
     def horizon(self, longest: float) -> float:
@@ -68,21 +70,21 @@ class Drivetrain:
 
     def advance(self, h: float, yaw: float) -> Motion:
         """Drive for h seconds, at most `horizon`, from a heading of `yaw` radians."""
-        right, left = self.right, self.left
-        speed, rate = self.twist()
-        right_travel, left_travel = right.roll(h), left.roll(h)
-        far = (right_travel * right.grip + left_travel * left.grip) / 2
-        turn = (right_travel * right.grip - left_travel * left.grip) / self._separation
-        motion = glide(h, yaw, speed, rate, 2 * (far / h - speed) / h, 2 * (turn / h - rate) / h)
-        return motion._replace(right=right_travel, left=left_travel)
+        right, left = self.right.grip, self.left.grip
+        speed, rate = self._together(self.right.speed * right, self.left.speed * left)
+        right_travel, left_travel = self.right.roll(h), self.left.roll(h)
+        far, turn = self._together(right_travel * right, left_travel * left)
+        return Motion(
+            *glide(h, yaw, speed, rate, 2 * (far / h - speed) / h, 2 * (turn / h - rate) / h),
+            right_travel, left_travel)
 
     def roll(self, h: float, yaw: float, speed: float, rate: float) -> Motion:
         """Be pushed for h seconds at a twist of m/s and rad/s: the wheels follow the floor."""
         half = rate * self._separation / 2
-        motion = glide(h, yaw, speed, rate, 0.0, 0.0)
         for wheel, rolled in ((self.right, speed + half), (self.left, speed - half)):
             wheel.speed = rolled if wheel.grounded and not wheel.held else 0.0
-        return motion._replace(right=self.right.speed * h, left=self.left.speed * h)
+        return Motion(*glide(h, yaw, speed, rate, 0.0, 0.0),
+                      self.right.speed * h, self.left.speed * h)
 
     def let_go(self) -> None:
         """End a push: the gears stop whatever the motors do not drive."""
@@ -98,13 +100,12 @@ class Drivetrain:
 
 
 def glide(h: float, yaw: float, speed: float, rate: float,
-          acceleration: float, turn_acceleration: float) -> Motion:
-    """Move for h seconds with constant linear and angular acceleration; nothing is counted."""
+          acceleration: float, turn_acceleration: float) -> tuple[float, float, float, float]:
+    """Return dx, dy, turn and travel of h seconds of constant linear and angular acceleration."""
     x = y = 0.0
     for t in (h * GAUSS_NODE, h * (1 - GAUSS_NODE)):
         heading = yaw + (rate + turn_acceleration * t / 2) * t
         stride = (speed + acceleration * t) * h / 2
         x += stride * math.cos(heading)
         y += stride * math.sin(heading)
-    return Motion(x, y, (rate + turn_acceleration * h / 2) * h,
-                  (speed + acceleration * h / 2) * h, 0.0, 0.0)
+    return (x, y, (rate + turn_acceleration * h / 2) * h, (speed + acceleration * h / 2) * h)

@@ -12,7 +12,7 @@ from ..world import Pose, World
 from .config import BodyConfig, Contact
 from .drivetrain import Drivetrain, Motion
 from .encoders import Accumulator
-from .surroundings import docked, Surroundings
+from .surroundings import Surroundings
 from .wheel import Wheel
 
 LONGEST_PIECE = SLOT
@@ -44,8 +44,7 @@ class Mechanics:
     """A round body on two driven wheels and a caster."""
 
     __slots__ = ('wheels', 'near', 'pose', 'distance', 'angle', 'pushed', 'lifted', 'dropped',
-                 'caster_grounded', 'docked', '_config', '_world', '_travelled', '_turned',
-                 '_lost')
+                 'caster_grounded', 'docked', '_config', '_travelled', '_turned', '_lost')
 
     def __init__(self, world: World, config: BodyConfig, rounding: Rounding, seed: int) -> None:
         self.wheels = Drivetrain(config, seed)
@@ -62,7 +61,7 @@ class Mechanics:
         """Wheels that hang down by somebody's hand: right, left, caster."""
         self.caster_grounded = True
         self.docked = False
-        self._config, self._world = config, world
+        self._config = config
         self._travelled = self._turned = 0.0
         self._lost = 0.0
 
@@ -78,23 +77,28 @@ class Mechanics:
         """Be put elsewhere without a turn of the wheels; obstacles push the body out."""
         x, y = pose.x, pose.y
         self.near.move_to(x, y)
-        free = None if self.lifted else self.near.push_out(x, y, (x, y))
-        self.pose = Pose(*(free or (x, y)), math.remainder(pose.yaw, math.tau))
+        if not self.lifted:
+            x, y = self.near.push_out(x, y, (x, y)) or (x, y)
+            self.near.move_to(x, y)
+        self.pose = Pose(x, y, math.remainder(pose.yaw, math.tau))
         self._lost = 0.0
         self.stand()
 
     def stand(self) -> None:
         """Work out which wheels have floor below them and whether the robot is docked."""
-        config, up = self._config, not self.lifted
+        config, up, firm = self._config, not self.lifted, self.near.firm
         right, left, caster = self.dropped
-        self.wheels.right.grounded = up and not right and self._floor(0, -config.wheel_lateral)
-        self.wheels.left.grounded = up and not left and self._floor(0, config.wheel_lateral)
-        self.caster_grounded = up and not caster and self._floor(config.caster_forward, 0)
-        self.docked = up and docked(self._world, self.pose, config.body_radius)
+        self.wheels.right.grounded = (
+            up and not right and (firm or self._floor(0, -config.wheel_lateral)))
+        self.wheels.left.grounded = (
+            up and not left and (firm or self._floor(0, config.wheel_lateral)))
+        self.caster_grounded = (
+            up and not caster and (firm or self._floor(config.caster_forward, 0)))
+        self.docked = up and self.near.docked(self.pose)
 
     def _floor(self, forward: float, left: float) -> bool:
         """Return whether there is floor at a point of the robot."""
-        return self.near.firm or self.near.floor(self.pose.ahead(forward, left)) is not None
+        return self.near.floor(self.pose.ahead(forward, left)) is not None
 
     def horizon(self, longest: float) -> float:
         """Return the seconds, at most `longest`, that one `advance` may span."""

@@ -102,4 +102,4 @@ def checked(name: str, value: int) -> int:
 def clamped(name: str, value: float) -> int:
     """Return the whole number nearest to value that the field can hold."""
     low, high = RANGES[name]
-    return round(min(high, max(low, value)))
+    return round(low if value < low else high if value > high else value)

@@ -4,7 +4,8 @@
 What a body at a pose meets in its world: obstacles, walls beside it, floor below, beams.
 
 A robot crosses a room slowly. So `Surroundings` keeps the obstacles nearby until the robot has
-moved a quarter of a metre, and one reflectance for the floor where no edge is near.
+moved a quarter of a metre, those that may stand in a beam's way, and one reflectance for the floor
+where no edge is near.
 
 The numbers below are guesses unless marked otherwise. Bearings are seen from the robot's centre,
 left positive.
@@ -14,7 +15,7 @@ import math
 
 from ...oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ...robot import CLIFF_BEARINGS
-from ..world import HomeBase, Pose, World
+from ..world import HomeBase, Pose, VirtualWall, World
 from ..world.geometry import Obstacle, Point, reach, sees
 from .sensed import NO_INFRARED
 
@@ -53,19 +54,29 @@ MARGIN = 0.25
 ROUNDS = 6
 """Attempts to push the robot out of obstacles before it counts as stuck between them."""
 
+Obstacles = tuple[Obstacle, ...]
+
 
 class Surroundings:
     """The part of a world near a round body."""
 
-    __slots__ = ('obstacles', '_world', '_radius', '_x', '_y', '_even', '_floor')
+    __slots__ = ('obstacles', 'firm', '_world', '_radius', '_x', '_y', '_even', '_floor', '_docks',
+                 '_bases', '_virtual_walls')
 
     def __init__(self, world: World, radius: float) -> None:
         self._world, self._radius = world, radius
         self._x = self._y = math.nan
-        self.obstacles: tuple[Obstacle, ...] = ()
+        self.obstacles: Obstacles = ()
         """Those that the body or the wall sensor can reach."""
+        self.firm = False
+        """There is floor everywhere below the robot and no edge near."""
         self._even = False
         self._floor: float | None = None
+        self._docks: tuple[HomeBase, ...] = ()
+        """Those that the body can reach."""
+        self._bases: tuple[tuple[HomeBase, Obstacles], ...] = ()
+        """Each with the obstacles that may hide it."""
+        self._virtual_walls: tuple[tuple[VirtualWall, Obstacles], ...] = ()
 
     def move_to(self, x: float, y: float) -> None:
         """Search again if the robot has moved too far since the last search."""
@@ -76,15 +87,29 @@ class Surroundings:
     def _look_around(self, x: float, y: float) -> None:
         self._x, self._y = x, y
         near = self._radius + WALL_REACH + MARGIN
-        self.obstacles = tuple(each for each in self._world.obstacles if each.gap(x, y) < near)
+        world = self._world
+        self.obstacles = tuple(each for each in world.obstacles if each.gap(x, y) < near)
+        self._docks = tuple(each for each in world.home_bases if each.plate.gap(x, y) < near)
+        self._bases = tuple((each, self._between(each.pose, each.plate))
+                            for each in world.home_bases)
+        self._virtual_walls = tuple((each, self._between(each.pose))
+                                    for each in world.virtual_walls)
         near = self._radius + MARGIN
-        self._even = all(each.edge_gap(x, y) > near for each in self._world.borders)
-        self._floor = self._world.floor(x, y)
+        self._even = all(each.edge_gap(x, y) > near for each in world.borders)
+        self._floor = world.floor(x, y)
+        self.firm = self._even and self._floor is not None
 
-    @property
-    def firm(self) -> bool:
-        """There is floor everywhere below the robot and no edge near."""
-        return self._even and self._floor is not None
+    def _between(self, source: Pose, own: Obstacle | None = None) -> Obstacles:
+        """
+        Return the obstacles, but its own, that may stand between a source and the receiver.
+
+        The way over any point of such an obstacle is no longer than the straight one.
+        """
+        x, y = self._x, self._y
+        strayed = MARGIN + self._radius
+        far = math.dist((source.x, source.y), (x, y)) + 2 * strayed
+        return tuple(each for each in self._world.obstacles if each is not own
+                     and each.gap(source.x, source.y) + each.gap(x, y) <= far)
 
     def floor(self, point: Point) -> float | None:
         """Return the reflectance at a point below the robot; None where there is no floor."""
@@ -141,40 +166,32 @@ class Surroundings:
         return tuple(int(FLOOR_PEAK * (self.floor(pose.ahead(*place)) or 0.0))
                      for place in CLIFF_PLACES)
 
+    def beams(self, pose: Pose, powered: bool) -> tuple[bool, int]:
+        """
+        Return whether a virtual wall is seen (packet 13) and the character received (packet 17).
 
-def beams(world: World, pose: Pose, powered: bool) -> tuple[bool, int]:
-    """
-    Return whether a virtual wall is seen (packet 13) and the character received (packet 17).
+        `powered` is about Home Bases. Their force field sets packet 13 too (manual). The manual's
+        table has no character for a Virtual Wall, so packet 17 does not show one.
+        """
+        if not self._bases and not self._virtual_walls:
+            return False, NO_INFRARED
+        receiver = pose.ahead(RECEIVER_FORWARD)
+        bits = 0
+        for base, between in self._bases if powered else ():
+            red, green, field = base.beams_on(receiver)
+            if (red or green or field) and sees(between, (base.pose.x, base.pose.y), receiver):
+                bits |= RED_BUOY * red | GREEN_BUOY * green | FORCE_FIELD * field
+        walled = bool(bits & FORCE_FIELD) or any(
+            each.shines_on(receiver) and sees(between, (each.pose.x, each.pose.y), receiver)
+            for each, between in self._virtual_walls)
+        return walled, BEAMS + bits if bits else NO_INFRARED
 
-    `powered` is about Home Bases. Their force field sets packet 13 too (manual). The manual's
-    table has no character for a Virtual Wall, so packet 17 does not show one.
-    """
-    if not world.home_bases and not world.virtual_walls:
-        return False, NO_INFRARED
-    receiver = pose.ahead(RECEIVER_FORWARD)
-    bits = 0
-    for base in world.home_bases if powered else ():
-        red, green, field = base.beams_on(receiver)
-        if (red or green or field) and _clear(world, base, receiver):
-            bits |= RED_BUOY * red | GREEN_BUOY * green | FORCE_FIELD * field
-    walled = bool(bits & FORCE_FIELD) or any(
-        each.shines_on(receiver) and sees(world.obstacles, (each.pose.x, each.pose.y), receiver)
-        for each in world.virtual_walls)
-    return walled, BEAMS + bits if bits else NO_INFRARED
-
-
-def _clear(world: World, base: HomeBase, point: Point) -> bool:
-    """Return whether no obstacle but its own front stands between the base and the point."""
-    others = [each for each in world.obstacles if each is not base.plate]
-    return sees(others, (base.pose.x, base.pose.y), point)
-
-
-def docked(world: World, pose: Pose, radius: float) -> bool:
-    """Return whether the robot touches the contacts of a Home Base."""
-    for base in world.home_bases:
-        far, bearing = base.pose.polar(pose.x, pose.y)
-        askew = math.remainder(pose.yaw - base.pose.yaw - math.pi, math.tau)
-        if (abs(far * math.sin(bearing)) <= DOCK_ASIDE and abs(askew) <= DOCK_ASKEW
-                and -TOUCH <= far * math.cos(bearing) - radius <= DOCK_GAP):
-            return True
-    return False
+    def docked(self, pose: Pose) -> bool:
+        """Return whether the robot touches the contacts of a Home Base."""
+        for base in self._docks:
+            far, bearing = base.pose.polar(pose.x, pose.y)
+            askew = math.remainder(pose.yaw - base.pose.yaw - math.pi, math.tau)
+            if (abs(far * math.sin(bearing)) <= DOCK_ASIDE and abs(askew) <= DOCK_ASKEW
+                    and -TOUCH <= far * math.cos(bearing) - self._radius <= DOCK_GAP):
+                return True
+        return False

@@ -79,20 +79,26 @@ class Lag:
     """First order: the speed error decays exponentially; braking `braking` times as fast."""
 
     def __init__(self, constant: TimeConstant, braking: float) -> None:
-        self.speed = self._goal = self._reference = 0.0
+        self.speed = self._goal = 0.0
         self._constant, self._braking = constant, braking
+        self._steady_tau = constant.at(0.0)
+        """Seconds while it does not brake."""
 
     def aim(self, goal: float) -> None:
         self._goal = goal
-        self._reference = max(abs(goal), abs(self.speed))
+        self._steady_tau = self._constant.at(max(abs(goal), abs(self.speed)))
 
     def horizon(self, longest: float) -> float:
-        if self.speed == self._goal or self.speed * self._goal >= 0:
-            return min(longest, FINE * 2) if self.speed != self._goal else longest
+        if self.speed == self._goal:
+            return longest
+        if self.speed * self._goal >= 0:
+            return min(longest, FINE * 2)
         crossing = self._tau() * math.log1p(abs(self.speed / self._goal))
         return max(min(longest, crossing, FINE * 2), 1e-6)
 
     def roll(self, h: float) -> float:
+        if self.speed == self._goal:
+            return self._goal * h
         tau, rest = self._tau(), self.speed - self._goal
         kept = math.exp(-h / tau)
         travel = self._goal * h + rest * tau * (1 - kept)
@@ -104,7 +110,7 @@ class Lag:
         return travel
 
     def _tau(self) -> float:
-        tau = self._constant.at(self._reference)
+        tau = self._steady_tau
         return tau / self._braking if brakes(self.speed, self._goal) else tau
 
 

@@ -58,6 +58,8 @@ class Create:
         self.script = b''
         self.commands = 0
         """Complete commands received so far, obeyed or not."""
+        self.time = 0.0
+        """Seconds on the robot's clock: whole slots since the first `poll` or `receive`."""
         self._slots = 0
         self._epoch: float | None = None
         self._uart = Uart(overrun=guesses.overrun, buffer=guesses.transmit_buffer)
@@ -159,11 +161,6 @@ class Create:
 
     # Time.
 
-    @property
-    def time(self) -> float:
-        """Seconds on the robot's clock: whole slots since the first `poll` or `receive`."""
-        return self._slots * self.period
-
     def poll(self, now: float) -> None:
         """Advance to `now`, in seconds; the first call sets the start of the robot's clock."""
         if self._epoch is None:
@@ -175,6 +172,7 @@ class Create:
     def _slot(self) -> None:
         self.body.step(self.period)
         self._slots += 1
+        self.time = self._slots * self.period
         self._telemetry.refresh()
         if self._power.on and self.body.battery_flat:
             self._power.default_baud = DEFAULT_BAUD

@@ -4,6 +4,7 @@
 
 from collections.abc import Callable
 import math
+from operator import attrgetter
 
 from ... import oi
 from ...oi import Event
@@ -41,14 +42,16 @@ SENSORS: dict[Event, tuple[str, ...]] = {
 }
 
 
-def cliff(sensed: Sensed) -> bool:
-    """Return whether any of the four cliff sensors sees a cliff."""
-    return any(getattr(sensed, name) for name in SENSORS[Event.CLIFF])
+def _any_of(event: Event) -> Callable[[Sensed], bool]:
+    """Return a function that tells whether any of an event's sensors is on; called often."""
+    get = attrgetter(*SENSORS[event])
+    return lambda sensed: any(get(sensed))
 
 
-def wheel_drop(sensed: Sensed) -> bool:
-    """Return whether any of the three wheels has dropped."""
-    return any(getattr(sensed, name) for name in SENSORS[Event.WHEEL_DROP])
+cliff = _any_of(Event.CLIFF)
+"""Whether any of the four cliff sensors sees a cliff."""
+wheel_drop = _any_of(Event.WHEEL_DROP)
+"""Whether any of the three wheels has dropped."""
 
 
 def waiting(command: oi.Command, body: Body, slots: Callable[[], int],

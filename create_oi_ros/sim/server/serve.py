@@ -85,7 +85,8 @@ class Server:
         return now
 
     def _slot(self, now: float) -> None:
-        self._cause_faults(now)
+        if not self._faults.quiet:
+            self._cause_faults(now)
         self._create.host_baud(self._line.baud())
         self._create.poll(now)
         self._send(now)

@@ -2,6 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rooms: walls, floors, cliffs, virtual walls, Home Bases, and the files that describe them."""
 
-from .world import HomeBase, parse, Pose, shipped, shipped_names, World, WorldError
+from .world import (
+    HomeBase,
+    parse,
+    Pose,
+    shipped,
+    shipped_names,
+    VirtualWall,
+    World,
+    WorldError,
+)
 
-__all__ = ['HomeBase', 'parse', 'Pose', 'shipped', 'shipped_names', 'World', 'WorldError']
+__all__ = [
+    'HomeBase', 'parse', 'Pose', 'shipped', 'shipped_names', 'VirtualWall', 'World', 'WorldError']
