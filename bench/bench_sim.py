@@ -128,7 +128,8 @@ def arrivals(lines: list[int], seconds: float) -> dict[int, list[float]]:
 def lateness(times: list[float]) -> list[float]:
     """Return the delay of each frame after its slot, relative to the earliest."""
     offsets = [time - place * oi.SLOT for place, time in enumerate(times)]
-    return [offset - min(offsets) for offset in offsets]
+    earliest = min(offsets)
+    return [offset - earliest for offset in offsets]
 
 
 class Watched(NamedTuple):

@@ -25,7 +25,9 @@ begun = monotonic()
 slots = 0
 while True:
     slots += 1
-    select.select([master], [], [], max(0.0, begun + slots * period - monotonic()))
+    while (wait := begun + slots * period - monotonic()) > 0:
+        if select.select([master], [], [], wait)[0]:
+            os.read(master, 4096)
     try:
         os.write(master, frame)
     except BlockingIOError:
