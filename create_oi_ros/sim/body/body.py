@@ -222,7 +222,8 @@ class Body:
 
     def _step(self, longest: float) -> float:
         """Advance by the longest time with constant accelerations and no deadline; return it."""
-        h = min(longest, self._deadline - self._time)
+        left = self._deadline - self._time
+        h = longest if longest < left else left
         if h > MOMENT or h == longest:
             mechanics = self._mechanics
             h = mechanics.horizon(h)
@@ -233,7 +234,7 @@ class Body:
             self._sensed = None
         if self._time >= self._deadline - MOMENT:
             self._expire()
-        return max(h, 0.0)
+        return h if h > 0 else 0.0
 
     def _set_deadline(self) -> None:
         self._deadline = min(self._push_end, self._slip_end, self._overlay.deadline)
@@ -290,8 +291,8 @@ class Body:
     def _noisy(self, floors: tuple[int, ...]) -> list[int]:
         """Return the floor signals with noise: up to 16 less or 15 more, never below 0."""
         bits = self._random.getrandbits(20)
-        return [max(0, signal + (bits >> 5 * place & 31) - 16)
-                for place, signal in enumerate(floors)]
+        noisy = [signal + (bits >> 5 * place & 31) - 16 for place, signal in enumerate(floors)]
+        return [signal if signal > 0 else 0 for signal in noisy]
 
 
 def _fraction(value: float) -> float:

@@ -74,9 +74,9 @@ class Drivetrain:
         speed, rate = self._together(self.right.speed * right, self.left.speed * left)
         right_travel, left_travel = self.right.roll(h), self.left.roll(h)
         far, turn = self._together(right_travel * right, left_travel * left)
-        return Motion(
-            *glide(h, yaw, speed, rate, 2 * (far / h - speed) / h, 2 * (turn / h - rate) / h),
-            right_travel, left_travel)
+        dx, dy, turned, went = glide(
+            h, yaw, speed, rate, 2 * (far / h - speed) / h, 2 * (turn / h - rate) / h)
+        return Motion(dx, dy, turned, went, right_travel, left_travel)
 
     def roll(self, h: float, yaw: float, speed: float, rate: float) -> Motion:
         """Be pushed for h seconds at a twist of m/s and rad/s: the wheels follow the floor."""

@@ -41,6 +41,6 @@ class Accumulator:
         """Read and reset: -32768 to 32767."""
         pending = self._pending
         nudge = 0.5 if self._rounding is Rounding.ROUND else UNIT_SLACK
-        whole = max(LOWEST, min(HIGHEST, int(pending + math.copysign(nudge, pending))))
+        whole = int(pending + math.copysign(nudge, pending))
         self._pending = pending - whole if self._rounding is Rounding.CARRY else 0.0
         return whole

@@ -155,8 +155,8 @@ class Mechanics:
 
     def overloaded(self, wheel: Wheel) -> bool:
         """Return whether a wheel is told to turn and cannot."""
-        stalls = self._config.contact is Contact.STALL and self._lost > BLOCKED
-        return wheel.target != 0 and (wheel.held or stalls)
+        return wheel.target != 0 and (
+            wheel.held or (self._lost > BLOCKED and self._config.contact is Contact.STALL))
 
     def drawn(self) -> float:
         """Return what the wheels' motors draw, amperes."""

@@ -181,9 +181,10 @@ class Surroundings:
             red, green, field = base.beams_on(receiver)
             if (red or green or field) and sees(between, (base.pose.x, base.pose.y), receiver):
                 bits |= RED_BUOY * red | GREEN_BUOY * green | FORCE_FIELD * field
-        walled = bool(bits & FORCE_FIELD) or any(
-            each.shines_on(receiver) and sees(between, (each.pose.x, each.pose.y), receiver)
-            for each, between in self._virtual_walls)
+        walled = bool(bits & FORCE_FIELD)
+        for wall, between in self._virtual_walls:
+            walled = walled or (wall.shines_on(receiver)
+                                and sees(between, (wall.pose.x, wall.pose.y), receiver))
         return walled, BEAMS + bits if bits else NO_INFRARED
 
     def docked(self, pose: Pose) -> bool:

@@ -96,7 +96,7 @@ def packet_list(ids: tuple[int, ...]) -> PacketList:
 class Telemetry:
     """Replies to input commands, and the frames of the stream."""
 
-    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_from_body', '_take')
+    __slots__ = ('streaming', 'frames', '_body', '_header_in_sum', '_list', '_known', '_take')
 
     def __init__(self, body: Body, checksum: oi.Checksum) -> None:
         self._body = body
@@ -111,11 +111,12 @@ class Telemetry:
         self.streaming = False
         """Whether a frame is sent in every slot."""
         self._list = PacketList(())
-        self._from_body: dict[str, int] | None = None
+        self._known: dict[str, int] | None = None
+        """Values of packets, but distance and angle, in this slot."""
 
     def refresh(self) -> None:
         """Read the sensors again; values change every 15 ms (manual: Input Commands)."""
-        self._from_body = None
+        self._known = None
 
     def answer(self, command: oi.Command, own: dict[str, int]) -> bytes:
         """Return the reply to an input command; `own` has the packets not from the body."""
@@ -147,8 +148,8 @@ class Telemetry:
 
     def _values(self, packets: PacketList, own: dict[str, int]) -> list[int]:
         """Return values in the order of a list; reading distance and angle resets them."""
-        if self._from_body is None:
-            self._from_body = packet_values(self._body.sense())
-        known = {**self._from_body, **own, 'stream_packets': len(self._list.ids)}
-        take = self._take
+        if self._known is None:
+            self._known = packet_values(self._body.sense())
+        known, take = self._known, self._take
+        known.update(own, stream_packets=len(self._list.ids))
         return [take[name]() if name in take else known[name] for name in packets.names]

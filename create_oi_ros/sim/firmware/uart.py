@@ -106,8 +106,10 @@ class Uart:
         if self.paused(time):
             return
         byte_time = BITS_PER_BYTE / self.baud
-        start = max(time, self._wire_free)
-        data = data[:max(0, room - int((start - time) / byte_time))]
+        start = time if time > self._wire_free else self._wire_free
+        room -= int((start - time) / byte_time)
+        if room < len(data):
+            data = data[:room] if room > 0 else b''
         self._wire_free = start + len(data) * byte_time
         if self.host_baud not in (None, self.baud):
             data = resampled(data, self.baud, self.host_baud or self.baud)

@@ -31,7 +31,6 @@ TERMIOS2 = struct.Struct('4I B 19s I I')
 """Linux's own structure: the portable one has no 14400 baud."""
 OUTPUT_SPEED = struct.Struct(f'{TERMIOS2.size - struct.calcsize("I")}x I')
 """Its last number, bits per second."""
-NO_SETTINGS = bytes(TERMIOS2.size)
 
 
 class Line(Protocol):
@@ -84,6 +83,8 @@ class PtyLine:
         self._master = -1
         self._slave_name = ''
         self._present = False
+        self._settings = bytearray(TERMIOS2.size)
+        """Where the system writes them; as bytes, each call would cost twice as much."""
         self.plug()
 
     @property
@@ -192,7 +193,8 @@ class PtyLine:
         """Return the rate that the host has set on the terminal."""
         if self._master < 0:
             return None
-        baud, = OUTPUT_SPEED.unpack(fcntl.ioctl(self._master, TCGETS2, NO_SETTINGS))
+        fcntl.ioctl(self._master, TCGETS2, self._settings)
+        baud, = OUTPUT_SPEED.unpack(self._settings)
         return int(baud)
 
 

@@ -9,7 +9,6 @@ skipped: it never happened for the robot and its world.
 """
 
 from collections.abc import Callable
-import math
 import select
 import time
 
@@ -36,6 +35,7 @@ class Server:
         self._faults = faults or Faults([])
         self._to_host = Pacer() if wire_time else None
         self._to_robot = Pacer() if wire_time else None
+        self._pacers = [each for each in (self._to_host, self._to_robot) if each is not None]
         self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
         self.watchers: list[Callable[[], None]] = []
@@ -69,9 +69,8 @@ class Server:
                 # One at a time, even if late, so that watchers see the end of every slot.
                 self._slots += 1
                 self._slot(self._slots * self._create.period)
-            self._pass_on(now)
-            wait = min((self._slots + 1) * self._create.period, self._due()) - self._now()
-            ready, _, _ = select.select(self._watched(), [], [], max(0.0, wait / self._speed))
+            wait = (self._due(now) - self._now()) / self._speed
+            ready, _, _ = select.select(self._watched(), [], [], wait if wait > 0 else 0.0)
             if ready:
                 self._read(self._now())
 
@@ -126,6 +125,14 @@ class Server:
         else:
             self._line.write(data)
 
+    def _due(self, now: float) -> float:
+        """Return when the next slot ends, or a byte arrives; pass on those that have arrived."""
+        slot = (self._slots + 1) * self._create.period
+        if not self._pacers:
+            return slot
+        self._pass_on(now)
+        return min(slot, *(each.due() for each in self._pacers))
+
     def _pass_on(self, now: float) -> None:
         """Pass on the bytes that have arrived at either end of the wire."""
         if self._to_host is not None:
@@ -134,10 +141,6 @@ class Server:
             data = self._to_robot.take(now)
             if data:
                 self._give_to_robot(data, now)
-
-    def _due(self) -> float:
-        pacers = (self._to_host, self._to_robot)
-        return min((each.due() for each in pacers if each is not None), default=math.inf)
 
     def _watched(self) -> list[int]:
         watched = self._line.watched()

@@ -119,7 +119,12 @@ def chain(points: Sequence[Point]) -> tuple[LineSegment, ...]:
 
 def reach(obstacles: Iterable[Obstacle], x: float, y: float, dx: float, dy: float) -> float:
     """Return how far a ray runs to the first obstacle; inf: it meets none."""
-    return min((each.hit(x, y, dx, dy) for each in obstacles), default=math.inf)
+    nearest = math.inf
+    for each in obstacles:
+        far = each.hit(x, y, dx, dy)
+        if far < nearest:
+            nearest = far
+    return nearest
 
 
 def sees(obstacles: Iterable[Obstacle], a: Point, b: Point) -> bool:
