@@ -69,7 +69,9 @@ class Server:
                 # One at a time, even if late, so that watchers see the end of every slot.
                 self._slots += 1
                 self._slot(self._slots * self._create.period)
-            wait = (self._due(now) - self._now()) / self._speed
+            if self._pacers:
+                self._pass_on(now)
+            wait = (self._due() - self._now()) / self._speed
             ready, _, _ = select.select(self._watched(), [], [], wait if wait > 0 else 0.0)
             if ready:
                 self._read(self._now())
@@ -125,13 +127,10 @@ class Server:
         else:
             self._line.write(data)
 
-    def _due(self, now: float) -> float:
-        """Return when the next slot ends, or a byte arrives; pass on those that have arrived."""
+    def _due(self) -> float:
+        """Return when the next slot ends, or a byte arrives."""
         slot = (self._slots + 1) * self._create.period
-        if not self._pacers:
-            return slot
-        self._pass_on(now)
-        return min(slot, *(each.due() for each in self._pacers))
+        return min(slot, *(each.due() for each in self._pacers)) if self._pacers else slot
 
     def _pass_on(self, now: float) -> None:
         """Pass on the bytes that have arrived at either end of the wire."""
