@@ -172,7 +172,7 @@ def served_figures(count: int) -> list[Figure]:
     ratios = [each.processor / beside.processor
               for each, beside in zip(robots, floors, strict=True)]
 
-    def lasting(what: str, part: float) -> Figure:
+    def late(what: str, part: float) -> Figure:
         return repeated(f'{name}: frames late, {what}',
                         [1e3 * each.late[int(len(each.late) * part)] for each in robots], 'ms')
 
@@ -182,10 +182,10 @@ def served_figures(count: int) -> list[Figure]:
         repeated(f'{name}: processor, beside the floor', ratios, 'x floor',
                  beside=f'floor {least:.1f} % of a core'),
         repeated(f'{name}: frames within 2 ms of their slot',
-                 [100 * sum(late <= ON_TIME for late in each.late) / len(each.late)
+                 [100 * sum(time <= ON_TIME for time in each.late) / len(each.late)
                   for each in robots], '%', 99, at_least=True),
-        lasting('median', 0.5),
-        lasting('99th percentile', 0.99),
+        late('median', 0.5),
+        late('99th percentile', 0.99),
         repeated(f'{name}: frames that came', [each.came for each in robots], '%',
                  at_least=True),
     ]

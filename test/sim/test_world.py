@@ -7,7 +7,9 @@ from random import Random
 
 import pytest
 
+from create_oi_ros.oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.body.sensed import NO_INFRARED
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW, RECEIVER_FORWARD
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
 from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon, sees
@@ -261,7 +263,8 @@ def beams_by_every_obstacle(world, pose):
     receiver = pose.ahead(RECEIVER_FORWARD)
     bits, walled, hidden = 0, False, False
     for base in world.home_bases:
-        on = sum(bit * seen for bit, seen in zip((8, 4, 2), base.beams_on(receiver)))
+        on = sum(bit * seen for bit, seen in zip(
+            (RED_BUOY, GREEN_BUOY, FORCE_FIELD), base.beams_on(receiver)))
         others = [each for each in world.obstacles if each is not base.plate]
         clear = sees(others, base.pose[:2], receiver)
         bits |= on * clear
@@ -271,7 +274,7 @@ def beams_by_every_obstacle(world, pose):
             world.obstacles, source.pose[:2], receiver)
         walled |= shines and clear
         hidden |= shines and not clear
-    return 240 + bits if bits else 255, walled or bool(bits & 2), hidden
+    return BEAMS + bits if bits else NO_INFRARED, walled or bool(bits & FORCE_FIELD), hidden
 
 
 def test_a_robot_that_drives_about_sees_the_beams_that_no_obstacle_hides():
@@ -289,7 +292,7 @@ def test_a_robot_that_drives_about_sees_the_beams_that_no_obstacle_hides():
             infrared, walled, hides = beams_by_every_obstacle(world, body.truth().pose)
             sense = body.sense()
             assert (sense.infrared, sense.virtual_wall) == (infrared, walled)
-            seen, hidden = seen + (infrared != 255 or walled), hidden + hides
+            seen, hidden = seen + (infrared != NO_INFRARED or walled), hidden + hides
     assert seen > 100
     assert hidden > 100
 

@@ -32,8 +32,8 @@ class Electrics:
     def step(self, dt: float, motors: float) -> None:
         """Let dt seconds pass while the wheels' motors draw this many amperes."""
         config = self.battery.config
-        drawn = motors + (config.electronics if self.on else config.standby)
-        drawn += self._drivers_draw
+        electronics = config.electronics if self.on else config.standby
+        drawn = motors + electronics + self._drivers_draw
         self.battery.step(dt, drawn, self.charging_allowed and (self.charger or self.home_base))
 
     def switch(self, duties: Sequence[float]) -> None:

@@ -130,6 +130,7 @@ class Mechanics:
                 free = near.push_out(to_x, to_y, (x, y))
             if free is not None:
                 to_x, to_y = free
+                near.move_to(to_x, to_y)
                 heading = yaw + motion.turn / 2
                 travel = (to_x - x) * math.cos(heading) + (to_y - y) * math.sin(heading)
                 right, left = self._yield(1 - travel / motion.travel, right, left)

@@ -103,10 +103,12 @@ class Surroundings:
         """
         Return the obstacles, but its own, that may stand between a source and the receiver.
 
-        The way over any point of such an obstacle is no longer than the straight one.
+        One that hides the source has a point on the straight way between them. So its gaps to both
+        are together no longer than that way.
         """
         x, y = self._x, self._y
-        strayed = MARGIN + self._radius
+        # So far may the receiver be from (x, y): the gap and the way are wrong by as much at most.
+        strayed = MARGIN + RECEIVER_FORWARD
         far = math.dist((source.x, source.y), (x, y)) + 2 * strayed
         return tuple(each for each in self._world.obstacles if each is not own
                      and each.gap(source.x, source.y) + each.gap(x, y) <= far)

@@ -118,21 +118,23 @@ class Spring:
     """Second order, underdamped: overshoots its goal by a part of the step."""
 
     def __init__(self, constant: TimeConstant, overshoot: float, braking: float) -> None:
-        self.speed = self._goal = self._reference = self._rate = 0.0
+        self.speed = self._goal = self._rate = 0.0
         self._constant, self._braking = constant, braking
+        self._steady_omega = 1 / constant.at(0.0)
+        """Natural frequency while it does not brake, rad/s."""
         log = math.log(max(1e-4, overshoot))
         self._damping = -log / math.hypot(math.pi, log)
 
     def aim(self, goal: float) -> None:
         self._goal = goal
-        self._reference = max(abs(goal), abs(self.speed))
+        self._steady_omega = 1 / self._constant.at(max(abs(goal), abs(self.speed)))
 
     def horizon(self, longest: float) -> float:
         still = self.speed == self._goal and not self._rate
         return longest if still else min(longest, FINE)
 
     def roll(self, h: float) -> float:
-        omega = 1 / self._constant.at(self._reference)
+        omega = self._steady_omega
         if brakes(self.speed, self._goal):
             omega *= self._braking
         decay = self._damping * omega

@@ -33,9 +33,8 @@ class Server:
         """Prepare to serve; `clock` is the computer's, in seconds."""
         self._create, self._line, self._speed, self._clock = create, line, speed, clock
         self._faults = faults or Faults([])
-        self._to_host = Pacer() if wire_time else None
-        self._to_robot = Pacer() if wire_time else None
-        self._pacers = [each for each in (self._to_host, self._to_robot) if each is not None]
+        self._wire = (Pacer(), Pacer()) if wire_time else None
+        """Bytes on their way to the host, and to the robot; None: they arrive at once."""
         self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
         self.watchers: list[Callable[[], None]] = []
@@ -69,8 +68,8 @@ class Server:
                 # One at a time, even if late, so that watchers see the end of every slot.
                 self._slots += 1
                 self._slot(self._slots * self._create.period)
-            if self._pacers:
-                self._pass_on(now)
+            if self._wire is not None:
+                self._pass_on(*self._wire, now)
             wait = (self._due() - self._now()) / self._speed
             ready, _, _ = select.select(self._watched(), [], [], wait if wait > 0 else 0.0)
             if ready:
@@ -108,8 +107,8 @@ class Server:
 
     def _read(self, now: float) -> None:
         data = self._faults.to_robot(self._line.read(), now)
-        if self._to_robot is not None:
-            self._to_robot.put(data, now, self._line.baud() or self._create.baud)
+        if self._wire is not None:
+            self._wire[1].put(data, now, self._line.baud() or self._create.baud)
         elif data:
             self._give_to_robot(data, now)
         if self.control_port is not None:
@@ -122,24 +121,22 @@ class Server:
 
     def _send(self, now: float) -> None:
         data = self._faults.from_robot(self._create.data_to_send(), now)
-        if self._to_host is not None:
-            self._to_host.put(data, now, self._create.baud)
+        if self._wire is not None:
+            self._wire[0].put(data, now, self._create.baud)
         else:
             self._line.write(data)
 
     def _due(self) -> float:
         """Return when the next slot ends, or a byte arrives."""
         slot = (self._slots + 1) * self._create.period
-        return min(slot, *(each.due() for each in self._pacers)) if self._pacers else slot
+        return slot if self._wire is None else min(slot, *(each.due() for each in self._wire))
 
-    def _pass_on(self, now: float) -> None:
+    def _pass_on(self, to_host: Pacer, to_robot: Pacer, now: float) -> None:
         """Pass on the bytes that have arrived at either end of the wire."""
-        if self._to_host is not None:
-            self._line.write(self._to_host.take(now))
-        if self._to_robot is not None:
-            data = self._to_robot.take(now)
-            if data:
-                self._give_to_robot(data, now)
+        self._line.write(to_host.take(now))
+        data = to_robot.take(now)
+        if data:
+            self._give_to_robot(data, now)
 
     def _watched(self) -> list[int]:
         watched = self._line.watched()
