@@ -124,7 +124,7 @@ def report(folder: Path) -> int:
 
 def _arguments() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='create_demo', description='Drive a simulated Create through a tour of two minutes, '
+        prog='create_demo', description='Drive a simulated Create through a three-minute tour, '
         'record everything to a bag, and make a report of it.')
     parser.add_argument('-o', dest='folder', type=Path, metavar='FOLDER',
                         default=Path(f'demo-{datetime.now():%Y%m%d-%H%M%S}'),

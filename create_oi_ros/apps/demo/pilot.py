@@ -5,41 +5,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import atan2, copysign, cos, hypot, pi, remainder, sin, tau
+from math import remainder, tau
 import time
 from typing import Any
 
 from create_oi_msgs.msg import Bumper, Mode, Song
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import Twist, Vector3
+from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
 from nav_msgs.msg import Odometry
+from rclpy.action.client import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from ...driver import MotionLimits
+from ...ros.actions import ACTIONS
 from ...ros.rotation import yaw_of
 from ...ros.topics import CMD_VEL, LATCHED
 
 PERIOD = 0.05
 """Seconds between two commands."""
-CRUISE, BACKWARDS, TURN = 0.3, 0.15, 1.2
-"""m/s, m/s and rad/s."""
-SPIRAL_TURN = 1.6
-"""rad/s at most."""
+CRUISE, SPIRAL_TURN = 0.3, 1.6
+"""Highest speeds of a spiral, m/s and rad/s."""
 BRAKING = min(2.5, MotionLimits.angular_acceleration / SPIRAL_TURN)
 """Turning speed, rad/s, for each radian left to turn: braking stays within the driver's limits."""
 SLOWEST = 0.2
 """Turning speed at least, rad/s."""
-SLOWING = min(2.0, MotionLimits.linear_acceleration / CRUISE)
-"""Speed, m/s, for each metre left to drive, likewise."""
-CREEP = 0.08
-"""Speed at least, m/s."""
-CLOSE, STRAIGHT = 0.02, 0.03
-"""Metres and radians: tolerance of a drive and of a turn."""
-SETTLE, LOOKS = 1.2, 3
-"""Seconds of standing in which a reading corrects the odometry; times that a turn looks at it."""
-ASKEW = 0.06
-"""Radians from which on a turn is corrected."""
+GOAL_TIMEOUT = 60.0
+"""Seconds in which any goal ends: the driver's own time limits are shorter."""
 STANDING = 0.01
 """m/s; a slower robot stands."""
 
@@ -150,11 +142,6 @@ class Pilot:
         self.command(0.0, 0.0)
         self.until(lambda: self.standing, 'the robot stands', 3.0)
 
-    def wait(self, seconds: float) -> None:
-        """Let time pass."""
-        end = time.monotonic() + seconds
-        self.until(lambda: time.monotonic() >= end, 'a pause', seconds + 1.0)
-
     def call(self, type_: type, name: str, **fields: Any) -> str:
         """Call a service and return its message; TourError: it was refused."""
         client = self._node.create_client(type_, name)
@@ -167,57 +154,37 @@ class Pilot:
             raise TourError(f'{name}: {reply.message}')
         return str(reply.message)
 
+    def pursue(self, name: str, **fields: Any) -> None:
+        """Send a goal to the driver and wait until it is reached; TourError: it was not."""
+        self._commanded = None  # a velocity command would take over
+        action, = (each.type for each in ACTIONS if each.name == name)
+        client = ActionClient(self._node, action, name)
+        try:
+            self.until(client.server_is_ready, f'action {name} is offered')
+            sent = client.send_goal_async(action.Goal(**fields))
+            self.until(sent.done, f'action {name} takes the goal')
+            if not sent.result().accepted:
+                raise TourError(f'{name}: rejected as malformed')
+            ended = sent.result().get_result_async()
+            self.until(ended.done, f'{name} ends', GOAL_TIMEOUT)
+        finally:
+            client.destroy()
+        result = ended.result().result
+        if not result.success:
+            raise TourError(f'{name}: {result.message}')
+
     def turn_to(self, yaw: float) -> None:
         """Turn in place to a heading, the short way."""
-        def left() -> float:
-            return remainder(yaw - self.yaw, tau)
-
-        def steer() -> None:
-            self.command(0.0, copysign(min(TURN, braked(left())), left()))
-        for _ in range(LOOKS):
-            self.until(lambda: abs(left()) < STRAIGHT, f'a turn to {yaw:.1f} rad', 15.0, steer)
-            self.stop()
-            self.wait(SETTLE)
-            if abs(left()) < ASKEW:
-                return
+        self.pursue('rotate_angle', angle=remainder(yaw - self.yaw, tau))
 
     def go_to(self, x: float, y: float) -> None:
         """Turn towards a point and drive there; TourError: an obstacle is in the way."""
-        def bearing() -> float:
-            return atan2(y - self.place[1], x - self.place[0])
-
-        def away() -> float:
-            return hypot(x - self.place[0], y - self.place[1])
-
-        def steer() -> None:
-            off = remainder(bearing() - self.yaw, tau)
-            # Close to the point the bearing jumps, so drive straight on.
-            turn = 2.0 * off if away() > 0.1 and abs(off) < pi / 2 else 0.0
-            self.command(min(CRUISE, max(CREEP, SLOWING * away())), turn)
-
-        self.turn_to(bearing())
-        aim = self.yaw
-
-        def arrived() -> bool:
-            if self.bumped:
-                raise TourError(f'something is in the way at {self.place[0]:.2f}, '
-                                f'{self.place[1]:.2f} m')
-            ahead = (x - self.place[0]) * cos(aim) + (y - self.place[1]) * sin(aim)
-            return away() < CLOSE or ahead < 0
-        self.until(arrived, f'a drive to {x:.1f}, {y:.1f} m', 10.0 + away() / CRUISE * 2, steer)
-        self.stop()
+        place = Pose(position=Point(x=x, y=y))
+        self.pursue('navigate_to_position', goal_pose=PoseStamped(pose=place))
 
     def back(self, distance: float) -> None:
         """Drive straight backwards."""
-        x, y = self.place
-
-        def left() -> float:
-            return distance - hypot(self.place[0] - x, self.place[1] - y)
-
-        def steer() -> None:
-            self.command(-min(BACKWARDS, max(CREEP, SLOWING * left())), 0.0)
-        self.until(lambda: left() <= 0, f'{distance} m backwards', steer=steer)
-        self.stop()
+        self.pursue('drive_distance', distance=-distance)
 
     def spiral(self, turns: float, inner: float, outer: float) -> None:
         """Drive a clockwise spiral from an inner to an outer radius, metres."""
@@ -230,12 +197,7 @@ class Pilot:
             done = 1 - left() / (turns * tau)
             radius = inner + (outer - inner) * min(1.0, max(0.0, done))
             # It brakes half as hard as a turn in place, for nothing corrects its end.
-            rate = min(SPIRAL_TURN, CRUISE / radius, braked(left() / 2))
+            rate = min(SPIRAL_TURN, CRUISE / radius, max(SLOWEST, BRAKING * left() / 2))
             self.command(rate * radius, -rate)
         self.until(lambda: left() <= 0, f'{turns} turns of a spiral', 20.0 * turns, steer)
         self.stop()
-
-
-def braked(left: float) -> float:
-    """Return the turning speed limit, rad/s, with `left` radians left to turn."""
-    return max(SLOWEST, BRAKING * abs(left))
