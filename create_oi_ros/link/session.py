@@ -5,7 +5,8 @@ A driver, a port and the thread that connects them; no ROS.
 
 One thread reads, blocking, so that a frame is taken in as soon as it arrives; it also opens the
 port again when it was lost. Requests come from other threads through `request`. A lock gives the
-driver to one thread at a time and keeps the bytes in the order of the decisions.
+driver to one thread at a time and keeps the bytes in the order of the decisions. Once `close` has
+begun, nothing but the driver's farewell is written.
 """
 
 from collections.abc import Callable, Iterator
@@ -122,14 +123,17 @@ class Session:
             self._report_events()
         if self._thread.is_alive():
             self._thread.join()
-        self._close_port(stopped=stopped)
+        port = self._port
+        self._leave_port(stopped=stopped)
+        if port is not None:
+            port.close()
 
     def _say_farewell(self) -> bool:
         """Write the driver's last commands; False if the line did not take them."""
         farewell = self.driver.data_to_send()
         if self._port is not None and farewell:
             try:
-                self._port.write(farewell)
+                self._write(self._port, farewell)
                 self._port.flush()
             except PortError as error:
                 self._report(error)
@@ -140,13 +144,16 @@ class Session:
         pause = RETRY_FIRST
         try:
             while not self._closing.is_set():
-                if self._port is not None:
-                    self._read(self._port)
-                elif self._open():
+                began = time.monotonic()
+                port = self._open()
+                while port is not None and self._port is port and not self._closing.is_set():
+                    self._read(port)
+                if port is not None and self._port is not port:
+                    port.close()  # lost; only here, since this thread may just be reading it
+                if time.monotonic() - began > RETRY_MOST:
                     pause = RETRY_FIRST
-                else:
-                    self._wait(pause)
-                    pause = min(pause * 2, RETRY_MOST)
+                self._wait(pause)
+                pause = min(pause * 2, RETRY_MOST)
         finally:
             if not self._closing.is_set():
                 self._on_failure()
@@ -162,7 +169,7 @@ class Session:
     def _device_exists(self) -> bool:
         return exists(self.url) or self._lasting_name is not None and exists(self._lasting_name)
 
-    def _open(self) -> bool:
+    def _open(self) -> Port | None:
         url = self.url
         if not exists(url) and self._lasting_name is not None and exists(self._lasting_name):
             url = self._lasting_name
@@ -171,8 +178,11 @@ class Session:
             port = self._open_port(url, baud, timeout=READ_TIMEOUT)
         except PortError as error:
             self._report(error)
-            return False
+            return None
         with self._lock:
+            if self._closing.is_set():
+                port.close()
+                return None
             self._reported = None
             self._port, self._baud = port, baud
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
@@ -181,7 +191,7 @@ class Session:
             self._named_at = now + NAMES_SETTLED
             self.driver.connected(now)
             self._exchange(now)
-        return True
+        return port
 
     def _start_dead_man(self, port: Port) -> None:
         if not self._wants_dead_man:
@@ -213,16 +223,17 @@ class Session:
         self._on_event(Notice(Severity.ERROR, f'the dead-man has ended; {then}'))
 
     def _read(self, port: Port) -> None:
+        received: bytes | PortError
         try:
             received = port.read()
         except PortError as error:
-            with self._lock:
-                # Another thread may have lost it already, while writing.
-                if self._port is port:
-                    self._lose(error)
-            return
+            received = error
         with self._lock:
-            if self._closing.is_set():
+            # Another thread may have lost it meanwhile, while writing.
+            if self._closing.is_set() or self._port is not port:
+                return
+            if isinstance(received, PortError):
+                self._lose(received)
                 return
             now = time.monotonic()
             if received and self.driver.may_wait(received, now):
@@ -249,25 +260,29 @@ class Session:
         if not outgoing or self._port is None:
             return
         try:
-            baud = self.driver.baud  # it changes only with what is sent at the new rate
-            if baud != self._baud:
-                self._port.baud = self._baud = baud
-            self._port.write(outgoing)
+            self._write(self._port, outgoing)
         except PortError as error:
             self._lose(error)
+
+    def _write(self, port: Port, outgoing: bytes) -> None:
+        baud = self.driver.baud  # it changes only with what is sent at the new rate
+        if baud != self._baud:
+            port.flush()
+            port.baud = self._baud = baud
+        port.write(outgoing)
 
     def _report_events(self) -> None:
         while (event := self.driver.next_event()) is not None:
             self._on_event(event)
 
     def _lose(self, error: PortError) -> None:
-        self._close_port(stopped=False)
+        self._leave_port(stopped=False)
         self.driver.disconnected(str(error))
         self._report(error)
         self._report_events()  # the thread that reads has no other reason to, without a port
 
-    def _close_port(self, *, stopped: bool) -> None:
-        """Close the port; a robot that may not have been stopped is left to the dead-man first."""
+    def _leave_port(self, *, stopped: bool) -> None:
+        """Use the port no more; a robot that may not have been stopped is left to the dead-man."""
         # The dead-man holds the line open too, and would keep it from being opened again.
         if self._dead_man is not None:
             if stopped:
@@ -275,9 +290,7 @@ class Session:
             else:
                 self._dead_man.say_last_words()
             self._dead_man = None
-        if self._port is not None:
-            self._port.close()
-            self._port = None
+        self._port = None
 
     def _report(self, error: PortError) -> None:
         """Report what is wrong with the port, once until it changes; skip what may go away."""
