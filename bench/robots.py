@@ -41,9 +41,8 @@ def spread(random: Random, low: float, high: float) -> float:
 
 
 def centre(random: Random) -> Robot:
-    """Draw the centre, with a time constant that depends on the speed or not."""
-    config = replace(CENTRE, time_constant=TimeConstant(0.2, random.choice((0.0, 1.0))))
-    return Robot('centre', config, Rounding.TRUNCATE, 0.015)
+    """Return the simulator's default robot, whatever is drawn."""
+    return Robot('centre', CENTRE, Rounding.TRUNCATE, 0.015)
 
 
 def anywhere(random: Random) -> Robot:

@@ -23,8 +23,9 @@ from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_wh
 from create_oi_ros.odometry import Family, Known, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.ros.programs import PROGRAMS
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE
+from create_oi_ros.sim.body.config import BodyConfig
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
+from support.bodies import LAGGING
 from support.loop import Loop
 from support.simulator import taught
 
@@ -36,7 +37,7 @@ class Floor:
     """A robot in memory that makes the moves of a check."""
 
     def __init__(self, rounding: Rounding = Rounding.TRUNCATE,
-                 config: BodyConfig = CENTRE) -> None:
+                 config: BodyConfig = LAGGING) -> None:
         notebook = Notebook()
         self.loop = Loop(rounding=rounding, config=config, odometry=notebook)
         self.runner = Runner(self.loop.driver, notebook)
@@ -68,7 +69,7 @@ def ahead(speed: int, seconds: float, reads: Reads = Reads.END) -> Move:
     return Move((Segment(seconds, speed, speed),), reads)
 
 
-def checked(config: BodyConfig = CENTRE) -> tuple[Floor, Conclusion]:
+def checked(config: BodyConfig = LAGGING) -> tuple[Floor, Conclusion]:
     """Return what the whole program finds of a robot."""
     floor = Floor(config=config)
     pages = [floor.made(move) for step in STEPS for move in step.moves]
@@ -98,7 +99,7 @@ def test_the_wheels_of_the_likeliest_robot_are_found(found):
     assert not found[1].is_ramp
     for speed in (0.05, 0.076):
         assert time_constant(kind, speed) == pytest.approx(
-            CENTRE.time_constant.at(speed), rel=0.15)
+            LAGGING.time_constant.at(speed), rel=0.15)
     assert known.right_gain.value == pytest.approx(1.0, abs=0.01)
     assert known.left_gain.value == pytest.approx(1.0, abs=0.01)
     assert known.dead_time.value == pytest.approx(0.045, abs=0.01)
@@ -107,7 +108,7 @@ def test_the_wheels_of_the_likeliest_robot_are_found(found):
 
 
 def test_wheels_that_overshoot_are_found():
-    config = replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
+    config = replace(LAGGING, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
                      overshoot=0.3)
     floor, conclusion = checked(config)
     findings = of_wheels(conclusion, floor.loop.driver.health(floor.loop.now))
@@ -127,7 +128,7 @@ SHORT = (ahead(200, 1.0, Reads.OFTEN), ahead(-200, 1.0, Reads.OFTEN), ahead(100,
 def test_wheels_that_are_not_near_a_usual_start_are_looked_for(monkeypatch):
     monkeypatch.setattr(fits, 'TAU_FACTORS', (0.5,))
     monkeypatch.setattr(fits, 'OVERSHOOTS', fits.OVERSHOOTS[1:])
-    floor = Floor(config=replace(CENTRE, response=Response.SECOND_ORDER, overshoot=0.35,
+    floor = Floor(config=replace(LAGGING, response=Response.SECOND_ORDER, overshoot=0.35,
                                  time_constant=TimeConstant(0.034), braking=2.0))
     pages = [floor.made(move) for move in SHORT]
     best = fits.search(pages, Rounding.TRUNCATE, 0.015)[0]
@@ -175,7 +176,7 @@ def test_what_becomes_of_fractions_is_seen(rounding):
 
 @pytest.mark.parametrize('band', [0.0, 0.0045, 0.0195])
 def test_the_slowest_speed_that_moves_it_is_found(band):
-    floor, search = Floor(config=replace(CENTRE, dead_band=band)), DeadBandSearch()
+    floor, search = Floor(config=replace(LAGGING, dead_band=band)), DeadBandSearch()
     while (move := search.next_move()) is not None:
         search.learn(floor.made(move))
     stands, moves = search.band

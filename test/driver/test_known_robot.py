@@ -14,8 +14,9 @@ import pytest
 from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import Family, Knowledge, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
+from create_oi_ros.sim.body.config import BodyConfig, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
+from support.bodies import LAGGING
 from support.loop import Loop
 from support.measuring import UNMEASURED
 
@@ -26,7 +27,7 @@ Wish = tuple[float, float, float]
 TWO_MINUTES = 120.0
 
 
-def robot(rounding: Rounding = Rounding.TRUNCATE, config: BodyConfig = CENTRE,
+def robot(rounding: Rounding = Rounding.TRUNCATE, config: BodyConfig = LAGGING,
           known: Knowledge | None = None) -> Loop:
     """Return a robot that a driver has found, and may know."""
     loop = Loop(Settings(robot=known), rounding=rounding, config=config)
@@ -83,7 +84,7 @@ def test_a_robot_is_known_after_two_minutes():
     assert centre.left_gain.value == pytest.approx(1.0, abs=0.01)
     assert centre.frame_period.value == pytest.approx(0.015, abs=1e-5)
     stands, moves = centre.dead_band
-    assert stands <= CENTRE.dead_band <= moves
+    assert stands <= LAGGING.dead_band <= moves
 
 
 def test_its_acquaintance_is_made_once_in_one_line():
@@ -105,7 +106,7 @@ def test_the_first_12_seconds_with_a_known_robot_are_right(wishes):
 
 
 def test_knowledge_makes_the_start_of_an_unusual_robot_right():
-    unusual = replace(CENTRE, right_speed_gain=1.05, left_speed_gain=0.95,
+    unusual = replace(LAGGING, right_speed_gain=1.05, left_speed_gain=0.95,
                       encoder_sign=EncoderSign.TRUE)
     known = taught(robot(Rounding.CARRY, unusual))
     near = far = 0.0
@@ -119,7 +120,7 @@ def test_knowledge_makes_the_start_of_an_unusual_robot_right():
 
 
 def test_wheels_that_overshoot_are_known_as_such():
-    config = replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
+    config = replace(LAGGING, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
                      overshoot=0.3)
     loop = robot(config=config)
     known = taught(loop)
@@ -148,7 +149,7 @@ def test_a_known_robot_is_not_announced_again():
     (Rounding.TRUNCATE, EncoderSign.TRUE, (Rounding.TRUNCATE, SignSource.MOTION))])
 def test_knowledge_of_another_robot_is_unlearned(rounding, sign, is_learned):
     centre = centre_robot()
-    other = replace(CENTRE, encoder_sign=sign, right_speed_gain=1.04)
+    other = replace(LAGGING, encoder_sign=sign, right_speed_gain=1.04)
     loop = robot(rounding, other, known=centre)
     known = taught(loop)
     assert known.likeliest == is_learned

@@ -17,10 +17,10 @@ from create_oi_ros.odometry.assumptions import Assumptions
 from create_oi_ros.odometry.filter import Filter
 from create_oi_ros.odometry.hindsight import AFTER, Hindsight, LONGEST
 from create_oi_ros.odometry.wheel_model import WheelModel
-from create_oi_ros.sim.body.config import CENTRE
+from support.bodies import LAGGING
 from support.ride import assert_smooth, Ride, SLOT
 
-SLOW_BRAKES = replace(CENTRE, braking=0.31, dead_time=0.084)
+SLOW_BRAKES = replace(LAGGING, braking=0.31, dead_time=0.084)
 SPEEDS = -0.3, 0.0, 0.2, 0.4
 DRIVES = 16
 

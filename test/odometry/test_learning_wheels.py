@@ -11,9 +11,10 @@ import pytest
 from create_oi_ros.odometry import Geometry, Odometry, SignSource, states
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign, IDEAL
+from create_oi_ros.sim.body.config import BodyConfig, EncoderSign, IDEAL
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from create_oi_ros.sim.world import World
+from support.bodies import LAGGING
 from support.measuring import UNMEASURED
 from support.ride import Ride, ROUNDINGS, SLOT
 
@@ -24,12 +25,13 @@ REVERSALS = [(0.3, 0.2), (0.1, -0.1), (0.0, 0.0), (-0.2, -0.15), (-0.2, 0.2), (0
 
 @pytest.mark.parametrize('rounding', ROUNDINGS)
 @pytest.mark.parametrize(('config', 'most'), [
-    (CENTRE, 10),
-    (replace(CENTRE, encoder_sign=EncoderSign.TRUE, response=Response.RAMP, braking=2.0), 10),
-    (replace(CENTRE, encoder_sign=EncoderSign.COMMAND, dead_time=0.12, right_speed_gain=0.96), 10),
-    (replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.05),
+    (LAGGING, 10),
+    (replace(LAGGING, encoder_sign=EncoderSign.TRUE, response=Response.RAMP, braking=2.0), 10),
+    (replace(LAGGING, encoder_sign=EncoderSign.COMMAND, dead_time=0.12,
+             right_speed_gain=0.96), 10),
+    (replace(LAGGING, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.05),
              overshoot=0.3, dead_time=0.1), 6)],
-    ids=['the centre', 'true signs, hard brakes', 'signs of the command', 'overshoot'])
+    ids=['a constant lag', 'true signs, hard brakes', 'signs of the command', 'overshoot'])
 def test_any_wheels_are_followed(
         config: BodyConfig, most: float, rounding: Rounding) -> None:
     """Also those that swing back when they stop, which their encoders count forwards."""
@@ -46,7 +48,7 @@ def test_wheels_that_overshoot_and_brake_softly_are_followed() -> None:
     missed = []
     for rounding, seconds, overshoot in product(ROUNDINGS, (0.05, 0.07), (0.2, 0.3)):
         ride = Ride(rounding, config=replace(
-            CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(seconds),
+            LAGGING, response=Response.SECOND_ORDER, time_constant=TimeConstant(seconds),
             overshoot=overshoot, dead_time=0.07, braking=0.4))
         for right, left in REVERSALS * 7:
             ride.go(2.1, right, left)
@@ -56,7 +58,7 @@ def test_wheels_that_overshoot_and_brake_softly_are_followed() -> None:
 
 
 def test_yaw_is_never_corrected_by_more_than_five_degrees_in_half_a_second() -> None:
-    ride = Ride(config=CENTRE)
+    ride = Ride(config=LAGGING)
     for right, left in REVERSALS * 3:
         ride.go(2.1, right, left)
     corrections = [b.yaw - a.yaw - b.angular * SLOT
@@ -82,7 +84,7 @@ def test_wheels_that_are_slow_to_stop_are_known_once_they_have_stopped() -> None
     missed = 0.0
     for rounding, braking in product(ROUNDINGS, (0.3, 0.37, 0.5)):
         ride = Ride(rounding, config=replace(
-            CENTRE, response=Response.RAMP, wheel_acceleration=0.9, braking=braking,
+            LAGGING, response=Response.RAMP, wheel_acceleration=0.9, braking=braking,
             dead_time=0.02))
         for seconds, right, left in [(8, 0.3, 0.28), (2, 0.0, 0.0), (2, 0.2, -0.2), (2, 0.0, 0.0)]:
             ride.go(seconds, right, left)
@@ -147,14 +149,14 @@ def test_reset_begins_at_the_origin_and_keeps_what_was_learned() -> None:
 
 
 @pytest.mark.parametrize(('rounding', 'config', 'is_learned'), [
-    (Rounding.TRUNCATE, replace(CENTRE, response=Response.RAMP, wheel_acceleration=0.4,
+    (Rounding.TRUNCATE, replace(LAGGING, response=Response.RAMP, wheel_acceleration=0.4,
                                 encoder_sign=EncoderSign.COMMAND), SignSource.REQUEST),
-    (Rounding.CARRY, replace(CENTRE, encoder_sign=EncoderSign.TRUE), SignSource.MOTION)],
+    (Rounding.CARRY, replace(LAGGING, encoder_sign=EncoderSign.TRUE), SignSource.MOTION)],
     ids=['ramps', 'true signs'])
 def test_a_robot_that_is_another_one_for_good_is_learned_again(
         rounding: Rounding, config: BodyConfig, is_learned: SignSource) -> None:
     """Nobody told the odometry: its model explains nothing any more, so it tries all again."""
-    ride = Ride(config=CENTRE)
+    ride = Ride(config=LAGGING)
     for right, left in REVERSALS * 10:
         ride.go(2.1, right, left)
     ride.body = Body(World(), rounding=rounding, config=config)
@@ -169,7 +171,7 @@ def test_a_robot_that_is_another_one_for_good_is_learned_again(
 
 
 def test_a_request_that_moves_no_wheel_is_found_out() -> None:
-    ride = Ride(config=replace(CENTRE, dead_band=0.01))
+    ride = Ride(config=replace(LAGGING, dead_band=0.01))
     ride.learn()
     ride.begin()
     ride.go(20, 0.006, 0.006)
@@ -185,7 +187,7 @@ def test_a_request_that_moves_no_wheel_is_found_out() -> None:
 
 
 def test_what_one_odometry_has_learned_another_can_start_with() -> None:
-    config = replace(CENTRE, right_speed_gain=1.03, left_speed_gain=0.97)
+    config = replace(LAGGING, right_speed_gain=1.03, left_speed_gain=0.97)
     taught = Ride(config=config)
     assert Odometry(window=1.0).knowledge is None
     for right, left in REVERSALS * 5:

@@ -13,7 +13,8 @@ import pytest
 
 from create_oi_ros.odometry import Increment, Odometry
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import CENTRE, IDEAL, Response, TimeConstant
+from create_oi_ros.sim.body.config import IDEAL, Response, TimeConstant
+from support.bodies import LAGGING
 from support.ride import assert_smooth, assert_sound, LESSON, Request, Ride, ROUNDINGS, SLOT
 
 WHEEL = st.integers(-500, 500).map(lambda mm: mm / 1000)
@@ -147,7 +148,7 @@ def test_rest_costs_no_certainty_and_motion_does() -> None:
 def test_a_new_robot_is_doubted_as_soon_as_it_moves(
         response: dict[str, Any], dead_time: float, right: float) -> None:
     """Nobody knows how soon its wheels follow; at no moment is it farther off than it says."""
-    ride = Ride(config=replace(CENTRE, dead_time=dead_time, **response))
+    ride = Ride(config=replace(LAGGING, dead_time=dead_time, **response))
     ride.go(2)
     for seconds, forth, left in ((0.5, right, -0.3), (0.8, -right, 0.3), (0.7, 0.0, 0.0)):
         for _ in range(round(seconds / SLOT)):
@@ -205,7 +206,7 @@ class Watchful(Odometry):
 def test_frames_of_a_robot_that_rests_are_left_out_and_nothing_is_lost(event: str) -> None:
     rides, due = [], []
     for kind in (Odometry, Wakeful):
-        ride = Ride(config=CENTRE)
+        ride = Ride(config=LAGGING)
         ride.odometry = kind(window=1.0)
         told = []
         for seconds, right, left in [(3, 0.2, 0.1), (7.4, 0, 0), (2, -0.1, 0.1), (9.13, 0, 0)] * 2:
@@ -226,7 +227,7 @@ def test_frames_of_a_robot_that_rests_are_left_out_and_nothing_is_lost(event: st
 @pytest.mark.parametrize('rounding', ROUNDINGS)
 def test_frames_of_steady_motion_are_left_out_and_hardly_anything_is_lost(
         rounding: Rounding) -> None:
-    rides = [Ride(rounding, config=CENTRE) for _ in range(2)]
+    rides = [Ride(rounding, config=LAGGING) for _ in range(2)]
     for ride, kind in zip(rides, (Odometry, Watchful)):
         ride.odometry = kind(window=1.0)
     due: list[list[bool]] = [[], []]
@@ -247,7 +248,7 @@ def test_frames_of_steady_motion_are_left_out_and_hardly_anything_is_lost(
 
 @pytest.mark.parametrize('event', ['interrupted', 'hurry', 'mark', 'reset'])
 def test_steady_motion_that_was_only_counted_is_there_when_something_happens(event: str) -> None:
-    rides = [Ride(config=CENTRE) for _ in range(2)]
+    rides = [Ride(config=LAGGING) for _ in range(2)]
     for ride, kind in zip(rides, (Odometry, Watchful)):
         ride.odometry = kind(window=1.0)
         ride.go(13, 0.2, 0.1)

@@ -18,9 +18,10 @@ from create_oi_ros.odometry.lags import FASTEST, MIDDLE, SLOWEST
 from create_oi_ros.odometry.tracks import Tracks
 from create_oi_ros.robot import FIRMWARE_SEPARATION
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE
+from create_oi_ros.sim.body.config import BodyConfig
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from create_oi_ros.sim.world import World
+from support.bodies import LAGGING
 from support.ride import SLOT
 
 SECONDS, LIMIT = 60.0, 0.5
@@ -30,7 +31,7 @@ LOOK = 33
 """Frames from one look to the next, for a look makes the wheels roll at once."""
 MOST_FAR, MOST_TURNED = 3.0, 1.0
 """mm and degrees that these may be off, of about four metres and four turns."""
-STEADY = replace(CENTRE, dead_band=0.0, encoder_tick=0.0)
+STEADY = replace(LAGGING, dead_band=0.0, encoder_tick=0.0)
 
 
 def known(config: BodyConfig) -> Assumptions:

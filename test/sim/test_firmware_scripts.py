@@ -6,10 +6,14 @@ Scripts and waits of the simulated Create, one test for each sentence of the man
 Sections Script Commands and Wait Commands.
 """
 
+from math import degrees
+
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
+from create_oi_ros.robot import Rounding
+from create_oi_ros.sim.body.config import CENTRE
 from create_oi_ros.sim.firmware.guesses import Guesses
 from support.robot import GENTLE, Robot
 
@@ -259,6 +263,19 @@ def test_wait_angle_resets_the_angle_variable(robot: Robot) -> None:
     robot.run(1)
     robot.say(oi.WaitAngle(angle=0))
     assert robot.ask(20) == b'\0\0'
+
+
+@pytest.mark.parametrize(('speed', 'low', 'high'), [
+    (100, 97, 100), (200, 97, 100), (300, 92, 101), (500, 97, 106)])
+def test_a_turn_ends_as_far_beyond_90_degrees_as_was_reported(
+        speed: int, low: float, high: float) -> None:
+    robot = Robot(Mode.FULL, rounding=Rounding.TRUNCATE, config=CENTRE)
+    turn = bytes([152, 13, *oi.Drive(velocity=speed, radius=1).encode(), 157, 0, 90,
+                  137, 0, 0, 0, 0])
+    robot.say(turn, PLAY)
+    robot.run(6)
+    assert robot.speed == 0
+    assert low < degrees(robot.body.truth().turned) < high
 
 
 # Wait Event.

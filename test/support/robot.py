@@ -7,7 +7,7 @@ from typing import Any
 from create_oi_ros import oi
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import IDEAL
+from create_oi_ros.sim.body.config import BodyConfig, IDEAL
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses, LIKELY
 from create_oi_ros.sim.world import World
@@ -21,8 +21,9 @@ class Robot:
 
     def __init__(self, mode: oi.Mode = oi.Mode.OFF, *, world: World | None = None,
                  guesses: Guesses = LIKELY, rounding: Rounding = Rounding.CARRY,
-                 checksum: oi.Checksum = oi.Checksum.HARDWARE, seed: int = 0) -> None:
-        self.body = Body(world or World(), rounding=rounding, seed=seed, config=IDEAL)
+                 checksum: oi.Checksum = oi.Checksum.HARDWARE, seed: int = 0,
+                 config: BodyConfig = IDEAL) -> None:
+        self.body = Body(world or World(), rounding=rounding, seed=seed, config=config)
         self.create = Create(self.body, checksum=checksum, guesses=guesses, seed=seed)
         self.now = 0.0
         self.create.poll(0.0)

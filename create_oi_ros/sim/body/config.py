@@ -63,17 +63,20 @@ class BodyConfig:
     """Metres per second (manual)."""
     response: Response = Response.FIRST_ORDER
     """How a wheel's speed follows its goal (measured of one Create)."""
-    time_constant: TimeConstant = TimeConstant(0.2, 1.0)
-    """Of a first-order wheel, or one over the natural frequency of a second-order one (measured
-    of one Create: 0.175 s at 76 mm/s, 0.265 s at 50; constant outside is a guess)."""
+    time_constant: TimeConstant = TimeConstant(0.2256, 1.0)
+    """Of a first-order wheel, or one over the natural frequency of a second-order one. Times the
+    speed it is the way that a wheel coasts: 15 mm, from 0.3 s at 50 mm/s to 0.03 s at 500
+    (measured of one Create: 13 mm at 50 and 76 mm/s; reported of others: 15 to 22 mm, 100 to
+    500 mm/s)."""
     overshoot: float = 0.2
     """Part of a step by which a second-order wheel goes beyond it (Create 2: 0 to 0.4)."""
     wheel_acceleration: float = 1.0
     """Acceleration of a wheel that ramps, m/s^2 (guess)."""
     braking: float = 1.0
     """How many times as fast a wheel brakes as it speeds up (guess)."""
-    dead_time: float = 0.045
-    """Seconds until a wheel begins to follow a request (Create 2: 0.03 to 0.06)."""
+    dead_time: float = 0.025
+    """Seconds until a wheel begins to follow a request (guess that fits the reports of Creates;
+    Create 2: 0.03 to 0.06)."""
     dead_band: float = 0.01
     """Slowest speed that moves a wheel, m/s (reported of the 400 series)."""
     encoder_tick: float = 0.00027

@@ -4,8 +4,8 @@
 How a wheel's speed follows the speed that is asked of it: the response models.
 
 Each model advances a speed towards a goal that is constant for the step, and is exact for it.
-docs/simulator.md lists what was measured of real robots: one Create answered like a first-order
-lag with a time constant near 0.2 s. The other models are for robots that answer otherwise.
+docs/simulator.md lists what was measured of real robots: Creates answered like a first-order lag,
+and coasted about 15 mm from any speed. The other models are for robots that answer otherwise.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class TimeConstant(NamedTuple):
     exponent: float = 0.0
     """0: the same at all speeds; 1: inversely proportional to the speed."""
     slowest: float = 0.05
-    fastest: float = 0.076
+    fastest: float = 0.5
     """m/s: the range of speeds between which it changes."""
 
     def at(self, speed: float) -> float:
@@ -61,7 +61,7 @@ class TimeConstant(NamedTuple):
 
 
 REFERENCE_SPEED = 0.0665
-"""m/s: there the measured Create had 0.2 s, with an exponent of 1 between 50 and 76 mm/s."""
+"""m/s: there the Create that was filmed had 0.2 s (0.265 s at 0.05, 0.175 s at 0.076)."""
 ARRIVED = 1e-6
 """m/s by which a lag may miss its goal and count as there."""
 FINE = 0.004
