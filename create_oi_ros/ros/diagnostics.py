@@ -3,8 +3,8 @@
 """
 The health of driver and robot as REP 107 diagnostics.
 
-OK: nothing to do. WARN: look at it soon. ERROR: it does not work. STALE: the values are old, since
-no robot answers.
+OK: nothing to do. WARN: look at it soon, or nothing is known since no robot answers. ERROR: it
+does not work. STALE is left to aggregators, which say it of a node that reports nothing.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,8 +22,7 @@ from ..odometry import Known
 from . import messages
 from .parameters import Parameters
 
-OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
-ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 LOW, EMPTY = 0.2, 0.05
 """Fractions of the capacity below which the battery must be charged soon, or now."""
 HOT, TOO_HOT = 45, 60
@@ -33,13 +32,20 @@ CHARGED = (oi.ChargingState.FULL_CHARGING, oi.ChargingState.TRICKLE,
 TOUCHED = ('bumps_and_wheel_drops', 'overcurrents', 'charging_sources')
 LINK, PARAMETERS = 'serial link', 'parameters'
 """Names of two statuses, for programs that read them."""
+HARDWARE = 'iRobot Create'
+"""Beginning of each hardware id; the port follows, and the namespace where there is one."""
 Values = dict[str, object]
 Verdict = tuple[bytes, str]
 """Level and message."""
 
 
+def hardware_id(port: str, namespace: str) -> str:
+    """Return what tells one robot from another."""
+    return f'{HARDWARE} at {port}' + (f' ({namespace})' if namespace != '/' else '')
+
+
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:
-    """Return a status; do not change it, the same one may be returned again."""
+    """Return a status without hardware id; the same one may be returned again."""
     return _status(name, level, message, tuple((key, str(value)) for key, value in values.items()))
 
 
@@ -48,7 +54,7 @@ def _status(
     name: str, level: bytes, message: str, values: tuple[tuple[str, str], ...],
 ) -> DiagnosticStatus:
     return DiagnosticStatus(
-        level=level, name=name, message=message, hardware_id='iRobot Create',
+        level=level, name=name, message=message,
         values=[KeyValue(key=key, value=value) for key, value in values])
 
 
@@ -84,9 +90,11 @@ def mode(name: str, health: Health) -> DiagnosticStatus:
     actual = 'unknown' if known.actual is None else known.actual.name
     level, message = OK, actual
     if known.actual is None:
-        level, message = STALE, known.reason
+        level, message = WARN, known.reason
     elif known.actual != known.wanted:
-        level, message = WARN, f'{actual} instead of {known.wanted.name}: {known.reason}'
+        level, message = OK, f'{actual}, entering {known.wanted.name}'
+        if known.reason:
+            level, message = WARN, f'{actual} instead of {known.wanted.name}: {known.reason}'
     return status(f'{name}: mode', level, message, {
         'mode': actual, 'wanted': known.wanted.name, 'reason': known.reason})
 
@@ -95,7 +103,7 @@ def safety(name: str, health: Health) -> DiagnosticStatus:
     """Say what is in the robot's way, or keeps it from driving."""
     readings = health.readings
     if not health.answered or not readings.has(*TOUCHED):
-        return status(f'{name}: safety', STALE, 'no robot answers', {})
+        return status(f'{name}: safety', WARN, 'no robot answers', {})
     hazards = ', '.join(cause.value for cause in health.hazards)
     overcurrents = [bit.name or '' for bit in oi.Overcurrents if readings.overcurrents & bit]
     level, message = _safety(health, hazards, overcurrents)
@@ -121,7 +129,7 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
     readings = health.readings
     if not health.answered or not readings.has(
             'battery_capacity', 'charging_sources', 'oi_mode'):
-        return status(f'{name}: battery', STALE, 'no robot answers', {})
+        return status(f'{name}: battery', WARN, 'no robot answers', {})
     content = messages.battery_state
     state = dict(zip(content.paths, content.values(readings, charge_known=charge_known)))
     charge, temperature = state['percentage'], state['temperature']

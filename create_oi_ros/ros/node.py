@@ -76,6 +76,7 @@ class CreateNode(Node):
         Services(self, self.session, self.model)  # the node keeps it, by its methods
         self._actions = Actions(self, self.session, self.parameters)
         self._counts = LinkCounts()
+        self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())
         self._diagnostics_thread = PeriodicThread(
             'diagnostics', DIAGNOSTICS_PERIOD, self._watch_and_report,
             on_failure=self._on_failure)
@@ -188,6 +189,8 @@ class CreateNode(Node):
             diagnostics.driver(name, health, self._stale, self._graph.publishers),
             diagnostics.odometry(name, health),
             diagnostics.parameters(name, self.parameters)])
+        for status in message.status:
+            status.hardware_id = self._hardware_id
         self._counts = health.counts
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

@@ -7,11 +7,6 @@ from dataclasses import fields, MISSING, replace
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
-from rclpy.exceptions import (
-    InvalidParameterTypeException,
-    InvalidParameterValueException,
-    ParameterException,
-)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -20,6 +15,8 @@ from .parameters import Parameters
 DECLARED = Parameters.__dataclass_fields__
 OF_ROS = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
 """Beginnings of the names of parameters that every ROS node has."""
+
+TAKES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: 'text'}
 
 
 def descriptor(name: str) -> ParameterDescriptor:
@@ -44,16 +41,13 @@ def declare(node: Node) -> Parameters:
     for declaration in fields(Parameters):
         assert declaration.default is not MISSING
         name = declaration.name
-        try:
-            values[name] = node.declare_parameter(
-                name, declaration.default, descriptor(name)).value
-        except InvalidParameterTypeException:
-            raise ValueError(wrong_type(name, given[name].value)) from None
-        except (InvalidParameterValueException, ParameterException) as error:
-            raise ValueError(f'parameter {name}: {error}') from error
-        reason = refusal(name, values[name])
+        value = _whole_as_float(name, given[name].value if name in given else declaration.default)
+        reason = (refusal(name, value) if type(value) is type(declaration.default)
+                  else wrong_type(name, value))
         if reason is not None:
             raise ValueError(reason)
+        values[name] = node.declare_parameter(
+            name, value, descriptor(name), ignore_override=True).value
     parameters = Parameters(**values)
     reason = contradiction(parameters)
     if reason is not None:
@@ -63,13 +57,16 @@ def declare(node: Node) -> Parameters:
 
 def as_declared(parameters: list[Parameter]) -> list[Parameter]:
     """Accept whole numbers for floating-point parameters: people write 1 for 1.0."""
-    return [Parameter(each.name, value=float(each.value))
-            if type(each.value) is int and type(_default(each.name)) is float else each
+    return [Parameter(each.name, value=_whole_as_float(each.name, each.value))
             for each in parameters]
 
 
+def _whole_as_float(name: str, value: Any) -> Any:
+    return float(value) if type(value) is int and type(_default(name)) is float else value
+
+
 def check(parameters: list[Parameter]) -> SetParametersResult:
-    """Refuse new values that are not allowed; ROS itself checks the ranges."""
+    """Refuse new values that are not allowed; ROS has checked their types."""
     reasons = [
         reason for parameter in parameters
         if parameter.name in DECLARED
@@ -84,11 +81,14 @@ def changed(parameters: Parameters, new: list[Parameter]) -> Parameters:
 
 def refusal(name: str, value: Any) -> str | None:
     """Say why a value is not allowed; None where it is."""
-    choices = DECLARED[name].metadata['choices']
+    facts = DECLARED[name].metadata
+    choices, low, high = facts['choices'], facts['low'], facts['high']
     if choices and value not in choices:
         return f'parameter {name} = {value!r}; allowed: {listed(choices)}'
     if isinstance(value, float) and value != value:
         return f'parameter {name} is not a number: give one'
+    if low is not None and not low <= value <= high:
+        return f'parameter {name} = {value:g}; allowed: {low:g} to {high:g}'
     if value == '' and _default(name) != '':
         return f'parameter {name} is empty: give a value, or leave it out'
     if name.endswith('_frame') and value.startswith('/'):
@@ -109,13 +109,39 @@ def contradiction(parameters: Parameters) -> str | None:
 
 
 def wrong_type(name: str, value: Any) -> str:
-    """Say what type a parameter has, and how to write the value."""
+    """Say what a parameter takes, and how to write the value that was probably meant."""
     default = _default(name)
-    said = f'parameter {name} = {value!r} is of the wrong type'
-    if type(default) is float and type(value) is int:
-        return f'{said}: write {float(value)}'
-    example = str(default).lower() if isinstance(default, bool) else repr(default)
-    return f'{said}: it takes a {type(default).__name__}, such as {example}'
+    takes = TAKES[type(default)]
+    advice = f'write {written(default)}, for example'
+    if isinstance(default, str) and isinstance(value, bool | int | float):
+        meant = str(value)
+        if isinstance(value, bool):
+            takes += ', and YAML reads on, off, yes and no as true and false'
+            meant = {True: 'on', False: 'off'}[value]
+            if meant not in DECLARED[name].metadata['choices']:
+                meant = default
+        advice = f"""write '{meant}' with its quotes (after -p: {name}:="'{meant}'")"""
+    elif isinstance(value, str) and _reads_as(type(default), value):
+        advice = f'write {value} without quotes'
+    elif isinstance(value, float) and value.is_integer() and isinstance(default, int):
+        advice = f'write {written(type(default)(value))}'
+    return f'parameter {name} = {written(value)} is of the wrong type: it takes {takes}; {advice}'
+
+
+def written(value: Any) -> str:
+    """Return a value as people write it in YAML."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _reads_as(kind: type, text: str) -> bool:
+    """Tell whether a text, without its quotes, is of a type."""
+    if kind is bool:
+        return text in ('true', 'false')
+    try:
+        kind(text)
+    except ValueError:
+        return False
+    return True
 
 
 def unknown_parameter(name: str) -> str:

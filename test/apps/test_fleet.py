@@ -108,10 +108,10 @@ def test_a_parameter_file_has_parts_for_each_robot_and_for_all(two, tmp_path):
 def test_a_wrong_parameter_starts_nothing(tmp_path):
     with scene(tmp_path) as stage:
         program = stage.program('create_fleet', 'robot1=/dev/none', '--ros-args',
-                                '-p', 'cmd_vel_timeout:=1')
+                                '-p', 'cmd_vel_timeout:=20')
         assert program.ended() == 2
         assert program.output.strip().endswith(
-            'create_fleet: parameter cmd_vel_timeout = 1 is of the wrong type: write 1.0')
+            'create_fleet: parameter cmd_vel_timeout = 20; allowed: 0.05 to 10')
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [

@@ -14,8 +14,7 @@ from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.ros import diagnostics
 from support.loop import Loop
 
-OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
-ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
 @pytest.fixture
@@ -48,17 +47,30 @@ def test_a_healthy_robot_is_ok_everywhere(loop):
     assert set(levels(loop)) == {'serial link', 'mode', 'safety', 'battery', 'driver'}
 
 
-def test_without_a_robot_the_link_is_the_error_and_the_rest_is_old(loop):
+def test_without_a_robot_the_link_is_the_error_and_stale_is_left_to_aggregators(loop):
     loop.cut = True
     loop.run(2.0)
-    assert levels(loop) == {'serial link': ERROR, 'mode': STALE, 'safety': STALE,
-                            'battery': STALE, 'driver': OK}
+    assert levels(loop) == {'serial link': ERROR, 'mode': WARN, 'safety': WARN,
+                            'battery': WARN, 'driver': OK}
 
 
-def test_before_the_first_frame_the_link_is_an_error_and_the_rest_is_stale():
+def test_a_mode_that_is_being_entered_is_no_warning(loop):
+    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    status = all_of(loop)['mode']
+    assert (status.level, status.message) == (OK, 'SAFE, entering FULL')
+
+
+def test_each_robot_has_a_hardware_id_of_its_own():
+    ids = {diagnostics.hardware_id(port, namespace)
+           for port in ('/dev/a', '/dev/b') for namespace in ('/', '/robot1')}
+    assert len(ids) == 4
+    assert diagnostics.hardware_id('/dev/a', '/') == 'iRobot Create at /dev/a'
+
+
+def test_before_the_first_frame_the_link_is_an_error_and_the_rest_a_warning():
     loop = Loop()
     assert levels(loop)['serial link'] == ERROR
-    assert levels(loop)['battery'] == STALE
+    assert levels(loop)['battery'] == WARN
 
 
 def test_line_errors_are_reported_for_one_interval(loop):

@@ -259,7 +259,7 @@ def test_a_port_that_is_missing_is_named_once(stage):
     ('cmd_vel_timeout', 99.0, 'cmd_vel_timeout'),
     ('max_wheel_speed', 0.7, 'max_wheel_speed'),
     ('sensor_rate', 0.0, 'sensor_rate'),
-    ('cmd_vel_timeout', 1, 'cmd_vel_timeout'),
+    ('cmd_vel_timeout', 11, 'cmd_vel_timeout'),
 ])
 def test_a_wrong_parameter_ends_the_node_with_the_reason(stage, name, value, reason):
     node = stage.node(stage.folder / 'create', **{name: value})

@@ -17,7 +17,7 @@ from typing import Any, TYPE_CHECKING
 
 from ...oi import ChargingState, Mode
 from ...ros.bags import BagError, DamageError, definitions, guarded, reading
-from ...ros.diagnostics import LINK, PARAMETERS
+from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
 from ...ros.messages import charging_name
 from ...ros.rotation import yaw_of
 from .recording import Curve, Recording, Span, Spans
@@ -136,7 +136,7 @@ class RecordingBuilder:
         prefix = f'{self.recording.robot}/'.lstrip('/')
         for status in message.status:
             node, _, subject = status.name.partition(': ')
-            if node.startswith(prefix) and status.hardware_id == 'iRobot Create':
+            if node.startswith(prefix) and status.hardware_id.startswith(HARDWARE):
                 self._add_status(time, subject, status)
 
     def _add_status(self, time: float, subject: str, status: Any) -> None:
