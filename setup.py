@@ -42,7 +42,6 @@ setup(
             'create_report = create_oi_ros.ros.programs:create_report',
             'create_run = create_oi_ros.ros.programs:create_run',
             'create_sim = create_oi_ros.ros.programs:create_sim',
-            'create_view = create_oi_ros.ros.programs:create_view',
             'create_web = create_oi_ros.ros.programs:create_web',
         ],
     },

@@ -30,7 +30,6 @@ MODULES = {
     'create_report': 'apps.report.create_report',
     'create_run': 'apps.run.create_run',
     'create_sim': 'sim.server.create_sim',
-    'create_view': 'apps.view.create_view',
     'create_web': 'apps.web.create_web',
 }
 """Module with the `main` of each program."""
@@ -137,11 +136,6 @@ def create_run() -> int:
 def create_sim() -> int:
     """Run a simulated robot."""
     return _run('create_sim')
-
-
-def create_view() -> int:
-    """See a robot, and drive it, in a terminal."""
-    return _run('create_view')
 
 
 def create_web() -> int:

@@ -20,7 +20,7 @@ from ..oi.tools import markdown
 from .actions import ACTIONS
 from .parameters import Parameters
 from .services import SERVICES
-from .topics import CONTACTS, PUBLISHED, TF, type_name
+from .topics import PUBLISHED, type_name
 
 CONFIG_WIDTH = 93
 """Characters of a comment line at most."""
@@ -72,8 +72,6 @@ def policy_names(element: str, names: Iterable[str]) -> str:
 TABLES = {'topics': topics, 'services': services, 'actions': actions, 'parameters': parameters}
 POLICY = {
     'all topics': lambda: policy_names('topic', (topic.name for topic in PUBLISHED)),
-    'all topics but /tf and contacts': lambda: policy_names(
-        'topic', (topic.name for topic in PUBLISHED if topic not in (TF, CONTACTS))),
     'all actions': lambda: policy_names('action', (action.name for action in ACTIONS)),
     'all services': lambda: policy_names('service', (service.name for service in SERVICES)),
 }

@@ -18,8 +18,6 @@ from .topics import CMD_VEL
 COMMANDS = {f'geometry_msgs/msg/{type_.__name__}': type_ for type_ in (Twist, TwistStamped)}
 CHECK_INTERVAL, SEARCH_INTERVAL = 1.0, 0.2
 """Seconds between two looks for the driver, when it was there and when it was not."""
-ONLY_LISTENS = 'create_view'
-"""Name of a node that subscribes to commands but does not obey them."""
 NEWEST = QoSProfile(depth=1)
 STOP_TIMEOUT = Duration(seconds=1.0)
 """How long to wait until the last command has arrived."""
@@ -48,8 +46,7 @@ class VelocityOutput:
         types = [
             COMMANDS[each.topic_type]
             for each in self._node.get_subscriptions_info_by_topic(CMD_VEL)
-            if each.node_name not in (self._node.get_name(), ONLY_LISTENS)
-            and each.topic_type in COMMANDS]
+            if each.node_name != self._node.get_name() and each.topic_type in COMMANDS]
         self.driver_listens = bool(types)
         self._next_check = now + (CHECK_INTERVAL if types else SEARCH_INTERVAL)
         if types and self.type is not types[0]:

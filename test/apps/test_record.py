@@ -19,7 +19,7 @@ from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import PUBLISHED
 from support.ros import Program, scene
-from support.screen import terminals
+from support.terminal import terminals
 
 CTRL_C = '\x03'
 

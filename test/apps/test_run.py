@@ -20,7 +20,7 @@ from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, rec
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import children_of, Listener, Program, scene, TIMEOUT
-from support.screen import terminals
+from support.terminal import terminals
 from support.web import ADDRESS, PageClient, ready
 
 

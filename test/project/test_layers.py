@@ -47,8 +47,7 @@ RULES = {
     'sim.world': Rule(ours=('sim', 'robot')),
     'sim.body': Rule(ours=('sim', 'sim.world', 'oi', 'robot')),
     'sim.firmware': Rule(ours=('sim', 'sim.body', 'sim.world', 'oi', 'robot')),
-    'characters': Rule(),
-    'sim.server': Rule(ours=('characters', 'sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi',
+    'sim.server': Rule(ours=('sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi',
                              'oi.tools', 'robot'), pure=False),
     'link': Rule(ours=('driver', 'oi', 'oi.tools', 'robot'), others='serial', pure=False),
     'ros': Rule(ours=('ros.messages', 'ros.rotation', 'ros.serialized', 'link', 'driver',
@@ -59,7 +58,7 @@ RULES = {
     'ros.rotation': Rule(),
     'ros.serialized': Rule(),
     'pages': Rule(pure=False),
-    'apps': Rule(ours=('ros', 'pages', 'characters', 'ros.messages', 'ros.rotation', 'link',
+    'apps': Rule(ours=('ros', 'pages', 'ros.messages', 'ros.rotation', 'link',
                        'driver', 'odometry', 'oi', 'oi.tools', 'robot', ''),
                  others=rf'{ROS}|{BAGS}|matplotlib|numpy|yaml|aiohttp|segno', pure=False),
 }
@@ -175,7 +174,7 @@ def test_a_module_that_says_so_is_pure(module: str) -> None:
 
 
 def test_modules_that_say_so_are_found() -> None:
-    assert {'apps.web.driver_seat', 'apps.view.teleop', 'ros.rotation'} - set(pure_parts()) == {
+    assert {'apps.web.driver_seat', 'ros.rotation'} - set(pure_parts()) == {
         'ros.rotation'}, 'the last one has a rule of its own'
 
 

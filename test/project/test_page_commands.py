@@ -20,9 +20,8 @@ pytest.importorskip('matplotlib')
 
 from support.pages import blocks, ROOT
 from support.ros import Program, Scene, scene
-from support.screen import terminals
 
-OURS = re.compile(r'create_(calibrate|node|record|report|sim|view|web)( |$)'
+OURS = re.compile(r'create_(calibrate|node|record|report|sim|web)( |$)'
                   r'|python -m create_oi_ros\.oi (?!document)')
 PORT = re.compile(r'/dev/ttyUSB0|/tmp/create\b')
 RECORDED = 150_000
@@ -52,10 +51,6 @@ class Page:
             case 'python', _:
                 self._end_driver()
                 self._to_its_end(self._stage._start(*arguments))
-            case 'create_view', _:
-                self._on_a_screen(program, arguments, 'q quit', 'q')
-            case 'create_sim', _ if '--show' in arguments:
-                self._on_a_screen(program, arguments, 'infrared', '\x03')
             case 'create_sim', _ if '--export' in arguments:
                 self._to_its_end(self._stage.program(program, *arguments))
             case 'create_sim', _:
@@ -106,13 +101,6 @@ class Page:
         started.send(signal.SIGINT)
         self._to_its_end(started)
 
-    def _on_a_screen(self, program: str, arguments: list[str], text: str, last: str) -> None:
-        with terminals(program, self._stage.domain) as start:
-            started = start(*arguments)
-            started.until(lambda: text in started.screen.text + started.output, text)
-            started.type(last)
-            assert started.ended() == 0, started.output
-
 
 def recorded() -> bool:
     """Return whether a bag in this folder holds messages."""
@@ -121,7 +109,7 @@ def recorded() -> bool:
 
 @pytest.mark.parametrize(('page', 'count'), [
     ('README.md', 2), ('docs/calibration.md', 5), ('docs/recording.md', 6),
-    ('docs/simulator.md', 7), ('docs/view.md', 2), ('docs/web.md', 3)])
+    ('docs/simulator.md', 7), ('docs/web.md', 3)])
 def test_the_commands_of_a_page_work(page, count, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = commands(page)

@@ -6,9 +6,8 @@ Runs the blocks of `docs/tutorial.md` in order, all in the ROS domain of the fir
 A block marked `terminal N` keeps running; with `: TEXT` the next one waits until TEXT was printed.
 It ends before a block marked `after Ctrl-C in terminal N`. A block marked
 `until: TEXT; then Ctrl-C` is ended when TEXT was printed, with `until twice` when it was printed
-twice. One marked `screen` runs on a pseudo terminal, where a key drives. The lines of a `text`
-block must appear in the output; numbers may differ. A block that is not run is marked `not run:`
-and one of the REASONS.
+twice. The lines of a `text` block must appear in the output; numbers may differ. A block that is
+not run is marked `not run:` and one of the REASONS.
 """
 
 import os
@@ -23,7 +22,6 @@ import pytest
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
 from support.pages import Block, blocks, check_parameters, check_ros2, commands
-from support.screen import terminals
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'tutorial.md'
@@ -85,21 +83,6 @@ class Terminal:
         return self.process.wait()
 
 
-def drive_by_keys(block: Block, domain: int) -> None:
-    """Drive ahead in the view until the robot has moved, then end the view."""
-    *_, program = block.text.split()
-    with terminals(program, domain) as start:
-        view = start()
-
-        def moved() -> bool:
-            x = re.search(r'x ([+-][\d.]+)', view.screen.after('pose'))
-            view.type('w')
-            return x is not None and float(x[1]) > 0.05
-        view.until(moved, 'a drive by keys')
-        view.type('q')
-        assert view.ended() == 0
-
-
 def shape(line: str) -> str:
     """Return a line with everything replaced that may differ."""
     return ' '.join(VARYING.sub('#', line).split())
@@ -154,8 +137,6 @@ def test_the_tutorial_works(folder, environment):
                     latest = running[lasting[1]] = Terminal(block.text, folder, environment)
                     if lasting[2]:
                         latest.prints(lasting[2])
-                case 'bash', 'screen':
-                    drive_by_keys(block, int(environment['ROS_DOMAIN_ID']))
                 case 'bash', _:
                     if ending:
                         terminal = running.pop(ending[1])

@@ -21,8 +21,6 @@ import pytest
 import rclpy
 from rclpy.task import Future
 
-from create_oi_ros.apps.view.robot_state import RobotState
-from create_oi_ros.apps.view.view_node import ViewNode
 from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.web_node import WebNode
 from create_oi_ros.ros.actions import ACTIONS
@@ -76,18 +74,16 @@ def full(names: list[str]) -> set[str]:
 
 @pytest.fixture(scope='module')
 def node():
-    """Return the node, in a domain of its own, with a view and a page that have discovered it."""
+    """Return the node, in a domain of its own, with a page that has discovered it."""
     with domain_coordinator.domain_id() as domain:
         rclpy.init(args=[], domain_id=domain)
-        made, view, web = CreateNode(Future()), ViewNode(RobotState()), WebNode(LiveRobot())
+        made, web = CreateNode(Future()), WebNode(LiveRobot())
         deadline = time.monotonic() + TIMEOUT
-        while not (view.state.driver_listens and web.velocity.driver_listens):
+        while not web.velocity.driver_listens:
             assert time.monotonic() < deadline
-            view.find_driver(time.monotonic())
             web.velocity.find_driver(time.monotonic())
         yield made
         web.destroy_node()
-        view.destroy_node()
         made.destroy_node()
         rclpy.shutdown()
 
@@ -99,7 +95,7 @@ def node():
     ('request', 'get_client_names_and_types_by_node'),
 ])
 @pytest.mark.parametrize(('enclave', 'name'), [
-    ('/create', 'create'), ('/view', 'create_view'), ('/web', 'create_web')])
+    ('/create', 'create'), ('/web', 'create_web')])
 def test_a_node_may_do_what_it_does_and_no_more(node, enclave, name, what, ask):
     used = {each for each, _ in getattr(node, ask)(name, '/')}
     assert allowed(enclave, what) | allowed_by_actions(enclave, what) == used

@@ -73,11 +73,9 @@ def introduction(port: str, simulated: bool) -> str:
         lines += ['In another shell, join it:', f'    {" && ".join(joining)}']
     if environment:
         example = quote(str(Path(environment).parent / 'examples' / 'drive.py'))
-        lines += ['then drive it and watch its odometry:', f'    python {example}',
-                  'or look at it, and drive it by keys:', '    create_view']
+        lines += ['then drive it and watch its odometry:', f'    python {example}']
     if shutil.which('ros2') is not None:
-        lines += ['Watch a topic, or drive by keyboard:', '    ros2 topic echo /bumper',
-                  '    ros2 run create_oi_ros create_view']
+        lines += ['Watch a topic:', '    ros2 topic echo /bumper']
     lines += ['Or see and drive it in a browser, at the address that is printed below.',
               'Telephones in your network can open it, too'
               + ('.' if simulated else f', when you add --host {EVERY_NETWORK}.')]

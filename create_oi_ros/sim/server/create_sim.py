@@ -26,7 +26,6 @@ from .lines import Line, PtyLine, TcpLine
 from .path_errors import naming, sentence
 from .play import play, Player
 from .serve import Server
-from .show import shower
 
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
@@ -117,7 +116,6 @@ def _arguments() -> argparse.ArgumentParser:
     add('--speed', type=_speed, default=1.0, help='times real time (default: %(default)s)')
     add('--wire-time', action='store_true', help='delay bytes as the baud rate does')
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
-    add('--show', action='store_true', help='draw room and robot in this terminal')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
     add('--export', type=_export, metavar='FILE.yaml|.sdf',
         help='write the world as a map for Nav2 (YAML and PGM, 2 cm a cell) or as walls for '
@@ -190,8 +188,6 @@ def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) ->
         if options.record:
             server.watchers.append(_recorder(server, options.record, stack))
         _announce(options, line)
-        if options.show:
-            server.watchers.append(shower(create, sys.stdout))
         server.serve()
 
 
