@@ -25,12 +25,15 @@ from ..robot import MILLI
 
 CANDIDATES = ('/dev/create', '/dev/ttyUSB*', '/dev/ttyACM*', '/dev/serial0')
 """Where a Create usually is."""
+NETWORK = ('socket://', 'rfc2217://')
 READ_LIMIT = 4096
+WRITE_TIMEOUT = 1.0
+"""Seconds after which a line that takes no bytes is lost."""
 PERMISSIONS_SETTLED = 1.5
 """Seconds after plugging in when a device's permissions are final."""
-FAILURES = (OSError, termios.error, TypeError, ValueError)
-"""What pyserial raises when a port fails. `termios.error` is no OSError; TypeError and ValueError
-come where another thread has closed the port."""
+FAILURE = Exception
+"""What pyserial raises when a port fails. Each kind of URL has an exception of its own for a port
+that another thread has closed, for a wrong option, for what it cannot do."""
 
 
 class PortError(OSError):
@@ -48,15 +51,16 @@ class Port:
     def __init__(self, url: str, baud: int, *, timeout: float) -> None:
         """Open it, exclusively; `timeout` is how long a read waits, in seconds."""
         self.url = url
+        # RFC 2217 is read by a thread of pyserial's, and knows no timeout of writing.
+        own_thread = url.lower().startswith('rfc2217://')
         try:
             self._serial: Any = serial.serial_for_url(
-                url, baudrate=baud, timeout=timeout, write_timeout=1.0, do_not_open=True)
-            if '://' not in url:
-                self._serial.exclusive = True
+                url, baudrate=baud, timeout=timeout, exclusive=True, do_not_open=True,
+                write_timeout=None if own_thread else WRITE_TIMEOUT)
             self._serial.open()
-        except FAILURES as error:
+        except FAILURE as error:
             raise PortError(_advice(url, error), temporary=_settling(url, error)) from error
-        self._line = self.descriptor
+        self._line = None if own_thread else self.descriptor
         self._waiting = select.poll()
         self._longest = timeout / MILLI
         """Milliseconds that a read waits."""
@@ -73,7 +77,7 @@ class Port:
     def baud(self, baud: int) -> None:
         try:
             self._serial.baudrate = baud
-        except FAILURES as error:
+        except FAILURE as error:
             raise PortError(f'{self.url}: baud rate {baud} cannot be set ({error})') from error
 
     @property
@@ -96,7 +100,7 @@ class Port:
                 return b''
             waiting = min(self._serial.in_waiting, READ_LIMIT)
             return first + bytes(self._serial.read(waiting)) if waiting else first
-        except FAILURES as error:
+        except FAILURE as error:
             raise PortError(f'{self.url}: reading failed ({error}); is the cable in?') from error
 
     def _read_waiting(self, line: int) -> bytes:
@@ -119,25 +123,25 @@ class Port:
             for byte in encoded:
                 self._serial.write(bytes([byte]))
                 time.sleep(FAST_SPACING)
-        except FAILURES as error:
+        except FAILURE as error:
             raise PortError(f'{self.url}: writing failed ({error}); is the cable in?') from error
 
     def flush(self) -> None:
         """Wait until all bytes have left this machine."""
         try:
             self._serial.flush()
-        except FAILURES as error:
+        except FAILURE as error:
             raise PortError(f'{self.url}: writing failed ({error}); is the cable in?') from error
 
     def close(self) -> None:
         """Close the port; closing twice, or after it was lost, is allowed."""
-        with suppress(*FAILURES):
+        with suppress(FAILURE):
             self._serial.close()
 
 
 def exists(url: str) -> bool:
     """Tell whether a device is there; a URL is taken to be."""
-    return '://' in url or Path(url).exists()
+    return '://' in url or os.path.exists(url)
 
 
 def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
@@ -147,7 +151,7 @@ def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
     A USB adapter that was ttyUSB0 may come back as ttyUSB1; its name by id stays.
     """
     for link in sorted(glob(f'{names}/*')):
-        if Path(link).resolve() == Path(device).resolve():
+        if os.path.realpath(link) == os.path.realpath(device):
             return link
     return None
 
@@ -160,7 +164,7 @@ def holder(device: str) -> str | None:
         try:
             if os.readlink(link) == target and process.name != str(os.getpid()):
                 return f'{(process / "comm").read_text().strip()} (process {process.name})'
-        except OSError:
+        except (OSError, UnicodeDecodeError):
             # It has ended or closed the file since, or belongs to somebody else.
             continue
     return None
@@ -168,10 +172,15 @@ def holder(device: str) -> str | None:
 
 def _advice(url: str, error: Exception) -> str:
     """Say why a port could not be opened and what to do about it."""
+    cause = _root(error)
     code = _error_number(error)
-    if isinstance(error, ValueError):
-        return f'{url}: {error}; give a device such as /dev/ttyUSB0 or a URL such as socket://...'
-    if code == errno.ENOENT:
+    if not isinstance(cause, (OSError, termios.error)):
+        return (f'{url}: pyserial cannot open this ({type(cause).__name__}: {cause}); give a '
+                'device such as /dev/ttyUSB0 or a URL such as socket://HOST:PORT')
+    if url.lower().startswith(NETWORK):
+        return (f'{url} could not be opened: {cause}; are host and port right, and does the '
+                'server there run?')
+    if code == errno.ENOENT and '://' not in url:
         there = sorted(path for pattern in CANDIDATES for path in glob(pattern))
         found = f'there are {", ".join(there)}' if there else 'no serial port was found at all'
         return f'{url} does not exist; {found}: is the cable in? set the parameter `port`'
@@ -183,7 +192,7 @@ def _advice(url: str, error: Exception) -> str:
     if code in (errno.EAGAIN, errno.EBUSY):
         by = holder(url) or 'another program'
         return f'{url} is in use by {by}; end it, or give another port'
-    return f'{url} could not be opened: {error}'
+    return f'{url} could not be opened: {cause}'
 
 
 def _settling(url: str, error: Exception, now: float | None = None) -> bool:
@@ -197,12 +206,16 @@ def _settling(url: str, error: Exception, now: float | None = None) -> bool:
     return 0 <= (time.time() if now is None else now) - changed < PERMISSIONS_SETTLED
 
 
-def _error_number(error: BaseException | None) -> int | None:
-    """Find the operating system's error number, which pyserial may have wrapped."""
-    while error is not None:
-        if isinstance(error, OSError) and error.errno is not None:
-            return error.errno
-        if isinstance(error, termios.error):
-            return int(error.args[0])
-        error = error.__cause__ or error.__context__
-    return None
+def _error_number(error: BaseException) -> int | None:
+    """Return the operating system's error number, which pyserial may have wrapped."""
+    cause = _root(error)
+    if isinstance(cause, termios.error):
+        return int(cause.args[0])
+    return cause.errno if isinstance(cause, OSError) else None
+
+
+def _root(error: BaseException) -> BaseException:
+    """Return the exception that began it all."""
+    while (before := error.__cause__ or error.__context__) is not None:
+        error = before
+    return error

@@ -2,23 +2,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ports that cannot be had, in words; a device that comes back under another name."""
 
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, ExitStack
 import errno
 import os
 from pathlib import Path
-from select import POLLIN
+import re
+from select import POLLIN, select
 import socket
 import subprocess
 import sys
+import termios
 import threading
 from types import SimpleNamespace
-from unittest.mock import Mock
+from unittest.mock import Mock, PropertyMock
 
 import pytest
+import serial
+from serial.rfc2217 import PortManager
+import serial.tools.list_ports
 
-from create_oi_ros.driver import Driver, Notice
+from create_oi_ros.driver import Driver, Moved, Notice
 from create_oi_ros.link import port, session
-from create_oi_ros.link.port import holder, lasting_name, Port, PortError
+from create_oi_ros.link.port import exists, holder, lasting_name, Port, PortError
 from create_oi_ros.link.session import Session
 from create_oi_ros.oi.codes import FAST_BAUD, FAST_SPACING
 from create_oi_ros.robot import Rounding
@@ -70,6 +75,7 @@ def test_without_permission_the_command_that_gives_it_is_named(monkeypatch):
     monkeypatch.setenv('USER', 'ada')
     said = port._advice('/dev/ttyUSB0', OSError(errno.EACCES, 'Permission denied'))
     assert 'sudo usermod -aG dialout ada' in said
+    assert 'dialout' not in port._advice('socket://x:1', OSError(errno.EACCES, 'not permitted'))
 
 
 @pytest.mark.parametrize(('number', 'age', 'passing'), [
@@ -95,6 +101,44 @@ def test_a_terminal_that_has_gone_is_a_port_error_whatever_is_tried(operation):
         operation(opened)
     opened.close()
     opened.close()
+
+
+@pytest.mark.parametrize('error', [
+    NotImplementedError('x'), ValueError('x'), OSError('x'), TypeError('x'), AttributeError('x'),
+    KeyError('x'), termios.error(5, 'x'), re.error('x')])
+def test_whatever_pyserial_raises_is_a_port_error(monkeypatch, error):
+    real = Mock(baudrate=57600, **{'fileno.return_value': 0})
+    type(real).baudrate = PropertyMock(side_effect=[57600, error])
+    for operation in (real.open, real.read, real.write, real.flush, real.close):
+        operation.side_effect = error
+    monkeypatch.setattr(port.serial, 'serial_for_url', lambda *_, **__: real)
+    assert refused('rfc2217://there:1').startswith('rfc2217://there:1')
+    real.open.side_effect = None
+    opened = Port('rfc2217://there:1', 57600, timeout=0.01)
+    for operation in (opened.read, opened.flush, lambda: opened.write(b'\x80'),
+                      lambda: setattr(opened, 'baud', 19200)):
+        with pytest.raises(PortError, match='rfc2217://there:1: .* failed|cannot be set'):
+            operation()
+    opened.close()
+
+
+@pytest.mark.parametrize(('url', 'said'), [
+    ('socket://127.0.0.1', 'give a device such as /dev/ttyUSB0 or a URL such as socket://HOST'),
+    ('socket://127.0.0.1:99999', 'Port out of range 0-65535'),
+    ('rfc2217://127.0.0.1:1', 'Connection refused; are host and port right'),
+    ('rfc2217://127.0.0.1:1?timeout=x', "could not convert string to float: 'x'"),
+    ('loop://?logging=x', "KeyError: 'x'"),
+    ('spy:///nowhere', "No such file or directory: '/nowhere'"),
+    ('alt:///nowhere?class=os', 'TypeError'),
+    ('hwgrep://(', 'missing )'),
+    ('nonsense://x', "protocol 'nonsense' not known"),
+    ('x' * 300, 'File name too long'),
+    ('\0', 'embedded null byte'),
+])
+def test_a_url_that_leads_nowhere_gets_a_sentence(url, said):
+    assert not exists(url) or '://' in url
+    sentence = refused(url)
+    assert sentence.startswith(url) and said in sentence
 
 
 def test_an_error_that_may_go_away_is_not_reported(tmp_path):
@@ -237,7 +281,6 @@ def test_who_holds_a_port_is_named(terminal):
 def test_what_is_no_device_is_refused(tmp_path):
     (tmp_path / 'file').write_text('')
     assert str(tmp_path / 'file') in refused(str(tmp_path / 'file'))
-    assert 'socket://' in refused('nonsense://x')
 
 
 def test_the_lasting_name_of_a_device_is_found(tmp_path, terminal):
@@ -251,14 +294,23 @@ class Heard:
 
     def __init__(self) -> None:
         self.texts: list[str] = []
+        self.distance = 0.0
+        """Metres driven forward."""
         self._told = threading.Condition()
 
     def __call__(self, event) -> None:
         """Take an event in."""
-        if isinstance(event, Notice):
-            with self._told:
+        with self._told:
+            if isinstance(event, Notice):
                 self.texts.append(event.text)
-                self._told.notify_all()
+            elif isinstance(event, Moved):
+                self.distance = event.estimate.x
+            self._told.notify_all()
+
+    def wait_for_more(self) -> None:
+        """Wait for the next event."""
+        with self._told:
+            assert self._told.wait(TIMEOUT), self.texts
 
     def wait_for(self, words: str, times: int = 1) -> None:
         """Wait until some words have been said so often."""
@@ -268,7 +320,7 @@ class Heard:
 
 
 @contextmanager
-def session_on(url: Path, *, dead_man: bool = False):
+def session_on(url: Path | str, *, dead_man: bool = False):
     """Keep a driver connected; yield it and what is heard of it."""
     heard = Heard()
     ours = Session(
@@ -288,6 +340,57 @@ def robot_on(link: Path):
         yield robot
     finally:
         robot.close()
+
+
+class BareLine(serial.Serial):
+    """A terminal, which has none of the lines that RFC 2217 carries."""
+
+    rts = dtr = cts = dsr = ri = cd = False
+
+
+@contextmanager
+def served(device: Path, *, telnet: bool):
+    """Put a server in front of a device; yield its port."""
+    def serve() -> None:
+        connection, _ = listener.accept()
+        with connection, BareLine(str(device), 57600, timeout=0) as line:
+            manager = PortManager(line, SimpleNamespace(write=connection.sendall))
+            while True:
+                ready, _, _ = select([line, connection], [], [])
+                if connection in ready:
+                    data = connection.recv(4096)
+                    if not data:
+                        return
+                    line.write(b''.join(manager.filter(data)) if telnet else data)
+                if line in ready:
+                    data = line.read(4096)
+                    connection.sendall(b''.join(manager.escape(data)) if telnet else data)
+    with socket.create_server(('127.0.0.1', 0)) as listener:
+        server = threading.Thread(target=serve)
+        server.start()
+        yield listener.getsockname()[1]
+        server.join(TIMEOUT)
+        assert not server.is_alive()
+
+
+@pytest.mark.filterwarnings('ignore:set')  # pyserial 3.5
+@pytest.mark.parametrize('scheme', ['socket', 'rfc2217', 'RFC2217', 'spy', 'alt', 'hwgrep'])
+def test_a_robot_is_found_and_driven_by_any_url(tmp_path, monkeypatch, scheme):
+    device = tmp_path / 'tty'
+    monkeypatch.setattr(serial.tools.list_ports, 'grep', lambda _: [(str(device), '', '')])
+    with ExitStack() as stack:
+        stack.enter_context(robot_on(device))
+        where = {'spy': f'{device}?file={tmp_path}/spied', 'hwgrep': 'Create',
+                 'alt': f'{device}?class=PosixPollSerial'}.get(scheme)
+        if where is None:
+            number = stack.enter_context(served(device, telnet=scheme != 'socket'))
+            where = f'127.0.0.1:{number}'
+        ours, heard = stack.enter_context(session_on(f'{scheme}://{where}', dead_man=True))
+        heard.wait_for('robot answers')
+        while not heard.distance > 0.02:
+            ours.drive(0.2, 0.0)
+            heard.wait_for_more()
+        assert not [text for text in heard.texts if 'no dead-man' in text]
 
 
 def test_a_device_that_comes_back_under_another_name_is_found(tmp_path, monkeypatch):
