@@ -5,7 +5,8 @@ Writes the raw line to a file: all bytes of both directions, as they pass, with 
 
 `CapturedPort` is a port that adds what passes to a `Capture`. A disk may be slow or full, and the
 line must not wait for it. So adding only appends to memory, and a thread of the capture's own
-writes twice a second: no more than that is lost when the process is killed.
+writes twice a second: no more than that is lost when the process is killed. While a disk hangs,
+what does not fit into PENDING_LIMIT is dropped and counted.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,6 +23,8 @@ from .port import Port, PortError
 
 WRITE_INTERVAL = 0.5
 """Seconds between two writes."""
+PENDING_LIMIT = 4_000_000
+"""Bytes that wait for the disk at most: some ten minutes of a driving robot."""
 CLOSE_TIMEOUT = 2.0
 """Seconds that `close` waits for a slow disk."""
 NS_PER_US = 1000
@@ -55,11 +58,13 @@ class Capture:
         """
         Start on an open file, whose head holds the facts; OSError where it cannot be written.
 
-        `on_failure` is called once, on a thread of the capture's own, with the reason why nothing
-        more is written.
+        `on_failure` is called, on any thread, with the reason why records are dropped, or why
+        nothing more is written.
         """
         self._file = file
         self._on_failure = on_failure
+        self._dropped = 0
+        """Records dropped since the last one that was kept."""
         started = datetime.now(UTC).isoformat(timespec='microseconds')
         self._last = time.monotonic_ns() // NS_PER_US
         self._pending = bytearray(encode_head({
@@ -78,10 +83,25 @@ class Capture:
         with self._lock:
             if self._over:
                 return
-            now = time.monotonic_ns() // NS_PER_US
-            self._pending += encode_record(now - self._last, kind, data)
-            self._last = now
             self._over = kind is RecordKind.END
+            news = ''
+            if len(self._pending) > PENDING_LIMIT and not self._over:
+                self._dropped += 1
+                if self._dropped == 1:
+                    news = 'the disk takes no bytes; records are dropped until it does'
+            else:
+                if self._dropped:
+                    news = f'{self._dropped} records were dropped: the disk took no bytes'
+                    self._append(RecordKind.NOTE, news.encode())
+                    self._dropped = 0
+                self._append(kind, data)
+        if news:
+            self._on_failure(news)
+
+    def _append(self, kind: RecordKind, data: bytes) -> None:
+        now = time.monotonic_ns() // NS_PER_US
+        self._pending += encode_record(now - self._last, kind, data)
+        self._last = now
 
     def add_text(self, kind: RecordKind, text: str) -> None:
         """Add a record in words."""
@@ -92,6 +112,8 @@ class Capture:
         self.add(RecordKind.END)
         self._closing.set()
         self._thread.join(CLOSE_TIMEOUT)
+        if self._thread.is_alive():
+            self._on_failure('the disk takes no bytes; the end is not written')
 
     def _run(self) -> None:
         try:

@@ -23,6 +23,8 @@ import sys
 from . import dead_man_process
 from .dead_man_process import GOODBYE
 
+END_TIMEOUT = dead_man_process.WRITE_TIMEOUT + 1.0
+"""Seconds after which a process that does not end (suspended, or its line hangs) is killed."""
 END_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -41,6 +43,9 @@ class DeadMan:
                  last_words.hex(), str(os.getpid())],
                 pass_fds=(watched, line), start_new_session=True,
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        except BaseException:
+            os.close(self._pipe)
+            raise
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             os.close(watched)
@@ -68,4 +73,7 @@ class DeadMan:
     def say_last_words(self) -> None:
         """End the process after it has stopped the robot, if the line still takes bytes."""
         os.close(self._pipe)
-        self._process.wait()
+        try:
+            self._process.wait(END_TIMEOUT)
+        except subprocess.TimeoutExpired:
+            self._process.kill()

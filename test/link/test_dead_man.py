@@ -15,9 +15,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from create_oi_ros.link import dead_man_process
+from create_oi_ros.link import dead_man, dead_man_process
 from create_oi_ros.link.dead_man import DeadMan, END_SIGNALS
 from create_oi_ros.link.dead_man_process import GOODBYE, watch
+from support.ros import TIMEOUT
 
 WORDS = b'stop now'
 
@@ -56,6 +57,27 @@ def test_releasing_one_that_was_killed_is_allowed():
     guard.release()
     os.close(reading)
     os.close(writing)
+
+
+def test_one_that_does_not_end_is_killed(monkeypatch):
+    monkeypatch.setattr(dead_man, 'END_TIMEOUT', 0.0)
+    reading, writing = os.pipe()
+    guard = DeadMan(writing, WORDS)
+    os.kill(guard.pid, signal.SIGSTOP)
+    os.waitpid(guard.pid, os.WUNTRACED)
+    guard.release()
+    assert guard._process.wait(TIMEOUT) == -signal.SIGKILL
+    os.close(reading)
+    os.close(writing)
+
+
+def test_one_that_cannot_be_started_leaves_no_file_open(monkeypatch):
+    monkeypatch.setattr(sys, 'executable', '/nowhere/python')
+    before = os.listdir('/proc/self/fd')
+    for _ in range(10):
+        with pytest.raises(FileNotFoundError):
+            DeadMan(0, WORDS)
+    assert os.listdir('/proc/self/fd') == before
 
 
 PARENT = """

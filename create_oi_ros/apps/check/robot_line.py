@@ -51,7 +51,7 @@ class RobotLine:
         """Set when the session has ended by itself."""
         self.capture, self.path = begin(
             capture_file, {'driver': f'create_check of create_oi_ros {__version__}', 'port': url},
-            lambda why: print(f'create_check: the capture has ended: {why}'))
+            lambda why: print(f'create_check: capture: {why}'))
         self.session = Session(
             Driver(Settings(baud=baud, recover_mode=False), self.notebook), url,
             on_event=self._on_event, on_failure=self.lost.set, dead_man=True,
