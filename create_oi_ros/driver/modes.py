@@ -126,10 +126,12 @@ class Modes:
         """
         Say why a fresh command is not followed, `advice` tells what to do; None where it is.
 
-        Where the robot has left the wanted mode, and may enter it again, tell it to.
+        While the robot enters a mode to drive in, a command waits for it. Where the robot has left
+        the wanted mode, and may enter it again, tell it to.
         """
         status = self._supervision.status
-        if status.can_drive:
+        entering = self._supervision.is_entering and status.wanted in oi.ACTUATE
+        if status.can_drive or entering:
             return None
         if not self._supervision.may_recover(now):
             why = f' ({status.reason})' if status.reason else ''

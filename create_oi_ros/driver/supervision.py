@@ -134,6 +134,11 @@ class Supervision:
         self._tries += 1
         self._entered_at = now
 
+    @property
+    def is_entering(self) -> bool:
+        """Whether the wanted mode was commanded and may still come: nothing has kept it away."""
+        return 0 < self._tries and not self.status.causes
+
     def must_enter_again(self, now: float) -> bool:
         """Tell whether the robot seems to have missed the command to enter the wanted mode."""
         status = self.status

@@ -15,8 +15,11 @@ from .goal_control import GoalControl
 from .modes import Modes
 from .motion import WheelCommands
 from .outbox import Outbox
-from .state import Owner, State, StateEvent
+from .state import Activity, Owner, State, StateEvent
 from .supervision import Supervision
+
+SHORT = (Activity.SILENCING, Activity.READING)
+"""Activities that end within a second."""
 
 
 class VelocityControl:
@@ -98,7 +101,8 @@ class VelocityControl:
             self._handle(StateEvent.HALTED)
 
     def _report_refusal(self, why: str) -> None:
-        if not self._refusal_reported:
+        """Report the first of some refusals in a row, unless they end by themselves at once."""
+        if not self._refusal_reported and self._state.activity not in SHORT:
             self._refusal_reported = True
             self._events.notice(Severity.WARNING, f'not driving: {why}')
 

@@ -196,7 +196,10 @@ def good_values(declared) -> list:
         return list(facts['choices'])
     if isinstance(default, bool):
         return [True, False]
-    return [default, facts['low'], facts['high']] if isinstance(default, float) else [default]
+    if not isinstance(default, float):
+        return [default]
+    whole = [1] if facts['low'] <= 1 <= facts['high'] else []
+    return [default, facts['low'], facts['high'], *whole]
 
 
 def bad_values(declared) -> list:
@@ -210,11 +213,6 @@ def bad_values(declared) -> list:
         return [-1, 1, 57601, 2 ** 63 - 1, -2 ** 63, 57600.0, '57600', [57600]]
     wrong = [*([''] if default else []), 1, True, nan, ['a']]
     return [*wrong, 'SAFE', 'ünbekannt', ' safe', 'x' * 5000] if facts['choices'] else wrong
-
-
-def bad_at_start(declared) -> list:
-    """Return values that are not allowed at start, where ROS takes no whole number as a float."""
-    return [*bad_values(declared), *([1] if isinstance(declared.default, float) else [])]
 
 
 def cases(values):
@@ -245,18 +243,22 @@ def started_with(name, value):
 def test_a_parameter_within_its_range_is_taken_at_start_and_works(node, declared, value):
     with started_with(declared.name, value) as starting:
         parameters = declare(starting)
-    assert getattr(parameters, declared.name) == value
+    taken = getattr(parameters, declared.name)
+    assert (taken, type(taken)) == (value, type(declared.default))
     loop = Loop(parameters.settings())
     loop.run(0.3)
     loop.drive(0.2, 1.0, 0.2)
     legal_commands(loop.heard.replace(WAKE_UP, b''))
 
 
-@pytest.mark.parametrize(('declared', 'value'), cases(bad_at_start))
+@pytest.mark.parametrize(('declared', 'value'), cases(bad_values))
 def test_a_parameter_beyond_its_range_is_refused_at_start(node, declared, value):
     with started_with(declared.name, value) as starting:
-        with pytest.raises(ValueError, match=declared.name):
+        with pytest.raises(ValueError, match=f'^parameter {declared.name} ') as refused:
             declare(starting)
+    if not isinstance(value, type(declared.default)):
+        assert 'is of the wrong type: it takes' in str(refused.value)
+        assert '; write ' in str(refused.value)
 
 
 @pytest.mark.parametrize(('declared', 'value'), cases(bad_values))

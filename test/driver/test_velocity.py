@@ -13,7 +13,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity, wheel_speeds
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.driver.state import Activity
-from support.goals import met, moving
+from support.goals import angle, met, moving, pursue
 from support.loop import AT_ONCE, Loop, texts
 
 TIMEOUT = MotionLimits.timeout
@@ -209,6 +209,47 @@ def test_the_first_refusal_is_reported_and_the_next_ones_are_not():
     loop.drive(0.1, 0.0, 0.5)
     said, = texts(loop.notices, Severity.WARNING)
     assert said.startswith('not driving: robot is in PASSIVE')
+
+
+def drive_all_the_time(loop: Loop, seconds: float) -> None:
+    """Command a velocity in each turn of the loop."""
+    until = loop.now + seconds
+    while loop.now < until:
+        loop.driver.drive(0.1, 0.0, loop.now)
+        loop.turn()
+
+
+def test_a_robot_that_is_found_or_enters_a_mode_under_commands_drives_without_a_warning():
+    loop = Loop()
+    drive_all_the_time(loop, 1.0)
+    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    drive_all_the_time(loop, 0.5)
+    assert loop.driver.scripts.show(loop.now).outcome is not None  # refused: the robot drives
+    assert loop.body.truth().speed == pytest.approx(0.1, abs=0.01)
+    assert texts(loop.notices, Severity.WARNING) == []
+
+
+def test_a_goal_for_a_robot_that_enters_its_mode_waits_for_it():
+    loop = Loop()
+    while not loop.driver.state.answered:
+        loop.turn()
+    assert pursue(loop, angle(10)).code is Code.NONE
+
+
+def test_commands_while_the_stored_script_is_read_are_no_warning(loop):
+    shown = loop.driver.scripts.show(loop.now)
+    drive_all_the_time(loop, 1.0)
+    assert shown.outcome is not None
+    assert loop.body.truth().speed > 0
+    assert texts(loop.notices, Severity.WARNING) == []
+
+
+def test_a_mode_that_does_not_come_is_a_warning_after_all():
+    loop = Loop()
+    loop.body.drop(left=True)
+    drive_all_the_time(loop, 1.0)
+    said, = texts(loop.notices, Severity.WARNING)
+    assert said.startswith('not driving: robot is in PASSIVE (left wheel dropped)')
 
 
 @pytest.mark.parametrize('velocity', [(0.1, 0.0), (0.0, 0.0)])

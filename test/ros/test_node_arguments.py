@@ -5,11 +5,9 @@
 from dataclasses import fields, replace
 
 import pytest
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from create_oi_ros import __version__
-from create_oi_ros.ros import node_arguments, parameter_checks
+from create_oi_ros.ros import node_arguments
 from create_oi_ros.ros.parameter_checks import contradiction, refusal, wrong_type
 from create_oi_ros.ros.parameters import Parameters
 from support.ros import scene
@@ -79,45 +77,6 @@ def test_a_frame_with_a_leading_slash_is_refused():
 ])
 def test_a_value_of_the_wrong_type_says_how_to_write_it(name, value, words):
     assert words in wrong_type(name, value)
-
-
-@pytest.fixture
-def declared(tmp_path):
-    """Return a function that declares all parameters, one of them given, in a node of its own."""
-    with scene(tmp_path) as stage:
-        def declare(name: str, value: object) -> Parameters:
-            node = Node('create', context=stage.ros.node.context,
-                        parameter_overrides=[Parameter(name, value=value)])
-            try:
-                return parameter_checks.declare(node)
-            finally:
-                node.destroy_node()
-        yield declare
-
-
-VALUES = (True, 3, 2.5, 'word', [True], [1, 2], [0.5], ['word'], [b'a'])
-
-
-def test_every_parameter_takes_its_type_and_names_it_for_any_other(declared):
-    for each in fields(Parameters):
-        for value in (*VALUES, each.default):
-            takes_whole = type(each.default) is float and type(value) is int
-            try:
-                found = getattr(declared(each.name, value), each.name)
-            except ValueError as error:
-                assert f'parameter {each.name}' in str(error)
-                right_type = type(value) is type(each.default) or takes_whole
-                assert right_type != ('it takes' in str(error)), error
-            else:
-                assert (found, type(found)) == (value, type(each.default))
-
-
-def test_a_whole_number_is_taken_for_every_float(declared):
-    whole = [each.name for each in fields(Parameters) if type(each.default) is float
-             and each.metadata['low'] <= 1 <= each.metadata['high'] and each.name != 'battery_low']
-    assert 'cmd_vel_timeout' in whole
-    for name in whole:
-        assert getattr(declared(name, 1), name) == 1.0
 
 
 def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(tmp_path):
