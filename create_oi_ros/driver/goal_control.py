@@ -95,6 +95,8 @@ class GoalControl:
         self._begun, self._started_at = False, now
         self._mode_before = self._supervision.status.wanted
         self._handle(StateEvent.GOAL_STARTED)
+        if goal.hint:
+            self._events.notice(Severity.WARNING, goal.hint)
         return running
 
     @property
@@ -248,6 +250,8 @@ class GoalControl:
         """End the goal that runs, and say how far it has got."""
         goal, self._goal = self._goal, None
         self._odometry.unmark()
+        if goal is not None and goal.hint:
+            over = over._replace(text=f'{over.text} ({goal.hint})')
         if goal is None or not self._begun:
             self._end(self._running, over)
             return

@@ -214,7 +214,8 @@ class Actions:
     def _result(self, action: Action, handle: ServerGoalHandle, ending: Ending) -> Any:
         if self._pursued is not None and self._pursued.handle is handle:
             self._pursued = None
-        self._node.get_logger().info(f'{action.name} ended, {ending.code.name}: {ending.text}')
+        how = 'succeeded' if ending.code is Code.NONE else f'ended, {ending.code.name}'
+        self._node.get_logger().info(f'{action.name} {how}: {ending.text}')
         if ending.code is Code.NONE:
             handle.succeed()
         elif handle.is_cancel_requested:

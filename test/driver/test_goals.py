@@ -4,17 +4,27 @@
 
 from dataclasses import replace
 from math import degrees, hypot, inf, nan, pi
+import struct
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import MotionLimits, Settings
-from create_oi_ros.driver.goals import Code, Malformed, Phase, WallFollow
+from create_oi_ros.driver import MotionLimits, Settings, Severity
+from create_oi_ros.driver.goals import (
+    Code,
+    DriveArc,
+    Malformed,
+    Phase,
+    RotateAngle,
+    WallFollow,
+)
+from create_oi_ros.driver.goals.approach import Learned
+from create_oi_ros.driver.goals.motions import Circle
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.world import parse, shipped
 from support.bodies import LAGGING
 from support.goals import angle, arc, distance, place, pursue, reach, start, until_ended
-from support.loop import Loop, turn_difference
+from support.loop import Loop, texts, turn_difference
 
 
 def met(**options) -> Loop:
@@ -120,6 +130,30 @@ def test_speeds_and_accelerations_stay_within_the_limits():
     assert 190 < max(told) <= 200
     rises = [after - before for before, after in zip(told, told[1:]) if before >= 40]
     assert max(rises) <= 0.2 * 1000 * 0.03 + 1
+
+
+def test_a_limit_that_arrives_as_float32_is_not_beyond_itself():
+    speed, turn = (struct.unpack('f', struct.pack('f', each))[0] for each in (0.3, 2000 * pi))
+    assert speed > 0.3 and turn > 2000 * pi
+    loop = met(settings=Settings(limits=MotionLimits(max_wheel_speed=0.3)))
+    assert 'slowed' not in pursue(loop, distance(0.1, speed=speed)).text
+    angle(degrees(turn))
+
+
+@pytest.mark.parametrize(('goal', 'hint'), [
+    (RotateAngle(90.0, 1.9, 3.0, Learned()), '90 rad is 14.3 turns: degrees?'),
+    (RotateAngle(-45.0, 1.9, 3.0, Learned()), '-45 rad is 7.2 turns: degrees?'),
+    (DriveArc(Circle(90.0, 0.2, 1), 0.3, 3.0, Learned()), '90 rad is 14.3 turns: degrees?')])
+def test_more_than_four_turns_are_driven_but_asked_about(goal, hint):
+    loop = met()
+    ending = pursue(loop, goal)
+    assert ending.code is Code.TIMEOUT
+    assert hint in ending.text
+    assert texts(loop.notices, Severity.WARNING) == [hint]
+
+
+def test_four_turns_are_no_question():
+    assert not angle(4 * 360).hint
 
 
 @pytest.mark.parametrize(('goal', 'name'), [

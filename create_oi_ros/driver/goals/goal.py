@@ -20,6 +20,8 @@ from .outcome import Code, Progress
 
 LONGEST, MOST_TURN = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
+ROUNDING = 1e-6
+"""Part by which a float32 may be beyond a limit: it is 0.30000001 for 0.3."""
 
 
 class Malformed(ValueError):
@@ -79,6 +81,8 @@ class Goal(ABC):
     turns_only = False
     """Whether the goal only turns. Each reading may cost a part of a degree, and a turn needs none
     to be steered: so few are asked for."""
+    hint = ''
+    """What may be a mistake of whoever sent the goal; it is pursued all the same."""
 
     def __init__(self, allowance: float) -> None:
         """Take the seconds that the goal may take; 0 leaves that to the goal."""
@@ -128,7 +132,7 @@ def check_number(name: str, value: float, unit: str) -> None:
 def check_amount(name: str, value: float, most: float, unit: str) -> None:
     """Refuse a distance or an angle that is no number, or too long."""
     check_number(name, value, unit)
-    if abs(value) > most:
+    if abs(value) > most * (1 + ROUNDING):
         raise Malformed(f'{name} = {value:g} {unit}; allowed: {-most:g} to {most:g}')
 
 

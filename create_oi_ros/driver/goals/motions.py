@@ -20,6 +20,7 @@ from .goal import (
     MOST_TURN,
     Order,
     Over,
+    ROUNDING,
     View,
 )
 from .hazards import Hazards, NO_SPEED, Stall
@@ -27,6 +28,8 @@ from .legs import Arc, Leg, Straight, STRAIGHT_TOLERANCE, Turn
 from .outcome import Code, Phase, Progress
 
 Legs = Iterator[tuple[Phase | None, Leg]]
+MANY_TURNS = 4
+"""Turns above which an angle may have been meant in degrees."""
 
 
 class MotionGoal(Goal):
@@ -164,6 +167,7 @@ class RotateAngle(MotionGoal):
     def __init__(self, angle: float, speed: float, allowance: float, learned: Learned) -> None:
         """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
         check_amount('angle', angle, MOST_TURN, 'rad')
+        self.hint = degrees_meant(angle)
         check_positive('max_rotation_speed', speed, 'rad/s')
         super().__init__(allowance, learned)
         self._angle, self._speed = angle, speed
@@ -198,6 +202,7 @@ class DriveArc(MotionGoal):
     def __init__(self, circle: Circle, speed: float, allowance: float, learned: Learned) -> None:
         """Take a circle, m/s and seconds; Malformed says what no robot could follow."""
         check_amount('angle', circle.angle, MOST_TURN, 'rad')
+        self.hint = degrees_meant(circle.angle)
         check_positive('radius', circle.radius, 'm')
         check_amount('length of the arc', circle.angle * circle.radius, LONGEST, 'm')
         check_positive('max_translation_speed', speed, 'm/s')
@@ -289,9 +294,15 @@ def fastest_turn(limits: MotionLimits) -> float:
 
 def slower(name: str, speed: float, most: float, unit: str) -> list[str]:
     """Say that a speed is too fast; nothing where it is not."""
-    if speed <= most:
+    if speed <= most * (1 + ROUNDING):
         return []
     return [f'; slowed to {most:.2f} {unit}: {name} = {speed:g} is beyond max_wheel_speed']
+
+
+def degrees_meant(angle: float) -> str:
+    """Ask whether an angle in rad of many turns was meant in degrees; empty where it is usual."""
+    turns = abs(angle) / tau
+    return f'{angle:g} rad is {turns:.1f} turns: degrees?' if turns > MANY_TURNS else ''
 
 
 def _left(leg: Leg | None) -> Leg:
