@@ -66,9 +66,8 @@ def guarded(items: Iterable[Item]) -> Iterator[Item]:
 
 def missing(module: str) -> str:
     """Return a sentence on how to install a missing Python module."""
-    apt = {'matplotlib': ' or `sudo apt-get install python3-matplotlib`'}.get(module, '')
     return (f'the Python module {module} is not installed: '
-            f'`python3 -m pip install --break-system-packages {module}`{apt}')
+            f'`python3 -m pip install --break-system-packages {module}`')
 
 
 def message_files() -> list[Path]:

@@ -18,7 +18,6 @@ import pytest
 from rclpy.qos import QoSProfile
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
-pytest.importorskip('matplotlib')
 
 from create_oi_ros.apps.demo import tour
 from create_oi_ros.apps.demo.pilot import Pilot, Stopped, TourError
@@ -124,7 +123,7 @@ def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
         shown = demo(tmp_path / 'demo', made.domain, '--short')
         printed, _ = shown.communicate(timeout=60)
     assert shown.returncode == 0, printed
-    assert '3 of 3: another song' in printed and str(tmp_path / 'demo' / 'report.png') in printed
+    assert '3 of 3: another song' in printed and str(tmp_path / 'demo' / 'report.html') in printed
     assert (tmp_path / 'demo' / 'report.html').exists()
     recording = read(tmp_path / 'demo' / 'create_demo', lambda part: None)
     assert len(recording.spans['song']) == 2

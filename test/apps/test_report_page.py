@@ -18,7 +18,6 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros import pages
 from create_oi_ros.apps.report import page_data
-from create_oi_ros.apps.report.create_report import WIDE
 from create_oi_ros.apps.report.page import write
 from create_oi_ros.apps.report.page_data import packed, steps
 from create_oi_ros.apps.report.recording import Curve, Recording, Span, Spans
@@ -113,7 +112,7 @@ def test_a_long_recording_is_thinned_as_far_as_its_size_demands(monkeypatch):
 def test_an_empty_recording_has_a_page(tmp_path):
     made = recorded(0)
     assert unpacked(packed(made))['curves']['odom']['x']['steps'] == []
-    write(made, tmp_path / 'page.html', WIDE)
+    write(made, tmp_path / 'page.html')
 
 
 @pytest.mark.parametrize(('seconds', 'text'), [
@@ -131,14 +130,14 @@ def test_texts_of_a_bag_are_no_html(tmp_path):
     made.spans['mode'].all.append(Span(0.0, EVIL, 0.1, EVIL))
     made.warnings[EVIL] = Spans()
     made.warnings[EVIL].all.append(Span(0.0, EVIL, 0.1))
-    write(made, tmp_path / 'page.html', WIDE)
+    write(made, tmp_path / 'page.html')
     text = (tmp_path / 'page.html').read_text()
     assert '<img' not in text and text.count('&lt;img') >= 8
     assert len(re.findall('</script>', text)) == 2
 
 
 def test_the_page_asks_for_nothing_and_runs_nothing_but_its_own(tmp_path):
-    write(recorded(10), tmp_path / 'page.html', WIDE)
+    write(recorded(10), tmp_path / 'page.html')
     text = (tmp_path / 'page.html').read_text()
     assert "default-src 'none'; script-src 'sha256-" in text and "style-src 'sha256-" in text
     for word in ('http:', 'https:', 'src=', 'url(', '@import', 'innerHTML', 'eval('):

@@ -60,7 +60,7 @@ RULES = {
     'pages': Rule(pure=False),
     'apps': Rule(ours=('ros', 'pages', 'ros.messages', 'ros.rotation', 'link',
                        'driver', 'odometry', 'oi', 'oi.tools', 'robot', ''),
-                 others=rf'{ROS}|{BAGS}|matplotlib|numpy|yaml|aiohttp|segno', pure=False),
+                 others=rf'{ROS}|{BAGS}|numpy|yaml|aiohttp|segno', pure=False),
 }
 PROGRAMS = 'apps'
 """Each program in this package is a room of its own, under this rule."""

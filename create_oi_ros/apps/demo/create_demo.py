@@ -110,15 +110,14 @@ def record(steps: Sequence[TourStep], bag: Path, stop: threading.Event) -> None:
 
 
 def report(folder: Path) -> int:
-    """Run `create_report` for a picture and a page; return 0, or 2 when it fails."""
+    """Run `create_report`; return 0, or 2 when it fails."""
     say('the report is being made')
-    for name in ('report.png', 'report.html'):
-        made = start('create_report', str(folder / BAG), '-o', str(folder / name),
-                     stdout=subprocess.DEVNULL)
-        if made.wait() != 0:
-            return 2
+    page = folder / 'report.html'
+    made = start('create_report', str(folder / BAG), '-o', str(page), stdout=subprocess.DEVNULL)
+    if made.wait() != 0:
+        return 2
     say(f'the bag is {folder / BAG}')
-    say(f'look at {folder / "report.png"} or {folder / "report.html"}')
+    say(f'look at {page}')
     return 0
 
 

@@ -14,8 +14,6 @@ from .bag_reader import read
 
 WIDTH = 30
 """Characters of the progress bar."""
-NARROWEST, WIDE, WIDEST = 360, 1200, 4000
-"""Pixels of the picture."""
 
 
 def bar(label: str) -> Callable[[float], None]:
@@ -28,27 +26,21 @@ def bar(label: str) -> Callable[[float], None]:
     return show if sys.stderr.isatty() else lambda part: None
 
 
-def report(bag: Path, target: Path, robot: str | None = None, width: int = WIDE) -> None:
+def report(bag: Path, target: Path, robot: str | None = None) -> None:
     """Make a report; BagError or OSError says why it failed."""
     try:
         recording = read(bag, bar(f'reading {bag.name}'), robot)
         from .page import write
-        write(recording, target, width)
+        write(recording, target)
     except ModuleNotFoundError as error:
         raise BagError(missing((error.name or '').partition('.')[0])) from error
 
 
 def _target(text: str) -> Path:
     target = Path(text)
-    if target.suffix not in ('.html', '.png'):
-        raise argparse.ArgumentTypeError(f'{text!r} must end in .html or .png')
+    if target.suffix != '.html':
+        raise argparse.ArgumentTypeError(f'{text!r} must end in .html: the report is a page')
     return target
-
-
-def _width(text: str) -> int:
-    if not (text.isdecimal() and NARROWEST <= int(text) <= WIDEST):
-        raise argparse.ArgumentTypeError(f'{text!r}; allowed: {NARROWEST} to {WIDEST} pixels')
-    return int(text)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,17 +50,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('bag', type=Path, metavar='BAG',
                         help='folder of a bag, or its .mcap or .db3 file')
     parser.add_argument('-o', dest='target', type=_target, default=Path('report.html'),
-                        metavar='FILE', help=(
-                            '.html: a page to zoom and replay; .png: a picture '
-                            '(default: %(default)s)'))
+                        metavar='FILE.html', help='the page (default: %(default)s)')
     parser.add_argument('--robot', metavar='NAMESPACE',
                         help='which robot, if the bag holds several; / is one without a namespace')
-    parser.add_argument('--width', type=_width, default=WIDE, metavar='PIXELS', help=(
-        f'width of a .png, {NARROWEST} to {WIDEST} (default: %(default)s); a narrow one has one '
-        'column'))
     options = parser.parse_args(arguments)
     try:
-        report(options.bag, options.target, options.robot, options.width)
+        report(options.bag, options.target, options.robot)
     except BagError as error:
         print(f'create_report: {error}', file=sys.stderr)
         return 2

@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the report: one HTML page that needs no other file, or a picture."""
+"""Writes the report: one HTML page that needs no other file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from hashlib import sha256
 from html import escape
 from importlib import resources
-from io import BytesIO
 from pathlib import Path
 from string import Template
 
@@ -26,16 +25,9 @@ PAGE, ENTRY = 'report.html', 'report.js'
 STYLES = ('base.css', 'report.css')
 
 
-def write(recording: Recording, target: Path, width: int) -> None:
-    """Write the report as HTML or PNG, by the suffix of the file; OSError: why it cannot be."""
-    write_whole(target, _png(recording, width) if target.suffix == '.png' else _html(recording))
-
-
-def _png(recording: Recording, width: int) -> bytes:
-    from .drawing import draw, save
-    picture = BytesIO()
-    save(draw(recording, width), picture)
-    return picture.getvalue()
+def write(recording: Recording, target: Path) -> None:
+    """Write the report; OSError: why it cannot be."""
+    write_whole(target, _html(recording))
 
 
 def _html(recording: Recording) -> bytes:

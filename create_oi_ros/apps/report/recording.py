@@ -45,16 +45,6 @@ class Curve:
         place = bisect_right(self.times, time) - 1
         return place if place >= 0 else None
 
-    def broken(self, name: str, gaps: list[Span]) -> tuple[list[float], list[float]]:
-        """Return times and values, with nan at each gap so that the line breaks."""
-        times, values = list(self.times), list(self[name])
-        for gap in reversed(gaps):
-            at = self.at(gap.start)
-            if at is not None and at + 1 < len(times):
-                times.insert(at + 1, times[at])
-                values.insert(at + 1, nan)
-        return times, values
-
 
 @dataclass
 class Span:
