@@ -11,7 +11,8 @@ from collections.abc import Callable
 from math import inf
 
 from .. import oi
-from .baud_search import BaudSearch, CALL_INTERVAL
+from ..oi.codes import START_BAUDS
+from .baud_search import ANSWER_TIME, BaudSearch, CALL_INTERVAL
 from .command_watch import CommandNews, CommandWatch, IGNORES
 from .events import EventQueue, LinkCounts, Severity
 from .frame_budget import FrameBudget, too_slow
@@ -48,6 +49,7 @@ class Connection:
         self.reader = oi.StreamReader(self.plan.lists)
         self.heard_at = 0.0
         """When the last frame came, in the clock of `now`."""
+        self._call_interval = CALL_INTERVAL
         self._ran_at = inf
         """When the driver was called last; in no past before the port is open."""
         self._stale_until = -inf
@@ -96,6 +98,11 @@ class Connection:
 
     def answered(self) -> None:
         """Note that the first frame has come."""
+        slow = self._search.raised_from
+        if slow is not None:
+            self._events.notice(Severity.WARNING, (
+                f'the robot was at {slow} baud, too slow for its stream: it is at {self.baud} '
+                'now, until it is switched off'))
         self._handle(StateEvent.ANSWERED)
         self._check_rate()
 
@@ -107,7 +114,7 @@ class Connection:
     def check_silence(self, now: float) -> None:
         """Call the robot when no frame has come for too long."""
         answered = self._state.answered
-        if now - self.heard_at <= (SILENCE if answered else CALL_INTERVAL):
+        if now - self.heard_at <= (SILENCE if answered else self._call_interval):
             return
         if answered:
             self._counts.silences += 1
@@ -139,7 +146,7 @@ class Connection:
         self._outbox.send_at_once(HALT, now)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self._stale_until = now + STALE
-        self.heard_at = self._stale_until - CALL_INTERVAL
+        self.heard_at = self._stale_until - self._call_interval
 
     def check_line(self, missed_speeds: int, now: float) -> bool:
         """
@@ -169,17 +176,27 @@ class Connection:
         assert self._state.activity is Activity.CALLING
         self.heard_at = now
         baud = self._search.next_baud()
-        if baud != self.plan.baud:
-            self.plan.tune(baud)
-            self.reader.expect(self.plan.lists)
-        self._outbox.send_raw(WAKE_UP)
+        ask: oi.Command | None
+        if self._search.raises:
+            ask, answer = oi.Baud(code=oi.BaudCode.of_rate(START_BAUDS[0])), 0
+        else:
+            if baud != self.plan.baud:
+                self.plan.tune(baud)
+                self.reader.expect(self.plan.lists)
+            ask, answer = self.plan.next_stream(now, motion_due=True), self.plan.full.frame_size
+            assert ask is not None, 'nothing has been asked for yet'
+        byte_time = oi.BITS_PER_BYTE / baud
+        # What has not left would delay a stop, or go out at the next rate.
+        wake_up = WAKE_UP if len(WAKE_UP) * byte_time < CALL_INTERVAL else 2 * HALT.encode()
+        call = wake_up + oi.Start().encode() + ask.encode()
+        self._call_interval = max(
+            CALL_INTERVAL, (len(call) + answer) * byte_time + ANSWER_TIME)
+        self._outbox.send_raw(wake_up)
         self._outbox.send(oi.Start())
-        stream = self.plan.next_stream(now, motion_due=True)
-        assert stream is not None, 'nothing has been asked for yet'
-        self._outbox.send(stream)
+        self._outbox.send(ask)
 
     def _check_rate(self) -> None:
-        slow = too_slow(self.plan.budget, self.baud)
+        slow = too_slow(self.plan.budget, self.plan.baud)
         if slow is not None and slow != self._slow_notice:
             self._events.notice(Severity.ERROR, slow)
         self._slow_notice = slow

@@ -8,13 +8,16 @@ from itertools import cycle
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, Settings, Severity
+from create_oi_ros.driver import Activity, Driver, Settings, Severity
 from create_oi_ros.driver.baud_search import BaudSearch
+from create_oi_ros.driver.stopping import HALT
 from create_oi_ros.oi.codes import START_BAUDS
 from support.loop import Loop, said
 
+RATES = [code.rate for code in oi.BaudCode]
 
-@pytest.mark.parametrize('baud', [code.rate for code in oi.BaudCode if code.rate >= 19200])
+
+@pytest.mark.parametrize('baud', RATES)
 def test_the_robot_is_found_at_its_rate(baud):
     loop = Loop(Settings(baud=0), robot_baud=baud)
     loop.run(10)
@@ -22,6 +25,38 @@ def test_the_robot_is_found_at_its_rate(baud):
     # Bytes at a wrong rate are garbage, and may happen to be a Baud.
     assert loop.driver.baud == loop.robot.baud
     assert loop.robot.mode is oi.Mode.SAFE
+    changed = f'the robot was at {baud} baud, too slow for its stream: it is at 57600 now'
+    assert said(loop, Severity.WARNING, changed) == (baud < 19200)
+    assert not said(loop, Severity.ERROR, 'baud: 0')
+
+
+@pytest.mark.parametrize('baud', [0, *RATES])
+def test_a_call_has_left_before_the_next_one_begins_or_the_rate_changes(baud):
+    driver, rate, free_at, tried = Driver(Settings(baud=baud)), None, 0.0, set()
+    driver.connected(0.0)
+    for now in (step * 0.005 for step in range(6000)):
+        driver.poll(now)
+        sent = driver.data_to_send()
+        if driver.baud != rate or sent.startswith(HALT.encode()):
+            assert free_at <= now
+        if sent:
+            rate = driver.baud
+            tried.add(rate)
+            free_at = max(free_at, now) + len(sent) * oi.BITS_PER_BYTE / rate
+    assert tried == (set(RATES) if baud == 0 else {baud})
+
+
+@pytest.mark.parametrize('baud', [0, 300])
+def test_a_port_that_is_opened_again_in_the_search_is_called_at_the_usual_rate(baud):
+    driver = Driver(Settings(baud=baud))
+    driver.connected(0.0)
+    for now in (step * 0.1 for step in range(1000)):
+        driver.poll(now)
+        if driver.baud == 300:
+            break
+    driver.disconnected('cable out')
+    driver.connected(now)
+    assert driver.baud == (baud or 57600)
 
 
 @pytest.mark.parametrize('baud', START_BAUDS)
@@ -34,7 +69,7 @@ def test_the_usual_rates_are_found_within_a_second(baud):
 def test_every_rate_is_tried():
     search = BaudSearch(0)
     tried = {search.next_baud() for _ in range(100)}
-    assert tried == {code.rate for code in oi.BaudCode}
+    assert tried == set(RATES)
 
 
 def test_a_fixed_rate_stays():
@@ -47,6 +82,14 @@ def test_a_silent_robot_is_told_of_once_with_what_to_look_at():
     loop.cut = True
     loop.run(20)
     assert said(loop, Severity.ERROR, 'no answer at 57600 and 19200 baud') == 1
+    assert said(loop, Severity.ERROR, 'keeps calling, at every rate') == 1
+    loop.driver.disconnected('cable out')
+    loop.driver.connected(loop.now)
+    for _ in range(20):
+        loop.run(0.1)
+        loop.driver.receive(b'$GPGGA,123519,4807' * 2, loop.now)
+    assert said(loop, Severity.ERROR, 'is it another device? The driver keeps') == 1
+    assert not said(loop, Severity.ERROR, 'baud: 0')
 
 
 def test_something_else_that_speaks_is_told_of():
