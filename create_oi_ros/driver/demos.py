@@ -42,7 +42,7 @@ class Demos:
         if demo is oi.DemoNumber.COVER_AND_DOCK and can_drive:
             self._outbox.send(oi.Start(), pause=DOCK_PAUSE)
         return self._requests.send(
-            oi.Demo(demo=demo), f'demo {demo.name} runs; call stop_demo to end it')
+            oi.Demo(demo=demo), f'demo {demo.name} sent; call stop_demo to end it')
 
     def seek_dock(self) -> None:
         """Let the robot look for its dock, for a goal."""
@@ -58,6 +58,6 @@ class Demos:
         if self._supervision.status.can_drive and self._requests.refusal(oi.Demo) is None:
             return done('no demo runs: the robot obeys cmd_vel')
         request = self._requests.send(
-            END_DEMO, 'demo ended; call set_mode with SAFE to drive again')
+            END_DEMO, 'end of the demo sent; call set_mode with SAFE to drive again')
         self._handle(StateEvent.DEMO_ENDED)
         return request

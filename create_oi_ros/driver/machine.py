@@ -30,7 +30,7 @@ from .goals.hazards import BUMPS
 from .health import Health
 from .modes import Modes
 from .motion import MotionLimits, WheelCommands
-from .outbox import Outbox
+from .outbox import LOST, Outbox
 from .outputs import Outputs
 from .pending import done, Pending, refused
 from .plausibility import ANGLE_STUCK, TurnCheck
@@ -107,6 +107,7 @@ class Driver:
         self.state.handle(event)
         if event in ROBOT_UNKNOWN:
             self._outbox.clear()
+            self.outputs.fail(LOST)
             self._connection.forget()
             self._tracking.restart()
             self._supervision.lost()
@@ -180,6 +181,7 @@ class Driver:
             self.scripts.poll(now)
         self._connection.check_silence(now)
         self._modes.check_timeout(now)
+        self.outputs.check_timeout(now)
         if self.goals.active:
             self.goals.poll(now)
         self._velocity.poll(now)
@@ -265,7 +267,7 @@ class Driver:
             self._outbox.send(END_DEMO)  # one may be about to begin
         why = IGNORES if self._connection.ignores_commands else (
             self.scripts.status(now) or self._requests.refusal(oi.Demo))
-        return done('wheels stopped') if why is None else refused(why)
+        return done('stop sent') if why is None else refused(why)
 
     def set_limits(self, limits: MotionLimits) -> None:
         """Change the limits, from the next command on."""
@@ -337,6 +339,7 @@ class Driver:
             self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
             if self.goals.wants_reading:
                 self._tracking.odometry.hurry()
+        self.outputs.observe(moved.readings)
         if self._modes.observe(readings, now):
             self._velocity.report_next_refusal()
         status = self.status
@@ -359,6 +362,7 @@ class Driver:
         frame, until = self._newest, self.wait_until
         if (frame is None or self.state.activity not in RESTFUL or not self._supervision.settled
                 or not self._wheels.steady or not self._outbox.idle or self._modes.awaited
+                or self.outputs.awaited
                 or not self._connection.plan.is_at_rest or frame.packets is not self.plan.short):
             return
         room = self._tracking.quiet_frames

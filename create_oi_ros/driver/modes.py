@@ -16,6 +16,8 @@ from .supervision import Cause, MODE_COMMANDS, Supervision
 
 MODE_TIMEOUT = 0.5
 """Seconds within which the robot must report a requested mode."""
+OLD = 0.06
+"""Seconds in which frames may come that the robot sent before it was told to enter a mode."""
 SETTABLE = ', '.join(f'{mode.value} {mode.name}' for mode in MODE_COMMANDS)
 
 
@@ -37,7 +39,9 @@ class Modes:
         self._request = done('no request')
         self._requested: oi.Mode | None = None
         """The mode of a request that has not ended; None without one."""
-        self._deadline = 0.0
+        self._deadline = self._believed_at = 0.0
+        self._was_in_another = False
+        """Whether the robot has been in another mode since the request, or just before it."""
 
     def set(self, mode: oi.Mode, now: float) -> Pending:
         """Want a mode; the request ends when the robot reports it, or does not in time."""
@@ -48,7 +52,8 @@ class Modes:
             return refused(why)
         self.fail('another request came before the robot answered')
         self._request, self._requested = Pending(), mode
-        self._deadline = now + MODE_TIMEOUT
+        self._deadline, self._believed_at = now + MODE_TIMEOUT, now + OLD
+        self._was_in_another = self._supervision.status.actual is not mode
         self._supervision.want(mode)
         self.enter(mode, now)
         return self._request
@@ -91,8 +96,11 @@ class Modes:
                 f'{readings.oi_mode.name}: {status.reason}')
             if status.causes == (Cause.UNKNOWN,):
                 self._outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
-        if self._requested is not None and status.actual is self._requested:
-            self._end(True, f'robot is in {status.actual.name}')
+        if self._requested is not None:
+            if status.actual is not self._requested:
+                self._was_in_another = True
+            elif self._was_in_another or now > self._believed_at:
+                self._end(True, f'robot is in {self._requested.name}')
         return left
 
     def retry(self, now: float) -> None:

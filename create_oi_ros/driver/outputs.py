@@ -5,7 +5,8 @@ LEDs, digital outputs, low side drivers, infrared and songs: sent, stored, resto
 
 The robot forgets songs when it is switched off, and its LEDs when the mode changes; it keeps the
 digital outputs. Songs, LEDs and digital outputs are restored. The low side drivers may turn
-motors, so they stay off.
+motors, so they stay off. Of all these the robot reports only songs; the other replies say what was
+sent.
 """
 
 from collections.abc import Sequence
@@ -14,7 +15,7 @@ from .. import oi
 from ..oi.commands import DUTY, NOTE_TIME
 from ..robot import MILLI
 from .outbox import Outbox
-from .pending import Pending, refused
+from .pending import done, Outcome, Pending, refused
 from .requests import Requests
 from .tracking import Tracking
 
@@ -22,6 +23,14 @@ LONGEST_NOTE = NOTE_TIME.high / oi.NOTES_PER_SECOND
 """Seconds that a note can last."""
 FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
+
+SONGS, MOST_NOTES = 16, 16
+"""How many songs the robot stores, and how many notes one of them holds (manual: Song)."""
+SONG_TIMEOUT = 0.5
+"""Seconds within which the robot must report a song that it was told to play."""
+SHORTEST_SEEN = 0.25
+"""Seconds that a song must take to be in a frame at every usual rate."""
+WAIT = 'wait until the topic `song` says that it has ended'
 
 
 class Outputs:
@@ -34,14 +43,19 @@ class Outputs:
         self.songs: dict[int, oi.Song] = {}
         """The songs that were defined, by number."""
         self._to_restore: dict[type[oi.Command], oi.Command] = {}
+        self._play_request = done('no request')
+        self._played = Outcome(True, '')
+        self._playing = 0
+        """Number of the song that the robot was told to play last."""
+        self._deadline = 0.0
 
     def set_leds(self, bits: oi.LedBits, color: int, intensity: int) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
-        return self._set(oi.Leds(bits=bits, color=color, intensity=intensity), 'LEDs set')
+        return self._set(oi.Leds(bits=bits, color=color, intensity=intensity), 'LEDs sent')
 
     def set_outputs(self, bits: oi.OutputBits) -> Pending:
         """Set the digital outputs of the cargo bay."""
-        return self._set(oi.DigitalOutputs(bits=bits), 'digital outputs set')
+        return self._set(oi.DigitalOutputs(bits=bits), 'digital outputs sent')
 
     def set_drivers(self, duties: Sequence[float]) -> Pending:
         """Set the duty cycles of the low side drivers 0, 1 and 2, each 0 to 1."""
@@ -51,7 +65,7 @@ class Outputs:
         zero, one, two = (round(duty * FULL_DUTY) for duty in duties)
         return self._requests.send(
             oi.PwmLowSideDrivers(driver_0=zero, driver_1=one, driver_2=two),
-            f'low side drivers 0, 1, 2 set to {zero}, {one}, {two} of {FULL_DUTY}')
+            f'low side drivers 0, 1, 2 sent: {zero}, {one}, {two} of {FULL_DUTY}')
 
     def send_ir(self, character: int) -> Pending:
         """Send an infrared character, 0 to 255."""
@@ -71,7 +85,7 @@ class Outputs:
         return request
 
     def define_and_play(
-        self, number: int, pitches: Sequence[int], seconds: Sequence[float],
+        self, number: int, pitches: Sequence[int], seconds: Sequence[float], now: float,
     ) -> Pending:
         """Store a song and play it; nothing is stored where it could not be played."""
         why = self._cannot_play()
@@ -80,10 +94,9 @@ class Outputs:
         stored = self.define_song(number, pitches, seconds)
         if stored.outcome is not None:
             return stored
-        return self._requests.send(
-            oi.PlaySong(number=number), f'{_stored(number, seconds)}; song {number} plays')
+        return self._play(number, now, f'{_stored(number, seconds)}; ')
 
-    def play_song(self, number: int) -> Pending:
+    def play_song(self, number: int, now: float) -> Pending:
         """Play a stored song, unless one plays."""
         if number not in self.songs:
             known = ', '.join(map(str, sorted(self.songs))) or 'none yet'
@@ -91,7 +104,39 @@ class Outputs:
         why = self._cannot_play()
         if why is not None:
             return refused(why)
-        return self._requests.send(oi.PlaySong(number=number), f'song {number} plays')
+        return self._play(number, now)
+
+    def _play(self, number: int, now: float, stored: str = '') -> Pending:
+        """Play a song; the request ends when the robot reports it, or does not in time."""
+        length = sum(note.duration for note in self.songs[number].notes) / oi.NOTES_PER_SECOND
+        if length < SHORTEST_SEEN:
+            return self._requests.send(oi.PlaySong(number=number), (
+                f'{stored}song {number} sent to play; it is too short to be seen playing'))
+        self._outbox.send(oi.PlaySong(number=number))
+        self._play_request, self._playing = Pending(), number
+        self._played = Outcome(True, f'{stored}song {number} plays')
+        self._deadline = now + SONG_TIMEOUT
+        return self._play_request
+
+    @property
+    def awaited(self) -> bool:
+        """Whether the robot has not reported yet that it plays a song."""
+        return self._play_request.outcome is None
+
+    def observe(self, readings: oi.Readings) -> None:
+        """End the request for a song that plays: none did when it was sent."""
+        if self.awaited and readings.song_playing and readings.song_number == self._playing:
+            self._play_request.settle(self._played)
+
+    def check_timeout(self, now: float) -> None:
+        """End the request for a song that the robot does not play."""
+        if self.awaited and now > self._deadline:
+            self.fail(f'song {self._playing} was sent to play, but the robot does not report '
+                      'it: try again')
+
+    def fail(self, why: str) -> None:
+        """End the request for a song that has not been reported."""
+        self._play_request.end(False, why)
 
     def restore_songs(self) -> None:
         """Store the songs again: the robot may have been switched off."""
@@ -106,7 +151,9 @@ class Outputs:
     def _cannot_play(self) -> str | None:
         readings = self._tracking.readings
         if readings.has('song_playing') and readings.song_playing:
-            return 'a song plays: wait until the topic `song` says that it has ended'
+            return f'a song plays: {WAIT}'
+        if self.awaited:
+            return f'song {self._playing} is about to play: {WAIT}'
         return self._requests.refusal(oi.PlaySong)
 
     def _set(self, command: oi.Command, done: str) -> Pending:
@@ -121,6 +168,8 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
     if len(pitches) != len(seconds):
         raise ValueError(
             f'{len(pitches)} pitches but {len(seconds)} durations; give one for each note')
+    if len(pitches) > MOST_NOTES:
+        raise ValueError(f'{len(pitches)} notes, but a song holds {MOST_NOTES}: {_split(pitches)}')
     for place, length in enumerate(seconds):
         if not 0 <= length <= LONGEST_NOTE:
             raise ValueError(f'seconds[{place}] = {length:g}; allowed: 0 to {LONGEST_NOTE:g}')
@@ -128,8 +177,18 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
     return oi.Song(number=number, notes=tuple(oi.Note(*note) for note in zip(pitches, lengths)))
 
 
+def _split(notes: Sequence[int]) -> str:
+    """Say how to store and play more notes than one song holds."""
+    parts, rest = divmod(len(notes), MOST_NOTES)
+    sizes = [str(MOST_NOTES)] * parts + [str(rest)] * (rest > 0)
+    if len(sizes) > SONGS:
+        return f'{SONGS} songs hold {SONGS * MOST_NOTES} at most; leave some out'
+    return (f'define songs of {", ".join(sizes[:-1])} and {sizes[-1]} notes, and play each when '
+            'the one before has ended')
+
+
 def _stored(number: int, seconds: Sequence[float]) -> str:
-    """Say that a song is stored, and how rounding to 1/64 s changes its durations."""
+    """Say that a song was sent, and how rounding to 1/64 s changes its durations."""
     lengths = [round(length * oi.NOTES_PER_SECOND) for length in seconds]
     played = sum(lengths) / oi.NOTES_PER_SECOND
     worst = max((abs(length / oi.NOTES_PER_SECOND - wanted)
@@ -137,6 +196,6 @@ def _stored(number: int, seconds: Sequence[float]) -> str:
     vanished = sum(1 for length, wanted in zip(lengths, seconds) if wanted > 0 == length)
     gone = f', {vanished} so short that they are left out' if vanished else ''
     if worst < 0.0005:
-        return f'song {number} stored; it takes {played:.3f} s'
-    return (f'song {number} stored; it takes {played:.3f} s, asked for {sum(seconds):.3f} s: '
+        return f'song {number} sent; it takes {played:.3f} s'
+    return (f'song {number} sent; it takes {played:.3f} s, asked for {sum(seconds):.3f} s: '
             f'notes are rounded to 1/64 s, by {worst / MILLI:.0f} ms at most{gone}')

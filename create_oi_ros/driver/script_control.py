@@ -87,7 +87,7 @@ class ScriptControl:
             commands_of(script)
         except ValueError as error:
             return refused(str(error))
-        request = self._requests.send(script, _described(script))
+        request = self._requests.send(script, f'sent: {_described(script)}')
         if request.outcome is None:
             self._stored = script
         return request
@@ -99,7 +99,7 @@ class ScriptControl:
             return refused(why)
         self._outbox.send(CLEARED)
         self._outbox.send(oi.Stream(packets=self._plan.script.ids))
-        request = self._requests.send(oi.PlayScript(), 'script plays')
+        request = self._requests.send(oi.PlayScript(), 'script sent to play')
         self._speeds = ScriptSpeeds(
             self._stored, self._wheel_separation,
             cleared=self._requests.refusal(oi.Drive) is None)

@@ -122,11 +122,10 @@ class Services:
         self, request: DefineSong.Request, response: DefineSong.Response,
     ) -> DefineSong.Response:
         """Store a song, and play it if asked to."""
-        with self._session.request() as (driver, _now):
-            define = (driver.outputs.define_and_play if request.play
-                      else driver.outputs.define_song)
-            ended = self._ended(
-                define(request.number, list(request.pitches), list(request.seconds)))
+        song = request.number, list(request.pitches), list(request.seconds)
+        with self._session.request() as (driver, now):
+            ended = self._ended(driver.outputs.define_and_play(*song, now) if request.play
+                                else driver.outputs.define_song(*song))
         return fill(response, await ended)
 
     @service(PlaySong, 'play a song that was stored')
@@ -134,8 +133,8 @@ class Services:
         self, request: PlaySong.Request, response: PlaySong.Response,
     ) -> PlaySong.Response:
         """Play a song."""
-        with self._session.request() as (driver, _now):
-            ended = self._ended(driver.outputs.play_song(request.number))
+        with self._session.request() as (driver, now):
+            ended = self._ended(driver.outputs.play_song(request.number, now))
         return fill(response, await ended)
 
     @service(SetLeds, 'Play and Advance; colour and intensity of Power')

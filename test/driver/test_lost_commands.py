@@ -85,7 +85,7 @@ def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hea
     loop.run(2.5)
     assert not loop.driver.health(loop.now).ignores_commands
     assert loop.robot.actuators.lights == Lights(oi.LedBits(0), 7, 8)
-    assert loop.driver.stop(loop.now).outcome == (True, 'wheels stopped', b'')
+    assert loop.driver.stop(loop.now).outcome == (True, 'stop sent', b'')
 
 
 def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on():

@@ -24,6 +24,18 @@ def test_set_mode_answers_when_the_robot_reports_the_mode(loop, mode):
     assert loop.robot.mode is mode
 
 
+def test_set_mode_does_not_believe_a_frame_from_before_it(loop):
+    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.delay = 0.02
+    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    for _ in range(4):
+        loop.turn()
+    assert pending.outcome is None
+    loop.run(0.3)
+    assert pending.outcome.ok
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
 def test_off_cannot_be_set(loop):
     outcome = loop.driver.set_mode(oi.Mode.OFF, loop.now).outcome
     assert outcome.ok is False

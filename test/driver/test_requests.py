@@ -50,9 +50,9 @@ def test_a_song_is_stored_and_plays(loop):
     assert defined.ok
     assert '1.250 s' in defined.text
     assert loop.robot.speaker.songs[3] == ((60, 32), (0, 16), (72, 32))
-    assert ask(loop, loop.driver.outputs.play_song, 3).ok
+    assert ask(loop, loop.driver.outputs.play_song, 3, loop.now).ok
     assert loop.moved[-1].readings.song_playing
-    again = ask(loop, loop.driver.outputs.play_song, 3)
+    again = ask(loop, loop.driver.outputs.play_song, 3, loop.now)
     assert not again.ok
     assert 'a song plays' in again.text
 
@@ -70,7 +70,9 @@ def test_rounding_is_told(loop):
 @pytest.mark.parametrize(('number', 'pitches', 'seconds', 'named'), [
     (16, [60], [0.5], 'number'), (0, [60, 61], [0.5], 'durations'), (0, [60], [4.1], 'seconds[0]'),
     (0, [60], [-0.1], 'seconds[0]'), (0, [60], [nan], 'seconds[0]'), (0, [], [], '16 notes'),
-    (0, [60] * 17, [0.1] * 17, '16 notes'), (0, [256], [0.1], 'notes[0]'),
+    (0, [60] * 17, [0.1] * 17, 'a song holds 16: define songs of 16 and 1 notes'),
+    (0, [60] * 44, [0.1] * 44, '44 notes, but a song holds 16: define songs of 16, 16 and 12'),
+    (0, [60] * 257, [0.1] * 257, '16 songs hold 256 at most'), (0, [256], [0.1], 'notes[0]'),
 ])
 def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, seconds, named):
     answer = ask(loop, loop.driver.outputs.define_song, number, pitches, seconds)
@@ -81,24 +83,74 @@ def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, sec
 
 def test_define_and_play_stores_nothing_that_cannot_be_played(loop):
     in_mode(loop, oi.Mode.PASSIVE)
-    answer = ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5])
+    answer = ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5], loop.now)
     assert not answer.ok
     assert 'set_mode' in answer.text
     assert not loop.robot.speaker.songs
     in_mode(loop, oi.Mode.SAFE)
-    assert ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5]).ok
+    assert ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5], loop.now).ok
     assert loop.moved[-1].readings.song_playing
 
 
 def test_a_wrong_song_is_neither_stored_nor_played(loop):
-    refused = ask(loop, loop.driver.outputs.define_and_play, 3, [60], [4.0])
+    refused = ask(loop, loop.driver.outputs.define_and_play, 3, [60], [4.0], loop.now)
     assert not refused.ok
     assert 'seconds[0]' in refused.text
     assert loop.commands() == []
 
 
+@pytest.mark.parametrize(('first', 'second'), [(0, 1), (3, 3)])
+def test_of_two_songs_sent_at_once_only_the_one_that_plays_is_said_to_play(loop, first, second):
+    outputs = loop.driver.outputs
+    one = outputs.define_and_play(first, [60], [1.0], loop.now)
+    two = outputs.define_and_play(second, [72], [2.0], loop.now)
+    assert not two.outcome.ok
+    assert f'song {first} is about to play' in two.outcome.text
+    loop.run(0.2)
+    assert one.outcome.ok and one.outcome.text.endswith(f'song {first} plays')
+    assert loop.robot.speaker.songs == {first: ((60, 64),)}
+
+
+def test_a_song_that_the_robot_does_not_play_is_said_not_to(loop):
+    assert ask(loop, loop.driver.outputs.define_song, 2, [60], [1.0]).ok
+    play = loop.driver.outputs.play_song(2, loop.now)
+    loop.driver.poll(loop.now)
+    assert loop.driver.data_to_send()  # lost on the line
+    loop.run(0.4)
+    assert play.outcome is None
+    loop.run(0.3)
+    assert (play.outcome.ok, 'does not report it' in play.outcome.text) == (False, True)
+    again = loop.driver.outputs.play_song(2, loop.now)
+    loop.driver.disconnected('gone')
+    assert not again.outcome.ok
+
+
+def test_a_song_too_short_to_be_seen_is_said_to_be_sent(loop):
+    answer = ask(loop, loop.driver.outputs.define_and_play, 2, [60], [0.02], loop.now)
+    assert answer.ok
+    assert answer.text.endswith('song 2 sent to play; it is too short to be seen playing')
+
+
+@pytest.mark.parametrize('request_of', [
+    lambda driver: driver.outputs.set_leds(BLUE, 0, 0),
+    lambda driver: driver.outputs.set_outputs(HIGH),
+    lambda driver: driver.outputs.set_drivers((0, 0, 1)),
+    lambda driver: driver.outputs.send_ir(1),
+    lambda driver: driver.outputs.define_song(0, [60], [0.5]),
+    lambda driver: driver.demos.start(oi.DemoNumber.COVER),
+    lambda driver: driver.scripts.define(WAITING),
+    lambda driver: driver.scripts.play(0.0, force=True),
+    lambda driver: driver.stop(0.0),
+])
+def test_what_no_packet_shows_is_only_said_to_be_sent(loop, request_of):
+    pending = request_of(loop.driver)
+    loop.run(0.1)
+    assert pending.outcome.ok
+    assert 'sent' in pending.outcome.text
+
+
 def test_a_song_that_was_not_defined_is_refused(loop):
-    assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7).text
+    assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7, loop.now).text
 
 
 @pytest.mark.parametrize('request_of', [

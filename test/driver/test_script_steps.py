@@ -159,4 +159,4 @@ def test_what_is_stored_is_described(script, says):
     driver = answered()
     request = driver.scripts.define(script)
     polled(driver, NOW, NOW + 0.05)
-    assert request.outcome.text.lower() == says.lower()
+    assert request.outcome.text.lower() == f'sent: {says.lower()}'
