@@ -54,11 +54,20 @@ class Connection:
         """When the driver was called last; in no past before the port is open."""
         self._stale_until = -inf
         self._slow_notice: str | None = None
+        self._silence: str | None = None
+        """What the user was told when the robot fell silent; None before."""
 
     @property
     def baud(self) -> int:
         """Bits per second of the next bytes; the port has to follow."""
         return self._search.baud
+
+    @property
+    def problem(self) -> str | None:
+        """What the user was told of the line; None while nothing is wrong with it."""
+        if self._state.answered:
+            return self.frame_budget.problem
+        return self._search.problem or self._silence
 
     @property
     def ignores_commands(self) -> bool:
@@ -68,6 +77,7 @@ class Connection:
     def opened(self, now: float) -> None:
         """Start to call: the port has been opened."""
         self._search.restart()
+        self._silence = None
         self._ran_at = now
         self._check_rate()
         self._call(now, StateEvent.OPENED)
@@ -120,8 +130,8 @@ class Connection:
             self._counts.silences += 1
             self._search.restart()
             why = self.frame_budget.why_silent(self.plan.budget, self.baud)
-            self._events.notice(Severity.ERROR, f'no frame for {SILENCE} s: {why}; calling it '
-                                'until it answers')
+            self._silence = f'no frame for {SILENCE} s: {why}; calling it until it answers'
+            self._events.notice(Severity.ERROR, self._silence)
         rest = self.reader.flush()
         if rest is not None:
             self._search.add_garbage(rest.data)

@@ -28,7 +28,7 @@ class Health:
     """The newest value of every packet that has arrived so far."""
     counts: LinkCounts
     line_problem: str | None
-    """What is wrong with the line while frames arrive; None while nothing is."""
+    """What is wrong with port or line; None while nothing is."""
     frame_age: float | None
     """Seconds since the last frame; None before the first."""
     spare_bytes: int

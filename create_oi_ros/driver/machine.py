@@ -240,7 +240,7 @@ class Driver:
             mode=self.status,
             hazards=causes_in(readings) if readings.has('oi_mode') else (),
             readings=readings, counts=copy(self.counts),
-            line_problem=connection.frame_budget.problem,
+            line_problem=connection.problem,
             frame_age=now - connection.heard_at if self.counts.frames else None,
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=connection.ignores_commands, angle_stuck=self._turn_check.stuck,

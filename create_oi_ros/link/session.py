@@ -12,6 +12,7 @@ begun, nothing but the driver's farewell is written.
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from copy import copy
+from dataclasses import replace
 from math import inf
 import threading
 import time
@@ -65,7 +66,7 @@ class Session:
         """When to look up the lasting name of the open port."""
         self._closing = threading.Event()
         self._reported: str | None = None
-        """What was last reported about the port."""
+        """What was last reported about the port; None while it is open."""
         self._thread = threading.Thread(target=self._run, name='create_session')
 
     def start(self) -> None:
@@ -101,7 +102,8 @@ class Session:
     def health(self) -> Health:
         """Return what is known of driver, line and robot; nothing is sent."""
         with self._lock:
-            return self.driver.health(time.monotonic())
+            health = self.driver.health(time.monotonic())
+            return replace(health, line_problem=self._reported or health.line_problem)
 
     def counts(self) -> LinkCounts:
         """Return what the line has carried so far."""

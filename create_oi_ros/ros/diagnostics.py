@@ -69,7 +69,7 @@ def serial_link(
     garbage = counts.garbage_bytes - before.garbage_bytes
     level, message = OK, 'frames arrive'
     if not health.answered:
-        level, message = ERROR, health.activity.value
+        level, message = ERROR, health.line_problem or health.activity.value
     elif health.line_problem is not None:
         level, message = WARN, health.line_problem
     elif faults or garbage:

@@ -72,7 +72,9 @@ def test_capture_is_passed_on_to_the_node(stage):
 
 def test_a_missing_port_is_reported_and_run_continues(stage):
     run = stage.program('create_run', '--port', str(stage.folder / 'nothing'))
-    stage.ros.until(lambda: 'does not exist' in run.output and 'NO ROBOT' in run.output)
+    stage.ros.until(lambda: 'NO ROBOT  port does not exist; ' in run.output)
+    assert f'starts node /create for the robot on {stage.folder}/nothing' in run.output
+    assert 'drives' not in run.output
     # The page of a real robot is for this computer only, if nothing else is asked for.
     stage.ros.until(lambda: ADDRESS.search(run.output))
     assert ADDRESS.search(run.output)[1].startswith('http://127.0.0.1:')

@@ -5,7 +5,7 @@
 from math import nan, pi
 
 from create_oi_msgs.msg import Bumper, Mode
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -15,6 +15,7 @@ from sensor_msgs.msg import BatteryState
 from create_oi_ros.apps.run.status import RobotStatus, WIDTH
 from create_oi_ros.ros.rotation import of_yaw
 
+PORT = '/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0'
 ANY = st.floats(-1e9, 1e9) | st.just(nan)
 
 
@@ -92,6 +93,28 @@ def test_the_reason_of_a_mode_is_shown_alone():
     status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, 'no answer yet'))
     assert 'no robot answers' in status.line()
     assert 'no answer yet' not in status.line()
+
+
+@pytest.mark.parametrize(('message', 'shown'), [
+    (f'{PORT} does not exist; there are /dev/ttyUSB1: is the cable in?',
+     'port does not exist; there are /dev/ttyUSB1: is the ca...'),
+    (f'{PORT}: no permission; `sudo usermod -aG dialout ada`, then log in again',
+     'port: no permission; `sudo usermod -aG dialout ada`'),
+    (f'{PORT} is in use by create_node (process 12345); end it, or give another port',
+     'port is in use by create_node (process 12345); end it'),
+    ("no answer at 57600 baud: is the robot on (Power light)? is it the Create's own",
+     'no answer at 57600 baud: is the robot on (Power light)...'),
+])
+def test_why_no_robot_answers_is_shown_until_one_does(message, shown):
+    status = driving()
+    status.on_mode(Mode(mode=Mode.UNKNOWN, wanted=Mode.SAFE, reason='no robot answers'))
+    assert 'NO ROBOT  no robot answers' in status.line()
+    link = diagnostics('serial link', DiagnosticStatus.ERROR, message)
+    link.status[0].values = [KeyValue(key='port', value=PORT)]
+    status.on_diagnostics(link)
+    assert f'NO ROBOT  {shown}' in status.line()
+    status.on_diagnostics(diagnostics('serial link', DiagnosticStatus.OK, 'frames arrive'))
+    assert 'NO ROBOT  no robot answers' in status.line()
 
 
 def test_the_yaw_stays_within_half_a_turn():

@@ -33,6 +33,7 @@ def test_half_a_second_without_a_frame_is_silence():
     assert severity is Severity.ERROR
     assert text == ('no frame for 0.5 s: the robot is off, asleep or unplugged; calling it until '
                     'it answers')
+    assert driver.health(LAST + 0.51).line_problem == text
     assert driver.health(LAST + 0.51).frame_age == 0.0
 
 

@@ -141,6 +141,29 @@ def test_a_port_that_opens_and_fails_again_and_again_is_tried_ever_less_often(mo
     assert pauses == [RETRY_FIRST, 0.2, 0.4, RETRY_MOST, RETRY_MOST]
 
 
+def test_health_says_what_is_wrong_with_the_port_then_with_the_robot():
+    ports = iter([PortError('no such port'), ScriptedPort(), PortError('unplugged')])
+
+    def open_port(*_, **__) -> ScriptedPort:
+        port = next(ports)
+        if isinstance(port, PortError):
+            raise port
+        return port
+    ours, _ = session_on(open_port)
+    assert ours._open() is None and ours.health().line_problem == 'no such port'
+    port = ours._open()
+    assert ours.health().line_problem is None
+    with ours.request() as (driver, now):
+        for number in range(4):
+            driver.poll(now + number)
+    assert ours.health().line_problem.startswith('no answer at 57600 baud: is the robot on')
+    port.failing = True
+    with ours.request() as (driver, now):
+        driver.stop(now)
+    assert ours.health().line_problem == 'writing failed'
+    assert ours._open() is None and ours.health().line_problem == 'unplugged'
+
+
 def test_the_rate_changes_when_all_bytes_have_left_also_for_the_farewell():
     port = ScriptedPort()
     ours, _ = session_on(lambda *_, **__: port, baud=0, mode_on_exit=oi.Mode.FULL)

@@ -66,7 +66,7 @@ def introduction(port: str, simulated: bool) -> str:
     """Return what runs and what to try next, with commands that work on this machine."""
     robot = 'a simulated Create' if simulated else 'the robot'
     domain, environment = os.environ.get('ROS_DOMAIN_ID'), os.environ.get('CREATE_OI_ENV')
-    lines = [f'create_run: node /create drives {robot} on {port}, ROS domain {domain or 0}.']
+    lines = [f'create_run starts node /create for {robot} on {port}, ROS domain {domain or 0}.']
     joining = [f'source {quote(environment)}'] if environment else []
     joining += [f'export ROS_DOMAIN_ID={domain}'] if domain else []
     if joining:

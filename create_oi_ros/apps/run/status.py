@@ -14,6 +14,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
+from ...ros.diagnostics import LINK
 from ...ros.messages import mode_name
 from ...ros.rotation import yaw_of
 
@@ -37,6 +38,8 @@ class RobotStatus:
         """Sides of the bumper that were pressed since the last line."""
         self._now_pressed = dict(self._pressed)
         self._troubles: list[str] = []
+        self._no_robot = ''
+        """Why no robot answers, as far as the driver knows."""
 
     def on_odom(self, odom: Odometry) -> None:
         """Take a pose; one comes with each frame of the robot."""
@@ -59,9 +62,15 @@ class RobotStatus:
 
     def on_diagnostics(self, diagnostics: DiagnosticArray) -> None:
         """Take what the driver complains about: a script, a damaged line, the battery."""
+        for status in diagnostics.status:
+            if status.name.endswith(f': {LINK}'):
+                port = next((each.value for each in status.values if each.key == 'port'), '')
+                # A port may have a long name, and nobody has two here.
+                said = status.message.replace(port, 'port', 1) if port else status.message
+                self._no_robot = gist(said) if status.level == DiagnosticStatus.ERROR else ''
         # The mode says its own reason; safety repeats the bumper.
         self._troubles = [
-            status.message for about in ('driver', 'serial link', 'battery')
+            status.message for about in ('driver', LINK, 'battery')
             for status in diagnostics.status
             if status.name.endswith(f': {about}') and status.level != DiagnosticStatus.OK]
 
@@ -85,8 +94,9 @@ class RobotStatus:
         sides = ' and '.join(side for side, pressed in self._pressed.items() if pressed)
         remarks = [f'BUMP {sides}'] if sides else []
         if self._mode is not None and self._mode.reason:
-            remarks.append(self._mode.reason)
-        # No robot answers: the mode says so, and all else follows from it.
+            unknown = self._mode.mode == Mode.UNKNOWN
+            remarks.append((self._no_robot if unknown else '') or self._mode.reason)
+        # No robot answers: all else follows from that.
         elif self._mode is not None:
             remarks += map(gist, self._troubles)
         return remarks
