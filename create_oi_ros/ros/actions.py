@@ -39,6 +39,7 @@ from ..link.session import Session
 from . import goal_messages, messages
 from .awaiting import future_of
 from .parameters import Parameters
+from .publishing import StampClock
 from .rotation import yaw_of
 from .services import QUEUE
 
@@ -156,8 +157,11 @@ class Pursued:
 class Actions:
     """The servers of all actions; the driver runs one goal at a time."""
 
-    def __init__(self, node: Node, session: Session, parameters: Parameters) -> None:
+    def __init__(
+        self, node: Node, session: Session, parameters: Parameters, stamps: StampClock,
+    ) -> None:
         """Offer all actions."""
+        self._stamps = stamps
         self._node = node
         self._session = session
         self._odom_frame = parameters.odom_frame
@@ -223,7 +227,7 @@ class Actions:
         else:
             handle.abort()
         result = action.type.Result()
-        stamp = self._node.get_clock().now().to_msg()
+        stamp = messages.time(self._stamps.newest or 0)  # the frame's, so that tf2 knows it
         result.pose = PoseStamped(header=messages.header(self._odom_frame, stamp))
         goal_messages.fill_result(result, ending)
         return result

@@ -27,7 +27,6 @@ class ContactCloud:
 
     def __init__(self, node: Node, parameters: Parameters) -> None:
         """Create the publisher."""
-        self._clock = node.get_clock()
         self._publisher = publisher(node, topics.CONTACTS)
         self._contacts = Contacts()
         self._count = 0
@@ -46,8 +45,8 @@ class ContactCloud:
             return inf
         return -inf if self._count else self._due_at  # points move with the robot
 
-    def publish(self, moved: Moved, parameters: Parameters) -> None:
-        """Take a frame in, and publish what is felt when it is due."""
+    def publish(self, moved: Moved, nanoseconds: int, parameters: Parameters) -> None:
+        """Take a frame in, with its stamp in the node's time; publish what is felt when due."""
         stamp = moved.stamp
         if stamp >= self._check_at:
             self._check_at = stamp + CHECK_INTERVAL
@@ -61,7 +60,7 @@ class ContactCloud:
             return
         self._count = len(points)
         self._due_at = stamp + (1 / parameters.sensor_rate if points else EMPTY_PERIOD)
-        self._cloud.header.stamp = self._clock.now().to_msg()
+        self._cloud.header.stamp = messages.time(nanoseconds)
         self._cloud.width, self._cloud.row_step = len(points), len(points) * POINT.size
         self._cloud.data = b''.join(POINT.pack(x, y, HEIGHT) for x, y in points)
         self._publisher.publish(self._cloud)

@@ -36,7 +36,7 @@ from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
 from .periodic_thread import PeriodicThread
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
-from .publishing import FramePublisher, publisher
+from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
 from .services import Services
 from .topic_thread import TopicThread
 from .velocity_input import driven, TwistReader
@@ -74,7 +74,7 @@ class CreateNode(Node):
         self._stale = 0
         self._declare_topics()
         Services(self, self.session, self.model)  # the node keeps it, by its methods
-        self._actions = Actions(self, self.session, self.parameters)
+        self._actions = Actions(self, self.session, self.parameters, self._stamps)
         self._counts = LinkCounts()
         self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())
         self._diagnostics_thread = PeriodicThread(
@@ -102,6 +102,8 @@ class CreateNode(Node):
         self._charge_known = self.parameters.battery_technology == 'nimh'
         self._frames = FramePublisher(
             self, self.parameters, charge_known=self._charge_known)
+        self._stamps = self._frames.stamps
+        self._mode_waits, self._seconds_without_time = False, 0
         self._contacts = ContactCloud(self, self.parameters)
         self._mode = publisher(self, topics.MODE)
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
@@ -155,8 +157,9 @@ class CreateNode(Node):
     def _on_event(self, event: DriverEvent) -> None:
         match event:
             case Moved():
-                self._frames.publish(event, *self._periods)
-                self._contacts.publish(event, self.parameters)
+                stamp = self._frames.publish(event, *self._periods)
+                if stamp is not None:
+                    self._contacts.publish(event, stamp, self.parameters)
                 self.session.driver.wait_until = min(self._frames.due_at, self._contacts.due_at)
                 self._actions.report()
             case ModeChanged():
@@ -165,18 +168,36 @@ class CreateNode(Node):
                 self._log(event)
 
     def _publish_mode(self, status: ModeStatus) -> None:
-        now = self.get_clock().now().to_msg()
-        header = messages.header(self.parameters.base_frame, now)
-        self._mode.publish(messages.mode(status, header))
+        """Publish the mode with the stamp of the frame that told it; later if there is no time."""
+        stamp = self._stamps.now() if status.actual is None else self._stamps.newest
+        self._mode_waits = stamp is None
+        if stamp is not None:
+            header = messages.header(self.parameters.base_frame, messages.time(stamp))
+            self._mode.publish(messages.mode(status, header))
 
     def _watch_and_report(self) -> None:
         """Look for mistakes in the graph and for lost clients; publish the diagnostics."""
         self._graph.check()
         self._actions.check_client()
-        if self._diagnostics.get_subscription_count():
+        self._check_time()
+        if self._diagnostics.get_subscription_count() and self._stamps.now() is not None:
             self._publish_diagnostics()
         else:
             self._counts = self.session.counts()
+
+    def _check_time(self) -> None:
+        """Publish a mode that waited for the time; warn while there is none."""
+        if self._stamps.now() is not None:
+            self._seconds_without_time = 0
+            if self._mode_waits:
+                with self.session.request() as (driver, _now):
+                    self._publish_mode(driver.status)
+            return
+        self._seconds_without_time += 1
+        if self._seconds_without_time % CLOCK_WARNING_INTERVAL == 2:  # it may have to be found
+            self.get_logger().warning(
+                'use_sim_time is true, but no time comes on /clock: no topic is published, '
+                'commands are followed. Start what publishes /clock, or leave use_sim_time out')
 
     def _publish_diagnostics(self) -> None:
         name = self.get_fully_qualified_name().lstrip('/')

@@ -12,6 +12,7 @@ from math import inf
 import time
 from typing import Any
 
+from rclpy.clock import ROSClock
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -27,9 +28,13 @@ from .serialized import Fill, filling, is_number, Packing, packing, PLEASE_REPOR
 from .topics import EARLY, Pace, Topic, TopicWatch
 
 CHECK_INTERVAL = 0.1
-"""Seconds between two checks of subscribers and of the node's clock."""
+"""Seconds between two checks of subscribers, and of the node's clock."""
 CLOCK_SPREAD, CLOCK_TRIES = 1e-4, 10
 """Seconds within which two clocks must be read together, and how often that is tried."""
+CLOCK_WARNING_INTERVAL = 5.0
+"""Seconds between two warnings about the node's clock."""
+CLOCK_JITTER = 1_000_000
+"""Nanoseconds by which stamps may seem to go back without a jump of the clock."""
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
@@ -67,6 +72,60 @@ def sending(publisher: Publisher, fill: Fill) -> Callable[[Any], None]:
     if isinstance(fill, Packing):
         send = publisher.handle.publish_raw
     return send
+
+
+class StampClock:
+    """
+    Gives frames their stamps, ns in the node's time.
+
+    The computer's clock is compared with the driver's, so that stamps say when a frame left the
+    robot. A simulated one (`use_sim_time`) may run at any speed: a frame gets its newest value.
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Take the clock of a node."""
+        clock = node.get_clock()
+        assert isinstance(clock, ROSClock), 'the clock of every node'
+        self._clock = clock
+        self._log = node.get_logger()
+        self._offset = 0
+        self._measure_at = -inf
+        self.newest: int | None = None
+        """Stamp of the newest frame; None before the first."""
+
+    def now(self) -> int | None:
+        """Return the time; None while nobody publishes the simulated one."""
+        return self._clock.now().nanoseconds or None
+
+    def of_frame(self, stamp: float) -> int | None:
+        """Return the stamp of a frame that left the robot at this moment, s, of the driver."""
+        if self._clock.ros_time_is_active:
+            found = self.now()
+        else:
+            if stamp >= self._measure_at:
+                self._measure_at = stamp + CHECK_INTERVAL
+                self._measure()
+            found = self._offset + round(stamp * messages.NANOSECONDS)
+        if found is not None and self.newest is not None and found < self.newest:
+            if self.newest - found > CLOCK_JITTER:
+                self._log.warning(
+                    f'the clock went back by {(self.newest - found) / messages.NANOSECONDS:.3f} '
+                    's: stamps follow it',
+                    throttle_duration_sec=CLOCK_WARNING_INTERVAL)
+            else:
+                found = self.newest + 1
+        self.newest = found
+        return found
+
+    def _measure(self) -> None:
+        """Measure the node's clock against the driver's."""
+        for _ in range(CLOCK_TRIES):
+            before, now = time.monotonic_ns(), self._clock.now().nanoseconds
+            after = time.monotonic_ns()
+            # On a busy computer much time may pass between reading two clocks.
+            if after - before < CLOCK_SPREAD * messages.NANOSECONDS:
+                break
+        self._offset = now - (before + after) // 2
 
 
 class FilledTopic:
@@ -111,8 +170,7 @@ class FramePublisher:
 
     def __init__(self, node: Node, parameters: Parameters, *, charge_known: bool) -> None:
         """Create the publishers."""
-        self._clock = node.get_clock()
-        self._offset = 0
+        self.stamps = StampClock(node)
         self._check_at = -inf
         self._odom, *self._motion = self._motion_topics(node, parameters)
         self._motion_pace = Pace()
@@ -153,23 +211,28 @@ class FramePublisher:
         sensors_due_at = self._due_at if self._hears_sensors else inf
         return min(self._motion_pace.due_at, sensors_due_at) - EARLY
 
-    def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> None:
+    def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> int | None:
         """
-        Publish a frame.
+        Publish a frame, and return its stamp, ns; None, and nothing published, without a time.
 
         Sensors that do not change are published once in `sensor_period` seconds, the estimate
-        and the joints once in `motion_period`; 0 is in every frame.
+        and the joints once in `motion_period`; 0 is in every frame. While a simulated clock
+        stands, only changes are published.
         """
-        stamp = messages.stamp(self._offset + round(moved.stamp * messages.NANOSECONDS))
+        before, now = self.stamps.newest, self.stamps.of_frame(moved.stamp)
+        if now is None:
+            return None
+        stamp = messages.stamp(now)
         # A change, such as a bump, must not wait; what is only due again can.
         if self._changed(moved.readings):
             self._publish_changed(moved.readings, stamp)
-        motion_due = not motion_period or self._motion_pace.due(moved.stamp)
+        passes = now != before
+        motion_due = passes and (not motion_period or self._motion_pace.due(moved.stamp))
         if motion_due and motion_period:
             self._motion_pace.done(moved.stamp, motion_period)
         if motion_due and self._odom.wanted:
             self._odom.publish(stamp, moved.estimate)
-        if moved.stamp >= self._due_at - EARLY:
+        if passes and moved.stamp >= self._due_at - EARLY:
             self._publish_due(moved, stamp, sensor_period)
         for filled in self._motion:
             if motion_due and filled.wanted:
@@ -178,6 +241,7 @@ class FramePublisher:
         if moved.stamp >= self._check_at:
             self._check_at = moved.stamp + CHECK_INTERVAL
             self._check()
+        return now
 
     def _changed(self, readings: Readings) -> bool:
         """Compare all watched values at once, since most often nothing has changed."""
@@ -207,17 +271,10 @@ class FramePublisher:
         self._due_at = min(pace.due_at for pace, _ in self._groups.values())
 
     def _check(self) -> None:
-        """Check for subscribers; measure the node's clock against the driver's."""
+        """Check for subscribers."""
         for filled in (self._odom, *self._motion):
             filled.check()
         for _, filled in self._sensors:
             filled.check()
         self._hears_sensors = any(
             filled.heard for _, members in self._groups.values() for _, filled in members)
-        for _ in range(CLOCK_TRIES):
-            before, now = time.monotonic_ns(), self._clock.now().nanoseconds
-            after = time.monotonic_ns()
-            # On a busy computer much time may pass between reading two clocks.
-            if after - before < CLOCK_SPREAD * messages.NANOSECONDS:
-                break
-        self._offset = now - (before + after) // 2

@@ -93,10 +93,12 @@ def test_each_frame_is_needed_while_there_are_points(stage):
     def publish(**readings: int) -> float:
         stamp = next(slots) * SLOT
         quiet = dict.fromkeys(ALL, 0)
-        cloud.publish(Moved(stamp, oi.Readings(quiet | readings), Estimate()), Parameters())
+        moved = Moved(stamp, oi.Readings(quiet | readings), Estimate())
+        cloud.publish(moved, 7_000_000_005, Parameters())
         return stamp
     assert cloud.due_at == inf
     stage.ros.until(lambda: publish() and heard, 'a cloud')
+    assert (heard[-1].header.stamp.sec, heard[-1].header.stamp.nanosec) == (7, 5)
     assert publish() < cloud.due_at < inf
     publish(bumps_and_wheel_drops=1)
     assert cloud.due_at == -inf

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node as a process on a simulated serial port, with a subscriber in the test."""
 
+from itertools import count
 from math import nan, pi
 import signal
 
@@ -13,10 +14,12 @@ from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
-from sensor_msgs.msg import BatteryState, JointState
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import BatteryState, JointState, PointCloud2
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
+from create_oi_ros.ros import messages
 from create_oi_ros.ros.rotation import yaw_of
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.loop import turn_difference
@@ -82,6 +85,49 @@ def test_stamps_rise_and_are_recent(stage):
     assert stamps == sorted(stamps)
     now = stage.ros.node.get_clock().now().nanoseconds / 1e9
     assert 0 < now - stamps[-1] < 5
+
+
+def nanoseconds(message) -> int:
+    """Return the stamp of a message."""
+    return message.header.stamp.sec * 10 ** 9 + message.header.stamp.nanosec
+
+
+def test_with_use_sim_time_nothing_is_published_before_the_clock_and_stamps_follow_it(stage):
+    robot = stage.robot()
+    node = stage.node(robot.link, use_sim_time=True)
+    heard = {topic.name: stage.ros.listen(topic.type, topic.name, topic.qos)
+             for topic in PUBLISHED if topic.name != '/tf'}
+    stage.ros.until(lambda: node.output.count('no time comes on /clock') == 2, 'two warnings')
+    assert not any(heard.values())
+    assert robot.create.mode is oi.Mode.SAFE
+    ticks, clock = count(1), stage.ros.node.create_publisher(Clock, '/clock', 1)
+    newest = [0]
+
+    def tick() -> None:  # half as fast as time
+        newest[0] = next(ticks) * 5_000_000
+        clock.publish(Clock(clock=messages.time(newest[0])))
+    stage.ros.node.create_timer(0.01, tick)
+    stage.ros.until(lambda: all(heard.values()) and len(heard['odom']) > 50, 'all topics')
+    for received in heard.values():
+        stamps = [nanoseconds(each) for each in received]
+        assert stamps == sorted(stamps)
+        assert 0 < stamps[0] and stamps[-1] <= newest[0]
+    assert len({nanoseconds(each) for each in heard['odom']}) == len(heard['odom'])
+
+
+def test_topics_of_a_frame_have_its_stamp(stage):
+    robot = stage.robot()
+    stage.node(robot.link)
+    transforms = stage.ros.listen(TFMessage, '/tf', 1000)
+    others = {name: stage.ros.listen(type_, name, qos) for name, type_, qos in (
+        ('contacts', PointCloud2, 10), ('mode', Mode, LATCHED), ('bumper', Bumper, 10))}
+    stage.ros.until(lambda: transforms and others['contacts'] and in_mode(others['mode'], 2))
+    robot.body.force(bump_left=1, drop_left=1)
+    stage.ros.until(lambda: others['contacts'][-1].width and in_mode(others['mode'], 1))
+    newest = max(nanoseconds(received[-1]) for received in others.values())
+    stage.ros.until(lambda: nanoseconds(transforms[-1].transforms[0]) > newest)
+    known = {nanoseconds(each.transforms[0]) for each in transforms}
+    assert {nanoseconds(received[-1]) for received in others.values()} <= known
 
 
 def test_what_touches_the_robot_is_published(stage):

@@ -5,7 +5,9 @@
 from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
 import pytest
+from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
+from rclpy.time import Time
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Moved
@@ -51,7 +53,7 @@ class Frames:
         """Return the topics of a frame, in order; readings that are not given are zero."""
         self._told.clear()
         self._slot += 1
-        self.publisher.publish(
+        self.nanoseconds = self.publisher.publish(
             Moved(self.stamp, oi.Readings(QUIET | readings), Estimate()),
             PERIOD, self.motion_period)
         return self._told
@@ -63,10 +65,16 @@ class Frames:
 
 
 @pytest.fixture
-def frames(tmp_path, monkeypatch):
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
+def frames(stage, monkeypatch):
     """Return frames after one in which every topic was published."""
-    with scene(tmp_path) as stage:
-        yield Frames(stage, monkeypatch)
+    return Frames(stage, monkeypatch)
 
 
 def test_a_change_comes_before_the_odometry_and_at_once(frames):
@@ -113,6 +121,28 @@ def test_frames_in_which_something_is_due_are_told_beforehand(frames, rate):
     for _ in range(400):
         due = frames.publisher.due_at <= frames.stamp + oi.SLOT
         assert bool(frames.next()) == due
+
+
+def test_with_a_simulated_clock_stamps_are_its_time_at_any_speed(frames, stage, capfd):
+    stage.ros.node.set_parameters([Parameter('use_sim_time', value=True)])
+    assert (frames.next(bumps_and_wheel_drops=1), frames.nanoseconds) == ([], None)
+    clock = stage.ros.node.get_clock()
+    stamps = []
+    for speed in (1.0, 0.5, 2.0):
+        for _ in range(100):
+            clock.set_ros_time_override(Time(nanoseconds=clock.now().nanoseconds + round(
+                speed * oi.SLOT * 1e9)))
+            assert 'Odometry' in frames.next()
+            assert frames.nanoseconds == clock.now().nanoseconds
+            stamps.append(frames.nanoseconds)
+    assert stamps == sorted(set(stamps))
+    # It stands: only changes; it starts again: that is said.
+    assert [list(frames.next()) for _ in range(100)] == [[]] * 100
+    assert frames.next(bumps_and_wheel_drops=2) == ['Bumper']
+    clock.set_ros_time_override(Time(nanoseconds=5))
+    assert 'Odometry' in frames.next()
+    assert frames.nanoseconds == 5
+    assert 'the clock went back by 5.2' in capfd.readouterr().err
 
 
 def test_only_what_is_heard_or_latched_is_published(frames):
