@@ -150,10 +150,10 @@ class Connection:
         self._events.notice(
             Severity.WARNING, f'the driver stood still for {seconds:.1f} s (Ctrl-Z, a debugger, a '
             'computer that slept or was too busy); calling the robot again')
+        self._outbox.clear(HALT)
         self.reader.flush()
         self._search.restart()
         self._handle(StateEvent.NO_ANSWER)
-        self._outbox.send_at_once(HALT, now)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self._stale_until = now + STALE
         self.heard_at = self._stale_until - self._call_interval
@@ -182,6 +182,7 @@ class Connection:
 
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""
+        self._outbox.clear()
         self._handle(event)
         assert self._state.activity is Activity.CALLING
         self.heard_at = now

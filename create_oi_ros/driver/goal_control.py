@@ -237,12 +237,13 @@ class GoalControl:
 
     def _finish(self, over: Over, now: float) -> None:
         """End the goal, and stop what it set in motion."""
-        was_docking = self._state.activity is Activity.DOCKING
+        gives_up = self._state.activity is Activity.DOCKING and over.code is not Code.NONE
+        self._outbox.send_at_once(HALT, now)
+        if gives_up:
+            self._outbox.send_at_once(END_DEMO, now)
         self._conclude(over)
         self._handle(StateEvent.GOAL_ENDED)
-        self._outbox.send_at_once(HALT, now)
-        if was_docking and over.code is not Code.NONE:
-            self._outbox.send_at_once(END_DEMO, now)
+        if gives_up:
             self._supervision.want(self._mode_before)
             self._modes.enter(self._mode_before, now)
 

@@ -105,18 +105,17 @@ class Driver:
     def _handle(self, event: StateEvent) -> None:
         """Let an event change the state; tell the wheels and the other parts what follows."""
         self.state.handle(event)
+        if not self.state.moving:
+            self._wheels.stop()
+        if event not in SPEEDS_HOLD:
+            self._wheels.forget_sent()
         if event in ROBOT_UNKNOWN:
-            self._outbox.clear()
             self.outputs.fail(LOST)
             self._connection.forget()
             self._tracking.restart()
             self._supervision.lost()
             self.scripts.forget()
             self._unchecked.clear()
-        if not self.state.moving:
-            self._wheels.stop()
-        if event not in SPEEDS_HOLD:
-            self._wheels.forget_sent()
         self.goals.handled(event)
 
     # What arrives and leaves, and what happened.
@@ -129,6 +128,7 @@ class Driver:
         """Stop talking: the port is gone."""
         self.catch_up()
         self._connection.reader.flush()
+        self._outbox.clear()
         self._handle(StateEvent.PORT_CLOSED)
         self._modes.fail(f'port lost: {why}')
 
@@ -257,14 +257,14 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        self._handle(StateEvent.STOPPED)
-        self._supervision.commands_paused()
         if self.state.activity is not Activity.CLOSED:
             self._outbox.send_at_once(HALT, now)
         if self.status.actual is oi.Mode.PASSIVE:
             self._outbox.send_at_once(END_DEMO, now)
         if self.status.wanted is oi.Mode.PASSIVE and self._outbox.busy:
             self._outbox.send(END_DEMO)  # one may be about to begin
+        self._handle(StateEvent.STOPPED)
+        self._supervision.commands_paused()
         why = IGNORES if self._connection.ignores_commands else (
             self.scripts.status(now) or self._requests.refusal(oi.Demo))
         return done('stop sent') if why is None else refused(why)
@@ -286,18 +286,19 @@ class Driver:
 
     def shut_down(self, now: float) -> None:
         """Stop all that moves, pause the stream, and leave the robot in the mode for exit."""
-        self.catch_up()
-        self._modes.fail('driver is shutting down')
         if self.state.activity is Activity.CLOSED:
             return
-        mode, script = self.status.actual, self.scripts.status(now)
-        if script is not None:
-            self._events.notice(
-                Severity.ERROR, f'the driver ends, but {script}; the script moves the wheels')
-        self.goals.driver_ends()
-        self._handle(StateEvent.PORT_CLOSED)
-        for command in farewell(mode, self.settings.mode_on_exit):
-            self._outbox.send_at_once(command, now)
+        try:
+            self._outbox.clear(*farewell(self.status.actual, self.settings.mode_on_exit))
+            self.catch_up()
+            self._modes.fail('driver is shutting down')
+            script = self.scripts.status(now)
+            if script is not None:
+                self._events.notice(
+                    Severity.ERROR, f'the driver ends, but {script}; the script moves the wheels')
+            self.goals.driver_ends()
+        finally:
+            self._handle(StateEvent.PORT_CLOSED)
 
     # How frames are handled.
 

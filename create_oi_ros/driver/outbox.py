@@ -67,12 +67,12 @@ class Outbox:
         """Whether nothing is queued, and every request has ended."""
         return not self._queue and not self._unconfirmed
 
-    def clear(self) -> None:
-        """Drop everything that has not been written; its requests end as lost."""
+    def clear(self, *instead: oi.Command) -> None:
+        """Drop all that has not been written, and release commands instead; requests are lost."""
         lost = [queued.request for queued in self._queue if queued.request is not None]
         lost += [request for request, _ in self._unconfirmed]
         self._queue.clear()
-        self._ready, self._unconfirmed = b'', []
+        self._ready, self._unconfirmed = b''.join(each.encode() for each in instead), []
         self._free_at = -inf
         for request in lost:
             request.end(False, LOST)

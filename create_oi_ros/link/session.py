@@ -44,8 +44,9 @@ class Session:
         """
         Prepare a session; `start` begins it.
 
-        `on_event` is called by whichever thread uses the driver. `on_failure` is called when the
-        session's own thread ends with an error, whose traceback is printed: `close` at once then.
+        `on_event` is called by whichever thread uses the driver. `on_failure` is called after an
+        error, once the robot was stopped: `close` the session then. The error itself is raised
+        in the thread that used the driver; in the session's own, its traceback is printed.
         With `dead_man`, a process of its own stops the robot when this one dies. `open_port`
         takes what `Port` takes.
         """
@@ -74,10 +75,23 @@ class Session:
         self._thread.start()
 
     @contextmanager
+    def _use_driver(self) -> Iterator[float]:
+        """Give the driver to one thread, with the time; an error stops the robot for good."""
+        with self._lock:
+            try:
+                yield time.monotonic()
+            except Exception as error:
+                self._closing.set()
+                try:
+                    self._stop_robot()
+                finally:
+                    self._on_failure()
+                    raise error from None  # what fails because of it is not reported
+
+    @contextmanager
     def request(self) -> Iterator[tuple[Driver, float]]:
         """Lend the driver, with the time; what it decides to send is written."""
-        with self._lock:
-            now = time.monotonic()
+        with self._use_driver() as now:
             self.driver.catch_up()
             yield self.driver, now
             self._send()  # first: a command must not wait for the rest
@@ -90,8 +104,7 @@ class Session:
         It is written at once. All else waits for the next frame, unless it made the driver queue
         more, such as a change of mode.
         """
-        with self._lock:
-            now = time.monotonic()
+        with self._use_driver() as now:
             self.driver.drive(linear, angular, now)
             self._send()
             if self.driver.busy:
@@ -101,13 +114,13 @@ class Session:
 
     def health(self) -> Health:
         """Return what is known of driver, line and robot; nothing is sent."""
-        with self._lock:
-            health = self.driver.health(time.monotonic())
+        with self._use_driver() as now:
+            health = self.driver.health(now)
             return replace(health, line_problem=self._reported or health.line_problem)
 
     def counts(self) -> LinkCounts:
         """Return what the line has carried so far."""
-        with self._lock:
+        with self._use_driver():
             self.driver.catch_up()
             return copy(self.driver.counts)
 
@@ -118,29 +131,35 @@ class Session:
 
     def close(self) -> None:
         """Stop the robot, leave it in the mode for exit, and close the port."""
+        failed, stopped = self._closing.is_set(), False
         self._closing.set()
-        with self._lock:
-            self.driver.shut_down(time.monotonic())
-            stopped = self._say_farewell()
-            self._report_events()
-        if self._thread.is_alive():
-            self._thread.join()
-        port = self._port
-        self._leave_port(stopped=stopped)
-        if port is not None:
-            port.close()
+        try:
+            with self._lock:
+                self._stop_robot()
+                stopped = True
+                if not failed:  # else whoever listens may be what failed
+                    self._report_events()
+        finally:
+            if self._thread.is_alive():
+                self._thread.join()
+            port = self._port
+            self._leave_port(stopped=stopped)
+            if port is not None:
+                port.close()
 
-    def _say_farewell(self) -> bool:
-        """Write the driver's last commands; False if the line did not take them."""
-        farewell = self.driver.data_to_send()
-        if self._port is not None and farewell:
-            try:
-                self._write(self._port, farewell)
-                self._port.flush()
-            except PortError as error:
-                self._report(error)
-                return False
-        return True
+    def _stop_robot(self) -> None:
+        """Write the driver's last commands, whatever fails; the dead-man's where they fail."""
+        try:
+            self.driver.shut_down(time.monotonic())
+        finally:
+            farewell = self.driver.data_to_send()
+            if self._port is not None and farewell:
+                try:
+                    self._write(self._port, farewell)
+                    self._port.flush()
+                except PortError as error:
+                    self._leave_port(stopped=False)
+                    self._report(error)
 
     def _run(self) -> None:
         pause = RETRY_FIRST
@@ -181,7 +200,7 @@ class Session:
         except PortError as error:
             self._report(error)
             return None
-        with self._lock:
+        with self._use_driver() as now:
             if self._closing.is_set():
                 port.close()
                 return None
@@ -189,7 +208,6 @@ class Session:
             self._port, self._baud = port, baud
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
             self._start_dead_man(port)
-            now = time.monotonic()
             self._named_at = now + NAMES_SETTLED
             self.driver.connected(now)
             self._exchange(now)
@@ -230,14 +248,13 @@ class Session:
             received = port.read()
         except PortError as error:
             received = error
-        with self._lock:
+        with self._use_driver() as now:
             # Another thread may have lost it meanwhile, while writing.
             if self._closing.is_set() or self._port is not port:
                 return
             if isinstance(received, PortError):
                 self._lose(received)
                 return
-            now = time.monotonic()
             if received and self.driver.may_wait(received, now):
                 return
             if received:

@@ -4,6 +4,7 @@
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import asdict, replace
 from functools import partial
 import sys
@@ -124,12 +125,13 @@ class CreateNode(Node):
 
     def stop(self) -> None:
         """Stop the robot, close the port, and write what was learned and captured."""
-        self._commands.close()
-        self.session.close()
-        self._diagnostics_thread.close()  # after the robot has stopped: it may be at work
-        self.model.end(self.session)
-        if self.capture is not None:
-            self.capture.close()
+        with ExitStack() as ends:  # the last one first, and each whatever the others raise
+            if self.capture is not None:
+                ends.callback(self.capture.close)
+            ends.callback(self.model.end, self.session)
+            ends.callback(self._diagnostics_thread.close)
+            ends.callback(self._commands.close)
+            ends.callback(self.session.close)
 
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 

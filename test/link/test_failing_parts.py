@@ -1,0 +1,201 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Whatever part of the driver raises: the robot stops, the error comes once, the session ends."""
+
+from contextlib import suppress
+import inspect
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from create_oi_ros.driver import Driver, MotionLimits, Settings
+from create_oi_ros.driver.goals import DriveDistance
+from create_oi_ros.driver.stopping import farewell, HALT
+from create_oi_ros.link import session
+from create_oi_ros.link.session import Session
+from create_oi_ros.oi import Mode
+from support.loop import Loop, STEP
+from support.ros import TIMEOUT
+
+SETTINGS = Settings(limits=MotionLimits(timeout=1000.0))
+FAREWELL = b''.join(command.encode() for command in farewell(Mode.SAFE, Mode.PASSIVE))
+CARRIER = '_outbox'
+"""The part that carries the bytes of a stop. Where it fails, the dead-man acts."""
+
+
+def parts(driver: Driver) -> dict[str, object]:
+    """Return the parts of a driver, and of its tracking, that have methods of their own."""
+    held = {**vars(driver), **vars(driver._tracking)}
+    return {name: part for name, part in held.items()
+            if type(part).__module__.startswith('create_oi_ros') and methods(type(part))}
+
+
+def methods(kind: type) -> list[str]:
+    """Return the names of the methods that others call."""
+    return [name for name, _ in inspect.getmembers(kind, inspect.isfunction)
+            if not name.startswith('_')]
+
+
+PARTS = sorted(parts(Driver()).keys() - {CARRIER, 'settings', 'counts', 'readings'})
+
+
+def test_all_parts_are_found():
+    assert {'goals', 'odometry', 'scripts', 'state', '_battery', '_modes'} < set(PARTS)
+
+
+class Broken(RuntimeError):
+    """What a part raises."""
+
+
+def fail(*_args, **_options):
+    raise Broken
+
+
+def break_part(monkeypatch, driver: Driver, name: str) -> None:
+    """Let every method of a part raise from now on."""
+    kind = type(parts(driver)[name])
+    for method in methods(kind):
+        monkeypatch.setattr(kind, method, fail)
+
+
+@pytest.mark.parametrize('end', [Driver.stop, Driver.shut_down])
+@pytest.mark.parametrize('goal', [False, True])
+@pytest.mark.parametrize('name', PARTS)
+def test_a_stop_is_queued_before_anything_that_can_fail(name, goal, end, monkeypatch):
+    loop = Loop(SETTINGS)
+    loop.run(0.5)
+    if goal:
+        loop.driver.goals.start(
+            DriveDistance(2.0, 0.2, 0.0, loop.driver.goals.straight), loop.now)
+    else:
+        loop.driver.drive(0.2, 0.0, loop.now)
+    loop.run(0.5)
+    assert loop.driver.state.moving
+    break_part(monkeypatch, loop.driver, name)
+    with suppress(Broken):
+        end(loop.driver, loop.now)
+    assert loop.driver.data_to_send().startswith(HALT.encode())
+
+
+class LoopPort:
+    """A port with a robot in memory; time passes while it is read."""
+
+    descriptor = None
+    url = 'memory'
+
+    def __init__(self, loop: Loop) -> None:
+        self.loop = loop
+        self.heard = bytearray()
+        self.until, self.reached = 0.0, threading.Event()
+
+    def run(self, seconds: float) -> None:
+        """Wait until the robot's time has passed."""
+        self.reached.clear()
+        self.until = self.loop.now + seconds
+        assert self.reached.wait(TIMEOUT)
+
+    def read(self) -> bytes:
+        """Let a step of time pass; return what the robot says."""
+        self.loop.now += STEP
+        if self.loop.now > self.until:
+            self.reached.set()
+        self.loop.robot.poll(self.loop.now)
+        return self.loop.robot.data_to_send()
+
+    def write(self, data: bytes) -> None:
+        """Let the robot hear."""
+        self.heard += data
+        self.loop.robot.receive(data, self.loop.now)
+
+    def flush(self) -> None:
+        """Do nothing: all has been written."""
+
+    close = flush
+
+
+class Ride:
+    """A session whose robot drives, and all that failed."""
+
+    def __init__(self, monkeypatch) -> None:
+        self.port = LoopPort(Loop(SETTINGS))
+        self.failures = 0
+        self.errors: list[type] = []
+        monkeypatch.setattr(session, 'time', SimpleNamespace(monotonic=lambda: self.port.loop.now))
+        monkeypatch.setattr(
+            threading, 'excepthook', lambda about: self.errors.append(about.exc_type))
+        self.on_event = lambda event: None
+        self.session = Session(
+            Driver(SETTINGS), '/dev/null', on_event=lambda event: self.on_event(event),
+            on_failure=self.failed, open_port=lambda *_, **__: self.port)
+        self.session.start()
+        self.port.run(1.0)
+        self.session.drive(0.2, 0.0)
+        self.port.run(0.5)
+        assert any(self.wheels)
+
+    @property
+    def wheels(self) -> tuple[int, int]:
+        """Speeds that the robot was told."""
+        return self.port.loop.robot.actuators.wheels
+
+    def failed(self) -> None:
+        """Note that the session cannot go on; nothing else will let time pass."""
+        assert self.wheels == (0, 0), 'it stops before anything else is told'
+        self.failures += 1
+        self.port.reached.set()
+
+    def use(self, what) -> None:
+        """Use the session as a thread of the node does."""
+        try:
+            what(self.session)
+        except Broken as error:
+            self.errors.append(type(error))
+
+
+def stop(ours: Session) -> None:
+    """Call the driver's stop as the service does."""
+    with ours.request() as (driver, now):
+        driver.stop(now)
+
+
+@pytest.mark.parametrize('name', PARTS)
+def test_a_robot_stands_after_any_part_has_raised_and_the_error_comes_once(name, monkeypatch):
+    ride = Ride(monkeypatch)
+    break_part(monkeypatch, ride.session.driver, name)
+    ride.port.run(6.0)
+    ride.use(Session.close)
+    assert ride.wheels == (0, 0) and ride.port.heard.endswith(FAREWELL)
+    assert ride.errors in ([Broken], []) and ride.failures <= len(ride.errors)
+
+
+@pytest.mark.parametrize('use', [
+    lambda ours: ours.drive(0.1, 0.0), stop, Session.health, Session.counts],
+    ids=['drive', 'request', 'health', 'counts'])
+def test_an_error_in_another_thread_stops_the_robot_and_ends_the_session(use, monkeypatch):
+    ride = Ride(monkeypatch)
+    for method in ('drive', 'stop', 'health', 'catch_up'):
+        monkeypatch.setattr(Driver, method, fail)
+    ride.use(use)
+    ride.use(Session.close)
+    assert ride.wheels == (0, 0) and ride.port.heard.endswith(FAREWELL)
+    assert ride.errors[:1] == [Broken] and ride.failures >= 1
+
+
+def test_a_publisher_that_raises_stops_the_robot_and_ends_the_session(monkeypatch):
+    ride = Ride(monkeypatch)
+    ride.on_event = fail
+    ride.port.run(1.0)
+    ride.use(Session.close)
+    assert ride.wheels == (0, 0) and ride.port.heard.endswith(FAREWELL)
+    assert (ride.errors, ride.failures) == ([Broken], 1)
+
+
+def test_a_robot_whose_driver_has_failed_is_driven_no_more(monkeypatch):
+    ride = Ride(monkeypatch)
+    with pytest.raises(Broken), ride.session.request():
+        raise Broken
+    ride.session.drive(0.2, 0.0)
+    assert ride.wheels == (0, 0) and ride.failures == 1
+    ride.session.close()
+    assert not ride.errors
