@@ -31,20 +31,29 @@ from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameter_checks, topics
-from .actions import Actions
+from .actions import ACTIONS, Actions
 from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
 from .periodic_thread import PeriodicThread
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
-from .services import Services
+from .services import SERVICES, Services
 from .topic_thread import TopicThread
 from .velocity_input import driven, TwistReader
 
 DIAGNOSTICS_PERIOD = 1.0
 STALE_WARNING_INTERVAL = 5.0
 """Seconds between two warnings about stale commands."""
+
+NAMES = (
+    topics.CMD_VEL, *(topic.name for topic in topics.PUBLISHED), '/tf_static', '/clock',
+    '/rosout', '/parameter_events', *(service.name for service in SERVICES),
+    *(f'~/{name}_parameters' for name in ('describe', 'get', 'list', 'set')),
+    '~/get_parameter_types', '~/set_parameters_atomically', '~/get_type_description',
+    *(f'{action.name}/_action/{part}' for action in ACTIONS for part in (
+        'send_goal', 'cancel_goal', 'get_result', 'feedback', 'status')))
+"""All names that a remap rule can change, and `/tf_static`, which people remap for every node."""
 
 
 class CreateNode(Node):
@@ -57,7 +66,7 @@ class CreateNode(Node):
         `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node,
         such as `namespace` and `cli_args` where several robots share a process.
         """
-        super().__init__('create', **options)
+        super().__init__(node_arguments.NODE, **options)
         self.parameters = parameter_checks.declare(self)
         self._periods = self.parameters.periods()
         self.add_pre_set_parameters_callback(parameter_checks.as_declared)
@@ -245,6 +254,9 @@ def run(program: str, make: Callable[[Future], list[CreateNode]]) -> int:
         except ValueError as error:
             print(f'{program}: {error}', file=sys.stderr)
             return 2
+        names = [(node.get_namespace(), node.get_name()) for node in nodes]
+        for sentence in node_arguments.unused_remaps(sys.argv, names, NAMES):
+            nodes[0].get_logger().warning(sentence)
         for node in nodes:
             executor.add_node(node)
             unused = node_arguments.unused_file(sys.argv, node._parameter_overrides)

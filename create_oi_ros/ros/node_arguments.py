@@ -4,6 +4,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import fields
+from itertools import pairwise
 import textwrap
 
 from rclpy.utilities import remove_ros_args
@@ -13,6 +14,12 @@ from .parameter_checks import listed, suggestion
 from .parameters import Parameters
 
 WIDTH = 96
+NODE = 'create'
+"""The node's name, unless it is remapped."""
+PART = '/_action/'
+"""What ROS puts between the name of an action and those of its topics and services."""
+SPECIAL = '__ns', '__node', '__name'
+"""What remap rules change besides topics and services."""
 ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
 """Arguments that ROS knows, after --ros-args."""
 
@@ -55,6 +62,42 @@ def unused_file(arguments: Sequence[str], given: Collection[str]) -> str | None:
         return None
     return ('the file of --params-file holds no parameter of this node, so all defaults hold: '
             'it must begin with "/**:" or the name of the node, as config/create.yaml does')
+
+
+def unused_remaps(
+    arguments: Sequence[str], nodes: Collection[tuple[str, str]], names: Collection[str],
+) -> list[str]:
+    """
+    Say which remap rules change no name of any node; ROS ignores them without a word.
+
+    `nodes`: namespace and name of each; `names`: of all their topics and services, as declared.
+    """
+    said = []
+    for flag, rule in pairwise(arguments):
+        if flag not in ('-r', '--remap') or ':=' not in rule:
+            continue
+        source = rule.partition(':=')[0].removeprefix('rostopic://').removeprefix('rosservice://')
+        node, _, name = source.rpartition(':')
+        if node and node not in {NODE, *(own for _, own in nodes)}:
+            said.append(f'remap {rule} has no effect: it is for a node {node}, this one is '
+                        f'{" and ".join(own for _, own in nodes)}')
+        elif name not in SPECIAL and not any(
+                full_name(name, *each) in {full_name(known, *each) for known in names}
+                for each in nodes):
+            actions = {each.partition(PART)[0] for each in names if PART in each}
+            why = (f'write an action with its parts, {name}{PART}send_goal and so on'
+                   if name.lstrip('/') in actions else
+                   f'no topic or service here is called {name}'
+                   f'{suggestion(name, [*names, *actions, *SPECIAL])}')
+            said.append(f'remap {rule} has no effect: {why}')
+    return said
+
+
+def full_name(name: str, namespace: str, node: str) -> str:
+    """Return a name as ROS expands it: relative, absolute, or of the node itself (~)."""
+    if name.startswith('~'):
+        name = f'{node}{name[1:]}'
+    return name if name.startswith('/') else f'{namespace.rstrip("/")}/{name}'
 
 
 def parameter_help() -> str:

@@ -8,6 +8,8 @@ import pytest
 
 from create_oi_ros import __version__
 from create_oi_ros.ros import node_arguments
+from create_oi_ros.ros.node import NAMES
+from create_oi_ros.ros.node_arguments import unused_remaps
 from create_oi_ros.ros.parameter_checks import contradiction, refusal, wrong_type
 from create_oi_ros.ros.parameters import Parameters
 from support.ros import scene
@@ -85,6 +87,37 @@ def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(tmp_path):
         assert node.ended() == 2
         assert node.output.strip().endswith(
             'create_node: parameter cmd_vel_timeout = 20; allowed: 0.05 to 10')
+
+
+ROBOT = ('/robot1', 'create')
+
+
+@pytest.mark.parametrize(('rule', 'node', 'words'), [
+    ('cmdvel:=x', ('/', 'create'), 'here is called cmdvel: did you mean cmd_vel?'),
+    ('set_led:=x', ('/', 'create'), 'did you mean set_leds?'),
+    ('/cmd_vel:=/x', ROBOT, 'did you mean cmd_vel?'), ('__nss:=/x', ROBOT, 'did you mean __ns?'),
+    ('zzz:=x', ROBOT, 'no topic or service here is called zzz'),
+    ('rotate_angle:=x', ROBOT, 'with its parts, rotate_angle/_action/send_goal and so on'),
+    ('rotate_angel:=x', ROBOT, 'did you mean rotate_angle?'),
+    ('rotate_angel/_action/status:=x', ROBOT, 'did you mean rotate_angle/_action/status?'),
+    ('driver:cmd_vel:=x', ROBOT, 'it is for a node driver, this one is create'),
+    ('rostopic://odometry:=x', ROBOT, 'no topic or service here is called odometry'),
+    *((rule, ROBOT, None) for rule in (
+        'cmd_vel:=x', '/robot1/cmd_vel:=x', 'create:cmd_vel:=x', '/tf:=tf', '/tf_static:=tf',
+        '__ns:=/robot1', 'create:__node:=x', '~/set_parameters:=x', 'rosservice://stop:=x',
+        '/diagnostics:=diagnostics', 'dock/_action/send_goal:=x'))])
+def test_a_remap_without_effect_is_told_with_the_nearest_name(rule, node, words):
+    said = unused_remaps(['create_node', '--ros-args', '-r', rule], [node], NAMES)
+    assert len(said) == (words is not None)
+    if words is not None:
+        assert said[0].startswith(f'remap {rule} has no effect: ') and words in said[0]
+
+
+def test_a_remap_without_effect_is_a_warning(tmp_path):
+    with scene(tmp_path) as stage:
+        node = stage.node(stage.folder / 'none', 'cmdvel:=x', 'odom:=x')
+        stage.ros.until(lambda: 'did you mean cmd_vel?' in node.output)
+        assert 'remap odom' not in node.output
 
 
 @pytest.mark.parametrize(('content', 'used'), [
