@@ -67,7 +67,7 @@ class RobotStatus:
                 port = next((each.value for each in status.values if each.key == 'port'), '')
                 # A port may have a long name, and nobody has two here.
                 said = status.message.replace(port, 'port', 1) if port else status.message
-                self._no_robot = gist(said) if status.level == DiagnosticStatus.ERROR else ''
+                self._no_robot = said if status.level == DiagnosticStatus.ERROR else ''
         # The mode says its own reason; safety repeats the bumper.
         self._troubles = [
             status.message for about in ('driver', LINK, 'battery')
