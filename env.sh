@@ -45,6 +45,8 @@ else
 fi
 [ -z "$_create_nounset" ] || set -u
 
+# Messages refuse a field that they do not have, and 1 for 1.0, which would arrive as 5e-324.
+export ROS_PYTHON_CHECK_FIELDS="${ROS_PYTHON_CHECK_FIELDS:-1}"
 export CREATE_OI_ENV="$_create_root/env.sh"  # create_run tells its user to source this
 _create_bin="$_create_install/create_oi_ros/lib/create_oi_ros:$_create_venv/bin"
 case ":$PATH:" in *":$_create_bin:"*) ;; *) export PATH="$_create_bin:$PATH" ;; esac

@@ -20,6 +20,8 @@ from .supervision import Supervision
 
 SHORT = (Activity.SILENCING, Activity.READING)
 """Activities that end within a second."""
+LEAST_SENSIBLE = 1e-6
+"""Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0."""
 
 
 class VelocityControl:
@@ -40,6 +42,7 @@ class VelocityControl:
         self._events = events
         self._handle = handle
         self._refusal_reported = False
+        self._hinted = False
         self._not_finite = 0
         """Commands in a row that were not finite."""
 
@@ -49,6 +52,7 @@ class VelocityControl:
             return
         if isfinite(linear) and isfinite(angular):
             self._report_finite()
+            self._hint_at_integers(linear, angular)
         else:
             self._report_not_finite(linear, angular)
             self._wheels.stop()
@@ -112,7 +116,16 @@ class VelocityControl:
         if self._not_finite == 1:
             self._events.notice(
                 Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
-                'stopped; send finite numbers')
+                'stopped; send finite numbers, and -1.0, not -1')
+
+    def _hint_at_integers(self, linear: float, angular: float) -> None:
+        """Say once that a speed is next to nothing: a whole number in a message is sent as one."""
+        for speed in linear, angular:
+            if 0 < abs(speed) < LEAST_SENSIBLE and not self._hinted:
+                self._hinted = True
+                self._events.notice(
+                    Severity.WARNING, f'cmd_vel asks for a speed of {speed:.3g}, which moves '
+                    'nothing: did the sender write 1 for 1.0?')
 
     def _report_finite(self) -> None:
         more, self._not_finite = self._not_finite - 1, 0

@@ -77,6 +77,15 @@ def test_stop_stops_at_once(loop):
     assert loop.commands()[0] == oi.DriveDirect(right=0, left=0)
 
 
+@pytest.mark.parametrize('velocity', [(5e-324, 0.0), (0.1, -9e-7)])
+def test_a_speed_that_is_next_to_nothing_is_hinted_at_once(loop, velocity):
+    for sent in ((0.2, 0.0), (0.0, 1e-6), velocity, velocity):
+        loop.driver.drive(*sent, loop.now)
+    loop.run(0.05)
+    hint, = texts(loop.notices, Severity.WARNING)
+    assert 'did the sender write 1 for 1.0?' in hint
+
+
 @pytest.mark.parametrize('velocity', [(nan, 0.0), (0.1, nan), (inf, 0.0), (0.0, -inf)])
 def test_a_velocity_that_is_not_finite_is_refused_and_stops(loop, velocity):
     loop.drive(0.2, 0.0, 0.2)
