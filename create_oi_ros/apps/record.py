@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from datetime import datetime
+import os
 from pathlib import Path
 import sys
 
@@ -18,6 +19,7 @@ from rclpy.utilities import remove_ros_args
 from ..ros.bags import missing
 from ..ros.process import call_on_signal, ros_executor, spin_until
 from ..ros.recorder import Recorder
+from ..ros.waiting import say_if_waiting
 
 
 def say(text: str, before: str = '', after: str = '\n') -> None:
@@ -42,6 +44,8 @@ def record(
         say(f'records {", ".join(recorder.topics)} to {folder} until Ctrl-C')
         if sys.stdout.isatty():
             node.create_timer(1.0, lambda: say(amount(recorder), '\r', ' '))
+        say_if_waiting(node, 'a driver', lambda: not recorder.counts,
+                       lambda why: say(why, '\r' if sys.stdout.isatty() else ''))
         try:
             spin_until(executor, ended)
             recorder.close()
@@ -88,5 +92,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # On a terminal, overwrite the line with the running count.
     say(f'{amount(recorder)} are in {options.folder}', '\r' if sys.stdout.isatty() else '')
     if not recorder.counts:
-        say('nothing was heard: does a driver run in this ROS domain and namespace?')
+        say('nothing was heard in ROS domain ' + (os.environ.get('ROS_DOMAIN_ID') or '0'))
     return 0 if recorder.counts else 1

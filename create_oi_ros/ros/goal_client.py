@@ -8,7 +8,10 @@ signals: it would shut ROS down before the cancel is sent. Nor may one interrupt
 not receive anything afterwards: while a goal runs, the handler only notes it.
 """
 
+from collections.abc import Mapping
+from numbers import Integral, Real
 import signal
+import sys
 from threading import current_thread, main_thread
 from types import FrameType, TracebackType
 from typing import Any
@@ -21,9 +24,12 @@ from rclpy.task import Future
 from .actions import ACTIONS, malformed
 from .process import end_in_time, leave_out_generator
 from .user_errors import INTERRUPTED
+from .waiting import waits_for
 
 DISCOVERY_TIMEOUT = 10.0
 """Seconds in which a driver must be found."""
+LOOK_FOR_DRIVER = 1.0
+"""Seconds of waiting for it before a look at what to say."""
 LOOK_EVERY = 0.1
 """Seconds after which a wait looks whether a signal has come."""
 CANCEL_WAIT = 2.0
@@ -35,6 +41,34 @@ TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 
 class GoalFailed(SystemExit):
     """A goal that was not reached; unless it is caught, the program ends with its one line."""
+
+
+def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
+    """
+    Set fields of a message, also those of messages in it, and return it.
+
+    A whole number becomes a float where the field is one. GoalFailed: there is no such field, or
+    the value does not fit; without its check fields, ROS would send something else, or abort.
+    """
+    types = message.get_fields_and_field_types()
+    for field, value in values.items():
+        if field not in types:
+            raise GoalFailed(f'{where} has no field {field!r}; there are {", ".join(types)}')
+        present = getattr(message, field)
+        if hasattr(value, 'get_fields_and_field_types') and type(value) is type(present):
+            parts = {part: getattr(value, part) for part in value.get_fields_and_field_types()}
+            value = filled(type(value)(check_fields=True), parts, f'{where}: {field}')
+        elif isinstance(value, Real) and not isinstance(value, bool):
+            if isinstance(present, float):
+                value = float(value)
+            elif isinstance(value, Integral):  # such as one of numpy's
+                value = int(value)
+        try:
+            setattr(message, field, value)
+        except AssertionError:
+            raise GoalFailed(f'{where}: {field} = {value!r}; allowed is a value of type '
+                             f'{types[field]}') from None
+    return message
 
 
 class GoalClient:
@@ -77,17 +111,28 @@ class GoalClient:
         """Pursue a goal of the action with this name; return the result, or raise GoalFailed."""
         if name not in TYPES:
             raise GoalFailed(f'no action {name!r}; there are {", ".join(TYPES)}')
+        request = filled(TYPES[name].Goal(check_fields=True), goal, name)
         if name not in self._clients:
             self._clients[name] = ActionClient(self.node, TYPES[name], name)
         client = self._clients[name]
-        if not client.wait_for_server(DISCOVERY_TIMEOUT):
-            domain = self.node.context.get_domain_id()
-            raise GoalFailed(f'{name}: no driver in ROS domain {domain}; is ROS_DOMAIN_ID that of '
-                             'the driver?')
-        result = self._pursue(name, client, TYPES[name].Goal(**goal))
+        self._find(name, client)
+        result = self._pursue(name, client, request)
         if not result.success:
             raise GoalFailed(f'{name}: {result.message}')
         return result
+
+    def _find(self, name: str, client: ActionClient) -> None:
+        """Wait for the driver, and say so; GoalFailed: there is none."""
+        waited, said = 0.0, False
+        while not client.wait_for_server(LOOK_FOR_DRIVER):
+            waited += LOOK_FOR_DRIVER
+            why = waits_for(self.node, f'the action {name}', waited)
+            if waited >= DISCOVERY_TIMEOUT:
+                domain = self.node.context.get_domain_id()
+                raise GoalFailed(f'{name}: no driver was found in ROS domain {domain}')
+            if why is not None and not said:
+                said = True
+                print(f'{self._name}: {why}', file=sys.stderr, flush=True)
 
     def _pursue(self, name: str, client: ActionClient, request: Any) -> Any:
         """Send a goal and wait for its result; Ctrl-C cancels it."""

@@ -41,6 +41,7 @@ from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
 from .services import SERVICES, Services
 from .topic_thread import TopicThread
 from .velocity_input import driven, TwistReader
+from .waiting import announce
 
 DIAGNOSTICS_PERIOD = 1.0
 STALE_WARNING_INTERVAL = 5.0
@@ -91,6 +92,8 @@ class CreateNode(Node):
             'diagnostics', DIAGNOSTICS_PERIOD, self._watch_and_report,
             on_failure=self._on_failure)
         self._publish_mode(self.session.driver.status)
+        self._announced = announce(
+            self.context.get_domain_id(), self.get_fully_qualified_name())
 
     def _start_capture(self) -> Capture | None:
         """Start the capture that the parameters ask for; ValueError says why it cannot be."""
@@ -137,6 +140,7 @@ class CreateNode(Node):
         with ExitStack() as ends:  # the last one first, and each whatever the others raise
             if self.capture is not None:
                 ends.callback(self.capture.close)
+            ends.callback(self._announced.close)
             ends.callback(self.model.end, self.session)
             ends.callback(self._diagnostics_thread.close)
             ends.callback(self._commands.close)

@@ -6,8 +6,11 @@ from functools import partial
 from re import fullmatch
 import signal
 
+from create_oi_msgs.action import DriveDistance, NavigateToPosition
+from geometry_msgs.msg import Point, PoseStamped
 import pytest
 
+from create_oi_ros.ros.goal_client import filled, GoalFailed
 from create_oi_ros.sim.world import parse, World
 from support.ros import Program, Robot, Scene, scene
 
@@ -23,6 +26,28 @@ with GoalClient() as robot:
             print(why, flush=True)
     print(robot.do('drive_distance', distance=0.05).success, flush=True)
 """
+
+
+def test_whole_numbers_are_taken_for_floats_also_inside_a_message():
+    assert filled(DriveDistance.Goal(check_fields=True), {'distance': 1}, 'x').distance == 1.0
+    there = PoseStamped(check_fields=False)
+    there.pose.position = Point(check_fields=False)
+    there.pose.position.x = 1
+    goal = filled(NavigateToPosition.Goal(check_fields=True), {'goal_pose': there}, 'x')
+    assert isinstance(goal.goal_pose.pose.position.x, float)
+    assert goal.goal_pose.pose.position.x == 1.0
+
+
+@pytest.mark.parametrize(('fields', 'words'), [
+    ({'dist': 0.1}, "drive_distance has no field 'dist'; there are distance, max_trans"),
+    ({'distance': '0.1'}, "distance = '0.1'; allowed is a value of type float"),
+    ({'distance': True}, 'distance = True; allowed is a value of type float'),
+    ({'distance': 1e40}, 'type float'),
+    ({'time_allowance': 10}, 'time_allowance = 10; .* type builtin_interfaces/Duration'),
+])
+def test_a_field_that_does_not_exist_or_fit_is_refused(fields, words):
+    with pytest.raises(GoalFailed, match=words):
+        filled(DriveDistance.Goal(check_fields=True), fields, 'drive_distance')
 
 
 @pytest.fixture
@@ -95,6 +120,7 @@ def test_ctrl_c_cancels_the_goal_and_ends_the_program_with_one_line(stage, numbe
 def test_without_a_driver_the_program_ends_with_a_sentence(stage):
     example = stage.example('square.py')
     assert example.ended() == 1
-    assert example.output == (
-        f'drive_distance: no driver in ROS domain {stage.domain}; is ROS_DOMAIN_ID that of the '
-        'driver?\n')
+    said, ended = example.printed
+    assert said.startswith('goal_client: waits for the action drive_distance in ROS domain '
+                           f'{stage.domain}; on this computer ')
+    assert ended == f'drive_distance: no driver was found in ROS domain {stage.domain}\n'

@@ -23,6 +23,7 @@ from rclpy.utilities import remove_ros_args
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.process import call_on_signal, ros_executor, spin_ready
 from ...ros.user_errors import UserError
+from ...ros.waiting import say_if_waiting
 from .access import Access, is_loopback
 from .live_robot import LiveRobot
 from .simulated_truth import SimulatedTruth
@@ -125,6 +126,8 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
     await runner.setup()
     await web.SockSite(runner, listener).start()
     _announce(node, options.host, port, access.token)
+    say_if_waiting(node, 'a driver', lambda: not node.velocity.driver_listens,
+                   node.get_logger().warning)
     tasks = [asyncio.create_task(_look(node, executor, robot, viewers, truth)),
              asyncio.create_task(ended.wait())]
     if truth is not None:
