@@ -1,16 +1,25 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """Drive a circle for five seconds and print where the odometry says the robot is."""
+import argparse
+
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import rclpy
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
-rclpy.init()
+from create_oi_ros.ros.waiting import wait_for_robot
+
+argparse.ArgumentParser(description=__doc__).parse_args(remove_ros_args()[1:])
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
 node = rclpy.create_node('drive')
 circle = Twist(linear=Vector3(x=0.2), angular=Vector3(z=0.5))
 velocity = node.create_publisher(Twist, 'cmd_vel', 1)
-while not velocity.get_subscription_count():  # it takes up to three seconds
-    rclpy.spin_once(node, timeout_sec=0.1)
-node.create_timer(0.1, lambda: velocity.publish(circle))
-node.create_subscription(Odometry, 'odom', lambda odom: print(odom.pose.pose.position), 1)
-rclpy.spin_until_future_complete(node, rclpy.task.Future(), timeout_sec=5.0)
+try:
+    wait_for_robot(node, velocity.get_subscription_count)
+    node.create_timer(0.1, lambda: velocity.publish(circle))
+    node.create_subscription(Odometry, 'odom', lambda odom: print(odom.pose.pose.position), 1)
+    rclpy.spin_until_future_complete(node, rclpy.task.Future(), timeout_sec=5.0)
+except KeyboardInterrupt:
+    print('no more commands, the driver stops the wheels: Ctrl-C')

@@ -10,8 +10,8 @@ Follow a wall on the right: drive ahead until the bumper touches something, then
 default suits the simulator; for a real wall put the robot beside it and read topic `wall`. The
 program ends when the robot leaves Safe mode: at a cliff, lifted, or on a charger.
 """
+import argparse
 from math import sqrt
-import signal
 
 from create_oi_msgs.msg import Bumper, Mode, Wall
 from geometry_msgs.msg import Twist, Vector3
@@ -19,6 +19,9 @@ import rclpy
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+from create_oi_ros.ros.waiting import wait_for_robot
 
 SIGNAL = 500.0
 PERIOD = 0.05
@@ -58,13 +61,12 @@ class FollowWall(Node):
         super().__init__('follow_wall')
         self.steering = Steering(self.declare_parameter('signal', SIGNAL).value)
         self.touched, self.signal, self.mode = False, 0, Mode.UNKNOWN
-        self.ended, self.asked_to_end = rclpy.task.Future(), False
+        self.ended = rclpy.task.Future()
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_subscription(Bumper, 'bumper', self.on_bumper, 10)
         self.create_subscription(Wall, 'wall', self.on_wall, 10)
         self.create_subscription(Mode, 'mode', self.on_mode, latched)
         self.velocity = self.create_publisher(Twist, 'cmd_vel', 1)
-        self.create_timer(PERIOD, self.drive)
 
     def on_bumper(self, bumper: Bumper) -> None:
         touched = bumper.left or bumper.right
@@ -81,24 +83,28 @@ class FollowWall(Node):
             self.ended.set_result(f'the robot has left Safe mode, {mode.reason}')
         self.mode = mode.mode
 
-    def on_ctrl_c(self, *_: object) -> None:
-        self.asked_to_end = True  # `drive` ends the program: a signal may interrupt anything
-
     def drive(self) -> None:
-        if self.asked_to_end:
-            self.ended.set_result('Ctrl-C')
+        if not self.velocity.get_subscription_count():
+            self.ended.set_result('the driver has ended')
             return
         speed, turn = self.steering.next_move(self.touched, self.signal)
         self.velocity.publish(Twist(linear=Vector3(x=speed), angular=Vector3(z=turn)))
 
 
 def main() -> None:
-    # With rclpy's own handler, Ctrl-C would shut ROS down while `drive` publishes.
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.parse_args(remove_ros_args()[1:])
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
     node = FollowWall()
-    signal.signal(signal.SIGINT, node.on_ctrl_c)
-    rclpy.spin_until_future_complete(node, node.ended)
-    print(f'no more commands, the driver stops the wheels: {node.ended.result()}')
+    try:
+        wait_for_robot(node, node.velocity.get_subscription_count)
+        node.create_timer(PERIOD, node.drive)
+        rclpy.spin_until_future_complete(node, node.ended)
+        why = node.ended.result()
+    except KeyboardInterrupt:
+        why = 'Ctrl-C'
+    print(f'no more commands, the driver stops the wheels: {why}')
 
 
 if __name__ == '__main__':
