@@ -5,8 +5,9 @@ Drive a square without ROS, by time and requested speeds.
 
     python examples/oi_square.py /dev/ttyUSB0
 """
+import argparse
 from math import pi
-import sys
+import termios
 import time
 
 import serial
@@ -18,6 +19,7 @@ SIDE = 500  # mm
 SPEED, TURN_SPEED = 200, 100  # mm/s of each wheel
 QUARTER = WHEEL_SEPARATION * MM_PER_M / 2 * pi / 2  # mm that each wheel drives in a quarter turn
 MOTION = oi.PacketList(['distance', 'angle'])
+ATTEMPTS = 10
 
 
 def drive(port: serial.Serial, right: int, left: int, distance: float) -> None:
@@ -29,10 +31,15 @@ def drive(port: serial.Serial, right: int, left: int, distance: float) -> None:
 
 
 def reading(port: serial.Serial) -> oi.Readings:
-    """Ask how far the robot has moved since it was asked last."""
-    port.reset_input_buffer()
-    port.write(bytes(oi.QueryList(packets=MOTION.ids)))
-    return MOTION.unpack_reply(port.read(MOTION.reply_size))
+    """Ask how far the robot has moved since it was asked last; ask again if bytes are lost."""
+    for _ in range(ATTEMPTS):
+        port.reset_input_buffer()
+        port.write(bytes(oi.QueryList(packets=MOTION.ids)))
+        reply = port.read(MOTION.reply_size)
+        if len(reply) == MOTION.reply_size:
+            return MOTION.unpack_reply(reply)
+        print('no whole reply, asking again: what the robot counted is lost with it')
+    raise SystemExit('the robot does not answer: is it switched on, and the cable in?')
 
 
 def main(port: serial.Serial) -> None:
@@ -40,8 +47,8 @@ def main(port: serial.Serial) -> None:
     for command in (oi.Start(), oi.Safe()):
         port.write(bytes(command))
         time.sleep(0.02)  # without this pause a robot may lose the next command
-    reading(port)  # what it moved before
     try:
+        reading(port)  # what it moved before
         for side in range(1, 5):
             drive(port, SPEED, SPEED, SIDE)
             drive(port, TURN_SPEED, -TURN_SPEED, QUARTER)
@@ -52,5 +59,12 @@ def main(port: serial.Serial) -> None:
 
 
 if __name__ == '__main__':
-    with serial.Serial(sys.argv[1], 57600, timeout=1) as robot:
-        main(robot)
+    parser = argparse.ArgumentParser(description='Drive a square of half a metre.')
+    parser.add_argument('port', help='serial device of the robot, such as /dev/ttyUSB0')
+    try:
+        with serial.serial_for_url(parser.parse_args().port, 57600, timeout=0.3) as robot:
+            main(robot)
+    except (OSError, termios.error) as error:  # no such port, no permission, or pulled out
+        raise SystemExit(f'{error}; is the cable in, and are you in the group dialout?') from None
+    except KeyboardInterrupt:
+        raise SystemExit('stopped') from None

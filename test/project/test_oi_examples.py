@@ -5,8 +5,11 @@
 import csv
 from importlib import import_module
 import io
+from itertools import count
 from math import degrees, hypot, remainder, tau
 import re
+import subprocess
+import sys
 from types import ModuleType
 
 import pytest
@@ -68,11 +71,53 @@ def test_the_square_ends_where_it_began(bench, capsys):
 
 def test_the_square_stops_the_robot_when_it_fails(bench):
     example = bench.example('oi_square')
-    bench.port.read = lambda size: b''
-    with pytest.raises(ValueError, match='0 bytes for packets'):
+    read, asked = bench.port.read, count()
+    bench.port.read = lambda size: read(size) if next(asked) < 2 else b''
+    with pytest.raises(SystemExit, match='does not answer: is it switched on'):
         example.main(bench.port)
     bench.port.sleep(1.0)
+    assert (bench.create.mode, bench.wheels) == (oi.Mode.PASSIVE, (0, 0))
+
+
+@pytest.mark.parametrize('name', ['oi_square', 'oi_script'])
+def test_an_answer_with_lost_bytes_is_asked_for_again(bench, name):
+    example = bench.example(name)
+    read, asked = bench.port.read, count()
+    bench.port.read = lambda size: read(size)[:-1 if next(asked) % 2 == 0 else None]
+    example.main(bench.port)
+    assert bench.body.truth().travelled > 0.25
     assert bench.wheels == (0, 0)
+
+
+def test_a_script_that_does_not_end_is_given_up(bench):
+    example = bench.example('oi_script')
+    bench.port.read = lambda size: bench.port.sleep(1.0) or b''
+    with pytest.raises(SystemExit, match='does not answer'):
+        example.play(bench.port)
+
+
+def test_the_log_ends_where_no_frame_comes(bench):
+    bench.port.write = lambda data: None  # the robot is off
+    with pytest.raises(SystemExit, match='no frame for 3 s: is the robot switched on'):
+        bench.example('oi_log').log(bench.port, io.StringIO(newline=''))
+
+
+@pytest.mark.parametrize('name', [path.stem for path in sorted((ROOT / 'examples').glob('*.py'))])
+def test_every_example_has_help_and_says_what_is_wrong_with_its_arguments(name, tmp_path):
+    def run(*arguments):
+        return subprocess.run(
+            [sys.executable, str(ROOT / 'examples' / f'{name}.py'), *arguments], text=True,
+            capture_output=True, timeout=60, cwd=tmp_path)
+    shown = run('--help')
+    assert (shown.returncode, shown.stderr) == (0, '') and 'usage' in shown.stdout
+    assert run('--bogus').returncode == 2
+    if name.startswith('oi_'):
+        assert run().returncode == 2
+        ended = run('/dev/nothing', *(['log.csv'] if name == 'oi_log' else []))
+        assert ended.returncode == 1
+        line, = ended.stderr.splitlines()
+        assert 'No such file' in line and line.endswith(
+            'is the cable in, and are you in the group dialout?')
 
 
 def test_the_log_has_a_row_for_each_frame(bench):
