@@ -27,7 +27,7 @@ ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
 def parse(arguments: Sequence[str]) -> None:
     """Answer --help and --version, and refuse what is no ROS argument, with exit code 2."""
     remove_ros_args(['', *arguments])  # raises an error if ROS cannot read its own arguments
-    if plain := plain_arguments(arguments):
+    if plain := split(arguments)[0]:
         _answer(plain)
 
 
@@ -45,15 +45,24 @@ def _answer(arguments: Sequence[str]) -> None:
         parser.error(refusal(unknown))
 
 
-def plain_arguments(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments that do not stand between --ros-args and --."""
-    plain, of_ros = [], False
+def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the plain arguments, and those that stand between --ros-args and --."""
+    plain: list[str] = []
+    ros: list[str] = []
+    of_ros = False
     for argument in arguments:
         if argument in ('--ros-args', '--'):
             of_ros = argument == '--ros-args'
-        elif not of_ros:
-            plain.append(argument)
-    return plain
+        else:
+            (ros if of_ros else plain).append(argument)
+    return plain, ros
+
+
+def names_only(ros: Sequence[str]) -> list[str]:
+    """Return those ROS arguments of a driver that its partners need: namespace and topics."""
+    return [part for flag, rule in zip(ros, ros[1:])
+            if flag in ('-r', '--remap') and not rule.startswith(('__node:', '__name:'))
+            for part in (flag, rule)]
 
 
 def unused_file(arguments: Sequence[str], given: Collection[str]) -> str | None:

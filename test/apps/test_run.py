@@ -14,6 +14,7 @@ import time
 from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
+from rcl_interfaces.srv import GetParameters
 
 from create_oi_ros.apps.run import create_run
 from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
@@ -70,6 +71,22 @@ def test_capture_is_passed_on_to_the_node(stage):
     assert last.kind is RecordKind.END
 
 
+def test_what_follows_ros_args_is_for_the_node_and_all_follow_its_namespace(stage):
+    (stage.folder / 'my.yaml').write_text('/**:\n  ros__parameters:\n    bump_stop: forward\n')
+    run = stage.program(
+        'create_run', '--world', 'empty', '--ros-args', '--params-file',
+        str(stage.folder / 'my.yaml'), '-p', 'max_wheel_speed:=0.2', '-r', '__ns:=/robot1')
+    stage.ros.until(lambda: re.search(r'6\d frames/s  SAFE     x', run.output))
+    assert 'create_run starts node /robot1/create for a simulated Create' in run.output
+    assert 'drive.py --ros-args -r __ns:=/robot1\n' in run.output or 'drive.py' not in run.output
+    reply = stage.ros.call(GetParameters, '/robot1/create/get_parameters',
+                           names=['bump_stop', 'max_wheel_speed'])
+    assert [each.string_value or each.double_value for each in reply.values] == ['forward', 0.2]
+    assert stage.ros.node.count_subscribers('/robot1/odom') >= 2, 'status line and page'
+    run.send(signal.SIGINT)
+    assert run.ended() == 0
+
+
 def test_a_missing_port_is_reported_and_run_continues(stage):
     run = stage.program('create_run', '--port', str(stage.folder / 'nothing'))
     stage.ros.until(lambda: 'NO ROBOT  port does not exist; ' in run.output)
@@ -122,6 +139,8 @@ def test_when_a_child_ends_everything_ends(stage):
     (['--port', ''], '--port is empty'), (['--world', ''], '--world is empty'),
     (['--capture', ''], '--capture is empty'),
     (['--port', '/dev/ttyUSB0', '--world', 'room'], 'give one of them'),
+    (['--ros-args', '-p', 'port:=/dev/ttyUSB0'], 'write --port'),
+    (['-p', 'bump_stop:=forward'], 'write --ros-args -p bump_stop:=forward'),
 ])
 def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
     with pytest.raises(SystemExit) as ended:
@@ -192,7 +211,7 @@ def test_a_terminal_shows_one_line_that_changes_in_place(stage):
 
 
 def test_a_telephone_sees_and_drives_the_robot_in_its_apartment(stage):
-    run = stage.program('create_run')
+    run = stage.program('create_run', '--host', '0.0.0.0')
     stage.ros.until(lambda: ADDRESS.search(run.output))
     _, port, token = re.search(r'open (http://\S+:(\d+)/)\?token=(\S+) in', run.output).groups()
     with closing(PageClient(f'http://127.0.0.1:{port}/', token=token)) as page:
@@ -206,9 +225,10 @@ def test_a_telephone_sees_and_drives_the_robot_in_its_apartment(stage):
     assert 'Traceback' not in run.output
 
 
-def test_its_page_is_for_this_computer_only_when_asked(stage):
-    run = stage.program('create_run', '--world', 'empty', '--host', '127.0.0.1')
+def test_its_page_is_for_this_computer_only_and_says_how_to_open_it_to_others(stage):
+    run = stage.program('create_run', '--world', 'empty')
     stage.ros.until(lambda: ADDRESS.search(run.output))
     assert re.fullmatch(r'http://127\.0\.0\.1:\d+/', ADDRESS.search(run.output)[1])
+    assert 'for telephones in your network, too, add --host 0.0.0.0\n' in run.output
     run.send(signal.SIGINT)
     assert run.ended() == 0

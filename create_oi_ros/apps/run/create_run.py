@@ -3,9 +3,8 @@
 """
 `create_run`: a robot, its node and its web page, with a status line every second.
 
-Without `--port` the robot is a simulated one on a pseudo terminal. Telephones in the network may
-open its page, too, with a token. The page of a real robot is for this computer only, without
-`--host`.
+Without `--port` the robot is a simulated one on a pseudo terminal. The page is for this computer
+only, without `--host`. What follows `--ros-args` is for the node.
 """
 
 import argparse
@@ -25,15 +24,16 @@ from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
 from ...ros.children import Children
+from ...ros.node_arguments import names_only, refusal, split
 from ...ros.process import call_on_signal, ros_executor, spin_until
 from ...ros.simulated_run import run_domain, run_folder
 from ...ros.topics import LATCHED
 from ...ros.user_errors import check_environment
+from ...ros.waiting import announce
 from .status import RobotStatus, show, status_line
 
 WORLD = 'apartment'
 """World of the simulated robot, if nothing else is asked for."""
-EVERY_NETWORK = '0.0.0.0'
 
 
 class StatusNode(Node):
@@ -62,28 +62,30 @@ class StatusNode(Node):
         show(self._status.line())
 
 
-def introduction(port: str, simulated: bool) -> str:
+def introduction(port: str, simulated: bool, namespace: str = '') -> str:
     """Return what runs and what to try next, with commands that work on this machine."""
+    join = f' --ros-args -r __ns:={quote(namespace)}' if namespace else ''
     robot = 'a simulated Create' if simulated else 'the robot'
     domain, environment = os.environ.get('ROS_DOMAIN_ID'), os.environ.get('CREATE_OI_ENV')
-    lines = [f'create_run starts node /create for {robot} on {port}, ROS domain {domain or 0}.']
+    lines = [f'create_run starts node {namespace}/create for {robot} on {port}, '
+             f'ROS domain {domain or 0}.']
     joining = [f'source {quote(environment)}'] if environment else []
     joining += [f'export ROS_DOMAIN_ID={domain}'] if domain else []
     if joining:
         lines += ['In another shell, join it:', f'    {" && ".join(joining)}']
     if environment:
         example = quote(str(Path(environment).parent / 'examples' / 'drive.py'))
-        lines += ['then drive it and watch its odometry:', f'    python {example}']
+        lines += ['then drive it and watch its odometry:', f'    python {example}{join}']
     if shutil.which('ros2') is not None:
-        lines += ['Watch a topic:', '    ros2 topic echo /bumper']
-    lines += ['Or see and drive it in a browser, at the address that is printed below.',
-              'Telephones in your network can open it, too'
-              + ('.' if simulated else f', when you add --host {EVERY_NETWORK}.')]
-    return '\n'.join([*lines, 'Ctrl-C stops the robot and everything here.'])
+        lines += ['Watch a topic:', f'    ros2 topic echo {namespace}/bumper']
+    return '\n'.join([
+        *lines, 'Or see and drive it in a browser, at the address that is printed below.',
+        'Ctrl-C stops the robot and everything here.'])
 
 
-def _watch(children: Children, ended: Future) -> int:
-    with ros_executor() as executor:
+def _watch(children: Children, ended: Future, names: list[str], driver: str) -> int:
+    with (ros_executor(['--ros-args', *names]) as executor,
+          announce(int(os.environ.get('ROS_DOMAIN_ID') or 0), driver)):
         executor.add_node(StatusNode(children, ended))
         try:
             spin_until(executor, ended)
@@ -93,39 +95,47 @@ def _watch(children: Children, ended: Future) -> int:
     return int(ended.result())
 
 
-def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
+def _arguments(given: Sequence[str]) -> argparse.Namespace:
     """Return the arguments; those that contradict each other end the program."""
-    parser = argparse.ArgumentParser(prog='create_run', description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog='create_run', description=__doc__,
+        usage='create_run [--port PORT | --world WORLD] [--capture FILE] [--host HOST]\n'
+              '                  [--ros-args -p NAME:=VALUE --params-file FILE -r FROM:=TO ...]',
+        epilog='create_node --help lists the parameters')
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
     parser.add_argument('--world', help=f'world of the simulated robot (default: {WORLD})')
     parser.add_argument('--capture', metavar='FILE', help=(
         'write every byte of the serial line to FILE, to be sent with a bug report'))
     parser.add_argument('--host', help=(
-        'address on which the web page is served; '
-        f'{EVERY_NETWORK}: also for telephones in your network, with a token (default for a '
-        'simulated robot); 127.0.0.1: for this computer only (default for a real one)'))
-    options = parser.parse_args(given)
+        'address on which the web page is served (default: 127.0.0.1, this computer only); '
+        '0.0.0.0: also for telephones in your network, with a token'))
+    plain, ros = split(given)
+    options, unknown = parser.parse_known_args(plain)
+    if unknown:
+        parser.error(refusal(unknown))
     for name, value in vars(options).items():
         if value == '':
             parser.error(f'--{name} is empty: give a value, or leave it out')
     if options.port is not None and options.world is not None:
         parser.error('--port is for a real robot and --world for a simulated one: give one of '
                      'them')
+    if any(rule.startswith('port:=') for rule in ros):
+        parser.error('port is no parameter here: write --port')
+    options.ros = ros
     return options
 
 
 def _start(children: Children, port: str, options: argparse.Namespace) -> None:
     page = [] if options.host is None else ['--host', options.host]
     if options.port is None:
-        # A simulated robot hurts nobody, so the network may try it, with the token.
-        page = page or ['--host', EVERY_NETWORK]
         control = f'{port}.control'
         children.start('create_sim', '--link', port, '--world', options.world or WORLD,
                        '--control', control)
         page += ['--control', control]
-    children.start('create_web', *page)
+    children.start('create_web', *page, '--ros-args', *names_only(options.ros))
     capture = ['-p', f'capture:={quoted(options.capture)}'] if options.capture else []
-    children.start('create_node', '--ros-args', '-p', f'port:={quoted(port)}', *capture)
+    children.start('create_node', '--ros-args', *options.ros, '-p', f'port:={quoted(port)}',
+                   *capture)
 
 
 def quoted(text: str) -> str:
@@ -135,7 +145,10 @@ def quoted(text: str) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until Ctrl-C; the exit code is 1 when a child ended by itself."""
-    options = _arguments(arguments)
+    options = _arguments(sys.argv[1:] if arguments is None else arguments)
+    names = names_only(options.ros)
+    namespace = next((rule[len('__ns:='):].rstrip('/') for rule in names
+                      if rule.startswith('__ns:=')), '')
     check_environment()
     children, ended = Children(), Future()
     call_on_signal(lambda: ended.set_result(0))
@@ -143,8 +156,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         port = options.port or f'{stack.enter_context(run_folder())}/create'
         if options.port is None:
             stack.enter_context(run_domain())
-        print(introduction(port, options.port is None), flush=True)
+        print(introduction(port, options.port is None, namespace), flush=True)
         stack.callback(children.end)
         stack.enter_context(status_line())
         _start(children, port, options)
-        return _watch(children, ended)
+        return _watch(children, ended, names, f'{namespace}/create')

@@ -141,7 +141,9 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
 
 def _announce(node: WebNode, host: str, port: int, token: str | None) -> None:
     address = f'http://{own_address(host)}:{port}/' + (f'?token={token}' if token else '')
-    node.get_logger().info(f'open {address} in a browser to see and drive the robot')
+    telephone = '' if token else '; for telephones in your network, too, add --host 0.0.0.0'
+    node.get_logger().info(
+        f'open {address} in a browser to see and drive the robot{telephone}')
     if token:
         show_qr_code(address)
 
