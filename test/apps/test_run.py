@@ -82,7 +82,8 @@ def test_what_follows_ros_args_is_for_the_node_and_all_follow_its_namespace(stag
     reply = stage.ros.call(GetParameters, '/robot1/create/get_parameters',
                            names=['bump_stop', 'max_wheel_speed'])
     assert [each.string_value or each.double_value for each in reply.values] == ['forward', 0.2]
-    assert stage.ros.node.count_subscribers('/robot1/odom') >= 2, 'status line and page'
+    stage.ros.until(lambda: stage.ros.node.count_subscribers('/robot1/odom') == 2,
+                    'status line and page listen')
     run.send(signal.SIGINT)
     assert run.ended() == 0
 
