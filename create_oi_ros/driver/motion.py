@@ -45,6 +45,8 @@ REPORT_TIMEOUT = 10 * SLOT
 """Seconds after which the robot should report the speeds that it was sent."""
 RAMP_STEP = 2 * SLOT
 """Most seconds of acceleration between two commands, however far apart they are."""
+IN_PLACE = 1e-6
+"""mm/s of the mean below which the robot turns in place."""
 STOPPED = WheelSpeeds(0.0, 0.0)
 
 
@@ -82,6 +84,22 @@ def next_speeds(
     if fraction == 1.0:
         return wanted
     return WheelSpeeds(before.right + fraction * right, before.left + fraction * left)
+
+
+def rounded(speeds: WheelSpeeds) -> tuple[int, int]:
+    """
+    Return whole mm/s for right and left wheel, such that the robot turns as it should.
+
+    Their difference is rounded first (0.5 mm/s off at most), then their mean. Wheels that turn in
+    place stay symmetric, so that it does not creep.
+    """
+    mean, difference = (speeds.right + speeds.left) / 2, speeds.right - speeds.left
+    if abs(mean) < IN_PLACE:
+        half = round(difference / 2)
+        return half, -half
+    difference = round(difference)
+    right = round(mean + difference / 2)
+    return right, right - difference
 
 
 def without_forward(speeds: WheelSpeeds) -> WheelSpeeds:
@@ -177,7 +195,7 @@ class WheelCommands:
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
         if blocked:
             self._speeds = without_forward(self._speeds)
-        speeds = round(self._speeds.right), round(self._speeds.left)
+        speeds = rounded(self._speeds)
         if speeds != (0, 0) and speeds != self._sent and now - self._sent_at < SLOT:
             return None
         before, self._sent, self._rounded = self._sent, speeds, self._speeds
