@@ -48,13 +48,15 @@ class VelocityControl:
 
     def command(self, linear: float, angular: float, now: float) -> None:
         """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
-        if self._goals.active and not self._interrupts(linear, angular, now):
-            return
-        if isfinite(linear) and isfinite(angular):
+        finite = isfinite(linear) and isfinite(angular)
+        if finite:
             self._report_finite()
             self._hint_at_integers(linear, angular)
         else:
             self._report_not_finite(linear, angular)
+        if self._goals.active and not (finite and self._interrupts(linear, angular, now)):
+            return
+        if not finite:
             self._wheels.stop()
             linear = angular = 0.0
         if not self._wheels.command(linear, angular, now):
@@ -116,7 +118,8 @@ class VelocityControl:
         if self._not_finite == 1:
             self._events.notice(
                 Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
-                'stopped; send finite numbers, and -1.0, not -1')
+                + ('ignored, since a goal runs' if self._goals.active else 'stopped')
+                + '; send finite numbers, and -1.0, not -1')
 
     def _hint_at_integers(self, linear: float, angular: float) -> None:
         """Say once that a speed is next to nothing: a whole number in a message is sent as one."""

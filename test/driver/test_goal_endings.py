@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals that do not reach their end: each code, what it says, and that the wheels stand then."""
 
-from math import nan
+from math import inf, nan
 from re import fullmatch
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.battery_watch import BatteryLimits, LowBatteryAction
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
 from create_oi_ros.driver.goals.approach import Learned
@@ -28,7 +28,7 @@ from support.goals import (
     start,
     until_ended,
 )
-from support.loop import Loop
+from support.loop import Loop, said
 
 # What an ending says.
 
@@ -347,12 +347,15 @@ def test_a_velocity_of_zero_and_one_that_may_not_interrupt_change_nothing():
         assert loop.body.truth().travelled == pytest.approx(0.3, abs=0.01)
 
 
-def test_a_velocity_that_is_not_finite_takes_over_and_stops():
+@pytest.mark.parametrize('velocity', [(nan, 0.0), (0.2, nan), (inf, 0.0)])
+def test_a_velocity_that_is_not_finite_changes_nothing_while_a_goal_runs(velocity):
     loop = met()
-    running = moving(loop)
-    loop.driver.drive(nan, 0.0, loop.now)
-    assert ended(loop, running, within=0.0).code is Code.SUPERSEDED
-    assert any('not finite' in notice.text for notice in loop.notices)
+    running = start(loop, distance(0.3))
+    loop.run(0.3)
+    loop.driver.drive(*velocity, loop.now)
+    loop.run(FRAME)
+    assert said(loop, Severity.WARNING, 'is not finite: ignored, since a goal runs') == 1
+    assert until_ended(loop, running).code is Code.NONE
 
 
 def test_a_goal_takes_over_from_velocities_that_have_ended():
