@@ -139,8 +139,9 @@ def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it():
     assert loop.robot.actuators.wheels == (0, 0)
 
 
-def test_a_robot_that_may_not_turn_its_wheels_says_so():
+@pytest.mark.parametrize('most', [0.0, 0.0004])
+def test_a_robot_that_may_not_turn_its_wheels_says_so(most):
     for goal in (distance(0.1), angle(10), WallFollow(-1, 5.0, 0.0)):
-        ending = pursue(met(MotionLimits(max_wheel_speed=0.0)), goal)
+        ending = pursue(met(MotionLimits(max_wheel_speed=most)), goal)
         assert ending.code is Code.STALL
         assert 'max_wheel_speed is 0' in ending.text

@@ -121,7 +121,7 @@ def test_a_place_in_the_odometry_frame_is_reached(ready):
     (DriveDistance, 'drive_distance', {'distance': nan}, 'distance = nan m is not finite'),
     (DriveDistance, 'drive_distance', {'distance': 1e6}, 'allowed: -1000 to 1000'),
     (DriveDistance, 'drive_distance', {'distance': 1.0, 'max_translation_speed': 0.0},
-     'max_translation_speed = 0 m/s; allowed: above 0'),
+     'max_translation_speed = 0 m/s; allowed: 0.001 or more'),
     (DriveDistance, 'drive_distance', {'distance': 1.0, 'time_allowance': Duration(sec=-1)},
      'time_allowance = -1 s'),
     (RotateAngle, 'rotate_angle', {'angle': inf}, 'angle = inf rad is not finite'),

@@ -13,7 +13,7 @@ from ...oi.codes import BEAMS
 from ..charge_watch import NO_CURRENT
 from ..motion import MotionLimits, Velocity
 from .approach import Learned
-from .goal import DockDemo, docked, Enter, Goal, Order, Over, View
+from .goal import DockDemo, docked, Enter, Goal, LEAST_SPEED, Order, Over, View
 from .hazards import dropped, Hazards, LIFTED, NO_SPEED, Stall
 from .legs import Straight
 from .outcome import Code, Phase, Progress
@@ -120,7 +120,7 @@ class Undock(Goal):
         if not docked(view.readings):
             return Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
         limits = view.limits
-        if limits.max_wheel_speed <= 0:
+        if limits.max_wheel_speed < LEAST_SPEED:
             return NO_SPEED
         if view.readings.oi_mode is oi.Mode.FULL:
             self._mode = oi.Mode.FULL

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from ... import oi
 from ...odometry import Estimate
+from ...robot import MILLI
 from ..motion import MotionLimits, Velocity
 from .outcome import Code, Progress
 
@@ -22,6 +23,9 @@ LONGEST, MOST_TURN = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
 ROUNDING = 1e-6
 """Part by which a float32 may be beyond a limit: it is 0.30000001 for 0.3."""
+
+LEAST_SPEED, LEAST_TURN = MILLI, 0.008
+"""m/s and rad/s: the wheels are told whole millimetres per second, so less does not move them."""
 
 
 class Malformed(ValueError):
@@ -137,10 +141,26 @@ def check_amount(name: str, value: float, most: float, unit: str) -> None:
 
 
 def check_positive(name: str, value: float, unit: str) -> None:
-    """Refuse a speed or a radius that is not above 0."""
+    """Refuse a radius that is not above 0."""
     check_number(name, value, unit)
     if value <= 0:
         raise Malformed(f'{name} = {value:g} {unit}; allowed: above 0')
+
+
+def check_speed(value: float) -> None:
+    """Refuse m/s that are no whole mm/s for the wheels."""
+    _check_least('max_translation_speed', value, LEAST_SPEED, 'm/s')
+
+
+def check_turning(value: float) -> None:
+    """Refuse rad/s that are no whole mm/s for the wheels."""
+    _check_least('max_rotation_speed', value, LEAST_TURN, 'rad/s')
+
+
+def _check_least(name: str, value: float, least: float, unit: str) -> None:
+    check_number(name, value, unit)
+    if value < least:
+        raise Malformed(f'{name} = {value:g} {unit}; allowed: {least:g} or more')
 
 
 def docked(readings: oi.Readings) -> bool:

@@ -4,7 +4,7 @@
 
 from ... import oi
 from ..motion import Velocity
-from .goal import Over, View
+from .goal import LEAST_SPEED, Over, View
 from .outcome import Code
 
 BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
@@ -28,7 +28,8 @@ AGAIN = 'wait a second, then send the goal again'
 TO_FLOOR = f'put the robot on the floor, {AGAIN}'
 LIFTED = Over(Code.WHEEL_DROP, f'a wheel hangs in the air: {TO_FLOOR}')
 NO_SPEED = Over(
-    Code.STALL, 'max_wheel_speed is 0, so the wheels may not turn: set the parameter above 0')
+    Code.STALL, 'max_wheel_speed is 0, or too little to turn a wheel: set the parameter to '
+    f'{LEAST_SPEED} m/s or more')
 
 
 def bumps(readings: oi.Readings) -> int:

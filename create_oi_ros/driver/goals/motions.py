@@ -14,7 +14,10 @@ from .goal import (
     check_amount,
     check_number,
     check_positive,
+    check_speed,
+    check_turning,
     Goal,
+    LEAST_SPEED,
     LONGEST,
     Malformed,
     MOST_TURN,
@@ -57,7 +60,7 @@ class MotionGoal(Goal):
     def begin(self, view: View) -> Over | None:
         """Start here, unless something is in the way."""
         limits = view.limits
-        if limits.max_wheel_speed <= 0:
+        if limits.max_wheel_speed < LEAST_SPEED:
             return NO_SPEED
         self._at = view.estimate
         self._start = self._at[:3]
@@ -141,7 +144,7 @@ class DriveDistance(MotionGoal):
                  learned: Learned) -> None:
         """Take metres, m/s and seconds; Malformed says what no robot could follow."""
         check_amount('distance', distance, LONGEST, 'm')
-        check_positive('max_translation_speed', speed, 'm/s')
+        check_speed(speed)
         super().__init__(allowance, learned, ahead=distance > 0, back=distance < 0)
         self._distance, self._speed = distance, speed
 
@@ -168,7 +171,7 @@ class RotateAngle(MotionGoal):
         """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
         check_amount('angle', angle, MOST_TURN, 'rad')
         self.hint = degrees_meant(angle)
-        check_positive('max_rotation_speed', speed, 'rad/s')
+        check_turning(speed)
         super().__init__(allowance, learned)
         self._angle, self._speed = angle, speed
 
@@ -205,7 +208,7 @@ class DriveArc(MotionGoal):
         self.hint = degrees_meant(circle.angle)
         check_positive('radius', circle.radius, 'm')
         check_amount('length of the arc', circle.angle * circle.radius, LONGEST, 'm')
-        check_positive('max_translation_speed', speed, 'm/s')
+        check_speed(speed)
         if circle.direction not in (1, -1):
             raise Malformed(f'translate_direction = {circle.direction}; allowed: 1 forward, '
                             '-1 backward')
@@ -249,8 +252,8 @@ class NavigateToPosition(MotionGoal):
         check_amount('goal_pose.position.x', place.x, LONGEST, 'm')
         check_amount('goal_pose.position.y', place.y, LONGEST, 'm')
         check_number('heading of goal_pose', place.heading or 0.0, 'rad')
-        check_positive('max_translation_speed', speed, 'm/s')
-        check_positive('max_rotation_speed', turning, 'rad/s')
+        check_speed(speed)
+        check_turning(turning)
         super().__init__(allowance, learned)
         self._place, self._speed, self._turning = place, speed, turning
         self._learned_turning = learned_turning

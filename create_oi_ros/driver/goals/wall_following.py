@@ -11,7 +11,7 @@ off a little and turns left.
 from typing import NamedTuple
 
 from ..motion import Velocity
-from .goal import Goal, Malformed, Order, Over, View
+from .goal import Goal, LEAST_SPEED, Malformed, Order, Over, View
 from .hazards import bumps, Hazards, NO_SPEED, Stall
 from .outcome import Code, Phase, Progress
 
@@ -60,7 +60,7 @@ class WallFollow(Goal):
 
     def begin(self, view: View) -> Over | None:
         """Start, unless a cliff or a wheel that hangs is in the way."""
-        if view.limits.max_wheel_speed <= 0:
+        if view.limits.max_wheel_speed < LEAST_SPEED:
             return NO_SPEED
         self._begun_at = view.now
         return self._hazards.begin(view, forward=True, backward=False)
