@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
 
+from .user_errors import installing
+
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
@@ -66,8 +68,7 @@ def guarded(items: Iterable[Item]) -> Iterator[Item]:
 
 def missing(module: str) -> str:
     """Return a sentence on how to install a missing Python module."""
-    return (f'the Python module {module} is not installed: '
-            f'`python3 -m pip install --break-system-packages {module}`')
+    return f'the Python module {module} is not installed: {installing(module)}'
 
 
 def message_files() -> list[Path]:

@@ -9,15 +9,17 @@ started by then, so the system's default handler for SIGINT replaces Python's.
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 from io import TextIOWrapper
 import os
+from pathlib import Path
 import re
 import signal
 import sys
 from types import ModuleType
 
 from .. import __version__
-from .user_errors import explained, UserError
+from .user_errors import explained, installing, UserError
 
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
@@ -36,18 +38,11 @@ MODULES = {
 PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run())'
             for name in MODULES}
 """Python code that runs a program, for `python -c`; the package need not be installed."""
-NEEDED = {
-    'create_oi_msgs': (
-        'it is the package msg_defs of this repository: `colcon build --base-paths '
-        'src/create_oi_ros src/create_oi_ros/msg_defs`, then `source install/setup.bash`'),
-    'aiohttp': 'sudo apt-get install python3-aiohttp',
-    'numpy': 'sudo apt-get install python3-numpy',
-    'serial': 'sudo apt-get install python3-serial',
-    'yaml': 'sudo apt-get install python3-yaml',
-    'ROS 2 Jazzy': (
-        '`source /opt/ros/jazzy/setup.bash`, or run `make` in a clone and `source env.sh` there'),
-}
-"""What may be missing, and what to do then."""
+OURS = 'create_oi_msgs'
+NEEDED = ('aiohttp', 'numpy', 'serial', 'yaml')
+"""Python modules that may be missing."""
+JAZZY = Path('/opt/ros/jazzy/setup.bash')
+MAKE = '`make` in a clone of this repository, then `source env.sh` there'
 ROS = re.compile(r'rclpy|\w+_msgs|std_srvs|rcl_interfaces|ament_index_python|builtin_interfaces')
 """Modules that are missing where ROS is."""
 WRONG = 2
@@ -85,12 +80,29 @@ def _imported(program: str) -> ModuleType:
     try:
         return import_module(f'{PACKAGE}.{MODULES[program]}')
     except ModuleNotFoundError as error:
-        needed = (error.name or '').partition('.')[0]
-        if needed not in NEEDED and ROS.fullmatch(needed):
-            needed = 'ROS 2 Jazzy'
-        if needed not in NEEDED:
+        advice = _advice((error.name or '').partition('.')[0])
+        if advice is None:
             raise
-        raise UserError(f'{needed} is missing: {NEEDED[needed]}') from None
+        raise UserError(advice) from None
+
+
+def _advice(module: str) -> str | None:
+    """Say what to do where a module is missing, as it fits this Python; None: it is ours."""
+    if module in NEEDED:
+        return f'{module} is missing: {installing(module)}'
+    if not ROS.fullmatch(module):
+        return None
+    ros = find_spec('rclpy')
+    if ros is None:
+        sourcing = f'`source {JAZZY}`' if JAZZY.exists() else MAKE
+        return f'ROS 2 Jazzy is missing: {sourcing}'
+    if module != OURS:
+        return f'{module} is missing: it is a part of ROS 2 Jazzy; is all of it installed?'
+    if os.environ.get('CREATE_OI_ENV') or str(ros.origin).startswith(f'{sys.prefix}/lib/python'):
+        return f'{OURS} is missing: {MAKE}'
+    return (f'{OURS} is missing: it is the package msg_defs of this repository: `colcon build '
+            '--base-paths src/create_oi_ros src/create_oi_ros/msg_defs`, then `source '
+            'install/setup.bash`')
 
 
 def create_calibrate() -> int:

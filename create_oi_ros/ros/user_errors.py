@@ -11,7 +11,9 @@ import errno
 import os
 from pathlib import Path
 import re
+from shlex import quote
 import signal
+import sys
 from types import SimpleNamespace
 
 INTERRUPTED = 128 + signal.SIGINT
@@ -39,11 +41,25 @@ ALLOWED = {
     '--params-file': 'give a file of parameters, such as config/create.yaml',
 }
 LONG = {'--param': '-p', '--remap': '-r'}
+PACKAGES = {'serial': 'pyserial', 'yaml': 'pyyaml'}
+"""Names of Python modules at pip, where they have another one."""
+PACKAGED = ('aiohttp', 'numpy', 'segno', 'serial', 'yaml')
+"""Modules that Debian and Ubuntu have as a package."""
 NO_LOGS = 'ROS has no folder for its log files: set HOME, or ROS_LOG_DIR'
 
 
 class UserError(Exception):
     """Something that the user can mend; the message says what it is and what to do."""
+
+
+def installing(module: str) -> str:
+    """Return the command that installs a Python module where this Python finds it."""
+    package = PACKAGES.get(module, module)
+    if sys.prefix != sys.base_prefix:  # a virtual environment, which apt does not reach
+        return f'`{quote(sys.executable)} -m pip install {package}`'
+    if module in PACKAGED:
+        return f'`sudo apt-get install python3-{module}`'
+    return f'`python3 -m pip install --break-system-packages {package}`'
 
 
 def check_environment() -> None:

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -174,12 +175,37 @@ def test_output_may_be_closed(tmp_path):
     assert (done.returncode, done.stderr) == (0, '')
 
 
-@pytest.mark.parametrize('module, sentence', [
-    ('rclpy', 'ROS 2 Jazzy is missing: `source /opt/ros/jazzy/setup.bash`, or '),
-    ('geometry_msgs.msg', 'ROS 2 Jazzy is missing: '),
-    ('create_oi_msgs.msg', 'create_oi_msgs is missing: it is the package msg_defs'),
-    ('serial', 'serial is missing: sudo apt-get install python3-serial\n')])
-def test_a_missing_part_is_one_sentence(module, sentence, monkeypatch, capsys):
+SYSTEM, VENV = '/usr', '/home/me/venv'
+COLCON = 'create_oi_msgs is missing: it is the package msg_defs of this repository: `colcon build '
+CLONE = '`make` in a clone of this repository, then `source env.sh` there'
+
+
+@pytest.mark.parametrize(('module', 'prefix', 'ros', 'sentence'), [
+    ('rclpy', SYSTEM, 'jazzy, not sourced', 'ROS 2 Jazzy is missing: `source '),
+    ('rclpy', SYSTEM, 'none', f'ROS 2 Jazzy is missing: {CLONE}\n'),
+    ('geometry_msgs.msg', VENV, 'none', f'ROS 2 Jazzy is missing: {CLONE}\n'),
+    ('create_oi_msgs.msg', VENV, 'none', f'ROS 2 Jazzy is missing: {CLONE}\n'),
+    ('create_oi_msgs.msg', SYSTEM, 'jazzy', COLCON),
+    ('create_oi_msgs.msg', VENV, 'wheels', f'create_oi_msgs is missing: {CLONE}\n'),
+    ('nav_msgs.msg', SYSTEM, 'jazzy', 'nav_msgs is missing: it is a part of ROS 2 Jazzy'),
+    ('serial', SYSTEM, 'none', 'serial is missing: `sudo apt-get install python3-serial`\n'),
+    ('serial', VENV, 'none', "serial is missing: `'/home/me/my venv/python' -m pip install "
+                             'pyserial`\n'),
+    ('numpy', VENV, 'jazzy', "numpy is missing: `'/home/me/my venv/python' -m pip install ")])
+def test_a_missing_part_is_one_sentence_that_fits_this_python(
+        module, prefix, ros, sentence, monkeypatch, capsys, tmp_path):
+    jazzy = tmp_path / 'setup.bash'
+    if ros.startswith('jazzy'):
+        jazzy.touch()
+    monkeypatch.setattr(programs, 'JAZZY', jazzy)
+    monkeypatch.setattr(programs, 'find_spec', lambda name: {
+        'jazzy': SimpleNamespace(origin='/opt/ros/jazzy/lib/python3.12/rclpy'),
+        'wheels': SimpleNamespace(origin=f'{VENV}/lib/python3.12/rclpy')}.get(ros))
+    monkeypatch.delenv('CREATE_OI_ENV', raising=False)
+    monkeypatch.setattr(sys, 'prefix', prefix)
+    monkeypatch.setattr(sys, 'base_prefix', SYSTEM)
+    monkeypatch.setattr(sys, 'executable', '/home/me/my venv/python')
+
     def fail(name):
         raise ModuleNotFoundError(name=module)
     monkeypatch.setattr(programs, 'import_module', fail)

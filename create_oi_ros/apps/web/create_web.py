@@ -22,7 +22,7 @@ from rclpy.utilities import remove_ros_args
 
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.process import call_on_signal, ros_executor, spin_ready
-from ...ros.user_errors import UserError
+from ...ros.user_errors import installing, UserError
 from ...ros.waiting import say_if_waiting
 from .access import Access, is_loopback
 from .live_robot import LiveRobot
@@ -79,7 +79,7 @@ def show_qr_code(address: str) -> None:
     if not sys.stdout.isatty():
         return
     if find_spec('segno') is None:
-        print('create_web: for a QR code here: sudo apt-get install python3-segno')
+        print(f'create_web: for a QR code here: {installing("segno")}')
         return
     import segno
     # In `create_run` a status line may stand here.
