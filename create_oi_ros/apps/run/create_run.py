@@ -24,6 +24,7 @@ from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
 from ...ros.children import Children
+from ...ros.diagnostics import of_driver
 from ...ros.node_arguments import names_only, refusal, split
 from ...ros.process import call_on_signal, ros_executor, spin_until
 from ...ros.simulated_run import run_domain, run_folder
@@ -50,8 +51,13 @@ class StatusNode(Node):
         self.create_subscription(BatteryState, 'battery_state', self._status.on_battery, 10)
         self.create_subscription(Bumper, 'bumper', self._status.on_bumper, 10)
         self.create_subscription(
-            DiagnosticArray, '/diagnostics', self._status.on_diagnostics, 10)
+            DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
         self.create_timer(1.0, self._show)
+
+    def _on_diagnostics(self, diagnostics: DiagnosticArray) -> None:
+        """Pass on the diagnostics of the driver in our namespace: all share the topic."""
+        if of_driver(diagnostics, self.get_namespace().strip('/')) is not None:
+            self._status.on_diagnostics(diagnostics)
 
     def _show(self) -> None:
         ended = self._children.ended()
