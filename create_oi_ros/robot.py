@@ -19,6 +19,18 @@ TOP_SPEED_MM: Final = 500
 """Fastest that either wheel may be told to run, mm/s (manual: Drive Direct)."""
 TOP_SPEED: Final = TOP_SPEED_MM * MILLI
 """The same, m/s."""
+BATTERY_MILLIVOLTS: Final = range(6_000, 25_000 + 1)
+"""What the battery of a robot that runs can have: twelve cells of half a volt at least; the
+charger gives 22.5 V."""
+BATTERY_MILLIAMPS: Final = range(-10_000, 10_000 + 1)
+"""Motors and outputs stay below: a wheel may draw 1 A, the low side drivers 2.5 A, the cargo bay
+1.5 A (manual: Overcurrents; Cargo Bay Connector)."""
+BATTERY_DEGREES: Final = range(-40, 100 + 1)
+"""Degrees Celsius in which robot and battery survive (guess)."""
+MOST_CAPACITY: Final = 10_000
+"""Milliampere-hours; the largest battery packs that are sold for the robot have half of that."""
+MOST_CHARGE: Final = 1.2
+"""Fraction of its capacity that a battery can hold: real robots report a little more than all."""
 FIRMWARE_SEPARATION: Final = 0.258
 """Metres between the wheels that the firmware assumes when it reports an angle (reported)."""
 WHEEL_SEPARATION: Final = 0.258

@@ -35,7 +35,7 @@ class BatteryGuard:
         """Take readings in; when the level has just become worse, report it and act."""
         if not self._watch.observe(readings, now):
             return
-        volts = readings.voltage * MILLI
+        volts = readings.number('voltage', 0) * MILLI
         self._events.notice(
             Severity.WARNING, f'battery {self.level.value} ({volts:.1f} V): charge it')
         if self.level is not BatteryLevel.EMPTY or self._action is LowBatteryAction.NONE:

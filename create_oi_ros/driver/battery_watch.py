@@ -4,6 +4,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from math import inf
 
 from .. import oi
 from ..robot import MILLI
@@ -51,24 +52,25 @@ class BatteryWatch:
         """Take readings in; True when the level has just become worse."""
         if not readings.has('voltage', 'charging_sources'):
             return False
-        highest = max(self.limits.low, self.limits.empty)
-        if not self._below_since and readings.voltage * MILLI > highest:
+        if readings.voltage is None:
+            self._below_since.clear()
+            self.level = BatteryLevel.FINE  # nobody knows
+            return False
+        voltage = inf if readings.charging_sources else readings.voltage * MILLI
+        if not self._below_since and voltage > max(self.limits.low, self.limits.empty):
             return False  # as in most frames
         before = self.level
         self.level = BatteryLevel.FINE
         for level, limit in ((BatteryLevel.LOW, self.limits.low),
                              (BatteryLevel.EMPTY, self.limits.empty)):
-            if self._stays_below(level, limit, readings, now):
+            if self._stays_below(level, limit, voltage, now):
                 self.level = level
         levels = list(BatteryLevel)
         return levels.index(self.level) > levels.index(before)
 
-    def _stays_below(
-        self, level: BatteryLevel, limit: float, readings: oi.Readings, now: float,
-    ) -> bool:
+    def _stays_below(self, level: BatteryLevel, limit: float, voltage: float, now: float) -> bool:
         since = self._below_since.get(level)
-        voltage = readings.voltage * MILLI
-        if readings.charging_sources or voltage > limit + (RISE if since is not None else 0.0):
+        if voltage > limit + (RISE if since is not None else 0.0):
             self._below_since.pop(level, None)
             return False
         return now - self._below_since.setdefault(level, now) >= SETTLE

@@ -19,6 +19,11 @@ NO_CURRENT = (oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT)
 """States on a charger in which the battery is not charged though it is not full."""
 
 
+def charges(readings: oi.Readings) -> bool:
+    """Tell whether the battery is being charged, or full, on a charger; False if not known."""
+    return readings.charging_state not in (None, *NO_CURRENT)
+
+
 class ChargeWatch:
     """Watches the charging state frame by frame."""
 
@@ -47,7 +52,7 @@ class ChargeWatch:
             self._act(readings)
 
     def _act(self, readings: oi.Readings) -> None:
-        state = oi.ChargingState(readings.charging_state).name
+        state = oi.ChargingState(readings.number('charging_state', 0)).name
         says = f'the robot is on its dock and does not charge (state {state})'
         if self._reset and not self._was_reset:
             self._was_reset, self._since = True, None

@@ -62,5 +62,7 @@ class LinkCounts:
     checksum_failures: int = 0
     garbage_bytes: int = 0
     implausible_frames: int = 0
+    odd_values: int = 0
+    """Values that no Create should have, in frames that were taken nevertheless."""
     impossible_jumps: int = 0
     silences: int = 0

@@ -192,8 +192,7 @@ class GoalControl:
         return self._begun
 
     def _wrong_mode(self) -> Over:
-        mode = self._supervision.status.actual
-        name = 'no known mode' if mode is None else mode.name
+        name = self._supervision.status.name
         return Over(Code.MODE, f'robot is in {name}: {self._advice()}')
 
     def _left_mode(self) -> Over:

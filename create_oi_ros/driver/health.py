@@ -26,6 +26,8 @@ class Health:
     """What would take the robot out of Safe mode now."""
     readings: oi.Readings
     """The newest value of every packet that has arrived so far."""
+    odd: dict[str, int]
+    """Values that no Create should have, by packet, in the newest frames."""
     counts: LinkCounts
     line_problem: str | None
     """What is wrong with port or line; None while nothing is."""

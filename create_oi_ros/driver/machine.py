@@ -239,7 +239,7 @@ class Driver:
             busy=self.scripts.status(now) or self.state.refusal,
             mode=self.status,
             hazards=causes_in(readings) if readings.has('oi_mode') else (),
-            readings=readings, counts=copy(self.counts),
+            readings=readings, odd=dict(self._tracking.odd.newest), counts=copy(self.counts),
             line_problem=connection.problem,
             frame_age=now - connection.heard_at if self.counts.frames else None,
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
@@ -259,7 +259,7 @@ class Driver:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
         if self.state.activity is not Activity.CLOSED:
             self._outbox.send_at_once(HALT, now)
-        if self.status.actual is oi.Mode.PASSIVE:
+        if self.status.actual is oi.Mode.PASSIVE or self.status.unknown:
             self._outbox.send_at_once(END_DEMO, now)
         if self.status.wanted is oi.Mode.PASSIVE and self._outbox.busy:
             self._outbox.send(END_DEMO)  # one may be about to begin
@@ -306,9 +306,13 @@ class Driver:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
         taken = self._tracking.take(frame, self._connection.baud, now)
         self._connection.add_frame(frame.packets)
+        self._connection.heard_at = now
         if taken is None:
             return
-        self._connection.heard_at, self._newest = now, frame
+        self._newest = frame
+        for text in self._tracking.odd.news:
+            self._events.notice(Severity.WARNING, text)
+        self._tracking.odd.news.clear()
         activity = self.state.activity
         if activity is Activity.CALLING:
             self._found(now)
@@ -345,10 +349,11 @@ class Driver:
             self._velocity.report_next_refusal()
         status = self.status
         drives = status.can_drive
-        if drives and self.state.takes_commands:
-            right, left = requested_speeds(readings)
+        right, left = requested_speeds(readings)
+        seen = (drives or status.unknown) and None not in (right, left)
+        if seen and self.state.takes_commands:
             self._wheels.reported(right, left, now)
-        if self._connection.check_line(self._wheels.missed if drives else 0, now):
+        if self._connection.check_line(self._wheels.missed if seen else 0, now):
             self._send_again()
         if status.actual is not status.wanted:
             self._modes.retry(now)

@@ -93,8 +93,9 @@ class Modes:
             self._handle(StateEvent.MODE_LEFT)
             self._events.notice(
                 Severity.WARNING, f'robot left {status.wanted.name} for '
-                f'{readings.oi_mode.name}: {status.reason}')
-            if status.causes == (Cause.UNKNOWN,):
+                f'{status.name}: {status.reason}')
+            if status.causes == (Cause.UNKNOWN,) or (
+                    status.unknown and status.wanted is oi.Mode.PASSIVE):
                 self._outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
         if self._requested is not None:
             if status.actual is not self._requested:
@@ -111,6 +112,8 @@ class Modes:
     def advice(self, again: str = 'let commands pause and send again') -> str:
         """Say how a robot that is in no mode to drive is brought to drive."""
         causes = self._supervision.status.causes
+        if self._supervision.status.unknown:
+            return 'call set_mode with SAFE; if that does not help, switch the robot off and on'
         if self._supervision.docked:
             return 'send the goal undock, it is on its dock (dock and undock are actions)'
         if Cause.CHARGER in causes:
@@ -124,10 +127,11 @@ class Modes:
         if self._requested is None or now <= self._deadline:
             return
         status = self._supervision.status
-        stays = 'does not answer' if status.actual is None else f'stays in {status.actual.name}'
+        lost = status.actual is None and not status.unknown
+        stays = 'does not answer' if lost else f'stays in {status.name}'
         why = f' ({status.reason})' if status.reason else ''
-        needs = (self.advice() if self._supervision.docked else 'in SAFE it needs all wheels '
-                 'down, no cliff under it and no charger plugged in')
+        needs = (self.advice() if self._supervision.docked or status.unknown else
+                 'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
         self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: {needs}')
 
     def allow_driving(self, now: float) -> str | None:
@@ -143,8 +147,7 @@ class Modes:
             return None
         if not self._supervision.may_recover(now):
             why = f' ({status.reason})' if status.reason else ''
-            actual = 'no known mode' if status.actual is None else status.actual.name
-            return f'robot is in {actual}{why}'
+            return f'robot is in {status.name}{why}'
         if not self._outbox.busy:
             self._events.notice(Severity.INFO, f'{status.reason} is gone: entering '
                                 f'{status.wanted.name} again')

@@ -1,12 +1,32 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Finds what cannot be true: jumps, and an angle that never changes while the robot turns."""
+"""Finds what cannot be true: values, jumps, and an angle that stays while the robot turns."""
 
+from collections import Counter
 from math import degrees, inf
 
 from .. import oi
-from ..robot import MM_PER_M
+from ..oi.readings import ALLOWED
+from ..robot import (
+    BATTERY_DEGREES,
+    BATTERY_MILLIAMPS,
+    BATTERY_MILLIVOLTS,
+    MM_PER_M,
+    MOST_CAPACITY,
+    MOST_CHARGE,
+)
+from .events import LinkCounts
 from .script_speeds import requested_speeds
+
+BATTERY = {
+    'voltage': BATTERY_MILLIVOLTS, 'current': BATTERY_MILLIAMPS,
+    'battery_temperature': BATTERY_DEGREES,
+    'battery_charge': range(int(MOST_CHARGE * MOST_CAPACITY) + 1),
+    'battery_capacity': range(MOST_CAPACITY + 1)}
+"""What the hardware can have, where the manual allows all numbers."""
+POSSIBLE = ALLOWED | BATTERY
+RUNNING = 3
+"""Odd frames in a row that are no accident: this robot sends such values."""
 
 FASTEST, FASTEST_TURN = 1.0, 450.0
 """m/s and deg/s: twice what the wheels can do, for a robot that is pushed."""
@@ -18,6 +38,64 @@ ANGLE_STUCK = (
     'the angle does not change though the robot was told to turn: are the wheels blocked, or does '
     'odometry_window: 0 hide slow turns? Some firmware before 3.4.1 is reported to send a '
     'constant 0')
+
+
+class OddValues:
+    """
+    Decides what becomes of values that no Create should have.
+
+    One frame with a value that the manual rules out is dropped: damage can have a correct
+    checksum. In the third frame in a row it is no damage. From then on the robot may have
+    anything in that packet: bits without a meaning are cleared, numbers and codes become None.
+    """
+
+    def __init__(self, counts: LinkCounts) -> None:
+        self._counts = counts
+        self.newest: dict[str, int] = {}
+        """Odd values in the newest frames that had their packets, by field."""
+        self.news: list[str] = []
+        """What the user should be told: remove it then."""
+        self._running: Counter[str] = Counter()
+        """Frames in a row in which a field was odd."""
+        self._known: set[str] = set()
+        self._dropped = 0
+        """Frames in a row that were dropped."""
+
+    def corrected(self, readings: oi.Readings) -> oi.Readings | None:
+        """Return a verified frame's readings without what cannot be; None: drop the frame."""
+        odd = readings.implausible(POSSIBLE)
+        if not odd and not self._running:
+            return readings  # as in most frames
+        for name in [name for name in self._running if readings.has(name) and name not in odd]:
+            del self._running[name]
+            self.newest.pop(name, None)
+        self._running.update(odd)
+        ruled_out = set(readings.implausible()) - self._known
+        if (self._dropped < RUNNING - 1
+                and any(self._running[name] < RUNNING for name in ruled_out)):
+            self._dropped += 1
+            self._counts.implausible_frames += 1
+            return None
+        self._dropped = 0
+        self._counts.odd_values += len(odd)
+        for name in odd:
+            self.newest[name] = readings.number(name, 0)
+            if name not in self._known and (name in ruled_out or self._running[name] >= RUNNING):
+                self._known.add(name)
+                self.news.append(_unlike_the_manual(name, self.newest[name]))
+        return readings.corrected(odd)
+
+
+def _unlike_the_manual(name: str, value: int) -> str:
+    """Tell the user of a packet with a value that no Create should have."""
+    number, title, wire = oi.PACKETS[oi.NUMBERS[name]]
+    allowed = wire.describe()
+    if name in BATTERY:
+        allowed = f'{BATTERY[name][0]} to {BATTERY[name][-1]} {wire.unit}'
+    meant = wire.without_spare_bits(value)
+    return (f'the robot sends {title} (packet {number}) = {value}, which no Create should have '
+            f'(allowed: {allowed}): the driver takes it as '
+            f'{"not known" if meant is None else meant} and goes on; please report it')
 
 
 class JumpCheck:
@@ -59,7 +137,7 @@ class TurnCheck:
             return False  # as in most frames
         if readings.number('angle', 0):
             self._requested, self.stuck = 0.0, False
-        elif drives:
+        elif drives and None not in (right, left):
             self._requested += degrees((right - left) / MM_PER_M / self._separation) * dt
         before, self.stuck = self.stuck, abs(self._requested) > TURN_LIMIT
         return self.stuck and not before

@@ -11,7 +11,7 @@ from .. import oi
 from .outbox import Outbox
 from .pending import Pending, refused
 from .state import Activity, REFUSALS, State
-from .supervision import Supervision
+from .supervision import MODE_COMMANDS, Supervision
 
 
 class Requests:
@@ -24,7 +24,7 @@ class Requests:
 
     @property
     def mode(self) -> oi.Mode | None:
-        """The robot's mode; None while no robot answers."""
+        """The robot's mode; None while it is not known."""
         return self._supervision.status.actual
 
     def refusal(self, command: type[oi.Command]) -> str | None:
@@ -32,11 +32,13 @@ class Requests:
         mode = self.mode
         if self._state.refusal is not None:
             return self._state.refusal
-        if mode is None:
+        status = self._supervision.status
+        if mode is None and not status.unknown:
             return REFUSALS[Activity.CALLING]
-        if mode in command.modes:
+        if mode in command.modes or status.unknown and command in MODE_COMMANDS.values():
             return None
-        return f'robot is in {mode.name}: call set_mode with SAFE first'
+        why = f' ({status.reason})' if status.unknown else ''
+        return f'robot is in {status.name}{why}: call set_mode with SAFE first'
 
     def send(self, command: oi.Command, done: str, *, pause: float = 0.0) -> Pending:
         """Send a command, or refuse it; the outcome's text is `done` once it is written."""

@@ -42,21 +42,23 @@ class ScriptSpeeds:
         that a part of the motion is missing from them. False where the packets do not tell the
         speeds either: then that part is all that is known."""
 
-    def speeds(self, readings: oi.Readings) -> Speeds:
-        """Return how fast the wheels are to run by a frame's packets."""
+    def speeds(self, readings: oi.Readings) -> Speeds | None:
+        """Return how fast the wheels are to run by a frame's packets; None if not known."""
         if not self._drive:
             return requested_directly(readings)
         if not readings.has(*DRIVE_REQUEST):
             return 0.0, 0.0
+        if readings.requested_velocity is None:
+            return None
         right, left = wheel_speeds(
             readings.requested_velocity, readings.requested_radius, self._separation)
         return _limited(right), _limited(left)
 
 
-def requested_directly(readings: oi.Readings) -> Speeds:
-    """Return what the last Drive Direct asked for."""
+def requested_directly(readings: oi.Readings) -> Speeds | None:
+    """Return what the last Drive Direct asked for; None if not known."""
     right, left = requested_speeds(readings)
-    return right / MM_PER_M, left / MM_PER_M
+    return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
 
 
 def _limited(speed: float) -> float:

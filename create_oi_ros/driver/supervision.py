@@ -27,6 +27,8 @@ LEFT_DROP, RIGHT_DROP, CASTER_DROP = map(int, (
     oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT, oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
     oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER))
 
+NO_ROBOT = 'no robot answers'
+"""Why the mode is not known, as a rule."""
 HOME_BASE = int(oi.ChargingSources.HOME_BASE)
 
 
@@ -42,6 +44,7 @@ class Cause(Enum):
     WHEEL_DROP_CASTER = 'caster dropped'
     CHARGER = 'charger powered'
     POWER = 'robot was switched off'
+    MODE_UNKNOWN = 'it reports a mode that the manual does not have'
     UNKNOWN = 'unknown cause'
 
 
@@ -74,7 +77,12 @@ def _causes(drops: int, left: int, front_left: int, front_right: int, right: int
 
 @dataclass(frozen=True)
 class ModeStatus:
-    """What is known of the robot's mode; `actual` is None while there is no robot."""
+    """
+    What is known of the robot's mode.
+
+    `actual` is None while there is no robot, and where it reports a mode that does not exist:
+    then the cause is MODE_UNKNOWN.
+    """
 
     actual: oi.Mode | None
     wanted: oi.Mode
@@ -85,12 +93,22 @@ class ModeStatus:
         """Whether the robot follows velocities in its mode."""
         return self.actual in oi.DriveDirect.modes
 
+    @cached_property
+    def unknown(self) -> bool:
+        """Whether the robot reports a mode that does not exist: it must stop, as if it drove."""
+        return Cause.MODE_UNKNOWN in self.causes
+
     @property
     def reason(self) -> str:
         """Why the robot is not in the wanted mode, for people; empty where it is."""
-        if self.actual is None:
-            return 'no robot answers'
+        if self.actual is None and not self.causes:
+            return NO_ROBOT
         return ', '.join(cause.value for cause in self.causes)
+
+    @property
+    def name(self) -> str:
+        """The name of the mode, for people."""
+        return 'no known mode' if self.actual is None else self.actual.name
 
 
 class Supervision:
@@ -117,7 +135,8 @@ class Supervision:
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; why the robot left the last one no longer matters."""
         self._settled = None
-        self.status = ModeStatus(self.status.actual, mode)
+        causes = self.status.causes if self.status.actual is None else ()
+        self.status = ModeStatus(self.status.actual, mode, causes)
         self._tries = 0
 
     def lost(self) -> None:
@@ -162,8 +181,11 @@ class Supervision:
         left = before.actual == before.wanted != actual
         # Without a cause it may only seem so: a frame from before the mode was entered came late.
         dropped = left and (bool(present) or now - self._asked_at > SETTLING)
+        dropped |= actual is None and (left or before.can_drive)
         causes = before.causes
-        if dropped:
+        if actual is None:
+            causes, self._commands_paused = (Cause.MODE_UNKNOWN,), False
+        elif dropped:
             causes = present or self._before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
             self._commands_paused = False
@@ -171,7 +193,7 @@ class Supervision:
             causes, self._tries = (), 0
         elif left:
             self._tries = 1
-        elif self._refused(present, now):
+        elif before.unknown or self._refused(present, now):
             causes = present or (Cause.UNKNOWN,)
         self._before = present
         if (actual, causes) != (before.actual, before.causes):

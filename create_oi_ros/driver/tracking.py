@@ -13,7 +13,7 @@ from .. import oi
 from ..odometry import Estimate, Increment, Knowledge, Odometry
 from .events import LinkCounts, Moved
 from .frame_clock import FrameClock, LEAST_STEP
-from .plausibility import JumpCheck
+from .plausibility import JumpCheck, OddValues
 from .script_speeds import Speeds
 from .settings import Settings
 
@@ -26,10 +26,10 @@ wheel_drops_and_mode = oi.Readings.numbers('bumps_and_wheel_drops', 'oi_mode')
 
 
 class Taken(NamedTuple):
-    """A frame whose values are plausible."""
+    """A frame that was believed."""
 
     readings: oi.Readings
-    """What this frame brought."""
+    """What this frame brought; None is what cannot be true."""
     stamp: float
     """When it left the robot."""
     dt: float
@@ -49,7 +49,10 @@ class Tracking:
         """The newest of every packet that has arrived so far."""
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._counts = counts
+        self.odd = OddValues(counts)
         self._jumps = JumpCheck()
+        self._reading_dropped = False
+        """Whether a frame with distance and angle was dropped since the last one taken."""
         self._unseen = self._found_lost = 0.0
         self._held: Increment | None = None
         """A frame after a gap, with its reading: the next one tells how long the gap was. Until
@@ -82,16 +85,16 @@ class Tracking:
         self.odometry.interrupted()
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
-        """Take a verified frame in; None where the manual rules out its values."""
+        """Take a verified frame in; None where `OddValues` drops it."""
         stamp, dt = self.clock.stamp(now, frame.packets.wire_time(baud))
         self._unseen += dt
         self._found_lost += self.clock.found_lost
-        if not frame.packets.plausible(frame.data):
-            self._counts.implausible_frames += 1
+        readings = self.odd.corrected(frame.readings)
+        if readings is None:
+            self._reading_dropped |= 'distance' in frame.packets.names
             return None
         dt, self._unseen = self._unseen, 0.0
         self._counts.frames += 1
-        readings = frame.readings
         self.readings = self.readings.updated(readings)
         return Taken(readings, stamp, dt)
 
@@ -112,10 +115,12 @@ class Tracking:
         increment = Increment(
             dt=taken.dt, right=right, left=left,
             driven=mode in DRIVEN and speeds is not None, lifted=bool(drops & LIFTED),
-            lost=self.clock.gap or readings.has('distance') and not asked,
+            lost=(self.clock.gap or self._reading_dropped
+                  or readings.has('distance') and not asked),
             distance=readings.distance if asked else None,
             angle=readings.angle if asked else None)
         lost, self._found_lost, self._due = self._found_lost, 0.0, False
+        self._reading_dropped = False
         if self._held is not None:
             self.odometry.update(
                 self._held._replace(dt=max(lost, LEAST_STEP), lost=lost > 0))

@@ -99,7 +99,8 @@ class VelocityControl:
         self._refusal_reported = False
 
     def _send_speeds(self, now: float) -> None:
-        if self._state.takes_commands and self._supervision.status.can_drive:
+        status = self._supervision.status
+        if self._state.takes_commands and (status.can_drive or status.unknown):
             drive = self._wheels.next_drive(now)
             if drive is not None:
                 self._outbox.send_at_once(drive, now)

@@ -9,7 +9,6 @@ Input Commands).
 """
 
 from collections.abc import Iterable, Sequence
-from operator import contains
 import struct
 from typing import NamedTuple
 
@@ -87,7 +86,9 @@ class PacketList:
         self.names = tuple(NAMES[packet.id] for packet in self.packets)
         wires = [packet.wire for packet in self.packets]
         self._values = struct.Struct(BIG_ENDIAN + ''.join(wire.format for wire in wires))
-        self._frame = struct.Struct(f'{BIG_ENDIAN}xx{self._tagged("x")}x')
+        self._frame = struct.Struct(BIG_ENDIAN + 'xx' + ''.join(
+            'x' + ''.join(PACKETS[n].wire.format for n in singles(number))
+            for number in self.ids) + 'x')
         self.reply_size = self._values.size
         self.frame_size = self._frame.size
         self.length = self.frame_size - len((HEADER, 'length', 'checksum')) & 0xff
@@ -97,12 +98,6 @@ class PacketList:
         byte. No frame of such a list exists: its `budget` does not fit at any baud rate.
         """
         self._mask, self._tags = self._fixed_bytes()
-        self._impossible = int.from_bytes(
-            self._frame.pack(*(wire.impossible_bits for wire in wires)))
-        """Bits that no plausible frame has."""
-        self._ranges = [wire.allowed for wire in wires if not wire.told_by_bits]
-        """What is allowed of the values of which these bits do not tell it."""
-        self._ranged = struct.Struct(f'{BIG_ENDIAN}xx{self._tagged("x", ranged_only=True)}x')
 
     @classmethod
     def named(cls, *names: str) -> 'PacketList':
@@ -117,16 +112,6 @@ class PacketList:
 
     def __repr__(self) -> str:
         return f'PacketList({self.ids})'
-
-    def _tagged(self, tag: str, *, ranged_only: bool = False) -> str:
-        """Return the format of ids and values, or only of values that their bits do not judge."""
-        formats = []
-        for number in self.ids:
-            formats.append(tag)
-            for wire in (PACKETS[n].wire for n in singles(number)):
-                skipped = ranged_only and wire.told_by_bits
-                formats.append('x' * wire.size if skipped else wire.format)
-        return ''.join(formats)
 
     def _fixed_bytes(self) -> tuple[int, int]:
         """
@@ -148,11 +133,6 @@ class PacketList:
         """Tell whether a frame, or the start of one, has this list's header, length and ids."""
         missing = 8 * (self.frame_size - len(frame))
         return int.from_bytes(frame) & (self._mask >> missing) == self._tags >> missing
-
-    def plausible(self, frame: bytes) -> bool:
-        """Tell whether the manual allows all values of a frame, without decoding them."""
-        return not int.from_bytes(frame) & self._impossible and all(
-            map(contains, self._ranges, self._ranged.unpack(frame)))
 
     def budget(self, baud: int) -> Budget:
         """Return what a frame costs at a baud rate (manual: Stream)."""

@@ -9,6 +9,7 @@ range and unit (manual: Sensor Packets).
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from functools import cache
+from math import nan
 from operator import itemgetter
 from typing import Annotated, Any, get_args, NamedTuple
 
@@ -29,6 +30,7 @@ FLAG = Wire('B', 0, 1, boolean=True)
 SIGNAL = Wire('H', 0, 4095)
 SPEED = Wire('h', -TOP_SPEED_MM, TOP_SPEED_MM, 'mm/s')
 UNSIGNED_MAX = 65535
+CHARGE = Wire('H', 0, UNSIGNED_MAX, 'mAh')
 VOLTS_PER_STEP = 5 / 1023
 """Resolution of the analog input (manual: Cargo Bay Analog Signal)."""
 
@@ -46,7 +48,8 @@ class Readings:
     Values of single packets, in the units of the manual. They cannot be changed.
 
     Only packets that have arrived have a value: reading any other field raises AttributeError.
-    Values out of the manual's range are kept unchanged; `implausible` names them.
+    Values out of the manual's range are kept unchanged; `implausible` names them. `corrected`
+    makes numbers and codes among them None: not known.
 
     The numbers are stored as they came. A number becomes a truth value or a named member only
     when its field is read, because most values are never read.
@@ -72,43 +75,42 @@ class Readings:
     distance: Annotated[int, Packet(19, 'Distance', Wire('h', -32768, 32767, 'mm'))]
     angle: Annotated[int, Packet(20, 'Angle', Wire('h', -32768, 32767, 'deg'))]
     charging_state: Annotated[
-        ChargingState, Packet(21, 'Charging State', choice('B', ChargingState))]
-    voltage: Annotated[int, Packet(22, 'Voltage', Wire('H', 0, UNSIGNED_MAX, 'mV'))]
-    current: Annotated[int, Packet(23, 'Current', Wire('h', -32768, 32767, 'mA'))]
+        ChargingState | None, Packet(21, 'Charging State', choice('B', ChargingState))]
+    voltage: Annotated[int | None, Packet(22, 'Voltage', Wire('H', 0, UNSIGNED_MAX, 'mV'))]
+    current: Annotated[int | None, Packet(23, 'Current', Wire('h', -32768, 32767, 'mA'))]
     battery_temperature: Annotated[
-        int, Packet(24, 'Battery Temperature', Wire('b', -128, 127, 'degC'))]
-    battery_charge: Annotated[int, Packet(25, 'Battery Charge', Wire('H', 0, UNSIGNED_MAX, 'mAh'))]
-    battery_capacity: Annotated[
-        int, Packet(26, 'Battery Capacity', Wire('H', 0, UNSIGNED_MAX, 'mAh'))]
-    wall_signal: Annotated[int, Packet(27, 'Wall Signal', SIGNAL)]
-    cliff_left_signal: Annotated[int, Packet(28, 'Cliff Left Signal', SIGNAL)]
-    cliff_front_left_signal: Annotated[int, Packet(29, 'Cliff Front Left Signal', SIGNAL)]
-    cliff_front_right_signal: Annotated[int, Packet(30, 'Cliff Front Right Signal', SIGNAL)]
-    cliff_right_signal: Annotated[int, Packet(31, 'Cliff Right Signal', SIGNAL)]
+        int | None, Packet(24, 'Battery Temperature', Wire('b', -128, 127, 'degC'))]
+    battery_charge: Annotated[int | None, Packet(25, 'Battery Charge', CHARGE)]
+    battery_capacity: Annotated[int | None, Packet(26, 'Battery Capacity', CHARGE)]
+    wall_signal: Annotated[int | None, Packet(27, 'Wall Signal', SIGNAL)]
+    cliff_left_signal: Annotated[int | None, Packet(28, 'Cliff Left Signal', SIGNAL)]
+    cliff_front_left_signal: Annotated[int | None, Packet(29, 'Cliff Front Left Signal', SIGNAL)]
+    cliff_front_right_signal: Annotated[int | None, Packet(30, 'Cliff Front Right Signal', SIGNAL)]
+    cliff_right_signal: Annotated[int | None, Packet(31, 'Cliff Right Signal', SIGNAL)]
     digital_inputs: Annotated[
         DigitalInputs, Packet(32, 'Cargo Bay Digital Inputs', bits('B', DigitalInputs))]
     analog_signal: Annotated[
-        int, Packet(33, 'Cargo Bay Analog Signal', Wire('H', 0, 1023, '5/1023 V'))]
+        int | None, Packet(33, 'Cargo Bay Analog Signal', Wire('H', 0, 1023, '5/1023 V'))]
     charging_sources: Annotated[
         ChargingSources, Packet(34, 'Charging Sources Available', bits('B', ChargingSources))]
-    oi_mode: Annotated[Mode, Packet(35, 'OI Mode', choice('B', Mode))]
-    song_number: Annotated[int, Packet(36, 'Song Number', Wire('B', 0, 15))]
+    oi_mode: Annotated[Mode | None, Packet(35, 'OI Mode', choice('B', Mode))]
+    song_number: Annotated[int | None, Packet(36, 'Song Number', Wire('B', 0, 15))]
     song_playing: Annotated[bool, Packet(37, 'Song Playing', FLAG)]
     stream_packets: Annotated[int, Packet(38, 'Number of Stream Packets', Wire('B', 0, 43))]
-    requested_velocity: Annotated[int, Packet(39, 'Requested Velocity', SPEED)]
+    requested_velocity: Annotated[int | None, Packet(39, 'Requested Velocity', SPEED)]
     requested_radius: Annotated[
         int, Packet(40, 'Requested Radius', Wire('h', -32768, 32767, 'mm'))]
-    requested_right_velocity: Annotated[int, Packet(41, 'Requested Right Velocity', SPEED)]
-    requested_left_velocity: Annotated[int, Packet(42, 'Requested Left Velocity', SPEED)]
+    requested_right_velocity: Annotated[int | None, Packet(41, 'Requested Right Velocity', SPEED)]
+    requested_left_velocity: Annotated[int | None, Packet(42, 'Requested Left Velocity', SPEED)]
 
     def __init__(self, values: Mapping[str, int] | None = None) -> None:
         """Store values by field name; KeyError names a field that does not exist."""
-        self._numbers = dict(values or {})
+        self._numbers: dict[str, int | None] = dict(values or {})
         for name in self._numbers:
             NUMBERS[name]  # raises KeyError
 
     @classmethod
-    def of_fields(cls, numbers: dict[str, int]) -> 'Readings':
+    def of_fields(cls, numbers: dict[str, int | None]) -> 'Readings':
         """Store a dictionary without copying it; its keys must be field names."""
         readings = cls.__new__(cls)
         readings._numbers = numbers
@@ -125,8 +127,12 @@ class Readings:
 
     @property
     def analog_volts(self) -> float:
-        """Voltage at the analog input, V (packet 33); AttributeError if it has not arrived."""
-        return self.analog_signal * VOLTS_PER_STEP
+        """
+        Voltage at the analog input, V (packet 33); NaN if it is not known.
+
+        AttributeError if it has not arrived.
+        """
+        return nan if self.analog_signal is None else self.analog_signal * VOLTS_PER_STEP
 
     def items(self) -> Iterator[tuple[str, Any]]:
         """Yield field names and values."""
@@ -137,40 +143,49 @@ class Readings:
         return all(map(self._numbers.__contains__, names))
 
     def number(self, name: str, default: int) -> int:
-        """Return a field as the plain number that came; `default` if it has not arrived."""
-        return self._numbers.get(name, default)
+        """Return a field as a plain number; `default` if it has not arrived or is not known."""
+        number = self._numbers.get(name)
+        return default if number is None else number
 
     @staticmethod
-    def numbers(first: str, *more: str) -> Callable[['Readings'], tuple[int, ...]]:
+    def numbers(first: str, *more: str) -> Callable[['Readings'], tuple[Any, ...]]:
         """
-        Return a function that looks these fields up at once, as the plain numbers that came.
+        Return a function that looks these fields up at once, as plain numbers.
 
-        KeyError, from that function: one of them has not arrived.
+        A number that is not known is None. KeyError, from that function: one of them has not
+        arrived.
         """
         if not more:
             return lambda readings: (readings._numbers[first],)
-        pick: Callable[[dict[str, int]], tuple[int, ...]] = itemgetter(first, *more)
+        pick: Callable[[Mapping[str, int | None]], tuple[Any, ...]] = itemgetter(first, *more)
         return lambda readings: pick(readings._numbers)
 
     def updated(self, newer: 'Readings') -> 'Readings':
         """Return these readings with the newer ones in their place."""
         return self.of_fields(self._numbers | newer._numbers)
 
-    def implausible(self) -> list[str]:
-        """Name the readings that are out of the manual's range."""
-        return [name for name, number in self._numbers.items() if number not in ALLOWED[name]]
+    def implausible(self, allowed: Mapping[str, Container[int | None]] | None = None) -> list[str]:
+        """Name the readings that are out of the manual's range, or not among those `allowed`."""
+        allowed = allowed or ALLOWED
+        return [name for name, number in self._numbers.items() if number not in allowed[name]]
+
+    def corrected(self, names: Iterable[str]) -> 'Readings':
+        """Return these readings with bits that mean nothing cleared, or None, in these fields."""
+        return self.of_fields(self._numbers | {
+            name: PACKETS[NUMBERS[name]].wire.without_spare_bits(self.number(name, 0))
+            for name in names})
 
 
 def _field(name: str, wire: Wire) -> property:
     """Return the property of `Readings` that looks one field up."""
-    named = cache(wire.named) if wire.boolean or wire.names else int
+    named = cache(wire.named) if wire.boolean or wire.names else None
 
     def look_up(readings: Readings) -> Any:
         try:
             number = readings._numbers[name]
         except KeyError:
             raise AttributeError(f'{name} has not arrived') from None
-        return named(number)
+        return named(number) if named else number
 
     return property(look_up)
 
@@ -179,7 +194,7 @@ def _field(name: str, wire: Wire) -> property:
 PACKETS: dict[int, Packet] = {}
 NAMES: dict[int, str] = {}
 NUMBERS: dict[str, int] = {}
-ALLOWED: dict[str, Container[int]] = {}
+ALLOWED: dict[str, Container[int | None]] = {}
 for _name, _annotation in Readings.__annotations__.items():
     _, _packet = get_args(_annotation)
     PACKETS[_packet.id], NAMES[_packet.id], NUMBERS[_name] = _packet, _name, _packet.id

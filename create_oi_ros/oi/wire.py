@@ -96,17 +96,10 @@ class Wire:
             return 0
         return sum(self._values)
 
-    @cached_property
-    def impossible_bits(self) -> int:
-        """Bits that no allowed number has; 0 where numbers may be negative."""
-        used = self.mask or (1 << self.high.bit_length()) - 1
-        return 0 if self.low < 0 else self.limits[1] & ~used
-
-    @cached_property
-    def told_by_bits(self) -> bool:
-        """Whether all numbers without these bits are allowed."""
-        bits = 8 * self.size - self.impossible_bits.bit_count()
-        return len(self.allowed) == 1 << bits
+    def without_spare_bits(self, value: int) -> int | None:
+        """Return a number without the bits that mean nothing; None where it holds no bits."""
+        bits = 1 if self.boolean else self.mask
+        return value & bits if bits else None
 
     def describe(self) -> str:
         """Say what is allowed, for an error message and for the documentation."""
@@ -123,8 +116,10 @@ class Wire:
             text += ' (negative for the inverse)'
         return text + ''.join(f', but not {value}' for value in self.but)
 
-    def named(self, value: int) -> Any:
+    def named(self, value: int | None) -> Any:
         """Return a number as a truth value or named member; unchanged if it is neither."""
+        if value is None:
+            return None
         if self.boolean:
             return bool(value) if value in self.allowed else value
         if self.names is not None and self.mask:

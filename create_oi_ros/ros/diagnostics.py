@@ -29,6 +29,8 @@ HOT, TOO_HOT = 45, 60
 """Degrees Celsius of the battery that are unusual while charging, and dangerous (guess)."""
 CHARGED = (oi.ChargingState.FULL_CHARGING, oi.ChargingState.TRICKLE,
            oi.ChargingState.RECONDITIONING, oi.ChargingState.WAITING)
+CHARGE = ('battery_charge', 'battery_capacity')
+BATTERY = ('charging_state', 'voltage', 'current', 'battery_temperature')
 TOUCHED = ('bumps_and_wheel_drops', 'overcurrents', 'charging_sources')
 LINK, PARAMETERS = 'serial link', 'parameters'
 """Names of two statuses, for programs that read them."""
@@ -78,10 +80,16 @@ def serial_link(
     return status(f'{name}: {LINK}', level, message, {
         'port': port, 'frames per second': round((counts.frames - before.frames) / seconds, 1),
         'damaged frames': faults, 'garbage bytes': garbage,
+        'odd values': counts.odd_values - before.odd_values,
+        'odd packets': _odd(health.odd) or 'none',
         'seconds since a frame': 'never' if age is None else round(age, 2),
         'silences since start': counts.silences,
         'checksum': health.checksum.value if health.checksum else 'not known yet',
         'bytes spare in a slot': health.spare_bytes})
+
+
+def _odd(values: Mapping[str, int]) -> str:
+    return ', '.join(f'{name.replace("_", " ")} = {value}' for name, value in values.items())
 
 
 def mode(name: str, health: Health) -> DiagnosticStatus:
@@ -89,7 +97,7 @@ def mode(name: str, health: Health) -> DiagnosticStatus:
     known = health.mode
     actual = 'unknown' if known.actual is None else known.actual.name
     level, message = OK, actual
-    if known.actual is None:
+    if known.actual is None and not known.unknown:
         level, message = WARN, known.reason
     elif known.actual != known.wanted:
         level, message = OK, f'{actual}, entering {known.wanted.name}'
@@ -134,11 +142,21 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
     state = dict(zip(content.paths, content.values(readings, charge_known=charge_known)))
     charge, temperature = state['percentage'], state['temperature']
     level, message = _battery(readings, charge, temperature, health.battery)
+    odd = {each: value for each, value in health.odd.items()
+           if each in BATTERY or charge_known and each in CHARGE}
+    if charge_known and isnan(charge) and not odd and readings.number('battery_charge', 0):
+        odd = {each: readings.number(each, 0) for each in CHARGE}
+    if odd and level == OK:
+        level, message = WARN, f'not known: {_odd(odd)}, which no battery has'
+    charging = readings.charging_state
     return status(f'{name}: battery', level, message, {
-        'voltage (V)': round(state['voltage'], 3), 'current (A)': round(state['current'], 3),
-        'charge (%)': 'not known' if isnan(charge) else round(100 * charge),
-        'temperature (C)': temperature,
-        'charging': oi.ChargingState(readings.charging_state).name.lower()})
+        'voltage (V)': _known(state['voltage'], 3), 'current (A)': _known(state['current'], 3),
+        'charge (%)': _known(100 * charge), 'temperature (C)': _known(temperature, 1),
+        'charging': 'not known' if charging is None else charging.name.lower()})
+
+
+def _known(number: float, digits: int | None = None) -> float | str:
+    return 'not known' if isnan(number) else round(number, digits)
 
 
 def _battery(readings: oi.Readings, charge: float, temperature: float,
@@ -149,8 +167,9 @@ def _battery(readings: oi.Readings, charge: float, temperature: float,
         return ERROR, f'{temperature:.0f} degrees Celsius: switch it off'
     if readings.charging_state in CHARGED:
         return OK, 'on the charger'
-    if readings.charging_sources and readings.oi_mode in oi.ACTUATE:
-        return WARN, f'does not charge in {readings.oi_mode.name}: call set_mode with PASSIVE'
+    mode = readings.oi_mode
+    if readings.charging_sources and mode is not None and mode in oi.ACTUATE:
+        return WARN, f'does not charge in {mode.name}: call set_mode with PASSIVE'
     if charge < EMPTY or watched is BatteryLevel.EMPTY:
         return ERROR, 'empty: charge it now'
     if charge < LOW or watched is BatteryLevel.LOW:

@@ -25,6 +25,7 @@ from tf2_msgs.msg import TFMessage
 
 from .. import oi
 from ..driver import ModeStatus
+from ..driver.supervision import NO_ROBOT
 from ..odometry import Estimate
 from ..oi import (
     BumpsAndWheelDrops,
@@ -40,7 +41,7 @@ from ..oi import (
 )
 from ..oi.script import commands_of
 from ..oi.tools.text import format_commands, parse_script
-from ..robot import MILLI
+from ..robot import MILLI, MOST_CHARGE
 from .rotation import of_yaw
 
 NANOSECONDS = 1_000_000_000
@@ -52,6 +53,8 @@ POSE_PLACES = tuple(6 * row + column for row in POSE_AXES for column in POSE_AXE
 """Indices of the covariance of x, y and yaw, row by row, in the 36 numbers of ROS."""
 TWIST_PLACES = tuple(7 * axis for axis in TWIST_AXES)
 """Indices of the variances of the speeds in the same 36 numbers."""
+UNKNOWN_CODE, UNKNOWN_SIGNAL = Mode.UNKNOWN, 0xffff
+"""A code and a signal that are not known, in fields that have no NaN: no robot has them."""
 STAMP = ('stamp.sec', 'stamp.nanosec')
 """The fields of a header that change."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
@@ -169,6 +172,11 @@ def wheel_drop(readings: Readings) -> tuple[bool, ...]:
     return drops(int(readings.bumps_and_wheel_drops))
 
 
+def known_signal(strength: int | None) -> int:
+    """Return the strength of a signal; UNKNOWN_SIGNAL where it is not known."""
+    return UNKNOWN_SIGNAL if strength is None else strength
+
+
 cliff_signals = Readings.numbers(
     'cliff_left_signal', 'cliff_front_left_signal', 'cliff_front_right_signal',
     'cliff_right_signal')
@@ -179,10 +187,11 @@ cliff_signals = Readings.numbers(
 def cliff(readings: Readings) -> tuple[int, ...]:
     """Return the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
     return (readings.cliff_left, readings.cliff_front_left, readings.cliff_front_right,
-            readings.cliff_right, *cliff_signals(readings))
+            readings.cliff_right, *map(known_signal, cliff_signals(readings)))
 
 
-CHARGING = {
+CHARGING: dict[ChargingState | None, int] = {
+    None: BatteryState.POWER_SUPPLY_STATUS_UNKNOWN,
     ChargingState.RECONDITIONING: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
     ChargingState.FULL_CHARGING: BatteryState.POWER_SUPPLY_STATUS_CHARGING,
     ChargingState.TRICKLE: BatteryState.POWER_SUPPLY_STATUS_FULL,
@@ -200,23 +209,31 @@ def battery_state(readings: Readings, *, charge_known: bool) -> tuple[float, ...
     Return the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
 
     The charge of the alkaline pack is not known (manual: Battery Charge). Real robots may report
-    a charge above the capacity, and a capacity of 0.
+    a charge a little above the capacity, and a capacity of 0; far above, the charge is not known.
     """
     status = CHARGING.get(readings.charging_state, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
     if readings.charging_state == ChargingState.NOT_CHARGING and readings.charging_sources:
         status = BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING
     faulty = readings.charging_state == ChargingState.FAULT
     charge, capacity = nan, nan
-    if charge_known and readings.battery_capacity > 0:
-        charge = readings.battery_charge * MILLI
+    if charge_known and readings.battery_capacity:
+        charge = _milli(readings.battery_charge)
         capacity = readings.battery_capacity * MILLI
+        if charge > MOST_CHARGE * capacity:
+            charge = nan
     health = (BatteryState.POWER_SUPPLY_HEALTH_UNSPEC_FAILURE if faulty
               else BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN)
     technology = (BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
                   else BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN)
-    return (True, readings.voltage * MILLI, readings.current * MILLI,
-            float(readings.battery_temperature), charge, capacity, nan,
+    degrees = readings.battery_temperature
+    return (True, _milli(readings.voltage), _milli(readings.current),
+            nan if degrees is None else float(degrees), charge, capacity, nan,
             min(charge / capacity, 1.0), status, health, technology)
+
+
+def _milli(thousandths: int | None) -> float:
+    """Return thousandths of a unit in that unit; NaN where they are not known."""
+    return nan if thousandths is None else thousandths * MILLI
 
 
 def mode(status: ModeStatus, header: Header) -> Mode:
@@ -229,22 +246,22 @@ def mode(status: ModeStatus, header: Header) -> Mode:
 MODE_NAMES = {mode.value: mode.name for mode in oi.Mode}
 
 
-def mode_name(code: int) -> str:
-    """Return the name of a mode in the message Mode; NO ROBOT for any other code."""
-    return MODE_NAMES.get(code, 'NO ROBOT')
+def mode_name(code: int, reason: str = NO_ROBOT) -> str:
+    """Return the name of a mode in the message Mode; the reason tells why it is UNKNOWN."""
+    return MODE_NAMES.get(code, 'NO ROBOT' if reason == NO_ROBOT else 'UNKNOWN')
 
 
 def charging_name(code: int) -> str:
-    """Return the name of a charging state in words; `state CODE` for an unknown code."""
+    """Return the name of a charging state in words; `state CODE` for a code without one."""
     if code not in list(ChargingState):
-        return f'state {code}'
+        return 'not known' if code == UNKNOWN_CODE else f'state {code}'
     return ChargingState(code).name.lower().replace('_', ' ')
 
 
 @content('wall', 'virtual_wall', 'signal')
 def wall(readings: Readings) -> tuple[int, ...]:
     """Return the wall sensor and the virtual wall (packets 8, 13 and 27)."""
-    return readings.wall, readings.virtual_wall, readings.wall_signal
+    return readings.wall, readings.virtual_wall, known_signal(readings.wall_signal)
 
 
 @content('play', 'advance')
@@ -264,7 +281,8 @@ def ir_omni(readings: Readings) -> tuple[int, str]:
 def charging(readings: Readings) -> tuple[int, ...]:
     """Return the charging state and the sources (packets 21 and 34)."""
     sources = readings.charging_sources
-    return (readings.charging_state, ChargingSources.INTERNAL_CHARGER in sources,
+    return (readings.number('charging_state', UNKNOWN_CODE),
+            ChargingSources.INTERNAL_CHARGER in sources,
             ChargingSources.HOME_BASE in sources)
 
 
@@ -280,7 +298,7 @@ def overcurrent(readings: Readings) -> tuple[bool, ...]:
 @content('number', 'playing')
 def song(readings: Readings) -> tuple[int, bool]:
     """Return the number of the song and whether it plays (packets 36 and 37)."""
-    return readings.song_number, readings.song_playing
+    return readings.number('song_number', UNKNOWN_CODE), readings.song_playing
 
 
 @content('input_0', 'input_1', 'input_2', 'input_3', 'baud_rate_pin', 'analog')

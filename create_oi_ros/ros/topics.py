@@ -95,7 +95,7 @@ JOINT_STATES = Topic(
     about=f'measured angle and speed of {" and ".join(f"`{n}`" for n in messages.WHEEL_JOINTS)}')
 MODE = Topic(
     name='mode', type=Mode, when='on change, latched', qos=LATCHED,
-    about='the actual mode, the wanted one, and why they differ')
+    about='the actual mode (255: no robot, or not known), the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
     about='battery, safety, mode, serial link, driver, odometry, version and parameters (REP 107)')
@@ -119,18 +119,19 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
         name='cliff', type=Cliff, content=messages.cliff,
         needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
         watch=CLIFFS,
-        about='the four cliff sensors, with signal strengths'),
+        about='the four cliff sensors, with signal strengths (65535: not known)'),
     SensorTopic(
         name='wall', type=Wall, content=messages.wall,
         needs=('wall', 'virtual_wall', 'wall_signal'),
         watch=('wall', 'virtual_wall'),
-        about='the wall sensor on the right, with its signal strength, and virtual walls'),
+        about='the wall sensor on the right, with its signal strength (65535: not known), and '
+        'virtual walls'),
     SensorTopic(
         name='cargo_bay', type=CargoBay, content=messages.cargo_bay, qos=LATCHED,
         needs=('digital_inputs', 'analog_signal'),
         watch=('digital_inputs',),
         when='on change at once, else at `sensor_rate`; latched',
-        about='digital inputs, analog input in volts, baud rate pin'),
+        about='digital inputs, analog input in volts (NaN: not known), baud rate pin'),
     StateTopic(
         name='buttons', type=Buttons, content=messages.buttons, needs=('buttons',),
         watch=('buttons',), about='Play and Advance'),
@@ -142,7 +143,7 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
         name='charging', type=Charging, content=messages.charging,
         needs=('charging_state', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
-        about='charging state, charger and Home Base'),
+        about='charging state (255: not known), charger and Home Base'),
     StateTopic(
         name='overcurrent', type=Overcurrent, content=messages.overcurrent,
         needs=('overcurrents',),
@@ -151,14 +152,14 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     StateTopic(
         name='song', type=Song, content=messages.song, needs=('song_number', 'song_playing'),
         watch=('song_number', 'song_playing'),
-        about='the song that plays, or played last'),
+        about='the song that plays, or played last (255: not known)'),
     SensorTopic(
         name='battery_state', type=BatteryState, content=messages.battery_state, period=1.0,
         needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
                'battery_capacity', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
         when='1 Hz, and when the charging state changes',
-        about='voltage, current, charge, temperature, charging status'),
+        about='voltage, current, charge, temperature, charging status; NaN: not known'),
 )
 PUBLISHED: tuple[Topic, ...] = (
     ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, CONTACTS, MODE, DIAGNOSTICS)

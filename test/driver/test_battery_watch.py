@@ -159,3 +159,13 @@ def test_a_frame_that_comes_late_is_late_enough():
     dock = Dock(reset=False)
     assert dock.said(0.0) == ''
     assert dock.said(5.3) != ''
+
+
+def test_a_voltage_that_is_not_known_is_no_low_one():
+    watch = BatteryWatch(LIMITS)
+    for now in (0.0, 5.0):
+        watch.observe(readings(12400), now)
+    unknown = readings(12400).corrected(['voltage'])
+    assert not watch.observe(unknown, 6.0) and watch.level is FINE
+    assert not watch.observe(readings(12400), 7.0), 'it begins anew'
+    assert not watch.observe(readings(15000), 8.0) and watch.level is FINE

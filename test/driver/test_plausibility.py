@@ -7,7 +7,10 @@ from math import degrees
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.plausibility import JumpCheck, TurnCheck
+from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver.plausibility import JumpCheck, POSSIBLE, RUNNING, TurnCheck
+from create_oi_ros.driver.stream_plan import ALL, SLOW
+from support.loop import Loop, said, texts
 
 
 def moved(distance: int, angle: int) -> oi.Readings:
@@ -76,3 +79,98 @@ def test_a_robot_that_does_not_turn_keeps_its_angle(right: int, left: int, drive
     check = TurnCheck(0.25)
     assert not check.observe(turning(right, left), 100.0, drives=drives)
     assert not check.stuck
+
+
+def impossible(name: str) -> int:
+    """Return a value that no Create has: a bit that means nothing, or out of range."""
+    wire = oi.PACKETS[oi.NUMBERS[name]].wire
+    return next(value for value in (2, 0x20, 0x80, *wire.limits)
+                if wire.fits(value) and value not in POSSIBLE[name])
+
+
+ODD = {name: impossible(name) for name in ALL
+       if len(POSSIBLE[name]) < 256 ** oi.size_of(name)}  # type: ignore[arg-type]
+
+
+def answered(loop: Loop) -> bool:
+    """Tell whether nobody was told that the robot is silent."""
+    return loop.driver.state.answered and not texts(loop.notices, Severity.ERROR)
+
+
+@pytest.mark.parametrize('baud', [57600, 19200])
+@pytest.mark.parametrize(('name', 'value'), ODD.items())
+def test_a_value_that_every_frame_has_stops_nothing(name: str, value: int, baud: int) -> None:
+    loop = Loop(Settings(baud=baud), robot_baud=baud)
+    loop.forged = {name: value}
+    loop.drive(0.2, 0.0, 2.0)
+    assert answered(loop)
+    packet = f'(packet {oi.NUMBERS[name]}) = {value},'
+    assert said(loop, Severity.WARNING, packet) == 1
+    health = loop.driver.health(loop.now)
+    assert health.odd == {name: value} and health.counts.odd_values > 1
+    assert health.counts.implausible_frames <= RUNNING - 1
+    wire = oi.PACKETS[oi.NUMBERS[name]].wire
+    bits = 1 if wire.boolean else wire.mask
+    assert getattr(health.readings, name) == (value & bits if bits else None)
+    assert (loop.body.truth().pose.x > 0.2) is (name != 'oi_mode')
+
+
+def test_all_of_them_at_once_and_other_values_in_every_frame_stop_nothing() -> None:
+    loop = Loop()
+    values = {name: value for name, value in ODD.items() if name != 'oi_mode'}
+    for turn in range(300):
+        loop.forged = {name: value for place, (name, value) in enumerate(values.items())
+                       if (place + turn // 3) % 7 or turn > 200}
+        loop.forged['wall_signal'] = 5000 + turn
+        loop.driver.drive(0.2, 0.0, loop.now)
+        loop.turn()
+    assert answered(loop) and loop.body.truth().pose.x > 0.2
+    told = said(loop, Severity.WARNING, 'which no Create should have')
+    assert told == len(values), 'each is told of once'
+    loop.forged = {}
+    loop.run(2)
+    assert loop.driver.health(loop.now).odd == {}
+    assert loop.driver.health(loop.now).readings.wall_signal is not None
+
+
+def test_one_odd_frame_is_dropped_and_so_is_another_one_later() -> None:
+    loop = Loop()
+    loop.run(1)
+    for count in (1, 2, 3):
+        loop.forged = {'oi_mode': 4}
+        loop.run(0.015)
+        loop.forged = {}
+        loop.run(0.1)
+        assert loop.driver.counts.implausible_frames == count
+    assert loop.driver.counts.odd_values == 0 and not texts(loop.notices, Severity.WARNING)
+    assert loop.driver.status.can_drive
+
+
+def test_a_mode_that_does_not_exist_stops_the_wheels_and_says_what_to_do() -> None:
+    loop = Loop()
+    loop.drive(0.3, 0.0, 2.0)
+    loop.forged = {'oi_mode': 4}
+    loop.drive(0.3, 0.0, 0.3)
+    assert loop.moved[-1].readings.requested_right_velocity == 0
+    assert said(loop, Severity.WARNING, 'robot left SAFE for no known mode') == 1
+    assert said(loop, Severity.WARNING, 'call set_mode with SAFE; if that does not help') == 1
+    request = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    loop.run(1.0)
+    assert request.outcome is not None and not request.outcome.ok
+    assert 'stays in no known mode' in request.outcome.text
+    refusal = loop.driver.demos.start(oi.DemoNumber.COVER).outcome
+    assert refusal is not None and 'no known mode' in refusal.text
+    loop.forged = {}
+    loop.drive(0.3, 0.0, 1.0)
+    assert loop.driver.status.can_drive and loop.driver.state.moving
+
+
+@pytest.mark.parametrize('name', SLOW[1:])
+def test_what_the_battery_cannot_have_is_not_known(name: str) -> None:
+    loop = Loop()
+    loop.run(1)
+    frames = loop.driver.counts.frames
+    loop.forged = {name: oi.PACKETS[oi.NUMBERS[name]].wire.limits[1]}
+    loop.drive(0.1, 0.0, 1.0)
+    assert getattr(loop.moved[-1].readings, name) is None
+    assert loop.driver.counts.frames - frames > 60, 'the manual allows it: no frame is dropped'

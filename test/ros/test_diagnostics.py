@@ -4,14 +4,17 @@
 
 from copy import copy
 from itertools import cycle
+from math import isnan
 
+from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticStatus
 import pytest
+from std_msgs.msg import Header
 
 from create_oi_ros import oi
 from create_oi_ros.driver import LinkCounts, Settings
 from create_oi_ros.oi.tools.text import parse_script
-from create_oi_ros.ros import diagnostics
+from create_oi_ros.ros import diagnostics, messages
 from support.loop import Loop
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -103,6 +106,59 @@ def test_what_happens_has_its_level(loop, happen, name, level, says):
     loop.run(1.0)
     status = all_of(loop)[name]
     assert (status.level, says in status.message) == (level, True), status.message
+
+
+@pytest.mark.parametrize(('forged', 'says', 'unknown'), [
+    ({'battery_charge': 63188, 'battery_capacity': 2600}, 'battery charge = 63188', 'charge'),
+    ({'battery_charge': 3121, 'battery_capacity': 2600}, 'battery charge = 3121', 'charge'),
+    ({'battery_charge': 65535, 'battery_capacity': 65535}, 'capacity = 65535', 'capacity'),
+    ({'battery_charge': 2600, 'battery_capacity': 10001}, 'capacity = 10001', 'percentage'),
+    ({'voltage': 65535}, 'voltage = 65535', 'voltage'),
+    ({'current': -32768}, 'current = -32768', 'current'),
+    ({'battery_temperature': -128}, 'temperature = -128', 'temperature'),
+])
+def test_what_no_battery_has_is_not_known_and_a_warning(loop, forged, says, unknown):
+    loop.forged = forged
+    loop.drive(0.1, 0.0, 1.0)
+    status = all_of(loop)['battery']
+    assert status.level == WARN and says in status.message
+    assert 'not known' in [each.value for each in status.values]
+    assert levels(loop)['serial link'] == OK
+    content = messages.battery_state
+    readings = loop.driver.health(loop.now).readings
+    state = dict(zip(content.paths, content.values(readings, charge_known=True)))
+    assert isnan(state[unknown])
+
+
+def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
+    loop.forged = {'oi_mode': 4, 'charging_state': 6, 'song_number': 16, 'analog_signal': 1024,
+                   'cliff_left_signal': 5000, 'buttons': 3}
+    loop.run(0.2)
+    before = copy(loop.driver.counts)
+    loop.drive(0.1, 0.0, 1.0)
+    told = all_of(loop, before)
+    link = {each.key: each.value for each in told['serial link'].values}
+    assert told['serial link'].level == OK and int(link['odd values']) > 100
+    assert 'oi mode = 4' in link['odd packets'] and 'buttons = 3' in link['odd packets']
+    assert told['mode'].level == WARN and 'a mode that the manual does not have' in (
+        told['mode'].message)
+    health = loop.driver.health(loop.now)
+    mode = messages.mode(health.mode, Header())
+    assert mode.mode == Mode.UNKNOWN and messages.mode_name(mode.mode, mode.reason) == 'UNKNOWN'
+    readings = health.readings
+    values = {content: content.values(readings) for content in (
+        messages.cliff, messages.song, messages.cargo_bay, messages.buttons)}
+    assert values[messages.cliff][4:6] == (65535, readings.cliff_front_left_signal)
+    assert values[messages.song] == (255, False)
+    assert isnan(values[messages.cargo_bay][-1])
+    assert values[messages.buttons] == (True, False)
+    loop.forged = {'charging_state': 6}
+    loop.run(0.2)
+    loop.drive(0.1, 0.0, 1.0)
+    readings = loop.driver.health(loop.now).readings
+    assert messages.charging.values(readings)[0] == 255
+    assert messages.charging_name(255) == 'not known'
+    assert all_of(loop)['battery'].level == WARN
 
 
 def test_on_the_dock_in_full_mode_a_message_says_that_it_does_not_charge():

@@ -39,6 +39,8 @@ class Loop:
         self.now = 100.0
         self.delay = delay
         self.cut = False
+        self.forged: dict[str, int] = {}
+        """Values that replace the robot's own in its frames, by packet."""
         self.heard = bytearray()
         """All bytes that the robot has received since the last call of `commands`."""
         self.notices: list[Notice] = []
@@ -62,7 +64,7 @@ class Loop:
         self.now += STEP
         self.robot.host_baud(self.driver.baud if self._has_rate else None)
         self.robot.poll(self.now)
-        self._carry(self._down, self.robot.data_to_send())
+        self._carry(self._down, self._forge(self.robot.data_to_send()))
         while (data := self._arrived(self._down)) is not None:
             self.driver.receive(data, self.now)
         self.driver.poll(self.now)
@@ -99,6 +101,21 @@ class Loop:
             if isinstance(event, oi.Command):
                 commands.append(event)
         return commands
+
+    def _forge(self, data: bytes) -> bytes:
+        if not self.forged or not data:
+            return data
+        reader = oi.StreamReader(self.driver.plan.lists)
+        reader.feed(data)
+        pieces = []
+        for event in reader.finish():
+            if isinstance(event, oi.Frame):
+                came = event.readings
+                event = event._replace(data=event.packets.pack_frame(
+                    [self.forged.get(name, came.number(name, 0)) for name in event.packets.names],
+                    header_in_sum=event.checksum is oi.Checksum.HARDWARE))
+            pieces.append(event.data)
+        return b''.join(pieces)
 
     def _carry(self, line: deque[tuple[float, bytes]], data: bytes) -> None:
         if data and not self.cut:

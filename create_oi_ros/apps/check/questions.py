@@ -5,7 +5,7 @@
 import sys
 
 from ... import oi
-from ...driver.charge_watch import NO_CURRENT
+from ...driver.charge_watch import charges
 from .robot_line import RobotLine
 from .verdict import banner_in, Finding
 
@@ -64,14 +64,14 @@ def about_dock(line: RobotLine) -> Finding:
         return Finding('Passive on the dock', 'not looked at: it was not on its dock', None,
                        'nothing')
     line.enter(oi.Mode.PASSIVE)
-    charges = line.until(lambda health: health.readings.has('charging_state')
-                         and health.readings.charging_state not in NO_CURRENT, DOCKED)
+    charging = line.until(lambda health: health.readings.has('charging_state')
+                          and charges(health.readings), DOCKED)
     safe = line.enter(oi.Mode.SAFE)
-    answer = 'charging begins' if charges else f'no charging within {DOCKED:.0f} s'
+    answer = 'charging begins' if charging else f'no charging within {DOCKED:.0f} s'
     answer += ('; on the dock it enters Safe' if safe.ok
                else '; on the dock it does not stay in Safe')
     return Finding('Passive on the dock', answer, None,
-                   'the manual' if charges else 'reports of Create robots on TurtleBots')
+                   'the manual' if charging else 'reports of Create robots on TurtleBots')
 
 
 def about_leds(line: RobotLine, person: Person) -> Finding:

@@ -18,7 +18,7 @@ from typing import Any, TYPE_CHECKING
 from ...oi import ChargingState, Mode
 from ...ros.bags import BagError, DamageError, definitions, guarded, reading
 from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
-from ...ros.messages import charging_name
+from ...ros.messages import charging_name, mode_name
 from ...ros.rotation import yaw_of
 from .recording import Curve, Recording, Span, Spans
 from .recovery import files_of, recover, UNFINISHED, unfinished
@@ -35,7 +35,7 @@ SETTLING = 1.0
 """Seconds within which the number of a song that has just begun may still be corrected."""
 BODY = slice(12, None)
 """Part of a serialized message after the stamp of its header."""
-MODES = {255: 'no robot', **{mode.value: mode.name.capitalize() for mode in Mode}}
+MODES = {mode.value: mode.name.capitalize() for mode in Mode}
 CHARGING = {state.value: charging_name(state) for state in ChargingState
             if state is not ChargingState.NOT_CHARGING}
 LEVELS = {1: 'warning', 2: 'error', 3: 'stale'}
@@ -111,7 +111,8 @@ class RecordingBuilder:
 
     def _add_mode(self, time: float, message: Any) -> None:
         self.recording.spans['mode'].change(
-            time, MODES.get(message.mode, str(message.mode)), message.reason)
+            time, MODES.get(message.mode) or mode_name(message.mode, message.reason).lower(),
+            message.reason)
 
     def _add_song(self, time: float, message: Any) -> None:
         spans = self.recording.spans['song']

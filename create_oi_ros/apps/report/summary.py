@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime, UTC
-from math import hypot, isfinite, isnan
+from math import hypot, isfinite
 
 from .recording import Recording, Span
 
@@ -112,8 +112,11 @@ def _counts(recording: Recording) -> str:
 def _battery(recording: Recording) -> str:
     if not recording.battery:
         return 'The bag has no battery state.'
-    volts, charge = recording.battery['volts'], recording.battery['charge']
-    known = '' if isnan(charge[-1]) else f', {charge[0]:.0f} % to {charge[-1]:.0f} %'
+    volts, charge = ([each for each in recording.battery[name] if isfinite(each)]
+                     for name in ('volts', 'charge'))
+    if not volts:
+        return 'The voltage of the battery is not known.'
+    known = f', {charge[0]:.0f} % to {charge[-1]:.0f} %' if charge else ''
     return f'Battery {volts[0]:.1f} V to {volts[-1]:.1f} V{known}.'
 
 

@@ -87,7 +87,9 @@ class RobotStatus:
         return line.rstrip()
 
     def _mode_text(self) -> str:
-        return 'no node yet' if self._mode is None else f'{mode_name(self._mode.mode):7s}'
+        if self._mode is None:
+            return 'no node yet'
+        return f'{mode_name(self._mode.mode, self._mode.reason):7s}'
 
     def _remarks(self) -> list[str]:
         """Return what is unusual, the most important first."""

@@ -19,7 +19,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
-from ...ros.messages import charging_name, mode_name
+from ...ros.messages import charging_name, mode_name, UNKNOWN_SIGNAL
 from ...ros.rotation import yaw_of
 from .battery_time import BatteryTime
 from .past import (
@@ -46,6 +46,10 @@ SILENT = 1.5
 def finite(value: float, digits: int) -> float | None:
     """Return a rounded number; None, which JSON can say, if it is infinite or no number."""
     return round(value, digits) if isfinite(value) else None
+
+
+def _signal(strength: int) -> int | None:
+    return None if strength == UNKNOWN_SIGNAL else strength
 
 
 def flags(message: Any) -> dict[str, bool]:
@@ -115,8 +119,8 @@ class LiveRobot:
                 self.parts.put('battery', self._battery_part(message, now))
             case msg.Mode():
                 self.parts.put('mode', {
-                    'actual': mode_name(message.mode), 'wanted': mode_name(message.wanted),
-                    'reason': message.reason})
+                    'actual': mode_name(message.mode, message.reason),
+                    'wanted': mode_name(message.wanted), 'reason': message.reason})
             case msg.Charging():
                 self.parts.put('charging', {
                     'state': charging_name(message.state), 'home_base': message.home_base,
@@ -176,10 +180,10 @@ class LiveRobot:
         self.samples.add([
             round(now, 2), finite(twist.linear.x, 3), finite(twist.angular.z, 3),
             None if battery is None else finite(battery.current, 3),
-            *([None] * 4 if cliff is None else [
+            *([None] * 4 if cliff is None else map(_signal, (
                 cliff.left_signal, cliff.front_left_signal, cliff.front_right_signal,
-                cliff.right_signal]),
-            None if wall is None else wall.signal])
+                cliff.right_signal))),
+            None if wall is None else _signal(wall.signal)])
 
     def forget(self) -> None:
         """Drop track and events: the odometry was reset."""

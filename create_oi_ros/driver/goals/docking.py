@@ -10,8 +10,9 @@ begin to charge.
 
 from ... import oi
 from ...oi.codes import BEAMS
-from ..charge_watch import NO_CURRENT
+from ..charge_watch import charges
 from ..motion import MotionLimits, Velocity
+from ..supervision import Cause
 from .approach import Learned
 from .goal import DockDemo, docked, Enter, Goal, LEAST_SPEED, Order, Over, View
 from .hazards import dropped, Hazards, LIFTED, NO_SPEED, Stall
@@ -52,6 +53,8 @@ class Dock(Goal):
         """Let the demo run until the robot charges."""
         readings = view.readings
         self._look(readings)
+        if readings.oi_mode is None:
+            return Over(Code.MODE, f'{Cause.MODE_UNKNOWN.value}: switch the robot off and on')
         if dropped(readings):
             return LIFTED
         if docked(readings):
@@ -66,11 +69,13 @@ class Dock(Goal):
         if readings.oi_mode is not oi.Mode.PASSIVE:
             return Enter(oi.Mode.PASSIVE)
         self._contact += view.dt
-        if readings.charging_state not in NO_CURRENT:
+        if charges(readings):
             full = readings.charging_state in (oi.ChargingState.TRICKLE, oi.ChargingState.WAITING)
             return Over(Code.NONE, f'docked; the battery {"is full" if full else "charges"}')
         if self._contact > CHARGE_WAIT:
-            return Over(Code.NONE, 'docked, but the battery does not charge: see the log')
+            unknown = readings.charging_state is None
+            return Over(Code.NONE, 'docked; whether the battery charges is not known' if unknown
+                        else 'docked, but the battery does not charge: see the log')
         return DockDemo.GO_ON
 
     def _look(self, readings: oi.Readings) -> None:
@@ -79,8 +84,7 @@ class Dock(Goal):
         self._seen = self._seen or sees
         phase = Phase.SEES_DOCK if sees else Phase.LOOKING
         if docked(readings):
-            charges = readings.charging_state not in NO_CURRENT
-            phase = Phase.CHARGING if charges else Phase.DOCKED
+            phase = Phase.CHARGING if charges(readings) else Phase.DOCKED
         self._progress = Progress(phase=phase, infrared=seen if sees else BEAMS)
 
     @property
