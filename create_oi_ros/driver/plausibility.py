@@ -32,8 +32,9 @@ FASTEST, FASTEST_TURN = 1.0, 450.0
 """m/s and deg/s: twice what the wheels can do, for a robot that is pushed."""
 SLACK, TURN_SLACK = 50, 20
 """mm and degrees that are allowed beyond that, for whole units and late frames."""
-TURN_LIMIT = 360.0
-"""Degrees of requested turning after which the angle should have changed."""
+TURN_LIMIT, TURN_READINGS = 360.0, 3
+"""Degrees of requested turning, and readings on the way, after which the angle should have
+changed: a long turn may be in a reading that was lost."""
 ANGLE_STUCK = (
     'the angle does not change though the robot was told to turn: are the wheels blocked, or does '
     'odometry_window: 0 hide slow turns? Some firmware before 3.4.1 is reported to send a '
@@ -123,6 +124,7 @@ class TurnCheck:
         """Take the wheel separation in metres."""
         self._separation = wheel_separation
         self._requested = 0.0
+        self._readings = 0
         self.stuck = False
         """Whether the angle should have changed long ago."""
 
@@ -136,8 +138,13 @@ class TurnCheck:
         if right == left and not self._requested:
             return False  # as in most frames
         if readings.number('angle', 0):
-            self._requested, self.stuck = 0.0, False
-        elif drives and None not in (right, left):
+            self._requested, self._readings, self.stuck = 0.0, 0, False
+            return False
+        if drives and None not in (right, left):
             self._requested += degrees((right - left) / MM_PER_M / self._separation) * dt
-        before, self.stuck = self.stuck, abs(self._requested) > TURN_LIMIT
+        if not readings.has('angle'):
+            return False
+        self._readings += 1
+        before = self.stuck
+        self.stuck = self._readings >= TURN_READINGS and abs(self._requested) > TURN_LIMIT
         return self.stuck and not before

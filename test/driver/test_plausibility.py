@@ -10,7 +10,8 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.plausibility import JumpCheck, POSSIBLE, RUNNING, TurnCheck
 from create_oi_ros.driver.stream_plan import ALL, SLOW
-from support.loop import Loop, said, texts
+from create_oi_ros.robot import Rounding
+from support.loop import AT_ONCE, Loop, said, texts
 
 
 def moved(distance: int, angle: int) -> oi.Readings:
@@ -79,6 +80,26 @@ def test_a_robot_that_does_not_turn_keeps_its_angle(right: int, left: int, drive
     check = TurnCheck(0.25)
     assert not check.observe(turning(right, left), 100.0, drives=drives)
     assert not check.stuck
+
+
+def test_a_robot_that_turns_between_two_readings_is_not_stuck() -> None:
+    check = TurnCheck(0.25)
+    silent = oi.Readings({'requested_right_velocity': 250, 'requested_left_velocity': -250})
+    for reading in (silent, silent, turning(250, -250, angle=800), silent, silent):
+        assert not check.observe(reading, 7.0, drives=True) and not check.stuck
+    seen = [check.observe(turning(250, -250), 7.0, drives=True) for _ in range(4)]
+    assert seen == [False, False, True, False], 'the first may follow a reading that was lost'
+
+
+@pytest.mark.parametrize('rounding', [Rounding.ROUND, Rounding.TRUNCATE])
+@pytest.mark.parametrize('rate', [1.5, 3.8])
+def test_a_fast_turn_is_never_called_stuck(rounding: Rounding, rate: float) -> None:
+    loop = Loop(Settings(limits=AT_ONCE), rounding=rounding)
+    loop.drive(0.0, rate, 40.0)
+    assert said(loop, Severity.WARNING, 'the angle does not change') == 0
+    loop.forged = {'angle': 0}
+    loop.drive(0.0, rate, 15.0)
+    assert said(loop, Severity.WARNING, 'the angle does not change') == 1
 
 
 def impossible(name: str) -> int:
