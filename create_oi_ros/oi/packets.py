@@ -32,6 +32,16 @@ BITS_PER_BYTE = 10
 """Start bit, eight data bits, stop bit (manual: Stream; Serial Port Settings)."""
 
 
+CREATE_2 = {*range(43, 58 + 1), 100, 101, 106, 107}
+"""Packets and groups that only its successor has (iRobot Create 2 Open Interface)."""
+
+
+def no_packet(number: object) -> str:
+    """Say that the Create has no such packet, and which it has."""
+    whose = f'; only a Create 2 has {number}' if number in CREATE_2 else ''
+    return f'the Create has no packet {number!r}; allowed: {PACKET_ID.describe()}{whose}'
+
+
 def size_of(packet: int | str) -> int:
     """
     Return the size in bytes of a packet or group.
@@ -81,7 +91,7 @@ class PacketList:
         self.ids = numbers_of(ids)
         for number in self.ids:
             if number not in PACKET_IDS:
-                raise ValueError(f'packet {number!r}; allowed: {PACKET_ID.describe()}')
+                raise ValueError(no_packet(number))
         self.packets = tuple(PACKETS[n] for number in self.ids for n in singles(number))
         self.names = tuple(NAMES[packet.id] for packet in self.packets)
         wires = [packet.wire for packet in self.packets]

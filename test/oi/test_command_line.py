@@ -74,6 +74,18 @@ def test_what_is_not_understood_is_a_comment() -> None:
         '# Drive is cut short: 137']
 
 
+def test_replies_are_explained() -> None:
+    status, lines, _ = ran('decode', '3', '0', '1')
+    assert status == 1 and lines[-1].endswith('read what a robot sent with --reply or --stream')
+    assert ran('decode', '--reply', '7,distance', '3 255 254', '0 0 1') == (0, [
+        'Bumps and Wheel Drops = bump_right+bump_left, Distance = -2 mm',
+        'Bumps and Wheel Drops = 0, Distance = 1 mm'], '')
+    status, lines, _ = ran('decode', '--reply', '0', '3 0 1 1 1 1')
+    assert (status, lines) == (1, [
+        'Bumps and Wheel Drops = bump_right+bump_left, Wall = 0, Cliff Left = 1, Cliff Front Left '
+        '= 1, Cliff Front Right = 1, Cliff Right = 1', '# reply is cut short: 6 of 26 bytes'])
+
+
 def test_frames_are_explained() -> None:
     frame = '19 5 29 2 25 13 0 '
     assert ran('decode', '--stream', '29,13', frame + '182') == (0, [
@@ -151,7 +163,10 @@ def test_the_cost_of_a_stream_is_shown() -> None:
         '57600 baud: a stream frame has 8 bytes and takes 1.4 ms; 86 fit in 15 ms: 78 to spare',
         '19200 baud: a stream frame has 8 bytes and takes 4.2 ms; 28 fit in 15 ms: 20 to spare']
     assert ran('packets', '6')[1][-1].endswith('28 fit in 15 ms: 28 too many')
-    assert ran('packets', '43')[2].startswith('line 1, column 20: Query List: packets[0] = 43')
+    for arguments in (['packets'], ['decode', '--stream'], ['decode', '--reply']):
+        assert ran(*arguments, '43') == (
+            1, [], 'the Create has no packet 43; allowed: 0 to 42; only a Create 2 has 43')
+    assert ran('packets', '60')[2] == 'the Create has no packet 60; allowed: 0 to 42'
 
 
 @pytest.mark.parametrize('arguments', [[], ['frobnicate'], ['decode', '--frobnicate']])

@@ -16,12 +16,13 @@ import sys
 from typing import TextIO
 
 from ..commands import QueryList
-from ..packets import PacketList
+from ..packets import no_packet, PACKET_IDS, PacketList
 from ..readings import PACKETS
 from .capture_format import CaptureError, CaptureReader, records_of
 from .explain import (
     decimal,
     explain_commands,
+    explain_replies,
     explain_stream,
     explain_unknown_stream,
     octets,
@@ -54,6 +55,9 @@ def _chunks(options: Namespace, stdin: TextIO) -> Iterator[bytes]:
 
 
 def _packet_list(text: str) -> PacketList:
+    for word in map(str.strip, text.split(',')):
+        if word.isdecimal() and int(word) not in PACKET_IDS:
+            raise ValueError(no_packet(int(word)))
     command = parse_command(f'Query List packets={text}')
     assert isinstance(command, QueryList)
     return PacketList(command.packets)
@@ -81,6 +85,8 @@ def _decode(options: Namespace, stdin: TextIO) -> Iterator[str]:
         return explain_unknown_stream(chunks)
     if options.stream:
         return explain_stream(chunks, map(_packet_list, options.stream))
+    if options.reply:
+        return explain_replies(chunks, _packet_list(options.reply))
     return explain_commands(chunks, at_length=options.explain)
 
 
@@ -146,6 +152,8 @@ def _add_decode(decode: ArgumentParser) -> None:
     decode.add_argument('--stream', metavar='IDS', action='append', help=(
         'the bytes are stream frames of these packets (29,13 or names); repeat for more lists; '
         'any: of those that the frames themselves name'))
+    decode.add_argument('--reply', metavar='IDS', help=(
+        'the bytes are replies to Sensors or Query List with these packets (0, or 29,13)'))
     decode.add_argument('--capture', metavar='FILE', type=Path, help=(
         'explain a capture of a driver: what host (->) and robot (<-) sent, and when'))
     decode.add_argument('--all', action='store_true', help=(

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..declaration import Command
 from ..packets import PacketList
-from ..readings import NUMBERS, Packet, PACKETS, VOLTS_PER_STEP
+from ..readings import NUMBERS, Packet, PACKETS, Readings, VOLTS_PER_STEP
 from ..stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 from .grammar import label
 from .list_finder import ListFinder
@@ -58,10 +58,12 @@ def octets(line: str, *, hexadecimal: bool = False) -> bytes:
 
 def explain_commands(chunks: Iterable[bytes], *, at_length: bool = False) -> Iterator[str]:
     """Explain bytes that a host sent, one line for each command, as they arrive."""
-    reader = CommandReader()
+    reader, commands, others = CommandReader(), 0, 0
     for chunk in chunks:
         reader.feed(chunk)
         for found in reader:
+            commands += isinstance(found, Command)
+            others += isinstance(found, UnknownOpcode)
             if isinstance(found, UnknownOpcode):
                 yield f'# {found.data[0]} is not an opcode'
             else:
@@ -69,6 +71,8 @@ def explain_commands(chunks: Iterable[bytes], *, at_length: bool = False) -> Ite
     if reader.pending:
         title = Command.by_opcode[reader.pending[0]].title
         yield f'# {title} is cut short: {decimal(reader.pending)}'
+    if others and not commands:
+        yield '# no command: read what a robot sent with --reply or --stream'
 
 
 def explain_command(command: Command, *, at_length: bool) -> str:
@@ -129,12 +133,35 @@ def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | G
     yield from reader.finish()
 
 
+def explain_replies(chunks: Iterable[bytes], packets: PacketList) -> Iterator[str]:
+    """Explain replies to Sensors or Query List, one line for each, as they arrive."""
+    rest = b''
+    for chunk in chunks:
+        rest += chunk
+        while len(rest) >= packets.reply_size:
+            yield _readings(packets, packets.unpack_reply(rest[:packets.reply_size]))
+            rest = rest[packets.reply_size:]
+    if rest:
+        whole = PacketList(())
+        for packet in packets.packets:
+            more = PacketList([*whole.ids, packet.id])
+            if more.reply_size > len(rest):
+                break
+            whole = more
+        if whole.ids:
+            yield _readings(whole, whole.unpack_reply(rest[:whole.reply_size]))
+        yield f'# reply is cut short: {len(rest)} of {packets.reply_size} bytes'
+
+
 def explain_frame(frame: Frame) -> str:
     """Explain all values of a frame."""
-    values = dict(frame.readings.items())
-    return ', '.join(
-        explain_reading(packet, values[name])
-        for packet, name in zip(frame.packets.packets, frame.packets.names))
+    return _readings(frame.packets, frame.readings)
+
+
+def _readings(packets: PacketList, readings: Readings) -> str:
+    values = dict(readings.items())
+    return ', '.join(explain_reading(packet, values[name])
+                     for packet, name in zip(packets.packets, packets.names))
 
 
 def explain_reading(packet: Packet, value: Any) -> str:
