@@ -180,9 +180,10 @@ def _battery(readings: oi.Readings, charge: float, temperature: float,
 
 
 def driver(
-    name: str, health: Health, stale_commands: int, publishers: Sequence[str],
+    name: str, health: Health, stale_commands: int, publishers: Sequence[str], *,
+    contested: bool,
 ) -> DiagnosticStatus:
-    """Say what the driver itself is doing; `publishers` are the nodes that send `cmd_vel`."""
+    """Say what the driver is doing; `publishers` of `cmd_vel`, `contested`: two of them send."""
     level, message = OK, health.activity.value
     if health.ignores_commands:
         level, message = ERROR, 'the robot ignores commands: switch it off and on'
@@ -190,7 +191,7 @@ def driver(
         level, message = WARN, health.busy
     elif health.angle_stuck:
         level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
-    elif len(publishers) > 1:
+    elif contested:
         level, message = WARN, f'{len(publishers)} nodes publish cmd_vel: the newest command wins'
     return status(f'{name}: driver', level, message, {
         'stale commands dropped': stale_commands,

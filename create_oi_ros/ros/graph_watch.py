@@ -3,18 +3,25 @@
 """
 Looks for mistakes in the ROS graph that ROS itself does not report.
 
-Three are common: two drivers of one name, two nodes that publish `cmd_vel` at once, and a
-publisher whose message type the driver does not take.
+Common are: two drivers of one name, or with the same frames; two nodes that send `cmd_vel` at
+once, or one that sends it in another namespace; a partner whose message type or QoS does not fit.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
 import os
 import time
 
+from create_oi_msgs.msg import Mode
 from rclpy.node import Node
+from rclpy.qos import qos_check_compatible, QoSCompatibility, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from . import topics
+from .parameters import Parameters
 from .topics import CMD_VEL, type_name
+from .velocity_input import type_name_of, TYPES, VelocityInput
 
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """What ROS calls a node that it has not heard of yet, though its publisher was found."""
@@ -26,34 +33,29 @@ ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 class GraphWatch:
     """Warns once for each mistake, and again when it comes back in another form."""
 
-    def __init__(self, node: Node, velocity_type: type, warn: Callable[[str], None]) -> None:
-        """Watch the `cmd_vel` of a node that subscribes to this type."""
+    def __init__(self, node: Node, velocity: VelocityInput, parameters: Parameters,
+                 warn: Callable[[str], None]) -> None:
+        """Watch the partners of a node; `velocity` is its subscription, adapted to them."""
         self._node = node
-        self._type = type_name(velocity_type)
+        self._velocity = velocity
+        self._parameters = parameters
         self._topic = node.resolve_topic_name(CMD_VEL)
+        self._mode = node.resolve_topic_name(topics.MODE.name)
+        self._tf = node.resolve_topic_name(topics.TF.name)
         self._warn = warn
         self._warned: set[str] = set()
-        self.publishers: tuple[str, ...] = ()
-        """Nodes that publish `cmd_vel` with the right type, sorted."""
+        self._base_frames: dict[str, str] = {}
+        """Base frames of other drivers, by the names of their topics `mode`."""
         self._were_unnamed = False
         """Whether a publisher had no name at the last look."""
+        self.publishers: tuple[str, ...] = ()
+        """Nodes that publish `cmd_vel` with the right type, sorted."""
+        self.contested = False
+        """Whether two of them have sent at once since the last look."""
 
     def check(self) -> None:
         """Look at the graph, and warn of new mistakes; called once a second."""
-        found = self._node.get_publishers_info_by_topic(self._topic)
-        # Most have a name at the next look; a program that is no ROS node never gets one.
-        are_unnamed = any(each.node_name == UNNAMED for each in found)
-        sources = {(node_name(each), _short(each.topic_type)) for each in found
-                   if each.node_name != UNNAMED or self._were_unnamed}
-        self._were_unnamed = are_unnamed
-        self.publishers = tuple(sorted(
-            name for name, type_ in sources if type_ == self._type))
-        warnings = {self._wrong_type(name, type_)
-                    for name, type_ in sources if type_ != self._type}
-        if len(self.publishers) > 1:
-            warnings.add(f'{len(self.publishers)} nodes publish {self._topic}: '
-                         f'{", ".join(self.publishers)}. The newest command wins, whoever sent '
-                         'it: end all but one, or put twist_mux between them')
+        warnings = {*self._velocity_mistakes(), *self._unheard(), *self._other_topics()}
         own = self._node.get_fully_qualified_name()
         if own in self._duplicate_names():
             warnings.add(f'another node is called {own} in ROS domain {_domain()}, so two '
@@ -62,11 +64,99 @@ class GraphWatch:
             self._warn(warning)
         self._warned = warnings
 
+    def _velocity_mistakes(self) -> Iterator[str]:
+        found = self._node.get_publishers_info_by_topic(self._topic)
+        self._velocity.adapt(found)
+        # Most have a name at the next look; a program that is no ROS node never gets one.
+        named = [each for each in found if each.node_name != UNNAMED or self._were_unnamed]
+        self._were_unnamed = any(each.node_name == UNNAMED for each in found)
+        taken = type_name(self._velocity.type)
+        self.publishers = tuple(sorted({
+            node_name(each) for each in named if type_name_of(each) == taken}))
+        for each in named:
+            if type_name_of(each) != taken:
+                yield self._wrong_type(node_name(each), type_name_of(each))
+            elif each.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT:
+                yield (f'{node_name(each)} publishes {self._topic} as best effort, so this driver '
+                       'listens as best effort: a command may be lost, even a stop. Let it '
+                       'publish as reliable if it can')
+        self.contested = self._velocity.contested()
+        if self.contested:
+            yield (f'{len(self.publishers)} nodes publish {self._topic}: '
+                   f'{", ".join(self.publishers)}. Two or more send at once, and the newest '
+                   'command wins, whoever sent it: end all but one, or put twist_mux between them')
+
     def _wrong_type(self, name: str, type_: str) -> str:
-        stamped = 'true' if type_.endswith('TwistStamped') else 'false'
-        return (f'{name} publishes {self._topic} as {type_}, but this driver takes {self._type}: '
-                f'its commands are ignored. Start the driver with enable_stamped_cmd_vel: '
-                f'{stamped}, or change the publisher')
+        what = (f'{name} publishes {self._topic} as {type_}, but this driver takes '
+                f'{type_name(self._velocity.type)}: its commands are ignored. ')
+        if type_ not in map(type_name, TYPES['auto']):
+            return f'{what}Change the publisher'
+        if self._parameters.cmd_vel_type == 'auto':
+            return f'{what}Let all publishers send the same type, or end those of one'
+        return f'{what}Start the driver with cmd_vel_type: auto, or change the publisher'
+
+    def _unheard(self) -> Iterator[str]:
+        """Find subscribers that get nothing from this node."""
+        for ours in self._node.publishers:
+            topic = ours.topic_name
+            if ours.get_subscription_count() >= self._node.count_subscribers(topic):
+                continue
+            # The QoS with which it was created leaves some values open.
+            qos, type_ = next(
+                (each.qos_profile, type_name_of(each))
+                for each in self._node.get_publishers_info_by_topic(topic)
+                if node_name(each) == self._node.get_fully_qualified_name())
+            for each in self._node.get_subscriptions_info_by_topic(topic):
+                who = f'{node_name(each)} subscribes to {topic}, but gets nothing'
+                if type_name_of(each) != type_:
+                    yield (f'{who}: it takes {type_name_of(each)}, and this driver publishes '
+                           f'{type_}. Change the subscriber')
+                    continue
+                fits, reason = qos_check_compatible(qos, each.qos_profile)
+                if fits == QoSCompatibility.ERROR:
+                    yield (f'{who}: its QoS asks for more than this driver offers '
+                           f'({reason.removeprefix("ERROR: ").rstrip("; ")}). Let it subscribe '
+                           f'as {qos.reliability.name.lower()} and {qos.durability.name.lower()}, '
+                           'without deadline and liveliness')
+
+    def _other_topics(self) -> Iterator[str]:
+        """Find commands in another namespace, and other drivers with the same frames."""
+        for topic, types in self._node.get_topic_names_and_types():
+            if f'create_oi_msgs/msg/{Mode.__name__}' in types and topic != self._mode:
+                yield from self._same_frames(topic)
+            # Only one of both is in a namespace; else another robot is meant.
+            if (topic.endswith(f'/{CMD_VEL}') and topic != self._topic
+                    and f'/{CMD_VEL}' in (topic, self._topic)
+                    and self._node.count_publishers(topic)
+                    and not self._node.count_subscribers(topic)):
+                names = ', '.join(sorted(self._names_of_publishers(topic)))
+                yield (f'{names} publishes {topic}, to which nobody listens; '
+                       f'this driver listens to {self._topic}: start both in the same namespace, '
+                       f'or give one of them -r cmd_vel:=TOPIC')
+
+    def _same_frames(self, topic: str) -> Iterator[str]:
+        """Compare frames with a driver that publishes its mode on another topic."""
+        if not self._parameters.publish_tf:
+            return
+        if topic not in self._base_frames:
+            self._base_frames[topic] = ''
+            with suppress(RuntimeError):  # in a secured domain it is not allowed
+                self._velocity.node.create_subscription(
+                    Mode, topic, partial(self._on_mode, topic), topics.LATCHED)
+        others = self._names_of_publishers(topic) & self._names_of_publishers(self._tf)
+        base = self._parameters.base_frame
+        if others and self._base_frames[topic] == base:
+            robot = self._node.get_namespace().strip('/') or 'robot1'
+            yield (f'{", ".join(sorted(others))} publishes a transform to {base} on {self._tf}, '
+                   'as this driver does, so the robot jumps between two poses: give each robot '
+                   f'frames of its own, such as odom_frame: {robot}/odom and base_frame: '
+                   f'{robot}/base_footprint')
+
+    def _on_mode(self, topic: str, message: Mode) -> None:
+        self._base_frames[topic] = message.header.frame_id
+
+    def _names_of_publishers(self, topic: str) -> set[str]:
+        return {node_name(each) for each in self._node.get_publishers_info_by_topic(topic)}
 
     def _duplicate_names(self) -> set[str]:
         names = [full_name(namespace, name)
@@ -94,12 +184,6 @@ def names_of_publishers(node: Node, topic: str) -> set[str]:
         if time.monotonic() > until or all(each.node_name != UNNAMED for each in found):
             return {node_name(each) for each in found}
         time.sleep(LOOK)
-
-
-def _short(type_: str) -> str:
-    """Return a type as people write it: geometry_msgs/Twist."""
-    package, _, name = type_.partition('/')
-    return f'{package}/{name.rpartition("/")[2]}'
 
 
 def _domain() -> str:

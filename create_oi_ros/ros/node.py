@@ -10,7 +10,7 @@ from functools import partial
 import sys
 from typing import Any
 
-from geometry_msgs.msg import Twist, TwistStamped
+from builtin_interfaces.msg import Time
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
@@ -39,8 +39,7 @@ from .periodic_thread import PeriodicThread
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
 from .services import SERVICES, Services
-from .topic_thread import TopicThread
-from .velocity_input import driven, TwistReader
+from .velocity_input import VelocityInput
 from .waiting import announce
 
 DIAGNOSTICS_PERIOD = 1.0
@@ -120,14 +119,10 @@ class CreateNode(Node):
         self._contacts = ContactCloud(self, self.parameters)
         self._mode = publisher(self, topics.MODE)
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
-        stamped = self.parameters.enable_stamped_cmd_vel
-        velocity = TwistStamped if stamped else Twist
-        self._read_twist = TwistReader(self.get_logger().warning)
-        self._commands = TopicThread(
-            self, velocity, topics.CMD_VEL,
-            self._on_stamped_velocity if stamped else self._on_velocity,
-            on_failure=self._on_failure, raw=not stamped)
-        self._graph = GraphWatch(self, velocity, self.get_logger().warning)
+        self._commands = VelocityInput(
+            self, self.parameters.cmd_vel_type, self._on_velocity, on_failure=self._on_failure)
+        self._graph = GraphWatch(
+            self, self._commands, self.parameters, self.get_logger().warning)
 
     def start(self) -> None:
         """Open the port, call the robot, and take commands."""
@@ -148,13 +143,10 @@ class CreateNode(Node):
 
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
-    def _on_velocity(self, received: bytes) -> None:
-        self.session.drive(*self._read_twist(received))
-
-    def _on_stamped_velocity(self, message: TwistStamped) -> None:
-        age = messages.age(message.header.stamp, self.get_clock().now().nanoseconds)
+    def _on_velocity(self, linear: float, angular: float, stamp: Time) -> None:
+        age = messages.age(stamp, self.get_clock().now().nanoseconds)
         if age <= self.parameters.cmd_vel_timeout:
-            self.session.drive(*driven(message.twist))
+            self.session.drive(linear, angular)
             return
         self._stale += 1
         self.get_logger().warning(
@@ -222,7 +214,8 @@ class CreateNode(Node):
                 name, health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
             diagnostics.mode(name, health), diagnostics.safety(name, health),
             diagnostics.battery(name, health, charge_known=self._charge_known),
-            diagnostics.driver(name, health, self._stale, self._graph.publishers),
+            diagnostics.driver(name, health, self._stale, self._graph.publishers,
+                               contested=self._graph.contested),
             diagnostics.odometry(name, health),
             diagnostics.parameters(name, self.parameters)])
         for status in message.status:

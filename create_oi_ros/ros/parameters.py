@@ -53,8 +53,10 @@ class Parameters:
     cmd_vel_timeout: float = parameter(
         MotionLimits.timeout, 'Seconds after the last velocity command at which the wheels stop',
         low=0.05, high=10.0)
-    enable_stamped_cmd_vel: bool = parameter(
-        False, 'Whether cmd_vel is geometry_msgs/TwistStamped instead of Twist', fixed=True)
+    cmd_vel_type: str = parameter(
+        'auto', 'Message of cmd_vel: geometry_msgs/Twist, TwistStamped, or auto: Twist until all '
+        'publishers send TwistStamped, and back', choices=('auto', 'twist', 'stamped'),
+        fixed=True)
     wheel_separation: float = parameter(
         MotionLimits.wheel_separation, 'Distance between the wheels, m', low=0.1, high=0.5,
         fixed=True)

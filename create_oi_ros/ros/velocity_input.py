@@ -1,38 +1,170 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads velocity commands from their bytes: a Twist has six numbers, and two are needed."""
+"""
+The subscription to `cmd_vel`, on a small node and a thread of its own.
 
-from collections.abc import Callable
+Each time that rclpy's executor wakes, it gathers everything that it waits for. With the services
+and actions of the driver's node that takes a millisecond of processor time. A velocity command,
+ten or fifty times a second, need not wait for that.
+"""
 
-from geometry_msgs.msg import Twist
-from rclpy.serialization import deserialize_message, serialize_message
+from collections.abc import Callable, Sequence
+import threading
+import time
+from typing import Any
 
-from .serialized import PLEASE_REPORT, Unpacking, unpacking
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-DRIVEN_AXES = 'linear.x', 'angular.z'
-"""The fields of a Twist that two wheels can follow."""
+from .topics import CMD_VEL, type_name
+
+TYPES: dict[str, tuple[type, ...]] = {
+    'auto': (Twist, TwistStamped), 'twist': (Twist,), 'stamped': (TwistStamped,)}
+"""Message types to choose from, for each value of the parameter `cmd_vel_type`."""
+RELIABLE_LOOKS = 10
+"""Looks at the publishers in a row that must all be reliable, until the subscription is again."""
+AT_ONCE = 1.0
+"""Two publishers whose commands alternate within so many seconds send at the same time."""
 
 
-def driven(twist: Twist) -> tuple[float, float]:
-    """Return forward speed, m/s, and turn rate, rad/s."""
-    return twist.linear.x, twist.angular.z
+class VelocityInput:
+    """
+    Subscribes to `cmd_vel` in the way that its publishers need, one subscription at a time.
 
+    It is reliable while all publishers are, so that a single zero is not lost, and best effort
+    while one of them is not: a reliable subscription would get nothing from that one.
+    """
 
-class TwistReader:
-    """Takes forward speed, m/s, and turn rate, rad/s, out of a serialized Twist."""
+    def __init__(self, node: Node, type_: str, on_command: Callable[[float, float, Time], None],
+                 *, on_failure: Callable[[], None]) -> None:
+        """
+        Subscribe for a node, with one of TYPES; `start` begins to take commands.
 
-    def __init__(self, warn: Callable[[str], None]) -> None:
-        """Look up where they are; where that is not certain, `warn`, and let rclpy convert."""
-        self._unpack: Unpacking | None = None
+        `on_command` gets forward speed, m/s, turn rate, rad/s, and stamp, 0 for a Twist.
+        `on_failure` is called when the thread ends with an error, whose traceback is printed.
+        """
+        self._topic = node.resolve_topic_name(CMD_VEL)
+        # Remaps of the process are in the topic's name already; `__node` is for the other node.
+        self.node = Node(
+            f'{node.get_name()}_{CMD_VEL}', context=node.context, namespace=node.get_namespace(),
+            use_global_arguments=False, enable_rosout=False, start_parameter_services=False,
+            parameter_overrides=[Parameter('start_type_description_service', value=False)])
+        self._types = TYPES[type_]
+        self._on_command = on_command
+        self._on_failure = on_failure
+        self.type = self._types[0]
+        """The message type of the subscription."""
+        self.reliability = ReliabilityPolicy.RELIABLE
+        """The reliability that it asks for."""
+        self._looks = 0
+        self._number = 0
+        self._alternated_at = -AT_ONCE
+        self._contested = False
+        self._subscription: Subscription | None = None
+        self._subscribe()
+        self._executor = SingleThreadedExecutor(context=node.context)
+        self._executor.add_node(self.node)
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=CMD_VEL)
+
+    def start(self) -> None:
+        """Begin to take commands."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Take no more commands, and wait until `on_command` has returned; once is enough."""
+        if self._closing.is_set():
+            return
+        if self._thread.is_alive():
+            self._executor.create_task(self._closing.set)
+            self._thread.join()
+        self._closing.set()
+        self._executor.shutdown()
+        self.node.destroy_node()
+
+    def adapt(self, publishers: Sequence[TopicEndpointInfo]) -> None:
+        """
+        Subscribe anew if these publishers need it; called about once a second.
+
+        The type changes when all publishers have the other one. Where both are published, the
+        subscription stays as it is.
+        """
+        offered = [type_ for type_ in self._types
+                   if any(type_name_of(each) == type_name(type_) for each in publishers)]
+        type_ = offered[0] if len(offered) == 1 else self.type
+        taken = [each.qos_profile.reliability for each in publishers
+                 if type_name_of(each) == type_name(type_)]
+        reliability = self.reliability
+        if ReliabilityPolicy.BEST_EFFORT in taken:
+            self._looks, reliability = 0, ReliabilityPolicy.BEST_EFFORT
+        elif taken:
+            # A publisher that comes and goes, over a bad network, must not cost a new
+            # subscription each time.
+            self._looks += 1
+            if self._looks >= RELIABLE_LOOKS:
+                reliability = ReliabilityPolicy.RELIABLE
+        if (type_, reliability) != (self.type, self.reliability) or self._subscription is None:
+            self.type, self.reliability = type_, reliability
+            self._executor.create_task(self._change)
+
+    def contested(self) -> bool:
+        """
+        Return whether two publishers have sent at once since the last call.
+
+        Each publisher numbers its messages, so numbers that go back again and again come from
+        two. A middleware that does not pass on the numbers leaves this False.
+        """
+        was, self._contested = self._contested, False
+        return was
+
+    def _change(self) -> None:
+        if self._subscription is not None:
+            self.node.destroy_subscription(self._subscription)
+            self._subscription = None
         try:
-            self._unpack = unpacking(Twist(), DRIVEN_AXES, serialize_message)
-        except ValueError as error:
-            warn(f'Twist: {error}. Commands are converted by rclpy instead, {PLEASE_REPORT}')
+            self._subscribe()
+        except RuntimeError as error:  # another node of this process may have the other type yet
+            self.node.get_logger().warning(
+                f'{self._topic} as {type_name(self.type)}: {error}; tried again in a second')
 
-    def __call__(self, received: bytes) -> tuple[float, float]:
-        """Return both numbers."""
-        found = None if self._unpack is None else self._unpack(received)
-        if found is None:  # the sender has another byte order, or encodes otherwise
-            return driven(deserialize_message(received, Twist))
-        linear, angular = found
-        return linear, angular
+    def _subscribe(self) -> None:
+        self._number = 0
+        take: Callable[..., None] = self._take  # rclpy passes the second argument as well
+        self._subscription = self.node.create_subscription(
+            self.type, self._topic, take, QoSProfile(depth=1, reliability=self.reliability),
+            # GraphWatch says more of a publisher that does not fit.
+            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
+
+    def _take(self, message: Twist | TwistStamped, info: dict[str, Any]) -> None:
+        stamped = isinstance(message, TwistStamped)
+        twist = message.twist if stamped else message
+        self._on_command(
+            twist.linear.x, twist.angular.z, message.header.stamp if stamped else Time())
+        number = info['publication_sequence_number']
+        if number is None:
+            return
+        if number <= self._number:
+            now = time.monotonic()
+            self._contested = self._contested or now - self._alternated_at < AT_ONCE
+            self._alternated_at = now
+        self._number = number
+
+    def _run(self) -> None:
+        try:
+            while not self._closing.is_set():
+                self._executor.spin_once()
+        finally:
+            if not self._closing.is_set():
+                self._on_failure()
+
+
+def type_name_of(endpoint: TopicEndpointInfo) -> str:
+    """Return the type of a publisher or subscriber as people write it: geometry_msgs/Twist."""
+    return str(endpoint.topic_type).replace('/msg/', '/')

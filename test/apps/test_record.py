@@ -64,7 +64,7 @@ def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, start_recorder, tmp_p
 
 
 def test_a_robot_in_a_namespace_with_stamped_commands(stage, start_recorder, tmp_path):
-    stage.node(stage.robot().link, '__ns:=/robot1', enable_stamped_cmd_vel=True)
+    stage.node(stage.robot().link, '__ns:=/robot1', cmd_vel_type='stamped')
     recorder = start_recorder(
         '-o', str(tmp_path / 'walk'), '--stamped', '--ros-args', '-r', '__ns:=/robot1')
     recorder.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')

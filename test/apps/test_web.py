@@ -202,7 +202,7 @@ def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(stage, pages
 
 
 def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
-    _, page = driving(stage, pages, enable_stamped_cmd_vel=True)
+    _, page = driving(stage, pages, cmd_vel_type='stamped')
     stage.ros.until(lambda: [
         each.topic_type for each in stage.ros.node.get_publishers_info_by_topic('cmd_vel')
     ] == ['geometry_msgs/msg/TwistStamped'])

@@ -36,7 +36,7 @@ def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, Diagnostic
             'create', health, 'port', before or LinkCounts(), 1.0),
         diagnostics.mode('create', health), diagnostics.safety('create', health),
         diagnostics.battery('create', health, charge_known=True),
-        diagnostics.driver('create', health, 0, ())]
+        diagnostics.driver('create', health, 0, (), contested=False)]
     return {status.name.removeprefix('create: '): status for status in made}
 
 

@@ -1,14 +1,19 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Mistakes in the ROS graph are reported: wrong types, two publishers, two drivers."""
+"""Mistakes in the ROS graph are reported: types, QoS, two publishers, two drivers, frames."""
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from nav_msgs.msg import Odometry
 import pytest
+from rclpy.duration import Duration
+from rclpy.qos import qos_profile_sensor_data, QoSProfile
+from rclpy.timer import Timer
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from create_oi_ros.ros.graph_watch import names_of_publishers, node_name, UNNAMED
-from support.ros import Scene, scene
+from create_oi_ros.ros.topics import LATCHED
+from support.ros import Listener, Robot, Scene, scene
 
 
 @pytest.fixture
@@ -18,8 +23,21 @@ def stage(tmp_path):
         yield made
 
 
-def test_a_publisher_of_another_type_is_named_once(stage: Scene) -> None:
-    node = stage.node(stage.robot().link)
+def every(stage: Scene, who: Listener, type_: type, qos: QoSProfile | int = 1) -> Timer:
+    """Publish a velocity of 0.1 m/s ten times a second while the stage's node waits."""
+    made = who.node.create_publisher(type_, 'cmd_vel', qos)
+    twist = Twist(linear=Vector3(x=0.1))
+    return stage.ros.node.create_timer(
+        0.1, lambda: made.publish(twist if type_ is Twist else TwistStamped(twist=twist)))
+
+
+def drives(robot: Robot) -> bool:
+    """Return whether the wheels turn."""
+    return robot.body.truth().speed > 0.05
+
+
+def test_a_publisher_of_a_type_that_was_not_chosen_is_named_once(stage: Scene) -> None:
+    node = stage.node(stage.robot().link, cmd_vel_type='twist')
     stage.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)
     warning = ('/listener publishes /cmd_vel as geometry_msgs/TwistStamped, but this driver takes '
                'geometry_msgs/Twist: its commands are ignored')
@@ -27,20 +45,91 @@ def test_a_publisher_of_another_type_is_named_once(stage: Scene) -> None:
     beats = stage.ros.listen(DiagnosticArray, '/diagnostics')
     stage.ros.until(lambda: len(beats) > 2)
     assert node.output.count(warning) == 1
-    assert 'enable_stamped_cmd_vel: true' in node.output
+    assert 'cmd_vel_type: auto' in node.output
 
 
-def test_two_publishers_are_named(stage: Scene) -> None:
+def test_stamped_commands_drive_when_alone_and_beside_others_are_named(stage: Scene) -> None:
+    robot = stage.robot()
+    node = stage.node(robot.link)
+    stamped = every(stage, stage.listener('nav2'), TwistStamped)
+    stage.ros.until(lambda: drives(robot))
+    assert 'are ignored' not in node.output
+    stage.listener('stick').node.create_publisher(Twist, 'cmd_vel', 1)
+    stage.ros.until(lambda: '/stick publishes /cmd_vel as geometry_msgs/Twist, but' in node.output)
+    assert 'Let all publishers send the same type' in node.output
+    stamped.cancel()
+    stage.ros.until(lambda: not drives(robot), 'the command timeout')
+
+
+def test_a_best_effort_publisher_drives_and_is_named_once(stage: Scene) -> None:
+    robot = stage.robot()
+    node = stage.node(robot.link)
+    every(stage, stage.listener('stick'), Twist, qos_profile_sensor_data)
+    stage.ros.until(lambda: drives(robot))
+    beats = stage.ros.listen(DiagnosticArray, '/diagnostics')
+    stage.ros.until(lambda: len(beats) > 2)
+    assert node.output.count('/stick publishes /cmd_vel as best effort, so this driver') == 1
+
+
+def test_two_publishers_are_named_when_both_send(stage: Scene) -> None:
     node = stage.node(stage.robot().link)
-    stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    first, second = stage.listener('first'), stage.listener('second')
+    every(stage, first, Twist)
+    second.node.create_publisher(Twist, 'cmd_vel', 1)
     beats = stage.ros.listen(DiagnosticArray, '/diagnostics')
     stage.ros.until(lambda: any(
-        value.key == 'cmd_vel publishers' and value.value == '/listener'
+        value.key == 'cmd_vel publishers' and value.value == '/first, /second'
         for beat in beats for status in beat.status for value in status.values))
+    beats.clear()
+    stage.ros.until(lambda: len(beats) > 1)
     assert 'nodes publish' not in node.output
-    second = stage.listener('joystick')
-    second.node.create_publisher(Twist, 'cmd_vel', 1)
-    stage.ros.until(lambda: '2 nodes publish /cmd_vel: /joystick, /listener.' in node.output)
+    every(stage, second, Twist)
+    stage.ros.until(lambda: '3 nodes publish' in node.output
+                    or '2 nodes publish /cmd_vel: /first, /second.' in node.output)
+    stage.ros.until(lambda: any(
+        'cmd_vel: the newest command wins' in status.message
+        for beat in beats for status in beat.status))
+
+
+@pytest.mark.parametrize(('type_', 'qos', 'words'), [
+    (Odometry, LATCHED, 'Volatile publisher and transient local subscription'),
+    (Odometry, QoSProfile(depth=1, deadline=Duration(seconds=1)), 'deadline'),
+    (Twist, QoSProfile(depth=1), 'it takes geometry_msgs/Twist, and this driver publishes '
+                                 'nav_msgs/Odometry'),
+])
+def test_a_subscriber_that_gets_nothing_is_told_why(stage: Scene, type_, qos, words) -> None:
+    node = stage.node(stage.robot().link)
+    stage.ros.listen(type_, 'odom', qos)
+    stage.ros.until(lambda: '/listener subscribes to /odom, but gets nothing' in node.output)
+    assert words in node.output
+
+
+def test_a_best_effort_subscriber_gets_its_messages_without_a_word(stage: Scene) -> None:
+    node = stage.node(stage.robot().link)
+    odoms = stage.ros.listen(Odometry, 'odom', qos_profile_sensor_data)
+    stage.ros.until(lambda: len(odoms) > 100)
+    assert 'gets nothing' not in node.output
+
+
+def test_commands_in_another_namespace_are_a_hint(stage: Scene) -> None:
+    node = stage.node(stage.robot().link, '__ns:=/robot1')
+    stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    stage.ros.until(lambda: '/listener publishes /cmd_vel, to which nobody listens; this driver '
+                    'listens to /robot1/cmd_vel' in node.output)
+
+
+def test_two_robots_with_the_same_frames_are_reported(stage: Scene) -> None:
+    nodes = [stage.node(stage.robot(name).link, f'__ns:=/{name}') for name in ('one', 'two')]
+    third = stage.node(
+        stage.robot('three').link, '__ns:=/three', odom_frame='three/odom',
+        base_frame='three/base_footprint')
+    for node, other in zip(nodes, ('two', 'one')):
+        stage.ros.until(lambda node=node, other=other: (
+            f'/{other}/create publishes a transform to base_footprint on /tf' in node.output))
+    assert 'odom_frame: one/odom' in nodes[0].output
+    assert 'robot answers' in third.output
+    assert '/three/create publishes' not in ''.join(node.output for node in nodes)
+    assert 'publishes a transform' not in third.output
 
 
 def test_two_drivers_of_one_name_are_reported(stage: Scene) -> None:

@@ -262,7 +262,7 @@ def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready
 
 
 def test_stale_commands_are_dropped_by_their_stamp(stage):
-    ready = Ready(stage, enable_stamped_cmd_vel=True)
+    ready = Ready(stage, cmd_vel_type='stamped')
     velocity = ready.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)
     old = [2.0]
 

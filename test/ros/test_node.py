@@ -206,7 +206,7 @@ def test_a_velocity_that_is_not_a_number_is_refused_and_stops(stage):
 
 def test_stamped_velocities_drive(stage):
     robot = stage.robot()
-    stage.node(robot.link, enable_stamped_cmd_vel=True)
+    stage.node(robot.link, cmd_vel_type='stamped')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     stage.ros.until(lambda: in_mode(modes, Mode.SAFE))
     velocity = stage.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)

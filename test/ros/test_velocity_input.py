@@ -1,47 +1,198 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Velocity commands are read from their bytes as rclpy would read them."""
+"""Velocity commands are heard whoever publishes them: either type, either reliability."""
 
-import struct
+from collections.abc import Iterator
+from contextlib import closing
+import threading
+from typing import Any
 
-from geometry_msgs.msg import Twist
-from hypothesis import given
-from hypothesis import strategies as st
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
 import pytest
-from rclpy.serialization import serialize_message
+from rclpy.qos import qos_profile_sensor_data, QoSProfile, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from create_oi_ros.ros import velocity_input
-from create_oi_ros.ros.velocity_input import TwistReader
+from create_oi_ros.ros.velocity_input import RELIABLE_LOOKS, VelocityInput
+from support.ros import Listener, own_domain, TIMEOUT
 
-SPEEDS = st.floats(allow_nan=False)
+RELIABLE, BEST_EFFORT = QoSProfile(depth=1), qos_profile_sensor_data
+
+
+class Stage:
+    """A node with a velocity input, whose publishers are looked at in each round of waiting."""
+
+    def __init__(self, domain: int) -> None:
+        self.domain = domain
+        self.ros = Listener(domain)
+        self.others: list[Listener] = []
+        self.got: list[tuple[float, float]] = []
+        self.failed = threading.Event()
+        self.inputs: list[VelocityInput] = []
+
+    def start(self, type_: str = 'auto') -> VelocityInput:
+        """Subscribe, and take commands."""
+        made = VelocityInput(self.ros.node, type_, self._on_command, on_failure=self.failed.set)
+        self.inputs.append(made)
+        made.start()
+        return made
+
+    def _on_command(self, linear: float, angular: float, stamp: Any) -> None:
+        self.got.append((linear, angular))
+
+    def publisher(self, type_: type, qos: QoSProfile = RELIABLE) -> Any:
+        """Return a function that publishes a speed."""
+        made = self._another().node.create_publisher(type_, 'cmd_vel', qos)
+
+        def publish(speed: float) -> None:
+            twist = Twist(linear=Vector3(x=speed), angular=Vector3(z=-speed))
+            made.publish(twist if type_ is Twist else TwistStamped(twist=twist))
+        publish.end = made.destroy  # type: ignore[attr-defined]
+        return publish
+
+    def _another(self) -> Listener:
+        """Return a node with a context of its own: one context has one type for a topic."""
+        self.others.append(Listener(self.domain, f'other{len(self.others)}'))
+        return self.others[-1]
+
+    def look(self) -> None:
+        """Let the input adapt to its publishers, as the driver does once a second."""
+        self.inputs[-1].adapt(self.ros.node.get_publishers_info_by_topic('cmd_vel'))
+
+    def hears(self, publish: Any, speed: float) -> None:
+        """Publish until it is heard."""
+        self.got.clear()
+
+        def heard() -> bool:
+            self.look()
+            publish(speed)
+            return (speed, -speed) in self.got
+        self.ros.until(heard)
+
+    def close(self) -> None:
+        """End it."""
+        for each in self.inputs:
+            each.close()
+        for other in (self.ros, *self.others):
+            other.close()
 
 
 @pytest.fixture
-def warnings() -> list[str]:
-    """Return the warnings of a reader."""
-    return []
+def stage() -> Iterator[Stage]:
+    """Return a stage in a domain of its own."""
+    with own_domain() as domain, closing(Stage(domain)) as made:
+        yield made
 
 
-@given(st.lists(SPEEDS, min_size=6, max_size=6))
-def test_both_numbers_are_read(numbers):
-    warnings: list[str] = []
-    twist = Twist()
-    (twist.linear.x, twist.linear.y, twist.linear.z,
-     twist.angular.x, twist.angular.y, twist.angular.z) = numbers
-    assert TwistReader(warnings.append)(serialize_message(twist)) == (numbers[0], numbers[5])
-    assert warnings == []
+@pytest.mark.parametrize('qos', [RELIABLE, BEST_EFFORT])
+@pytest.mark.parametrize('type_', [Twist, TwistStamped])
+@pytest.mark.parametrize('before', [True, False])
+def test_a_publisher_of_either_kind_is_heard_that_was_there_before_or_comes_later(
+        stage, type_, qos, before):
+    if before:
+        publish = stage.publisher(type_, qos)
+    made = stage.start()
+    if not before:
+        publish = stage.publisher(type_, qos)
+    stage.hears(publish, 0.1)
+    assert (made.type, made.reliability) == (type_, qos.reliability)
+    subscription, = made.node.subscriptions
+    assert subscription.msg_type is type_
 
 
-def test_another_byte_order_is_read_too(warnings):
-    big = bytes([0, 0, 0, 0]) + struct.pack('>6d', 0.1, 0.0, 0.0, 0.0, 0.0, -2.0)
-    assert TwistReader(warnings.append)(big) == (0.1, -2.0)
+def test_types_follow_the_publishers_that_are_alone_and_stay_while_both_are_there(stage):
+    made = stage.start()
+    twist = stage.publisher(Twist)
+    stage.hears(twist, 0.1)
+    stamped = stage.publisher(TwistStamped)
+    stage.hears(twist, 0.2)
+    twist.end()
+    stage.hears(stamped, 0.3)
+    twist = stage.publisher(Twist)
+    stage.hears(stamped, 0.4)
+    assert made.type is TwistStamped
+    stamped.end()
+    stage.hears(twist, 0.5)
 
 
-def test_where_the_layout_is_not_certain_rclpy_converts_and_it_is_said(warnings, monkeypatch):
-    def unknown(*_: object) -> None:
-        raise ValueError('its place is not certain')
-    monkeypatch.setattr(velocity_input, 'unpacking', unknown)
-    twist = Twist()
-    twist.linear.x, twist.angular.z = 0.3, -0.4
-    assert TwistReader(warnings.append)(serialize_message(twist)) == (0.3, -0.4)
-    assert len(warnings) == 1 and 'its place is not certain' in warnings[0]
+@pytest.mark.parametrize(('type_', 'taken', 'ignored'), [
+    ('twist', Twist, TwistStamped), ('stamped', TwistStamped, Twist)])
+def test_a_type_that_was_chosen_stays(stage, type_, taken, ignored):
+    made = stage.start(type_)
+    other = stage.publisher(ignored)
+    stage.look()
+    assert made.type is taken
+    other.end()
+    stage.hears(stage.publisher(taken), 0.1)
+
+
+def endpoint(qos: QoSProfile = RELIABLE) -> TopicEndpointInfo:
+    """Return a publisher of Twist."""
+    return TopicEndpointInfo(topic_type='geometry_msgs/msg/Twist', qos_profile=qos)
+
+
+def test_best_effort_ends_when_all_have_been_reliable_for_a_while(stage):
+    made = stage.start()
+    made.adapt([endpoint(), endpoint(BEST_EFFORT)])
+    stage.ros.until(lambda: made.reliability is ReliabilityPolicy.BEST_EFFORT)
+    for _ in range(2):
+        for _ in range(RELIABLE_LOOKS - 1):
+            made.adapt([endpoint()])
+        made.adapt([])
+        assert made.reliability is ReliabilityPolicy.BEST_EFFORT
+        made.adapt([endpoint(BEST_EFFORT)])
+    for _ in range(RELIABLE_LOOKS):
+        made.adapt([endpoint()])
+    stage.ros.until(lambda: made.reliability is ReliabilityPolicy.RELIABLE)
+    stage.hears(stage.publisher(Twist), 0.2)
+
+
+def test_two_that_send_in_turn_are_noticed_and_one_after_the_other_is_not(stage):
+    made = stage.start()
+    first, second = stage.publisher(Twist), stage.publisher(Twist)
+    for number in range(5):
+        stage.hears(first, number + 0.1)
+    for number in range(5):
+        stage.hears(second, number + 0.2)
+    assert not made.contested()
+
+    def noticed() -> bool:
+        stage.hears(first, 0.1)
+        stage.hears(second, 0.2)
+        return made.contested()
+    stage.ros.until(noticed)
+    for _ in range(3):
+        stage.hears(second, 0.3)
+    assert not made.contested()
+
+
+def test_close_waits_for_the_function_and_twice_is_once(stage):
+    entered, leave, left = threading.Event(), threading.Event(), threading.Event()
+
+    def take(linear: float, angular: float, stamp: Any) -> None:
+        entered.set()
+        assert leave.wait(TIMEOUT)
+        left.set()
+    made = VelocityInput(stage.ros.node, 'twist', take, on_failure=stage.failed.set)
+    never = VelocityInput(stage.ros.node, 'twist', take, on_failure=stage.failed.set)
+    made.start()
+    publish = stage.publisher(Twist)
+    stage.ros.until(lambda: publish(0.1) or entered.is_set())
+    threading.Timer(0.1, leave.set).start()
+    for each in (made, made, never):
+        each.close()
+    assert left.is_set()
+    assert not stage.failed.is_set()
+
+
+def test_an_error_in_the_function_is_told_and_printed(stage, monkeypatch):
+    printed: list[threading.ExceptHookArgs] = []
+    monkeypatch.setattr(threading, 'excepthook', printed.append)
+
+    def take(linear: float, angular: float, stamp: Any) -> None:
+        raise ValueError(f'{linear} is wrong')
+    with closing(VelocityInput(
+            stage.ros.node, 'twist', take, on_failure=stage.failed.set)) as made:
+        made.start()
+        publish = stage.publisher(Twist)
+        stage.ros.until(lambda: publish(0.5) or stage.failed.is_set())
+    assert [str(each.exc_value) for each in printed] == ['0.5 is wrong']
