@@ -6,8 +6,7 @@ Messages as bytes, with only the numbers that change packed anew. Pure.
 rclpy converts every field of a message each time it publishes it. Most fields never change, and
 the fields that do always have the same places in the bytes, as long as strings and lengths stay.
 So a message is serialized once, the places of the fields are looked up, and from then on the
-numbers are packed between the bytes that stay. `Publisher.publish` takes such bytes. The numbers
-of a message that holds nothing else can be read in the same way.
+numbers are packed between the bytes that stay. `Publisher.publish` takes such bytes.
 
 A field is named by its path in the message: `pose.covariance[7]`.
 """
@@ -31,7 +30,7 @@ LONGEST_GAP = 7
 """Most bytes between two fields: numbers are aligned to their size."""
 PLEASE_REPORT = ('which takes more processor time; please report it, with the versions of ROS and '
                  'of its middleware')
-"""End of a warning that a message cannot be packed or read as bytes."""
+"""End of a warning that a message cannot be packed as bytes."""
 Fill = Callable[..., Any]
 """Takes the values of all fields, in order; returns what `Publisher.publish` takes."""
 
@@ -120,33 +119,6 @@ class Packing:
     def __call__(self, *values: float) -> bytes:
         """Return the message with these values."""
         return self._pack(*self._in_order(values + self._constants))
-
-
-class Unpacking:
-    """Reads the numbers of some fields from serialized messages that hold nothing but numbers."""
-
-    def __init__(self, message: Any, paths: Sequence[str],
-                 serialize: Callable[[Any], bytes]) -> None:
-        """
-        Look up where the fields are; their values in the message are lost.
-
-        ValueError: the place of a field cannot be found, or another field comes before it.
-        """
-        template = serialize(message)
-        order = _byte_order(template)
-        places = _places(message, paths, order, serialize)
-        if [place.rank for place in places] != list(range(len(paths))):
-            raise ValueError('its fields have another order')
-        self._encoding, self._size = template[:BYTE_ORDER + 1], len(template)
-        self._unpack = struct.Struct(order + ''.join(
-            f'{len(between)}x{place.format}' for between, place in _pieces(template, places))
-        ).unpack
-
-    def __call__(self, received: bytes) -> tuple[Any, ...] | None:
-        """Return the values of the fields; None where the message came in another encoding."""
-        if len(received) != self._size or not received.startswith(self._encoding):
-            return None
-        return self._unpack(received)
 
 
 def _byte_order(serialized: bytes) -> str:
@@ -242,26 +214,3 @@ def packing(message: Any, paths: Sequence[str], serialize: Callable[[Any], bytes
         if deserialize(packed(*values), type(message)) != filled(*values):
             raise ValueError('its packed bytes do not say what was packed')
     return packed
-
-
-def unpacking(message: Any, paths: Sequence[str], serialize: Callable[[Any], bytes]) -> Unpacking:
-    """
-    Return what reads fields of a message, after a check against the middleware.
-
-    ValueError: that cannot be done, or other values would be read than were serialized. Text or a
-    list in a message would move what comes after it.
-    """
-    if not _has_only_numbers(message):
-        raise ValueError('it holds more than numbers')
-    read, filled = Unpacking(message, paths, serialize), filling(message, paths)
-    for values in probes(message, paths):
-        if read(serialize(filled(*values))) != values:
-            raise ValueError('what is read is not what was serialized')
-    return read
-
-
-def _has_only_numbers(message: Any) -> bool:
-    return all(
-        type_ in FORMATS or '/' in type_ and '<' not in type_ and '[' not in type_
-        and _has_only_numbers(getattr(message, name))
-        for name, type_ in message.get_fields_and_field_types().items())

@@ -8,7 +8,6 @@ import struct
 from typing import Any
 
 from create_oi_msgs.msg import Bumper, Cliff, IrOmni
-from geometry_msgs.msg import Transform, Twist, TwistStamped, TwistWithCovariance
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -17,7 +16,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
 from create_oi_ros.ros import messages, topics
-from create_oi_ros.ros.serialized import filling, FORMATS, is_number, packing, slot, unpacking
+from create_oi_ros.ros.serialized import filling, FORMATS, is_number, packing, slot
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import scene
 
@@ -166,40 +165,3 @@ def test_numbers_in_the_other_byte_order_are_packed_so():
         return Cliff(left_signal=left, right_signal=right)
     packed = packing(Cliff(), ['right_signal', 'left_signal'], big, read)
     assert packed(1, 515) == bytes([0, 0, 0, 0, 2, 3, 0, 1])
-
-
-@pytest.mark.parametrize('type_', [Twist, Transform])
-@settings(max_examples=50)
-@given(drawn=st.data())
-def test_what_is_read_is_what_was_serialized(type_, drawn):
-    paths = [path for path in numbers(type_()) if drawn.draw(st.booleans())]
-    values = tuple(drawn.draw(value('double')) for _ in paths)
-    received = serialize_message(filling(type_(), paths)(*values))
-    assert unpacking(type_(), paths, serialize_message)(received) == values
-
-
-@pytest.mark.parametrize(('message', 'paths', 'why'), [
-    (TwistStamped(), ['twist.linear.x'], 'more than numbers'),
-    (TwistWithCovariance(), ['twist.linear.x'], 'more than numbers'),
-    (JointState(), [], 'more than numbers'),
-    (Twist(), ['angular.z', 'linear.x'], 'another order')])
-def test_what_could_be_anywhere_is_not_read(message, paths, why):
-    with pytest.raises(ValueError, match=why):
-        unpacking(message, paths, serialize_message)
-
-
-def test_a_message_in_another_encoding_is_left_to_others():
-    read = unpacking(Twist(), ['linear.x'], serialize_message)
-    received = serialize_message(Twist())
-    assert read(received) == (0.0,)
-    for other in (b'', received[:-1], received + bytes(4), bytes([0, 1 - received[1]])
-                  + received[2:], bytes([0, 7]) + received[2:]):
-        assert read(other) is None
-
-
-def test_a_middleware_that_serializes_otherwise_is_found_out_by_reading():
-    def clumsy(message: Twist) -> bytes:
-        return serialize_message(Twist(linear=message.linear)) if message.linear.x < 0 else (
-            serialize_message(message))
-    with pytest.raises(ValueError, match='not what was serialized'):
-        unpacking(Twist(), ['linear.x', 'angular.z'], clumsy)
