@@ -57,7 +57,7 @@ def test_frames_are_counted_anew_each_second():
 def test_a_script_is_shown():
     status = driving()
     status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, 'a script plays'))
-    assert 'SAFE     a script plays' in status.line()
+    assert 'x +1.00 y +0.00 m    +0 deg  a script plays' in status.line()
     status.on_diagnostics(diagnostics('driver', DiagnosticStatus.OK, 'driving'))
     assert 'driving' not in status.line()
 
@@ -67,7 +67,8 @@ def test_of_a_script_the_time_that_it_takes_is_shown():
     status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, (
         'a script plays, and the robot ignores everything while it waits, a stop included: let '
         'it end, or switch the robot off by its Power button (it plays for about 3 s more)')))
-    assert status.line().endswith('SAFE     a script plays (it plays for about 3 s more)')
+    assert status.line() == (
+        'SAFE  x +1.00 y +0.00 m    +0 deg  a script plays (it plays for about 3 s more)')
 
 
 def test_a_short_bump_is_shown_once():
@@ -131,4 +132,5 @@ def test_the_line_always_fits(message, x, yaw):
     status.on_diagnostics(diagnostics('battery', DiagnosticStatus.WARN, message))
     line = status.line()
     assert len(line) <= WIDTH == 80
-    assert message[:30] in line
+    assert message[:10] in line
+    assert f'x {x:+.2f} y +0.00 m' in line

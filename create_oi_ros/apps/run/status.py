@@ -75,10 +75,11 @@ class RobotStatus:
             if status.name.endswith(f': {about}') and status.level != DiagnosticStatus.OK]
 
     def line(self) -> str:
-        """Return the line, and begin the next second; what does not fit is left out."""
-        line = f'{self._frames:2d} frames/s  {self._mode_text()}'
-        for remark in self._remarks():
-            line = shortened(f'{line}  {remark}')
+        """Return the line, and begin the next second; mode and pose are always in it."""
+        said = (*self._pose(), *self._remarks())
+        line = '  '.join((f'{self._frames:2d} frames/s', self._mode_text(), *said))
+        if len(line) > WIDTH:
+            line = shortened('  '.join((self._mode_text().rstrip(), *said)))
         for text in self._motion():
             if len(line) + 2 + len(text) > WIDTH:
                 break
@@ -103,12 +104,18 @@ class RobotStatus:
             remarks += map(gist, self._troubles)
         return remarks
 
+    def _pose(self) -> list[str]:
+        if self._odom is None:
+            return []
+        pose = self._odom.pose.pose
+        return [f'x {pose.position.x:+.2f} y {pose.position.y:+.2f} m',
+                f'{degrees(yaw_of(pose.orientation)):+4.0f} deg']
+
     def _motion(self) -> list[str]:
         if self._odom is None:
             return []
-        pose, twist = self._odom.pose.pose, self._odom.twist.twist
-        return [f'x {pose.position.x:+.2f} y {pose.position.y:+.2f} m',
-                f'{degrees(yaw_of(pose.orientation)):+4.0f} deg', self._battery_text(),
+        twist = self._odom.twist.twist
+        return [self._battery_text(),
                 f'{twist.linear.x:+.2f} m/s', f'{twist.angular.z:+.2f} rad/s']
 
     def _battery_text(self) -> str:
