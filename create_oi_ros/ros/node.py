@@ -256,9 +256,9 @@ def run(program: str, make: Callable[[Future], list[CreateNode]]) -> int:
             nodes[0].get_logger().warning(sentence)
         for node in nodes:
             executor.add_node(node)
-            unused = node_arguments.unused_file(sys.argv, node._parameter_overrides)
-            if unused is not None:
-                node.get_logger().warning(unused)
+            for sentence in node_arguments.unused_files(
+                    sys.argv, node.get_fully_qualified_name()):
+                node.get_logger().warning(sentence)
         try:
             for node in nodes:
                 node.start()

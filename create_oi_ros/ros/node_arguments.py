@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from itertools import pairwise
+from pathlib import Path
+import re
 import textwrap
 
 from rclpy.utilities import remove_ros_args
@@ -65,12 +67,33 @@ def names_only(ros: Sequence[str]) -> list[str]:
             for part in (flag, rule)]
 
 
-def unused_file(arguments: Sequence[str], given: Collection[str]) -> str | None:
-    """Say that a parameter file holds nothing for this node; ROS ignores it without a word."""
-    if '--params-file' not in arguments or given:
-        return None
-    return ('the file of --params-file holds no parameter of this node, so all defaults hold: '
-            'it must begin with "/**:" or the name of the node, as config/create.yaml does')
+def unused_files(arguments: Sequence[str], node: str) -> Iterator[str]:
+    """Say which parameter files hold nothing for a node; ROS ignores them without a word."""
+    for flag, path in pairwise(arguments):
+        if flag != '--params-file':
+            continue
+        import yaml  # here: most nodes start without a file
+        parts = list(_parts(yaml.safe_load(Path(path).read_text('utf-8'))))
+        if not any(re.fullmatch(_pattern(part), node) for part in parts):
+            yield (f'{path} holds no parameter of this node, {node}, but of '
+                   f'{", ".join(parts) or "none"}, so nothing of it is used: it must begin with '
+                   f'"/**:" or "{node}:"')
+
+
+def _parts(content: object, name: str = '') -> Iterator[str]:
+    """Yield the names of the nodes for which a parameter file has values."""
+    if isinstance(content, dict):
+        for key, inside in content.items():
+            if key == 'ros__parameters':
+                yield name
+            else:
+                yield from _parts(inside, f'{name}/{str(key).strip("/")}')
+
+
+def _pattern(part: str) -> str:
+    """Return what a node's name must match: * is a name, ** any number of names."""
+    wild = {'**': r'(/\w+)*', '*': r'/\w+'}
+    return ''.join(wild.get(name, f'/{re.escape(name)}') for name in part.split('/')[1:])
 
 
 def unused_remaps(

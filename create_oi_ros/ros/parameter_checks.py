@@ -11,9 +11,10 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from .parameters import Parameters
+from .topics import CMD_VEL
 
 DECLARED = Parameters.__dataclass_fields__
-OF_ROS = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
+OF_ROS = ('use_sim_time', 'start_type_description_service')
 """Beginnings of the names of parameters that every ROS node has."""
 
 TAKES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: 'text'}
@@ -35,6 +36,11 @@ def declare(node: Node) -> Parameters:
     """Declare all parameters; ValueError says which value is wrong and what is allowed."""
     given = dict(getattr(node, '_parameter_overrides', {}))
     for unknown in sorted(given.keys() - DECLARED.keys()):
+        if unknown.startswith('qos_overrides.'):
+            raise ValueError(
+                f'parameter {unknown} is not supported: leave it out. All topics are published '
+                'as reliable; for best effort, let the subscriber ask for that'
+                f'; {CMD_VEL} adapts to its publishers')
         if not unknown.startswith(OF_ROS):
             node.get_logger().warning(unknown_parameter(unknown))
     values = {}

@@ -122,15 +122,29 @@ def test_a_remap_without_effect_is_a_warning(tmp_path):
 
 @pytest.mark.parametrize(('content', 'used'), [
     ('', False), ('hello\n', False), ('other:\n  ros__parameters: {baud: 19200}\n', False),
-    ('create:\n  ros__parameters: {baud: 19200}\n', True),
+    ('create:\n  ros__parameters: {baud: 19200}\n', False),
+    ('/robot1/create:\n  ros__parameters: {baud: 19200}\n', True),
+    ('robot1:\n  create:\n    ros__parameters: {baud: 19200}\n', True),
+    ('/*/create:\n  ros__parameters: {baud: 19200}\n', True),
+    ('/*/*/create:\n  ros__parameters: {baud: 19200}\n', False),
+    ('/**/create:\n  ros__parameters: {baud: 19200}\n', True),
     ('/**:\n  ros__parameters: {baud: 19200}\n', True)])
 def test_a_parameter_file_for_another_node_is_told(tmp_path, content, used):
     (tmp_path / 'my.yaml').write_text(content)
     with scene(tmp_path) as stage:
-        node = stage.program('create_node', '--ros-args', '--params-file',
-                             str(tmp_path / 'my.yaml'))
+        node = stage.program(
+            'create_node', '--ros-args', '-r', '__ns:=/robot1', '-p', 'odom_frame:=robot1/odom',
+            '--params-file', str(tmp_path / 'my.yaml'))
         stage.ros.until(lambda: '/dev/ttyUSB0' in node.output)
-        assert ('holds no parameter of this node' in node.output) != used
+        assert ('holds no parameter of this node, /robot1/create, but' in node.output) != used
+
+
+def test_qos_overrides_are_refused(tmp_path):
+    with scene(tmp_path) as stage:
+        node = stage.node(
+            stage.folder / 'none', **{'qos_overrides./odom.publisher.reliability': 'best_effort'})
+        assert node.ended() == 2
+        assert 'qos_overrides./odom.publisher.reliability is not supported' in node.output
 
 
 def test_a_mistyped_parameter_is_named_with_the_right_one(tmp_path):
