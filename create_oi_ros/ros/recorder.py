@@ -77,7 +77,10 @@ class Recorder:
         connection = self._writer.add_connection(
             self._node.resolve_topic_name(name), f'{package}/msg/{kind}', typestore=self._store,
             offered_qos_profiles=[bag_qos(qos)])
-        deep = QoSProfile(depth=1000, durability=qos.durability)
+        # A best-effort subscription hears every publisher of commands.
+        reliability = (ReliabilityPolicy.BEST_EFFORT if name == CMD_VEL
+                       else ReliabilityPolicy.RELIABLE)
+        deep = QoSProfile(depth=1000, durability=qos.durability, reliability=reliability)
         write: Callable[[bytes], None] = lambda raw: self._write(connection, raw)  # noqa: E731
         self._node.create_subscription(type_, name, write, deep, raw=True)
         return connection

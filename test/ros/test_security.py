@@ -35,9 +35,16 @@ DOCS = (ROOT / 'docs' / 'security.md').read_text('utf-8')
 EVERY_NODE = {'/parameter_events', '/rosout'}
 
 
-def allowed(enclave: str, what: str) -> set[str]:
+def profile_of(enclave: str, node: str = '') -> ElementTree.Element:
+    """Return the rules of an enclave for a node; without a name for its first."""
+    which = f"[@node='{node}']" if node else '[1]'
+    profile, = POLICY.findall(f".//enclave[@path='{enclave}']/profiles/profile{which}")
+    return profile
+
+
+def allowed(enclave: str, what: str, node: str = '') -> set[str]:
     """Return the full names that an enclave may publish, subscribe, reply or request."""
-    profile, = POLICY.findall(f".//enclave[@path='{enclave}']/profiles/profile")
+    profile = profile_of(enclave, node)
     names = set()
     for rule in profile.findall(f"./*[@{what}='ALLOW']"):
         assert set(rule.attrib) == {what}
@@ -55,16 +62,16 @@ OF_ACTIONS = {
 """What `execute` and `call` of an action allow, as `ros2 security` writes it."""
 
 
-def actions(enclave: str, what: str) -> set[str]:
+def actions(enclave: str, what: str, node: str = '') -> set[str]:
     """Return the names of the actions that an enclave may execute or call."""
-    profile, = POLICY.findall(f".//enclave[@path='{enclave}']/profiles/profile")
+    profile = profile_of(enclave, node)
     return {str(name.text) for name in profile.findall(f"./actions[@{what}='ALLOW']/action")}
 
 
-def allowed_by_actions(enclave: str, what: str) -> set[str]:
+def allowed_by_actions(enclave: str, what: str, node: str = '') -> set[str]:
     """Return the full names that an enclave may use as parts of its actions."""
     rule, parts = OF_ACTIONS[what]
-    return {f'/{name}/_action/{part}' for name in actions(enclave, rule) for part in parts}
+    return {f'/{name}/_action/{part}' for name in actions(enclave, rule, node) for part in parts}
 
 
 def full(names: list[str]) -> set[str]:
@@ -82,8 +89,10 @@ def node():
         while not web.velocity.driver_listens:
             assert time.monotonic() < deadline
             web.velocity.find_driver(time.monotonic())
+        web.velocity.publish(0.0, 0.0)
         yield made
         web.destroy_node()
+        made.stop()
         made.destroy_node()
         rclpy.shutdown()
 
@@ -95,10 +104,10 @@ def node():
     ('request', 'get_client_names_and_types_by_node'),
 ])
 @pytest.mark.parametrize(('enclave', 'name'), [
-    ('/create', 'create'), ('/web', 'create_web')])
+    ('/create', 'create'), ('/create', 'create_cmd_vel'), ('/web', 'create_web')])
 def test_a_node_may_do_what_it_does_and_no_more(node, enclave, name, what, ask):
     used = {each for each, _ in getattr(node, ask)(name, '/')}
-    assert allowed(enclave, what) | allowed_by_actions(enclave, what) == used
+    assert allowed(enclave, what, name) | allowed_by_actions(enclave, what, name) == used
 
 
 def test_a_pilot_may_drive_listen_and_ask():
