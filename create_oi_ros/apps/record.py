@@ -66,7 +66,7 @@ def _arguments() -> argparse.ArgumentParser:
                         default=Path(f'record-{datetime.now():%Y%m%d-%H%M%S}'),
                         help='a new folder for the bag (default: record-DATE-TIME)')
     parser.add_argument('--stamped', action='store_true',
-                        help='cmd_vel is a TwistStamped, as with enable_stamped_cmd_vel')
+                        help='record cmd_vel as TwistStamped instead of Twist')
     return parser
 
 

@@ -137,6 +137,7 @@ class CreateNode(Node):
                 ends.callback(self.capture.close)
             ends.callback(self._announced.close)
             ends.callback(self.model.end, self.session)
+            ends.callback(self._commands.destroy)
             ends.callback(self._diagnostics_thread.close)
             ends.callback(self._commands.close)
             ends.callback(self.session.close)

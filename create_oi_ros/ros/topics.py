@@ -44,7 +44,7 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """For topics that change rarely: a late subscriber gets the present state."""
 
 CMD_VEL = 'cmd_vel'
-"""The topic of velocity commands, the only one that the node subscribes to."""
+"""The topic of velocity commands."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -79,13 +79,13 @@ class VelocityInput:
         self._thread.start()
 
     def close(self) -> None:
-        """Take no more commands, and wait until `on_command` has returned; once is enough."""
-        if self._closing.is_set():
-            return
+        """Take no more commands, and wait until `on_command` has returned."""
         if self._thread.is_alive():
             self._executor.create_task(self._closing.set)
             self._thread.join()
-        self._closing.set()
+
+    def destroy(self) -> None:
+        """Destroy the node, after `close`, when nobody calls `adapt` any more."""
         self._executor.shutdown()
         self.node.destroy_node()
 
@@ -138,7 +138,8 @@ class VelocityInput:
         self._number = 0
         take: Callable[..., None] = self._take  # rclpy passes the second argument as well
         self._subscription = self.node.create_subscription(
-            self.type, self._topic, take, QoSProfile(depth=1, reliability=self.reliability),
+            # A depth of 2, so that of two commands in the same moment both are seen.
+            self.type, self._topic, take, QoSProfile(depth=2, reliability=self.reliability),
             # GraphWatch says more of a publisher that does not fit.
             event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
 

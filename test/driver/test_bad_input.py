@@ -20,7 +20,6 @@ from hypothesis import strategies as st
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
-from rclpy.serialization import serialize_message
 from rclpy.task import Future
 
 from create_oi_ros import oi
@@ -140,6 +139,7 @@ def node():
         rclpy.init(args=[], domain_id=domain)
         made = CreateNode(Future())
         yield made
+        made.stop()
         made.destroy_node()
         rclpy.shutdown()
 
@@ -150,10 +150,7 @@ def test_a_velocity_drives_within_the_limits_or_not_at_all(node, message):
     desk = Desk()
     session, node.session = node.session, desk
     try:
-        if isinstance(message, Twist):
-            node._on_velocity(serialize_message(message))
-        else:
-            node._on_stamped_velocity(message)
+        node._commands._take(message, {'publication_sequence_number': None})
     finally:
         node.session = session
     twist = message if isinstance(message, Twist) else message.twist

