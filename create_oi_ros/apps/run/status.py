@@ -20,6 +20,8 @@ from ...ros.rotation import yaw_of
 
 WIDTH = 80
 """Columns of the line at most."""
+POSE_TEXTS = 2
+"""Parts of the motion that are the pose."""
 CLEAR = '\r\x1b[K'
 """Go to the begin of the line, and clear it."""
 LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
@@ -75,12 +77,14 @@ class RobotStatus:
             if status.name.endswith(f': {about}') and status.level != DiagnosticStatus.OK]
 
     def line(self) -> str:
-        """Return the line, and begin the next second; mode and pose are always in it."""
-        said = (*self._pose(), *self._remarks())
+        """Return the line, and begin the next second; the pose of a robot is always in it."""
+        motion, robot = self._motion(), self._mode is None or self._mode.mode != Mode.UNKNOWN
+        pose = POSE_TEXTS if robot else 0
+        said = (*motion[:pose], *self._remarks())
         line = '  '.join((f'{self._frames:2d} frames/s', self._mode_text(), *said))
         if len(line) > WIDTH:
             line = shortened('  '.join((self._mode_text().rstrip(), *said)))
-        for text in self._motion():
+        for text in motion[pose:]:
             if len(line) + 2 + len(text) > WIDTH:
                 break
             line += f'  {text}'
@@ -104,18 +108,12 @@ class RobotStatus:
             remarks += map(gist, self._troubles)
         return remarks
 
-    def _pose(self) -> list[str]:
-        if self._odom is None:
-            return []
-        pose = self._odom.pose.pose
-        return [f'x {pose.position.x:+.2f} y {pose.position.y:+.2f} m',
-                f'{degrees(yaw_of(pose.orientation)):+4.0f} deg']
-
     def _motion(self) -> list[str]:
         if self._odom is None:
             return []
-        twist = self._odom.twist.twist
-        return [self._battery_text(),
+        pose, twist = self._odom.pose.pose, self._odom.twist.twist
+        return [f'x {pose.position.x:+.2f} y {pose.position.y:+.2f} m',
+                f'{degrees(yaw_of(pose.orientation)):+4.0f} deg', self._battery_text(),
                 f'{twist.linear.x:+.2f} m/s', f'{twist.angular.z:+.2f} rad/s']
 
     def _battery_text(self) -> str:
