@@ -98,15 +98,15 @@ def test_the_reason_of_a_mode_is_shown_alone():
 
 @pytest.mark.parametrize(('message', 'shown'), [
     (f'{PORT} does not exist; there are /dev/ttyUSB1: is the cable in?',
-     'port does not exist; there are /dev/ttyUSB1: is the ca...'),
+     'port does not exist; there are /dev/ttyUSB1: is the ca'),
     (f'{PORT}: no permission; `sudo usermod -aG dialout ada`, then log in again',
-     'port: no permission; `sudo usermod -aG dialout ada`, t...'),
+     'port: no permission; `sudo usermod -aG dialout ada`, t'),
     (f'{PORT} is in use by create_node (process 12345); end it, or give another port',
-     'port is in use by create_node (process 12345); end it,...'),
+     'port is in use by create_node (process 12345); end it,'),
     ('something sends on the port, but not like a Create at 57600 baud (it sent 36 71 80',
-     'something sends on the port, but not like a Create at ...'),
+     'something sends on the port, but not like a Create at '),
     ("no answer at 57600 baud: is the robot on (Power light)? is it the Create's own",
-     'no answer at 57600 baud: is the robot on (Power light)...'),
+     'no answer at 57600 baud: is the robot on (Power light)'),
 ])
 def test_why_no_robot_answers_is_shown_until_one_does(message, shown):
     status = driving()
