@@ -125,7 +125,8 @@ class Outputs:
 
     def observe(self, readings: oi.Readings) -> None:
         """End the request for a song that plays: none did when it was sent."""
-        if self.awaited and readings.song_playing and readings.song_number == self._playing:
+        if self.awaited and readings.song_playing and readings.song_number in (
+                self._playing, None):
             self._play_request.settle(self._played)
 
     def check_timeout(self, now: float) -> None:

@@ -186,6 +186,16 @@ def test_a_mode_that_does_not_exist_stops_the_wheels_and_says_what_to_do() -> No
     assert loop.driver.status.can_drive and loop.driver.state.moving
 
 
+def test_a_song_plays_though_its_number_is_not_known() -> None:
+    loop = Loop()
+    loop.forged = {'song_number': 16}
+    loop.run(1)
+    loop.driver.outputs.define_song(1, [60], [1.0])
+    request = loop.driver.outputs.play_song(1, loop.now)
+    loop.run(0.5)
+    assert request.outcome is not None and request.outcome.ok
+
+
 @pytest.mark.parametrize('name', SLOW[1:])
 def test_what_the_battery_cannot_have_is_not_known(name: str) -> None:
     loop = Loop()
