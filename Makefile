@@ -4,7 +4,8 @@
 # One target a line. What is missing is set up and built first. ARGS= is passed on.
 #
 #   make                 build everything; the first time also set up ROS in .venv
-#   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot
+#   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot;
+#   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for telephones
 #   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
 #   make test            build, lint and run every test; ARGS='FILE -k NAME' runs some of them
 #   make build           the same as make
