@@ -97,27 +97,16 @@ class GraphWatch:
 
     def _unheard(self) -> Iterator[str]:
         """Find subscribers that get nothing from this node."""
-        for ours in self._node.publishers:
-            topic = ours.topic_name
-            if ours.get_subscription_count() >= self._node.count_subscribers(topic):
+        own = self._node.get_fully_qualified_name()
+        for publisher in self._node.publishers:
+            topic = publisher.topic_name
+            if publisher.get_subscription_count() >= self._node.count_subscribers(topic):
                 continue
-            # The QoS with which it was created leaves some values open.
-            qos, type_ = next(
-                (each.qos_profile, type_name_of(each))
-                for each in self._node.get_publishers_info_by_topic(topic)
-                if node_name(each) == self._node.get_fully_qualified_name())
-            for each in self._node.get_subscriptions_info_by_topic(topic):
-                who = f'{node_name(each)} subscribes to {topic}, but gets nothing'
-                if type_name_of(each) != type_:
-                    yield (f'{who}: it takes {type_name_of(each)}, and this driver publishes '
-                           f'{type_}. Change the subscriber')
-                    continue
-                fits, reason = qos_check_compatible(qos, each.qos_profile)
-                if fits == QoSCompatibility.ERROR:
-                    yield (f'{who}: its QoS asks for more than this driver offers '
-                           f'({reason.removeprefix("ERROR: ").rstrip("; ")}). Let it subscribe '
-                           f'as {qos.reliability.name.lower()} and {qos.durability.name.lower()}, '
-                           'without deadline and liveliness')
+            # The graph's QoS is complete; the one that it was created with need not be.
+            for ours in self._node.get_publishers_info_by_topic(topic):
+                if node_name(ours) == own:
+                    for each in self._node.get_subscriptions_info_by_topic(topic):
+                        yield from _misfits(ours, each, topic)
 
     def _other_topics(self) -> Iterator[str]:
         """Find commands in another namespace, and other drivers with the same frames."""
@@ -184,6 +173,22 @@ def names_of_publishers(node: Node, topic: str) -> set[str]:
         if time.monotonic() > until or all(each.node_name != UNNAMED for each in found):
             return {node_name(each) for each in found}
         time.sleep(LOOK)
+
+
+def _misfits(ours: TopicEndpointInfo, theirs: TopicEndpointInfo, topic: str) -> Iterator[str]:
+    """Say why a subscriber gets nothing from a publisher of this node, if it does not."""
+    who = f'{node_name(theirs)} subscribes to {topic}, but gets nothing'
+    if type_name_of(theirs) != type_name_of(ours):
+        yield (f'{who}: it takes {type_name_of(theirs)}, and this driver publishes '
+               f'{type_name_of(ours)}. Change the subscriber')
+        return
+    qos = ours.qos_profile
+    fits, reason = qos_check_compatible(qos, theirs.qos_profile)
+    if fits == QoSCompatibility.ERROR:
+        yield (f'{who}: its QoS asks for more than this driver offers '
+               f'({reason.removeprefix("ERROR: ").rstrip("; ")}). Let it subscribe as '
+               f'{qos.reliability.name.lower()} and {qos.durability.name.lower()}, without '
+               'deadline and liveliness')
 
 
 def _domain() -> str:

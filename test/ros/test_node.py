@@ -204,6 +204,19 @@ def test_a_velocity_that_is_not_a_number_is_refused_and_stops(stage):
     stage.ros.until(lambda: 'not finite' in node.output)
 
 
+def test_velocities_drive_whatever_node_namespace_and_topic_are_called(stage):
+    robot = stage.robot()
+    stage.node(robot.link, '__node:=mine', '__ns:=/robot1', 'cmd_vel:=/drive')
+    velocity = stage.ros.node.create_publisher(Twist, 'drive', 1)
+
+    def drives() -> bool:
+        velocity.publish(Twist(linear=Vector3(x=0.2)))
+        return robot.body.truth().speed > 0.1
+    stage.ros.until(drives)
+    names = stage.ros.node.get_node_names_and_namespaces()
+    assert {('mine', '/robot1'), ('mine_cmd_vel', '/robot1')} <= set(names)
+
+
 def test_stamped_velocities_drive(stage):
     robot = stage.robot()
     stage.node(robot.link, cmd_vel_type='stamped')

@@ -166,6 +166,20 @@ def test_two_that_send_in_turn_are_noticed_and_one_after_the_other_is_not(stage)
     assert not made.contested()
 
 
+def test_two_drivers_in_one_process_that_share_the_topic_both_change(stage):
+    stage.start()
+    stage.start()
+    publish = stage.publisher(TwistStamped)
+
+    def both_hear() -> bool:
+        for each in stage.inputs:
+            each.adapt(stage.ros.node.get_publishers_info_by_topic('cmd_vel'))
+        publish(0.1)
+        return all(subscription.msg_type is TwistStamped for each in stage.inputs
+                   for subscription in each.node.subscriptions) and len(stage.got) > 1
+    stage.ros.until(both_hear)
+
+
 def test_close_waits_for_the_function(stage):
     entered, leave, left = threading.Event(), threading.Event(), threading.Event()
 
