@@ -195,7 +195,9 @@ class WheelCommands:
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
         if blocked:
             self._speeds = without_forward(self._speeds)
-        speeds = rounded(self._speeds)
+        # While they change, an error lasts a slot: each wheel follows its own ramp.
+        speeds = (rounded(self._speeds) if self._speeds == self._wanted else
+                  (round(self._speeds.right), round(self._speeds.left)))
         if speeds != (0, 0) and speeds != self._sent and now - self._sent_at < SLOT:
             return None
         before, self._sent, self._rounded = self._sent, speeds, self._speeds
