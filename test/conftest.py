@@ -9,6 +9,9 @@ import os
 from hypothesis import settings
 import pytest
 
+from create_oi_ros.driver import Driver
+from create_oi_ros.driver.state import StateEvent
+
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
 settings.load_profile('repeatable')
 
@@ -53,3 +56,11 @@ def end_process_later(item: pytest.Item) -> None:
 def unmeasured(monkeypatch):
     """Measure no coverage in the processes that a test starts: they cannot write its file."""
     monkeypatch.delenv('COVERAGE_PROCESS_CONFIG', raising=False)
+
+
+@pytest.fixture(autouse=True)
+def unexpected_events_fail(monkeypatch):
+    """Fail where the driver's state gets an event that its tables do not list."""
+    def fail(driver: Driver, event: StateEvent) -> None:
+        raise AssertionError(f'{event} came in {driver.state.activity}')
+    monkeypatch.setattr(Driver, '_report_unknown', fail)

@@ -25,6 +25,9 @@ class BatteryGuard:
         self._demos = demos
         self._modes = modes
         self._events = events
+        self._due = False
+        """Whether the action for an empty battery has still to be taken."""
+        self._refusal = ''
 
     @property
     def level(self) -> BatteryLevel:
@@ -33,17 +36,24 @@ class BatteryGuard:
 
     def observe(self, readings: oi.Readings, now: float) -> None:
         """Take readings in; when the level has just become worse, report it and act."""
-        if not self._watch.observe(readings, now):
-            return
-        volts = readings.number('voltage', 0) * MILLI
-        self._events.notice(
-            Severity.WARNING, f'battery {self.level.value} ({volts:.1f} V): charge it')
-        if self.level is not BatteryLevel.EMPTY or self._action is LowBatteryAction.NONE:
-            return
-        if self._action is LowBatteryAction.DOCK:
-            self._demos.start(oi.DemoNumber.COVER_AND_DOCK)
-        else:
-            self._modes.rest(now)
-        self._events.notice(
-            Severity.ERROR, f'battery {self.level.value}: the robot {DOES[self._action]}, as '
-            'low_battery_action says; charge it')
+        if self._watch.observe(readings, now):
+            volts = readings.number('voltage', 0) * MILLI
+            self._events.notice(
+                Severity.WARNING, f'battery {self.level.value} ({volts:.1f} V): charge it')
+            self._due, self._refusal = self._action is not LowBatteryAction.NONE, ''
+        if self._due and self.level is BatteryLevel.EMPTY:
+            self._act(now)
+
+    def _act(self, now: float) -> None:
+        """Do what the user chose; where the robot refuses it, say so once and try again."""
+        outcome = (self._demos.start(oi.DemoNumber.COVER_AND_DOCK)
+                   if self._action is LowBatteryAction.DOCK else self._modes.rest(now)).outcome
+        does = f'battery {self.level.value}: the robot {DOES[self._action]}'
+        if outcome is None or outcome.ok:
+            self._due = False
+            self._events.notice(
+                Severity.ERROR, f'{does}, as low_battery_action says; charge it')
+        elif outcome.text != self._refusal:
+            self._refusal = outcome.text
+            self._events.notice(
+                Severity.ERROR, f'{does} as soon as it can ({outcome.text}); charge it')

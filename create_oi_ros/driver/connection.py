@@ -106,14 +106,14 @@ class Connection:
         self._counts.garbage_bytes += len(garbage)
         self._search.add_garbage(garbage)
 
-    def answered(self) -> None:
-        """Note that the first frame has come."""
+    def answered(self, event: StateEvent) -> None:
+        """Note that the first frame has come; `event` is ANSWERED or RETURNED."""
         slow = self._search.raised_from
         if slow is not None:
             self._events.notice(Severity.WARNING, (
                 f'the robot was at {slow} baud, too slow for its stream: it is at {self.baud} '
                 'now, until it is switched off'))
-        self._handle(StateEvent.ANSWERED)
+        self._handle(event)
         self._check_rate()
 
     def ask(self, stream: oi.Stream, now: float) -> None:

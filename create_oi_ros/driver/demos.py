@@ -8,7 +8,7 @@ from .. import oi
 from .outbox import Outbox
 from .pending import done, Pending, refused
 from .requests import Requests
-from .state import StateEvent
+from .state import Owner, State, StateEvent
 from .stopping import END_DEMO
 from .supervision import Supervision
 
@@ -20,12 +20,13 @@ class Demos:
     """Starts and ends demos; Passive is the wanted mode from then on."""
 
     def __init__(
-        self, outbox: Outbox, requests: Requests, supervision: Supervision,
+        self, outbox: Outbox, requests: Requests, state: State, supervision: Supervision,
         handle: Callable[[StateEvent], None],
     ) -> None:
         """`handle` passes an event to the driver's state."""
         self._outbox = outbox
         self._requests = requests
+        self._state = state
         self._supervision = supervision
         self._handle = handle
 
@@ -55,9 +56,11 @@ class Demos:
 
     def stop(self) -> Pending:
         """End the demo that runs, if any; the robot stays in Passive."""
-        if self._supervision.status.can_drive and self._requests.refusal(oi.Demo) is None:
+        why = self._requests.refusal(oi.Demo)
+        if why is not None:
+            return refused(why)
+        if self._state.owner is not Owner.ROBOT and self._supervision.status.can_drive:
             return done('no demo runs: the robot obeys cmd_vel')
-        request = self._requests.send(
-            END_DEMO, 'end of the demo sent; call set_mode with SAFE to drive again')
         self._handle(StateEvent.DEMO_ENDED)
-        return request
+        return self._requests.send(
+            END_DEMO, 'end of the demo sent; call set_mode with SAFE to drive again')

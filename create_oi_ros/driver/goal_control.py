@@ -35,7 +35,9 @@ TAKEN_OVER = {
     StateEvent.DEMO_ENDED: (Code.SUPERSEDED, 'the service stop_demo was called'),
     StateEvent.SCRIPT_STARTED: (Code.SUPERSEDED, 'a script took over'),
     StateEvent.SHOW_STARTED: (Code.SUPERSEDED, 'the stored script is being read'),
-    StateEvent.MODE_ENTERED: (Code.SUPERSEDED, 'another mode was set'),
+    StateEvent.MODE_SET: (Code.SUPERSEDED, 'another mode was set'),
+    StateEvent.PASSIVE_SET: (
+        Code.MODE, 'PASSIVE was set: call set_mode with SAFE, then send the goal again'),
     StateEvent.NO_ANSWER: (
         Code.LINK, 'the robot no longer answers: check cable and power, the driver keeps trying'),
     StateEvent.PORT_CLOSED: (
@@ -94,6 +96,8 @@ class GoalControl:
         self._goal, self._running = goal, running
         self._begun, self._started_at = False, now
         self._mode_before = self._supervision.status.wanted
+        if self._state.activity is Activity.HOLDING:  # a goal is as good as a pause of commands
+            self._handle(StateEvent.HALTED)
         self._handle(StateEvent.GOAL_STARTED)
         if goal.hint:
             self._events.notice(Severity.WARNING, goal.hint)
@@ -174,7 +178,6 @@ class GoalControl:
             return None
         why = state.drive_refusal if goal.needs_driving else state.refusal
         if why is None and goal.needs_driving:
-            self._supervision.commands_paused()  # a goal is as good as a fresh command
             why = self._modes.allow_driving(now)
             why = why and f'{why}: {self._advice()}'
         return Over(Code.MODE, why) if why else None

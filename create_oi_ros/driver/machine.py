@@ -38,7 +38,7 @@ from .requests import Requests
 from .script_control import ScriptControl
 from .script_speeds import requested_speeds
 from .settings import Settings
-from .state import Activity, State, StateEvent
+from .state import Activity, Owner, State, StateEvent
 from .stopping import END_DEMO, farewell, HALT
 from .stream_plan import StreamPlan
 from .supervision import causes_in, ModeStatus, Supervision
@@ -52,6 +52,8 @@ LOOK_INTERVAL = 0.1
 """Seconds between two looks at what changes within seconds."""
 RESTFUL = (Activity.IDLE, Activity.DRIVING)
 """Activities in which frames may wait that say nothing new."""
+MOST_ABSENCE = 2.0
+"""Seconds without a frame after which commands must pause before a robot follows them again."""
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 
@@ -80,7 +82,8 @@ class Driver:
             settings.baud, self.state, self._outbox, self._events, self.counts, self._handle)
         self._requests = requests = Requests(self._outbox, self.state, self._supervision)
         self.outputs = Outputs(self._outbox, requests, self._tracking)
-        self.demos = Demos(self._outbox, requests, self._supervision, self._handle)
+        self.demos = Demos(
+            self._outbox, requests, self.state, self._supervision, self._handle)
         self.scripts = ScriptControl(
             self._outbox, requests, self.state, self._connection.plan,
             settings.limits.wheel_separation, self._handle)
@@ -100,13 +103,21 @@ class Driver:
         self._waiting = WaitingFrames()
         self._newest: oi.Frame | None = None
         self._look_at = -inf
+        self._present_at = inf
+        """When the robot was heard last; before its first frame, when it was called first."""
+        self._mistakes: set[str] = set()
         self._reported_status = self.status
 
     def _handle(self, event: StateEvent) -> None:
         """Let an event change the state; tell the wheels and the other parts what follows."""
+        if not self.state.knows(event):
+            self._report_unknown(event)
+            return
         self.state.handle(event)
         if not self.state.moving:
             self._wheels.stop()
+        if self.state.owner is not Owner.ROBOT:
+            self._outbox.call_off_motion()
         if event not in SPEEDS_HOLD:
             self._wheels.forget_sent()
         if event in ROBOT_UNKNOWN:
@@ -118,10 +129,19 @@ class Driver:
             self._unchecked.clear()
         self.goals.handled(event)
 
+    def _report_unknown(self, event: StateEvent) -> None:
+        """Log once a mistake of the driver: an event where no table lists it."""
+        mistake = (f'{event.name} came in {self.state.activity.name}, where the driver does not '
+                   'expect it, and is ignored: please report this')
+        if mistake not in self._mistakes:
+            self._mistakes.add(mistake)
+            self._events.notice(Severity.WARNING, mistake)
+
     # What arrives and leaves, and what happened.
 
     def connected(self, now: float) -> None:
         """Start to call the robot: the port has been opened."""
+        self._present_at = min(self._present_at, now)
         self._connection.opened(now)
 
     def disconnected(self, why: str) -> None:
@@ -259,15 +279,20 @@ class Driver:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
         if self.state.activity is not Activity.CLOSED:
             self._outbox.send_at_once(HALT, now)
-        if self.status.actual is oi.Mode.PASSIVE or self.status.unknown:
-            self._outbox.send_at_once(END_DEMO, now)
-        if self.status.wanted is oi.Mode.PASSIVE and self._outbox.busy:
-            self._outbox.send(END_DEMO)  # one may be about to begin
+            if self._may_play_demo:
+                self._outbox.send_at_once(END_DEMO, now)
+        if self._outbox.call_off_motion() and self.scripts.playing:
+            self.scripts.call_off()
         self._handle(StateEvent.STOPPED)
-        self._supervision.commands_paused()
         why = IGNORES if self._connection.ignores_commands else (
             self.scripts.status(now) or self._requests.refusal(oi.Demo))
         return done('stop sent') if why is None else refused(why)
+
+    @property
+    def _may_play_demo(self) -> bool:
+        """Whether the robot may play a demo, or begin one before its next frame."""
+        return (self.status.unknown
+                or oi.Mode.PASSIVE in (self.status.actual, self.status.wanted))
 
     def set_limits(self, limits: MotionLimits) -> None:
         """Change the limits, from the next command on."""
@@ -289,7 +314,8 @@ class Driver:
         if self.state.activity is Activity.CLOSED:
             return
         try:
-            self._outbox.clear(*farewell(self.status.actual, self.settings.mode_on_exit))
+            mode = oi.Mode.PASSIVE if self._may_play_demo else self.status.actual
+            self._outbox.clear(*farewell(mode, self.settings.mode_on_exit))
             self.catch_up()
             self._modes.fail('driver is shutting down')
             script = self.scripts.status(now)
@@ -304,6 +330,7 @@ class Driver:
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
+        before = self._tracking.readings
         taken = self._tracking.take(frame, self._connection.baud, now)
         self._connection.add_frame(frame.packets)
         self._connection.heard_at = now
@@ -315,15 +342,22 @@ class Driver:
         self._tracking.odd.news.clear()
         activity = self.state.activity
         if activity is Activity.CALLING:
-            self._found(now)
+            self._found(before, now)
         elif activity is Activity.SCRIPT and self.scripts.ended(frame.packets):
             self._after_script()
+        self._present_at = now
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
         self._events.append(moved)
         self._unchecked.append((taken, moved))
 
-    def _found(self, now: float) -> None:
-        self._connection.answered()
+    def _found(self, before: oi.Readings, now: float) -> None:
+        """Enter the wanted mode; `before` is what was known before this first frame."""
+        had, mode = (each.oi_mode if each.has('oi_mode') else None
+                     for each in (before, self._tracking.readings))
+        away = now - self._present_at > MOST_ABSENCE or had is not None and (
+            had is not mode or mode not in oi.ACTUATE)
+        self._connection.answered(StateEvent.RETURNED if away else StateEvent.ANSWERED)
+        self._velocity.report_next_refusal()
         wanted = self.status.wanted
         self._events.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
         self.outputs.restore_songs()
@@ -335,6 +369,8 @@ class Driver:
         self._events.notice(Severity.INFO, 'the script has ended; wheels stopped')
         if self._tracking.readings.oi_mode in oi.ACTUATE:
             self.outputs.restore()
+        else:
+            self._handle(StateEvent.MODE_LEFT)
 
     def _check_frame(self, taken: Taken, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line, angle and battery."""

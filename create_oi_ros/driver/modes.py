@@ -14,6 +14,7 @@ from .state import State, StateEvent
 from .stopping import END_DEMO
 from .supervision import Cause, MODE_COMMANDS, Supervision
 
+PAUSE = 'let commands pause and send again'
 MODE_TIMEOUT = 0.5
 """Seconds within which the robot must report a requested mode."""
 OLD = 0.06
@@ -54,6 +55,7 @@ class Modes:
         self._request, self._requested = Pending(), mode
         self._deadline, self._believed_at = now + MODE_TIMEOUT, now + OLD
         self._was_in_another = self._supervision.status.actual is not mode
+        self._handle(StateEvent.MODE_SET if mode in oi.ACTUATE else StateEvent.PASSIVE_SET)
         self._supervision.want(mode)
         self.enter(mode, now)
         return self._request
@@ -79,11 +81,15 @@ class Modes:
         if mode in oi.ACTUATE:
             self._outputs.restore()
 
-    def rest(self, now: float) -> None:
-        """Stop for an empty battery, and want Passive from now on."""
+    def rest(self, now: float) -> Pending:
+        """Stop for an empty battery, and want Passive from now on; refused while that is vain."""
+        why = self._requests.refusal(oi.Start)
+        if why is not None:
+            return refused(why)
         self._handle(StateEvent.RESTED)
         self._supervision.want(oi.Mode.PASSIVE)
         self.enter(oi.Mode.PASSIVE, now)
+        return done('resting')
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's mode in; True when the robot has just left the wanted mode."""
@@ -109,7 +115,15 @@ class Modes:
         if self._state.takes_commands and self._supervision.must_enter_again(now):
             self.enter(self._supervision.status.wanted, now)
 
-    def advice(self, again: str = 'let commands pause and send again') -> str:
+    def wrong_mode(self) -> str:
+        """Say in which mode the robot is that is told to drive and does not."""
+        status = self._supervision.status
+        if status.can_drive:
+            return f'robot is to enter {status.wanted.name}'
+        why = f' ({status.reason})' if status.reason else ''
+        return f'robot is in {status.name}{why}'
+
+    def advice(self, again: str = PAUSE) -> str:
         """Say how a robot that is in no mode to drive is brought to drive."""
         causes = self._supervision.status.causes
         if self._supervision.status.unknown:
@@ -142,12 +156,12 @@ class Modes:
         the wanted mode, and may enter it again, tell it to.
         """
         status = self._supervision.status
-        entering = self._supervision.is_entering and status.wanted in oi.ACTUATE
-        if status.can_drive or entering:
+        if status.wanted not in oi.ACTUATE:
+            return self.wrong_mode()
+        if status.can_drive or self._supervision.is_entering:
             return None
         if not self._supervision.may_recover(now):
-            why = f' ({status.reason})' if status.reason else ''
-            return f'robot is in {status.name}{why}'
+            return self.wrong_mode()
         if not self._outbox.busy:
             self._events.notice(Severity.INFO, f'{status.reason} is gone: entering '
                                 f'{status.wanted.name} again')

@@ -8,9 +8,12 @@ from typing import NamedTuple
 
 from .. import oi
 from .pending import Pending
+from .stopping import END_DEMO
 
 MODE_PAUSE = 0.02
 """Seconds to leave after a command that changes the mode, before the next one."""
+MOTION = (oi.Demo, oi.Cover, oi.CoverAndDock, oi.Spot, oi.PlayScript)
+CALLED_OFF = 'called off before it was sent: something else stopped the robot'
 LOST = 'the robot was lost before the command was written: try again when it answers'
 
 
@@ -19,6 +22,8 @@ class _Queued(NamedTuple):
     pause: float
     request: Pending | None
     done: str
+    moves: bool = False
+    """Whether it lets the robot move by itself."""
 
 
 class Outbox:
@@ -46,7 +51,9 @@ class Outbox:
     ) -> None:
         if command.enters is not None:
             pause = max(pause, MODE_PAUSE)
-        self._queue.append(_Queued(command.encode(), pause, request, done))
+        self._queue.append(_Queued(
+            command.encode(), pause, request, done,
+            isinstance(command, MOTION) and command != END_DEMO))
 
     def send_raw(self, encoded: bytes) -> None:
         """Queue bytes that are no command."""
@@ -76,6 +83,16 @@ class Outbox:
         self._free_at = -inf
         for request in lost:
             request.end(False, LOST)
+
+    def call_off_motion(self) -> bool:
+        """Drop queued commands that let the robot move by itself; True when there were any."""
+        dropped = [queued for queued in self._queue if queued.moves]
+        if dropped:
+            self._queue = deque(queued for queued in self._queue if not queued.moves)
+            for queued in dropped:
+                if queued.request is not None:
+                    queued.request.end(False, CALLED_OFF)
+        return bool(dropped)
 
     def release(self, now: float) -> None:
         """Make ready what is due."""

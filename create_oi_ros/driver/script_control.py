@@ -165,6 +165,11 @@ class ScriptControl:
         self._handle(StateEvent.SCRIPT_ENDED)
         return True
 
+    def call_off(self) -> None:
+        """Note that the script was never sent to be played."""
+        self._plan.restart()
+        self._handle(StateEvent.SCRIPT_ENDED)
+
     def forget(self) -> None:
         """Forget the script: no robot answers, it may have been switched off."""
         self._stored = None

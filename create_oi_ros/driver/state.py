@@ -3,12 +3,14 @@
 """
 What the driver is doing, as one value, and what leads from one activity to another.
 
-Everything that changes the activity goes through `State.handle`, and `TRANSITIONS` is the whole
-machine: an event that the table does not list for the present activity changes nothing. Who owns
-the wheels, whether the robot takes commands, and why a request is refused follow from the
-activity, in the tables below. To add an activity, add a row to each table.
+Everything that changes the activity goes through `State.handle`. `TRANSITIONS` says which events
+lead to another activity, `STAYS` which change nothing. An event that neither lists is a mistake of
+the driver: tests fail, in the field it is logged and changes nothing. Who owns the wheels, whether
+the robot takes commands, and why a request is refused follow from the activity, in the tables
+below. To add an activity, add a row to each table.
 
     CLOSED --OPENED--> CALLING --ANSWERED--> IDLE <--VELOCITY/HALTED--> DRIVING
+    CALLING --RETURNED--> HOLDING --HALTED--> IDLE; IDLE, DRIVING, ... --MODE_LEFT--> HOLDING
     IDLE --DEMO_STARTED--> DEMO --DEMO_ENDED--> IDLE
     IDLE --SCRIPT_STARTED--> SCRIPT --SCRIPT_ENDED--> IDLE
     IDLE --SHOW_STARTED--> SILENCING --LINE_SILENT--> READING --SHOW_ENDED--> IDLE
@@ -25,6 +27,7 @@ class Activity(Enum):
     CLOSED = 'port closed'
     CALLING = 'no answer yet'
     IDLE = 'waiting for commands'
+    HOLDING = 'waiting until commands pause'
     DRIVING = 'driving'
     DEMO = 'a demo runs'
     GOAL = 'a goal runs'
@@ -43,12 +46,14 @@ class StateEvent(Enum):
     """The port is gone, or the driver shuts down."""
     ANSWERED = auto()
     """The first frame came."""
+    RETURNED = auto()
+    """The first frame came after an absence: commands must pause before they are followed."""
     NO_ANSWER = auto()
     """Frames stopped coming, or the driver's process stood still: call the robot again."""
     VELOCITY = auto()
     """A velocity was commanded that is not zero and that the robot may follow."""
     HALTED = auto()
-    """The commanded velocity is zero, refused, or too old."""
+    """The commanded velocity is zero, refused while it was followed, or too old."""
     STOPPED = auto()
     """A stop was requested: send the speeds again."""
     RESTED = auto()
@@ -57,6 +62,10 @@ class StateEvent(Enum):
     """The robot left the wanted mode by itself: send the speeds again."""
     MODE_ENTERED = auto()
     """The driver sent a mode command: speeds that were sent before it no longer count."""
+    MODE_SET = auto()
+    """Somebody set a mode in which the robot drives."""
+    PASSIVE_SET = auto()
+    """Somebody set Passive."""
     DEMO_STARTED = auto()
     DEMO_ENDED = auto()
     GOAL_STARTED = auto()
@@ -87,23 +96,29 @@ class Owner(Enum):
 _A, _E = Activity, StateEvent
 TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
     _A.CLOSED: {_E.OPENED: _A.CALLING},
-    _A.CALLING: {_E.ANSWERED: _A.IDLE},
+    _A.CALLING: {_E.ANSWERED: _A.IDLE, _E.RETURNED: _A.HOLDING},
     _A.IDLE: {
-        _E.VELOCITY: _A.DRIVING, _E.GOAL_STARTED: _A.GOAL,
+        _E.VELOCITY: _A.DRIVING, _E.GOAL_STARTED: _A.GOAL, _E.MODE_LEFT: _A.HOLDING,
+        _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
+    _A.HOLDING: {
+        _E.HALTED: _A.IDLE, _E.MODE_SET: _A.IDLE,
         _E.DEMO_STARTED: _A.DEMO, _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
     _A.DRIVING: {
-        _E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE,
-        _E.MODE_LEFT: _A.IDLE, _E.GOAL_STARTED: _A.GOAL, _E.DEMO_STARTED: _A.DEMO},
+        _E.HALTED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.PASSIVE_SET: _A.IDLE,
+        _E.MODE_LEFT: _A.HOLDING, _E.GOAL_STARTED: _A.GOAL, _E.DEMO_STARTED: _A.DEMO},
     _A.GOAL: {
-        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
+        _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE,
+        _E.PASSIVE_SET: _A.IDLE, _E.MODE_LEFT: _A.HOLDING,
         _E.DOCKING_STARTED: _A.DOCKING, _E.DEMO_STARTED: _A.DEMO},
     _A.DOCKING: {
         _E.GOAL_ENDED: _A.IDLE, _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE,
-        _E.MODE_ENTERED: _A.IDLE, _E.DEMO_ENDED: _A.IDLE, _E.DEMO_STARTED: _A.DEMO,
+        _E.MODE_SET: _A.IDLE, _E.PASSIVE_SET: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
+        _E.DEMO_STARTED: _A.DEMO,
         _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
     _A.DEMO: {
-        _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.MODE_LEFT: _A.IDLE,
-        _E.MODE_ENTERED: _A.IDLE, _E.DEMO_ENDED: _A.IDLE, _E.GOAL_STARTED: _A.GOAL,
+        _E.STOPPED: _A.IDLE, _E.RESTED: _A.IDLE, _E.MODE_LEFT: _A.HOLDING,
+        _E.MODE_SET: _A.IDLE, _E.PASSIVE_SET: _A.IDLE, _E.DEMO_ENDED: _A.IDLE,
+        _E.GOAL_STARTED: _A.GOAL,
         _E.SCRIPT_STARTED: _A.SCRIPT, _E.SHOW_STARTED: _A.SILENCING},
     _A.SCRIPT: {_E.SCRIPT_ENDED: _A.IDLE},
     _A.SILENCING: {_E.LINE_SILENT: _A.READING, _E.SHOW_ENDED: _A.IDLE},
@@ -113,10 +128,26 @@ for _activity, _row in TRANSITIONS.items():
     _row[_E.PORT_CLOSED] = _A.CLOSED
     if _activity is not _A.CLOSED:
         _row[_E.NO_ANSWER] = _A.CALLING
+STAYS = {
+    _A.CLOSED: {_E.STOPPED},
+    _A.CALLING: {_E.STOPPED},
+    _A.IDLE: {_E.STOPPED, _E.RESTED, _E.MODE_ENTERED, _E.MODE_SET, _E.PASSIVE_SET, _E.DEMO_ENDED},
+    _A.HOLDING: {
+        _E.STOPPED, _E.RESTED, _E.MODE_LEFT, _E.MODE_ENTERED, _E.PASSIVE_SET, _E.DEMO_ENDED},
+    _A.DRIVING: {_E.VELOCITY, _E.MODE_ENTERED, _E.MODE_SET, _E.DEMO_ENDED},
+    _A.GOAL: {_E.MODE_ENTERED, _E.MODE_SET, _E.DEMO_ENDED},
+    _A.DOCKING: {_E.MODE_LEFT, _E.MODE_ENTERED},
+    _A.DEMO: {_E.MODE_ENTERED, _E.DEMO_STARTED},
+    _A.SCRIPT: {_E.STOPPED, _E.MODE_LEFT},
+    _A.SILENCING: {_E.STOPPED, _E.MODE_LEFT},
+    _A.READING: {_E.STOPPED, _E.MODE_LEFT},
+}
+"""Events that change nothing in an activity."""
 
 OWNERS = {
     _A.CLOSED: Owner.NOBODY, _A.CALLING: Owner.NOBODY,
-    _A.IDLE: Owner.COMMANDS, _A.DRIVING: Owner.COMMANDS, _A.GOAL: Owner.GOAL,
+    _A.IDLE: Owner.COMMANDS, _A.HOLDING: Owner.COMMANDS, _A.DRIVING: Owner.COMMANDS,
+    _A.GOAL: Owner.GOAL,
     _A.DOCKING: Owner.ROBOT, _A.DEMO: Owner.ROBOT, _A.SCRIPT: Owner.ROBOT,
     _A.SILENCING: Owner.COMMANDS, _A.READING: Owner.COMMANDS,
 }
@@ -143,6 +174,10 @@ class State:
 
     def __init__(self, activity: Activity = Activity.CLOSED) -> None:
         self._enter(activity)
+
+    def knows(self, event: StateEvent) -> bool:
+        """Tell whether the tables list an event for the present activity."""
+        return event in TRANSITIONS[self.activity] or event in STAYS[self.activity]
 
     def handle(self, event: StateEvent) -> bool:
         """Change the activity as the table says; True when it has changed."""

@@ -119,7 +119,6 @@ class Supervision:
         self.status = ModeStatus(None, wanted)
         self._before: tuple[Cause, ...] = ()
         self._cause_seen_at = -inf
-        self._commands_paused = False
         self._tries = 0
         self._entered_at = self._asked_at = -inf
         self._settled: tuple[int, ...] | None = None
@@ -188,7 +187,6 @@ class Supervision:
         elif dropped:
             causes = present or self._before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
-            self._commands_paused = False
         elif actual == before.wanted:
             causes, self._tries = (), 0
         elif left:
@@ -207,14 +205,10 @@ class Supervision:
                 and now - self._entered_at > RETRY_INTERVAL
                 and (bool(present) or self._tries >= MOST_TRIES))
 
-    def commands_paused(self) -> None:
-        """Note that commands paused or were zero: only then may the next one recover the mode."""
-        self._commands_paused = True
-
     def may_recover(self, now: float) -> bool:
         """Tell whether a fresh non-zero command may bring the wanted mode back."""
         status = self.status
         return (
-            self.recover and self._commands_paused and bool(status.causes)
+            self.recover and bool(status.causes)
             and status.actual is not None and status.actual != status.wanted
             and now - self._cause_seen_at >= CLEAR_FOR)

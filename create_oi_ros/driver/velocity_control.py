@@ -12,12 +12,15 @@ from math import isfinite
 
 from .events import EventQueue, Severity
 from .goal_control import GoalControl
-from .modes import Modes
+from .modes import Modes, PAUSE
 from .motion import WheelCommands
 from .outbox import Outbox
 from .state import Activity, Owner, State, StateEvent
 from .supervision import Supervision
 
+ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
+"""Activities that end when no command comes for the timeout."""
+AWAY = 'the robot was away, or in another mode, while commands went on'
 SHORT = (Activity.SILENCING, Activity.READING)
 """Activities that end within a second."""
 LEAST_SENSIBLE = 1e-6
@@ -60,11 +63,14 @@ class VelocityControl:
             self._wheels.stop()
             linear = angular = 0.0
         if not self._wheels.command(linear, angular, now):
-            self._supervision.commands_paused()
+            if self._state.activity is Activity.HOLDING:
+                self._handle(StateEvent.HALTED)
         elif self._state.owner is Owner.NOBODY:
-            self._handle(StateEvent.HALTED)
+            self._wheels.stop()
         elif why := self._refusal(now):
-            self._handle(StateEvent.HALTED)
+            self._wheels.stop()
+            if self._state.activity is Activity.DRIVING:
+                self._handle(StateEvent.HALTED)
             self._report_refusal(why)
         else:
             self._refusal_reported = False
@@ -75,6 +81,10 @@ class VelocityControl:
         """Say why a command is not followed, and what to do; None where it is."""
         if self._state.drive_refusal is not None:
             return self._state.drive_refusal
+        if self._state.activity is Activity.HOLDING:
+            if self._supervision.status.causes:
+                return f'{self._modes.wrong_mode()}; {self._modes.advice()}'
+            return f'{AWAY}; {PAUSE}, or call set_mode with SAFE'
         why = self._modes.allow_driving(now)
         return None if why is None else f'{why}; {self._modes.advice()}'
 
@@ -88,10 +98,8 @@ class VelocityControl:
 
     def poll(self, now: float) -> None:
         """Stop the wheels when the newest command is too old; send speeds that have changed."""
-        if self._wheels.expired(now):
-            self._supervision.commands_paused()
-            if self._state.moving:
-                self._handle(StateEvent.HALTED)
+        if self._wheels.expired(now) and self._state.activity in ENDED_BY_PAUSE:
+            self._handle(StateEvent.HALTED)
         self._send_speeds(now)
 
     def report_next_refusal(self) -> None:
@@ -104,7 +112,7 @@ class VelocityControl:
             drive = self._wheels.next_drive(now)
             if drive is not None:
                 self._outbox.send_at_once(drive, now)
-        if self._state.moving and self._wheels.at_rest:
+        if self._state.activity is Activity.DRIVING and self._wheels.at_rest:
             self._handle(StateEvent.HALTED)
 
     def _report_refusal(self, why: str) -> None:

@@ -7,8 +7,20 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.state import Activity, Owner, OWNERS, State, StateEvent, TRANSITIONS
-from support.loop import Loop
+from create_oi_ros.driver import Settings, Severity
+from create_oi_ros.driver.goals import Dock
+from create_oi_ros.driver.outbox import CALLED_OFF
+from create_oi_ros.driver.state import (
+    Activity,
+    Owner,
+    OWNERS,
+    State,
+    StateEvent,
+    STAYS,
+    TRANSITIONS,
+)
+from create_oi_ros.driver.stopping import HALT
+from support.loop import Loop, said
 
 
 def reachable(start: Activity) -> set[Activity]:
@@ -105,3 +117,134 @@ def test_the_activity_follows_what_is_asked_for():
         Activity.CALLING, Activity.IDLE, Activity.DRIVING, Activity.IDLE, Activity.DEMO,
         Activity.IDLE, Activity.SCRIPT, Activity.IDLE, Activity.SILENCING, Activity.IDLE,
         Activity.CLOSED]
+
+
+def test_each_event_is_listed_once_at_most():
+    assert STAYS.keys() == TRANSITIONS.keys()
+    assert all(not STAYS[activity] & TRANSITIONS[activity].keys() for activity in Activity)
+
+
+def test_an_event_that_no_table_lists_is_logged_once_and_changes_nothing(monkeypatch):
+    loop = Loop()
+    loop.run(0.5)
+    monkeypatch.undo()  # what lets all other tests fail
+    for _ in range(2):
+        loop.driver._handle(StateEvent.SCRIPT_ENDED)
+    loop.run(0.1)
+    assert loop.driver.state.activity is Activity.IDLE
+    assert said(loop, Severity.WARNING, 'SCRIPT_ENDED came in IDLE') == 1
+
+
+# A stop takes queued motion out of the queue.
+
+
+def in_safe(**settings) -> Loop:
+    """Return a robot and a driver that have met a while ago."""
+    loop = Loop(Settings(**settings))
+    loop.run(3.0)
+    return loop
+
+
+@pytest.mark.parametrize('demo', [oi.DemoNumber.COVER, oi.DemoNumber.COVER_AND_DOCK])
+@pytest.mark.parametrize('wait', [0.0, 0.01, 0.3])
+@pytest.mark.parametrize('stop', [
+    lambda driver, now: driver.stop(now), lambda driver, now: driver.demos.stop(),
+    lambda driver, now: driver.set_mode(oi.Mode.SAFE, now),
+    lambda driver, now: driver.set_mode(oi.Mode.PASSIVE, now),
+    lambda driver, now: driver.shut_down(now)],
+    ids=['stop', 'stop_demo', 'safe', 'passive', 'shut_down'])
+def test_a_demo_that_was_stopped_never_begins_later(demo, wait, stop):
+    loop = in_safe()
+    started = loop.driver.demos.start(demo)
+    loop.run(wait)
+    waits = started.outcome is None
+    stop(loop.driver, loop.now)
+    assert not loop.driver._outbox.call_off_motion()
+    loop.run(0.05)
+    for _ in range(600):
+        loop.turn()
+        assert loop.robot.demo is None and loop.robot.actuators.wheels == (0, 0)
+    assert started.outcome.ok != waits
+
+
+@pytest.mark.parametrize('wait', [0.0, 0.3])
+def test_a_search_for_the_dock_that_was_canceled_never_begins_later(wait):
+    loop = in_safe()
+    running = loop.driver.goals.start(Dock(0.0), loop.now)
+    while loop.driver.state.activity is not Activity.DOCKING:
+        loop.turn()
+    loop.run(wait)
+    loop.driver.goals.cancel(running, loop.now)
+    for _ in range(400):
+        loop.turn()
+        assert loop.robot.demo is None and loop.robot.actuators.wheels == (0, 0)
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+def test_a_script_that_was_stopped_before_it_was_sent_is_not_played():
+    loop = in_safe()
+    drive = oi.DriveDirect(right=100, left=100).encode() + oi.WaitTime(time=5).encode()
+    loop.driver.scripts.define(oi.Script(script=drive))
+    loop.run(0.1)
+    playing = loop.driver.scripts.play(loop.now, force=False)
+    assert loop.driver.stop(loop.now).outcome.ok
+    assert playing.outcome == (False, CALLED_OFF, b'')
+    loop.run(1.0)
+    assert loop.driver.state.activity is Activity.IDLE and loop.moved
+    loop.drive(0.1, 0.0, 1.0)
+    assert loop.robot.actuators.wheels == (100, 100)
+
+
+def test_passive_stops_a_robot_that_drives_before_anything_else():
+    loop = in_safe()
+    loop.drive(0.3, 0.0, 1.0)
+    loop.commands()
+    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.driver.drive(0.3, 0.0, loop.now)
+    loop.turn()
+    assert loop.commands()[:2] == [HALT, oi.Start()]
+    assert loop.driver.state.activity is Activity.IDLE
+
+
+# Commands must pause after an absence.
+
+
+def test_commands_must_pause_before_a_robot_that_was_away_follows_them():
+    loop = in_safe()
+    loop.drive(0.2, 0.5, 1.0)
+    loop.cut = True
+    loop.drive(0.2, 0.5, 3.0)
+    loop.robot.receive(oi.Start().encode() + HALT.encode(), loop.now)
+    loop.cut = False
+    loop.drive(0.2, 0.5, 2.0)
+    assert loop.robot.mode is oi.Mode.SAFE and loop.robot.actuators.wheels == (0, 0)
+    assert said(loop, Severity.WARNING, 'not driving: the robot was away') == 1
+    assert said(loop, Severity.WARNING, 'let commands pause and send again, or call set') == 1
+    loop.run(0.7)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.actuators.wheels == (200, 200)
+
+
+@pytest.mark.parametrize(
+    ('mode', 'drives'), [(oi.Safe, True), (oi.Start, False), (oi.Full, False)])
+def test_a_hiccup_needs_no_pause_unless_the_robot_comes_back_in_another_mode(mode, drives):
+    loop = in_safe()
+    loop.drive(0.2, 0.0, 1.0)
+    loop.cut = True
+    loop.drive(0.2, 0.0, 1.5)
+    loop.robot.receive(mode().encode(), loop.now)
+    loop.cut = False
+    loop.drive(0.2, 0.0, 2.0)
+    assert any(loop.robot.actuators.wheels) is drives
+
+
+def test_setting_the_mode_is_as_good_as_a_pause():
+    loop = in_safe()
+    loop.cut = True
+    loop.drive(0.2, 0.0, 3.0)
+    loop.cut = False
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.driver.state.activity is Activity.HOLDING
+    loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.driver.state.activity is Activity.DRIVING

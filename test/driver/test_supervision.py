@@ -197,7 +197,6 @@ def test_full_for_safe_is_no_safety_stop_and_is_always_undone(
     watch = entered(wanted)
     assert watch.observe(frame(actual), 16.0)
     assert watch.must_enter_again(16.0) is again
-    watch.commands_paused()
     assert watch.may_recover(17.0)
 
 
@@ -231,22 +230,13 @@ def test_a_robot_that_came_back_and_another_mode_have_all_tries(change) -> None:
 # Coming back.
 
 
-def test_the_mode_comes_back_a_second_after_the_hazard_and_after_a_pause_of_commands() -> None:
+def test_the_mode_comes_back_a_second_after_the_hazard() -> None:
     watch = fallen(16.0)
-    assert not watch.may_recover(20.0), 'commands go on'
-    watch.commands_paused()
     assert not watch.may_recover(17.0 - LITTLE)
     assert watch.may_recover(17.0)
     watch.observe(frame(PASSIVE, cliff=1), 18.0)
     assert not watch.may_recover(18.5)
     assert watch.may_recover(19.0)
-
-
-def test_a_pause_from_before_the_fall_does_not_count() -> None:
-    watch = entered()
-    watch.commands_paused()
-    watch.observe(frame(PASSIVE, drops=16), 16.0)
-    assert not watch.may_recover(20.0)
 
 
 def test_full_mode_that_nobody_wanted_does_not_clear_the_cause() -> None:
@@ -257,18 +247,14 @@ def test_full_mode_that_nobody_wanted_does_not_clear_the_cause() -> None:
 
 def test_nothing_is_brought_back_that_was_not_lost_or_is_not_to_be() -> None:
     watch = fallen(recover=False)
-    watch.commands_paused()
     assert not watch.may_recover(20.0)
     watch = fallen()
-    watch.commands_paused()
     watch.observe(frame(SAFE), 20.0)
     assert not watch.may_recover(21.0)
     watch = fallen()
-    watch.commands_paused()
     watch.lost()
     assert not watch.may_recover(21.0)
     watch = Supervision(SAFE, recover=True)
-    watch.commands_paused()
     watch.observe(frame(PASSIVE), 8.0)
     assert not watch.may_recover(21.0), 'it has not been in that mode'
 
