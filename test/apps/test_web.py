@@ -365,7 +365,7 @@ def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, 'aiohttp', None)
     for name in [name for name in sys.modules if name.startswith('create_oi_ros.apps.web')]:
         monkeypatch.delitem(sys.modules, name)
-    with pytest.raises(UserError, match='aiohttp is missing: .* install python3-aiohttp'):
+    with pytest.raises(UserError, match='aiohttp is missing: .* install (python3-)?aiohttp'):
         programs._imported('create_web')
 
 
