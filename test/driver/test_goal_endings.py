@@ -251,6 +251,22 @@ def test_an_empty_battery_ends_a_goal_with_that_reason():
     assert 'the battery is nearly empty (low_battery_action): charge it' in ending.text
 
 
+@pytest.mark.parametrize('action', [LowBatteryAction.DOCK, LowBatteryAction.STOP])
+def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(action, monkeypatch):
+    loop = Loop(Settings(battery=BatteryLimits(action=action)), config=CENTRE)
+    loop.run(1.0)
+    monkeypatch.setattr(loop.driver._requests, 'refusal', lambda _: 'not now')
+    loop.body.force(voltage=11000)
+    loop.run(12.0)
+    assert said(loop, Severity.ERROR, 'as soon as it can (not now)') == 1
+    assert said(loop, Severity.ERROR, 'as low_battery_action says') == 0
+    monkeypatch.undo()
+    loop.run(4.0)
+    assert said(loop, Severity.ERROR, 'as low_battery_action says') == 1
+    assert loop.driver.status.wanted is oi.Mode.PASSIVE
+    assert (loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK) is (action is LowBatteryAction.DOCK)
+
+
 def test_a_goal_of_a_kilometre_has_a_time_and_can_be_canceled():
     loop = met()
     running = moving(loop, distance(1000.0))
