@@ -12,7 +12,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode, Note
-from create_oi_ros.sim.firmware.guesses import Guesses
+from create_oi_ros.sim.firmware.guesses import Guesses, LongRadius
 from support.robot import Robot
 
 SEPARATION = 258
@@ -115,7 +115,20 @@ def test_a_radius_of_0_is_taken_as_straight(robot: Robot) -> None:
     assert robot.wheels == (100, 100)
 
 
-def test_a_radius_out_of_range_is_ignored(robot: Robot) -> None:
+@pytest.mark.parametrize(('guess', 'radius', 'turns'), [
+    (LongRadius.CLAMP, 2000, True), (LongRadius.STRAIGHT, oi.Radius.STRAIGHT, False)])
+def test_a_radius_out_of_range_is_the_longest_or_straight(
+        guess: LongRadius, radius: int, turns: bool) -> None:
+    robot = Robot(Mode.FULL, guesses=Guesses(long_radius=guess))
+    robot.say(bytes([137, 0, 200, *(9000).to_bytes(2)]))
+    assert robot.read('requested_radius') == radius
+    assert (robot.wheels[0] > robot.wheels[1]) is turns
+    robot.say(bytes([137, 0, 200, *(-9000).to_bytes(2, signed=True)]))
+    assert (robot.wheels[0] < robot.wheels[1]) is turns
+
+
+def test_a_radius_out_of_range_is_ignored_by_another_guess() -> None:
+    robot = Robot(Mode.FULL, guesses=Guesses(long_radius=LongRadius.IGNORE))
     robot.say(bytes([137, 0, 100]) + (3000).to_bytes(2))
     assert robot.wheels == (0, 0)
 

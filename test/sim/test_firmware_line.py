@@ -318,3 +318,8 @@ def test_guesses_are_read_from_text_and_refused_with_the_reason() -> None:
                  'boot_seconds=nan', 'boot_seconds=inf', ''):
         with pytest.raises(ValueError, match='wanted|one of'):
             Guesses.parse([text])
+
+
+def test_a_reply_is_never_lost_however_often_the_host_asks() -> None:
+    robot = Robot(Mode.PASSIVE)
+    assert all(len(robot.ask(19, 20)) == 4 for _ in range(10_000))

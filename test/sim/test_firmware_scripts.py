@@ -132,13 +132,47 @@ def test_to_make_a_script_loop_forever_use_play_script_as_the_last_command(robot
     robot.say(bytes([152, 3, 151, 77, 153]), PLAY)
     robot.run(0.15)
     assert 9 <= list(robot.create.actuators.infrared_sent).count(77) <= 11
-    robot.say(oi.Safe(), oi.Start(), GENTLE)
-    assert robot.mode is Mode.FULL
     robot.create.power(False, robot.now)
     robot.create.power(True, robot.now)
     robot.run(4)
     robot.say(oi.Start())
     assert robot.mode is Mode.PASSIVE
+
+
+LOOP = bytes([152, 3, 151, 77, 153])
+
+
+def test_between_the_rounds_of_a_script_that_plays_itself_the_host_is_obeyed(robot: Robot) -> None:
+    robot.say(LOOP, PLAY, GENTLE)
+    robot.run(0.1)
+    assert robot.wheels == (100, 100)
+    assert robot.ask(35) == b'\3'
+    robot.say(bytes([152, 0]))
+    sent = list(robot.create.actuators.infrared_sent)
+    robot.run(1)
+    assert list(robot.create.actuators.infrared_sent) == sent
+
+
+def test_between_rounds_that_wait_the_host_is_obeyed(robot: Robot) -> None:
+    robot.say(bytes([152, 5, 151, 77, 155, 5, 153]), PLAY)
+    robot.run(0.1)
+    robot.say(GENTLE, bytes([152, 0]))
+    robot.run(0.3)
+    assert robot.wheels == (0, 0)
+    robot.run(0.2)
+    assert robot.wheels == (100, 100)
+    robot.run(2)
+    assert robot.create.actuators.infrared_sent.count(77) == 1
+
+
+def test_that_a_script_that_plays_itself_is_deaf_is_a_guess_with_a_switch() -> None:
+    robot = Robot(Mode.FULL, guesses=Guesses(loop_listens=False))
+    robot.say(LOOP, PLAY)
+    robot.run(0.1)
+    robot.say(oi.Start(), GENTLE, bytes([152, 0]))
+    robot.run(1)
+    assert (robot.mode, robot.wheels) == (Mode.FULL, (0, 0))
+    assert robot.create.actuators.infrared_sent.count(77) > 50
 
 
 # Waiting.
@@ -155,10 +189,71 @@ def test_while_waiting_create_does_not_react_to_serial_inputs(robot: Robot, wait
     assert robot.create.waiting
 
 
-def test_bytes_right_behind_a_script_that_waits_are_not_heard(robot: Robot) -> None:
+def test_bytes_right_behind_a_script_that_waits_are_obeyed_after_it(robot: Robot) -> None:
     robot.say(bytes([152, 2, 155, 10]), PLAY, GENTLE)
+    robot.run(0.9)
+    assert robot.wheels == (0, 0)
+    robot.run(0.2)
+    assert robot.wheels == (100, 100)
+
+
+@pytest.mark.parametrize('script', [bytes([152, 2, 155, 10, 153]), bytes([155, 10])])
+def test_bytes_behind_a_wait_are_lost_by_a_robot_without_a_queue(script: bytes) -> None:
+    robot = Robot(Mode.FULL, guesses=Guesses(wait_queue=0))
+    robot.say(script, GENTLE)
+    robot.run(0.5)
+    robot.say(GENTLE)
     robot.run(2)
     assert robot.wheels == (0, 0)
+    robot.say(GENTLE)
+    assert robot.wheels == (100, 100)
+
+
+def test_drive_wait_distance_drive_0_without_a_pause_stops_behind_the_distance() -> None:
+    robot = Robot(config=CENTRE)
+    robot.say(bytes([128, 132, 137, 0, 200, 128, 0, 156, 1, 244, 137, 0, 0, 0, 0]))
+    robot.run(5)
+    assert robot.speed == 0
+    assert robot.body.truth().travelled == pytest.approx(0.52, abs=0.02)
+
+
+def test_eleven_moves_in_one_burst_are_made_one_after_the_other() -> None:
+    """As one program of the public sends them: 13 bytes each, 143 in all."""
+    robot = Robot(Mode.FULL, config=CENTRE)
+    move = bytes([137, 0, 100, 128, 0, 156, 0, 100, 137, 0, 0, 0, 0])
+    robot.say(move * 11)
+    robot.run(15)
+    assert robot.speed == 0
+    assert robot.body.truth().travelled == pytest.approx(1.12, abs=0.02)
+
+
+def test_a_request_behind_a_wait_is_answered_after_it(robot: Robot) -> None:
+    assert robot.say(bytes([155, 10, 149, 1, 22])) == b''
+    assert robot.run(0.9) == b''
+    assert len(robot.run(0.2)) == 2
+
+
+@pytest.mark.parametrize('queue', [0, 256])
+def test_a_request_during_a_wait_is_answered_at_once_by_another_guess(queue: int) -> None:
+    robot = Robot(Mode.FULL, guesses=Guesses(wait_answers=True, wait_queue=queue))
+    assert robot.say(bytes([155, 10, 149])) == b''
+    assert robot.say(bytes([1, 35]), GENTLE, bytes([142])) == b'\3'
+    assert robot.say(bytes([35])) == b'\3'
+    robot.say(bytes([139, 8]))
+    robot.run(1.1)
+    assert robot.wheels == ((100, 100) if queue else (0, 0))
+    robot.say(bytes([0, 0]))
+    assert lit(robot)
+
+
+def test_a_full_queue_loses_bytes() -> None:
+    robot = Robot(Mode.FULL, guesses=Guesses(wait_queue=7))
+    robot.say(bytes([155, 10]), GENTLE, AFTER)
+    robot.run(1.1)
+    assert robot.wheels == (100, 100)
+    assert not lit(robot)
+    robot.say(bytes([0, 0]))  # the end of AFTER, of which the queue took half
+    assert lit(robot)
 
 
 def test_while_waiting_create_does_not_react_to_buttons() -> None:

@@ -195,8 +195,8 @@ def test_a_client_at_another_baud_rate_is_not_understood(tmp_path: Path, rate: i
             assert client.read(1) == b'\x01'
 
 
-def test_wire_time_lets_bytes_leave_at_the_baud_rate(port: Path) -> None:
-    with simulator('--link', port, '--wire-time') as sim, opened(port) as client:
+def test_bytes_leave_at_the_baud_rate(port: Path) -> None:
+    with simulator('--link', port) as sim, opened(port) as client:
         os.write(client, START)
         begin = time.monotonic()
         os.write(client, bytes([149, 200] + [6] * 200))
@@ -241,6 +241,28 @@ def test_a_new_tcp_client_replaces_the_old_one() -> None:
 
 
 # Clients that other people wrote.
+
+def test_a_client_that_drains_and_sets_the_new_rate_at_once(tmp_path: Path) -> None:
+    with taught(tmp_path) as (port, teacher), serial.Serial(str(port), 57600, timeout=5) as client:
+        for old, new in pairwise((57600, 19200, 38400, 28800, 57600)):
+            client.write(START + SAFE + bytes([129, oi.BaudCode.of_rate(new)]))
+            termios.tcdrain(client.fileno())
+            client.baudrate = new
+            teacher.tell(f'wait baud={new}', 'after 0.15')
+            client.write(bytes([142, 35]))
+            assert client.read(1) == b'\x02', (old, new)
+
+
+def test_a_client_that_polls_without_a_pause_gets_every_reply(port: Path) -> None:
+    """And no faster than the line, so that it does not keep the robot from its slots."""
+    with simulator('--link', port), serial.Serial(str(port), 57600, timeout=5) as client:
+        client.write(START)
+        begin = time.monotonic()
+        for _ in range(1000):
+            client.write(bytes([149, 2, 19, 20]))
+            assert len(client.read(4)) == 4
+        assert time.monotonic() - begin > 1000 * 8 * 10 / 57600
+
 
 def test_a_client_that_streams_single_ids_and_checks_the_sum_with_the_header(
         port: Path) -> None:

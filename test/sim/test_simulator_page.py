@@ -3,6 +3,7 @@
 """docs/simulator.md names every word, fault and guess there is."""
 
 from dataclasses import fields
+from enum import Enum
 from pathlib import Path
 
 import pytest
@@ -28,5 +29,6 @@ def test_every_kind_of_fault_is_there(kind: FaultKind) -> None:
 @pytest.mark.parametrize('name', [field.name for field in fields(Guesses)])
 def test_every_guess_is_there_with_its_default(name: str) -> None:
     value = getattr(LIKELY, name)
-    shown = str(value).lower() if isinstance(value, bool) else f'{value:g}'
+    shown = (str(value).lower() if isinstance(value, bool) else
+             value.value if isinstance(value, Enum) else f'{value:g}')
     assert f'`--guess {name}={shown}`' in DOCS

@@ -53,9 +53,11 @@ def parse(texts: Sequence[str], read: Callable[[str], str]) -> tuple[BodyConfig,
 
 def _value(name: str, text: str) -> float | Enum:
     default = getattr(CENTRE, name)
-    if not isinstance(default, Enum):
-        return _number(name, text)
-    kind = type(default)
+    return choice(name, text, type(default)) if isinstance(default, Enum) else _number(name, text)
+
+
+def choice(name: str, text: str, kind: type[Enum]) -> Enum:
+    """Read the value of a guess that is one of several; ValueError says which."""
     try:
         return kind(text)
     except ValueError:

@@ -73,7 +73,13 @@ class Create:
         self.mode = Mode.OFF
         self.script = b''
         self._queue = oi.CommandReader()
-        self._script_plays = False
+        """What the host sent."""
+        self._rest = oi.CommandReader()
+        """What is left of the script that plays."""
+        self._next_round: int | None = None
+        """The slot in which a script that has played itself starts again."""
+        self._unread = b''
+        """Bytes of a command that arrives while a wait lasts, if requests are answered then."""
         self._deaf_until = 0.0
         self._wait: scripts.Over | None = None
         self._telemetry.reset()
@@ -109,55 +115,85 @@ class Create:
         self._uart.host_baud = baud
 
     def _read(self, data: bytes) -> None:
-        if not self._listening:
+        if not self._running or self.time < self._deaf_until - TOLERANCE:
             return
         data = self._uart.receive(data, self.time)
-        while data and self._listening:
+        if self._holds:
+            self._keep(data)
+        else:
             self._queue.feed(data)
-            data = self._obey_queue()
+            self._obey_queue()
 
     @property
-    def _listening(self) -> bool:
-        """Whether bytes are read (manual: Wait Commands, 'nor does it react to any inputs')."""
-        return (self._running and self._wait is None and not self._script_plays
-                and self.time >= self._deaf_until - TOLERANCE)
+    def _holds(self) -> bool:
+        """Whether bytes wait: for a wait command, or for the end of a script that has none."""
+        return self._wait is not None or (
+            self._next_round is not None and not self.guesses.loop_listens)
+
+    def _keep(self, data: bytes) -> None:
+        """Queue bytes until the wait is over, as many as fit; the others are lost."""
+        if self.guesses.wait_answers:
+            data = self._without_requests(data)
+        room = self.guesses.wait_queue - len(self._queue.pending)
+        self._queue.feed(data[:max(0, room)])
+
+    def _without_requests(self, data: bytes) -> bytes:
+        """Answer the requests for packets; return the bytes of the other commands."""
+        reader, others = oi.CommandReader(), b''
+        reader.feed(self._unread + data)
+        while True:
+            self._unread = reader.pending
+            event = reader.next_event()
+            if event is None:
+                return others
+            if isinstance(event, oi.Sensors | oi.QueryList):
+                self._obey(event)
+            else:
+                others += self._unread[:len(self._unread) - len(reader.pending)]
 
     @property
     def waiting(self) -> bool:
-        """Whether a wait command keeps the robot from reading bytes."""
+        """Whether a wait command keeps the robot from obeying bytes."""
         return self._wait is not None
 
     @property
     def _running(self) -> bool:
         return self._power.on and not self._power.booting(self.time)
 
-    def _obey_queue(self) -> bytes:
-        """Obey the input queue up to a wait; return the bytes that a played script delays."""
-        delayed = b''
+    def _obey_queue(self) -> None:
+        """Obey what is left of the script, then what the host sent, up to a wait."""
         while self._wait is None and self._running:
-            match self._queue.next_event():
+            scripted = self._rest.next_event()
+            match self._next_of_line() if scripted is None else scripted:
                 case None:
-                    self._script_plays = False
-                    return delayed
+                    if not self._begin_round():
+                        return
                 case oi.UnknownOpcode(byte):
                     if byte == RESET_OPCODE and self.guesses.opcode_7_resets:
                         self._boot()
                 case oi.PlayScript() if self.mode in oi.PlayScript.modes and self.script:
-                    delayed = self._load_script() or delayed
+                    if scripted is None:
+                        self._rest.feed(self.script)
+                    else:
+                        # A script that plays itself takes at least one slot for each round.
+                        self._next_round = self._slots + 1
                 case oi.Command() as command:
                     self._obey(command)
-        return b''
 
-    def _load_script(self) -> bytes:
-        """Put the script into the input queue; return the host's bytes that it replaces."""
-        behind = self._queue.clear()
-        self._queue.feed(self.script)
-        if self._script_plays:
-            # A script that plays itself takes at least one slot for each round.
-            self._wait = scripts.until_slot(lambda: self._slots, 1)
-            return b''
-        self._script_plays = True
-        return behind
+    def _next_of_line(self) -> oi.Command | oi.UnknownOpcode | None:
+        """Return the host's next command, behind the script."""
+        if left := self._rest.clear():  # of a command that takes the host's bytes for its data
+            behind = self._queue.clear()
+            self._queue.feed(left + behind)
+        return None if self._holds else self._queue.next_event()
+
+    def _begin_round(self) -> bool:
+        """Play the script again if it has played itself, and its time has come."""
+        if self._next_round is None or self._slots < self._next_round:
+            return False
+        self._next_round = None
+        self._rest.feed(self.script)
+        return True
 
     # Time.
 
@@ -196,6 +232,10 @@ class Create:
         self._demos.step()
         if self._wait is not None and self._wait():
             self._wait = None
+            unread, self._unread = self._unread, b''
+            self._queue.feed(unread)
+            self._obey_queue()
+        elif self._next_round is not None:
             self._obey_queue()
 
     def _stay_safe(self, sensed: Sensed) -> None:
@@ -314,7 +354,7 @@ class Create:
         self.commands += 1
         if self.mode not in command.modes:
             return
-        accepted = obeyable(command, mask_bits=self.guesses.mask_bits)
+        accepted = obeyable(command, self.guesses)
         if accepted is None:
             return
         if accepted.enters is not None:
@@ -338,7 +378,7 @@ class Create:
             elif self.demo is not None and not self.guesses.start_ends_demo:
                 return
         self._enter(mode)
-        if self.guesses.mode_settle and not self._script_plays:
+        if self.guesses.mode_settle:
             self._deaf_until = self.time + self.guesses.mode_settle
             self._queue.clear()
 
@@ -365,8 +405,7 @@ class Create:
     def _change_baud(self, baud: int) -> None:
         self._power.default_baud = DEFAULT_BAUD
         self._uart.change(baud, self.time)
-        if not self._script_plays:
-            self._queue.clear()
+        self._queue.clear()
 
     def _begin_wait(self, command: oi.Command) -> None:
         over = scripts.waiting(
@@ -374,8 +413,7 @@ class Create:
         if over():
             return
         self._wait = over
-        if not self._script_plays:
-            self._queue.clear()
+        self._keep(self._queue.clear())
 
     def _own_values(self) -> dict[str, int]:
         """Return the values of the packets that do not come from the body."""

@@ -9,11 +9,21 @@ What the manual leaves open about the firmware, each with the switch that turns 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from enum import Enum
 import math
 from typing import Any
 
 from ...robot import SLOT
 from ..body import body_guesses
+
+
+class LongRadius(Enum):
+    """What the robot makes of a Drive whose radius is beyond 2000 mm."""
+
+    CLAMP = 'clamp'
+    """A radius of 2000 mm, as it clamps velocities."""
+    STRAIGHT = 'straight'
+    IGNORE = 'ignore'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +51,16 @@ class Guesses:
     """Start, sent while a demo runs, ends it."""
     stream_while_waiting: bool = True
     """The stream goes on while a script waits."""
+    wait_queue: int = 256
+    """Bytes that arrive during a wait and are obeyed after it; more are lost, and 0 loses all (the
+    manual: no reaction; programs of many people count on a queue, one of them on 135 bytes)."""
+    wait_answers: bool = False
+    """Requests for packets are answered during a wait (one report); else they wait, too."""
+    loop_listens: bool = True
+    """Between the rounds of a script that plays itself the host's bytes are obeyed (a library
+    counts on it; a manual says the opposite)."""
+    long_radius: LongRadius = LongRadius.CLAMP
+    """Drive with a radius beyond 2000 mm: one library sends it, so it is not ignored."""
     mask_bits: bool = True
     """Bits without a meaning in LEDs, Low Side Drivers and Digital Outputs are taken as 0
     (reported of LEDs: 139 25 0 128 lights them). Else the robot ignores the command."""
@@ -67,12 +87,14 @@ class Guesses:
         return cls(**values)
 
     @classmethod
-    def _value(cls, name: str, text: str) -> bool | int | float:
+    def _value(cls, name: str, text: str) -> bool | int | float | Enum:
         defaults = {field.name: field.default for field in fields(cls)}
         if name not in defaults:
             raise ValueError(
                 f'no guess {name!r}: one of {", ".join((*defaults, *body_guesses.names()))}')
         default: Any = defaults[name]
+        if isinstance(default, Enum):
+            return body_guesses.choice(name, text, type(default))
         if isinstance(default, bool):
             if text not in ('0', '1', 'false', 'true'):
                 raise ValueError(f'{name}={text}: true or false is wanted')

@@ -3,15 +3,18 @@
 """Which values of a command the robot accepts; hosts may send any."""
 
 from ...oi import Command
+from ...oi.codes import Radius
+from ...oi.commands import RADIUS
 from ...oi.declaration import Tail
 from ...oi.readings import SPEED
+from .guesses import Guesses, LongRadius
 
 
-def obeyable(command: Command, *, mask_bits: bool) -> Command | None:
+def obeyable(command: Command, guesses: Guesses) -> Command | None:
     """
     Return the command with values that the robot accepts; None if it ignores the command.
 
-    Velocities are clamped; `mask_bits` clears bits without a meaning.
+    Velocities are clamped; bits without a meaning and long radii follow the guesses.
     """
     if command.tail is not None and not _tail_allowed(command, command.tail):
         return None
@@ -22,7 +25,11 @@ def obeyable(command: Command, *, mask_bits: bool) -> Command | None:
             continue
         if wire is SPEED:
             changed[field.name] = max(SPEED.low, min(SPEED.high, value))
-        elif wire.mask and mask_bits:
+        elif wire is RADIUS and guesses.long_radius is LongRadius.CLAMP:
+            changed[field.name] = max(RADIUS.low, min(RADIUS.high, value))
+        elif wire is RADIUS and guesses.long_radius is LongRadius.STRAIGHT:
+            changed[field.name] = Radius.STRAIGHT
+        elif wire.mask and guesses.mask_bits:
             changed[field.name] = value & wire.mask
         else:
             return None

@@ -3,9 +3,9 @@
 """
 The robot's serial port: its baud rate, bytes at a wrong rate, and what fits on the wire.
 
-The port delays nothing: bytes can be fetched as soon as they are sent. The server can delay them
-as the wire would (`create_sim --wire-time`). The port does compute the time that the wire would
-need, so that a stream that asks for too much is corrupted.
+The port delays nothing: bytes can be fetched as soon as they are sent, and the server delays them
+as the wire would. The port does compute the time that the wire would need, so that a stream that
+asks for too much is corrupted.
 """
 
 from ...oi import BITS_PER_BYTE
@@ -17,8 +17,6 @@ DEFAULT_BAUD, SLOW_BAUD = START_BAUDS
 """Bits per second at power-on, and after the two ways of the manual's Serial Port Settings."""
 BAUD_PAUSE = 0.1
 """Seconds after Baud in which nothing is received or sent (manual: Baud)."""
-LONGEST_REPLY = 1 << 14
-"""Bytes; more than any reply has, so only a host that never stops asking loses some."""
 
 
 def resampled(data: bytes, sent_at: int, read_at: int) -> bytes:
@@ -95,22 +93,19 @@ class Uart:
         return bytes(kept)
 
     def reply(self, data: bytes, time: float) -> None:
-        """Send the reply to a command."""
-        self._send(data, time, LONGEST_REPLY)
+        """Send the reply to a command; none is ever lost."""
+        self._send(data, time)
 
     def stream(self, frame: bytes, time: float) -> None:
         """Send a frame of the stream, as much of it as fits into the buffer."""
-        self._send(frame, time, self._buffer)
+        waiting = max(0.0, self._wire_free - time)
+        room = self._buffer - int(waiting * self.baud / BITS_PER_BYTE)
+        self._send(frame[:max(0, room)], time)
 
-    def _send(self, data: bytes, time: float, room: int) -> None:
+    def _send(self, data: bytes, time: float) -> None:
         if self.paused(time):
             return
-        byte_time = BITS_PER_BYTE / self.baud
-        start = time if time > self._wire_free else self._wire_free
-        room -= int((start - time) / byte_time)
-        if room < len(data):
-            data = data[:room] if room > 0 else b''
-        self._wire_free = start + len(data) * byte_time
+        self._wire_free = max(time, self._wire_free) + len(data) * BITS_PER_BYTE / self.baud
         if self.host_baud not in (None, self.baud):
             data = resampled(data, self.baud, self.host_baud or self.baud)
         self._out += data

@@ -114,7 +114,6 @@ def _arguments() -> argparse.ArgumentParser:
         help='cause a fault, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
     add('--seed', type=int, default=0, help='of all random numbers (default: %(default)s)')
     add('--speed', type=_speed, default=1.0, help='times real time (default: %(default)s)')
-    add('--wire-time', action='store_true', help='delay bytes as the baud rate does')
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
     add('--export', type=_export, metavar='FILE.yaml|.sdf',
@@ -180,7 +179,7 @@ def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) ->
         line = _line(options)
         stack.callback(line.close)
         server = Server(create, line, Faults(options.fault, options.seed), speed=options.speed,
-                        wire_time=options.wire_time, linger=options.linger)
+                        linger=options.linger)
         _end_on_signals(server)
         if options.control:
             server.control_port = ControlPort(options.control, server.control)

@@ -1,47 +1,42 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes delayed by the time they take on the wire (`create_sim --wire-time`)."""
+"""Bytes delayed by the time they take on the wire."""
+
+from collections import deque
+from math import inf
 
 from ...oi import BITS_PER_BYTE
 from ..timing import TOLERANCE
 
-PIECE = 0.001
-"""Seconds of bytes that are passed on at once, as a USB adapter does."""
+PIECE = 128
+"""Bytes that are passed on at once: more than a frame of the stream has."""
 
 
 class Pacer:
-    """One direction of a wire; times in seconds."""
+    """One direction of a wire, in seconds; bytes put together arrive in PIECEs, with its last."""
 
-    __slots__ = ('_waiting', '_byte_time', '_next')
+    __slots__ = ('_waiting', '_free')
 
     def __init__(self) -> None:
-        self._waiting = bytearray()
-        self._byte_time = 0.0
-        self._next = 0.0
-        """When the first waiting byte has arrived completely."""
+        self._waiting: deque[tuple[float, bytes, int]] = deque()
+        """When bytes have arrived, they, and their rate in bits per second."""
+        self._free = 0.0
+        """When the wire has carried all bytes."""
 
     def put(self, data: bytes, now: float, baud: int) -> None:
         """Queue bytes behind those that wait."""
-        if not data:
-            return
-        self._byte_time = BITS_PER_BYTE / baud
-        if not self._waiting:
-            self._next = max(now, self._next - self._byte_time) + self._byte_time
-        self._waiting += data
+        for start in range(0, len(data), PIECE):
+            piece = data[start:start + PIECE]
+            self._free = max(now, self._free) + len(piece) * BITS_PER_BYTE / baud
+            self._waiting.append((self._free, piece, baud))
 
     def due(self) -> float:
         """Return when to call `take` next; inf if no byte is on the wire."""
-        if not self._waiting:
-            return float('inf')
-        last = self._next + (len(self._waiting) - 1) * self._byte_time
-        return min(last, self._next + PIECE)
+        return self._waiting[0][0] if self._waiting else inf
 
-    def take(self, now: float) -> bytes:
-        """Return the bytes that have arrived."""
-        if not self._waiting or now < self._next - TOLERANCE:
-            return b''
-        count = 1 + int((now - self._next + TOLERANCE) / self._byte_time)
-        arrived = bytes(self._waiting[:count])
-        del self._waiting[:count]
-        self._next += len(arrived) * self._byte_time
-        return arrived
+    def take(self, now: float) -> tuple[bytes, int] | None:
+        """Return the next bytes that have arrived, and the rate at which they were sent."""
+        if not self._waiting or now < self._waiting[0][0] - TOLERANCE:
+            return None
+        _, data, baud = self._waiting.popleft()
+        return data, baud

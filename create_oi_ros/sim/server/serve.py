@@ -12,6 +12,7 @@ from collections.abc import Callable
 import select
 import time
 
+from ...oi import Baud, BaudCode
 from ..firmware import Create
 from ..timing import TOLERANCE
 from .control import Interpreter
@@ -20,6 +21,7 @@ from .faults import FaultKind, Faults
 from .lines import Line
 from .pacing import Pacer
 
+RATES = {code.rate: code for code in BaudCode}
 LONGEST_STALL = 0.25
 """Seconds on the computer's clock."""
 
@@ -28,13 +30,16 @@ class Server:
     """One robot on one line, in real time or `speed` times as fast."""
 
     def __init__(self, create: Create, line: Line, faults: Faults | None = None, *,
-                 speed: float = 1.0, wire_time: bool = False, linger: float = 0.0,
+                 speed: float = 1.0, linger: float = 0.0,
                  clock: Callable[[], float] = time.monotonic) -> None:
         """Prepare to serve; `clock` is the computer's, in seconds."""
         self._create, self._line, self._speed, self._clock = create, line, speed, clock
         self._faults = faults or Faults([])
-        self._wire = (Pacer(), Pacer()) if wire_time else None
-        """Bytes on their way to the host, and to the robot; None: they arrive at once."""
+        self._to_host, self._to_robot = Pacer(), Pacer()
+        """Bytes on the wire."""
+        self._bauds = line.baud(), line.baud()
+        """The rates that the host had set in the last two slots."""
+        self._last_byte = b''
         self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
         self.watchers: list[Callable[[], None]] = []
@@ -68,8 +73,7 @@ class Server:
                 # One at a time, even if late, so that watchers see the end of every slot.
                 self._slots += 1
                 self._slot(self._slots * self._create.period)
-            if self._wire is not None:
-                self._pass_on(*self._wire, now)
+            self._pass_on(now)
             wait = (self._due() - self._now()) / self._speed
             ready, _, _ = select.select(self._watched(), [], [], wait if wait > 0 else 0.0)
             if ready:
@@ -87,7 +91,9 @@ class Server:
     def _slot(self, now: float) -> None:
         if not self._faults.quiet:
             self._cause_faults(now)
-        self._create.host_baud(self._line.baud())
+        baud = self._line.baud()
+        self._bauds = self._bauds[1], baud
+        self._create.host_baud(baud)
         self._create.poll(now)
         self._send(now)
         for watch in self.watchers:
@@ -107,36 +113,45 @@ class Server:
 
     def _read(self, now: float) -> None:
         data = self._faults.to_robot(self._line.read(), now)
-        if self._wire is not None:
-            self._wire[1].put(data, now, self._line.baud() or self._create.baud)
-        elif data:
-            self._give_to_robot(data, now)
+        baud, before = self._line.baud() or self._create.baud, self._bauds[0]
+        if before in RATES and baud in RATES and before != baud:
+            old = self._sent_before(data, baud)
+            self._to_robot.put(data[:old], now, before)
+            data = data[old:]
+        self._to_robot.put(data, now, baud)
+        self._last_byte = data[-1:]
         if self.control_port is not None:
             self.control_port.serve(self._create.time)
             self._send(now)
 
-    def _give_to_robot(self, data: bytes, now: float) -> None:
-        self._create.receive(data, now, self._line.baud())
-        self._send(now)
+    def _sent_before(self, data: bytes, baud: int) -> int:
+        """
+        Return how many of these bytes the host sent before it set a new rate.
+
+        A pseudo terminal does not tell, and its tcdrain returns at once: they are those up to
+        the Baud command for that rate, if there is one.
+        """
+        command = Baud(code=RATES[baud]).encode()
+        place = (self._last_byte + data).rfind(command)
+        return 0 if place < 0 else place + len(command) - len(self._last_byte)
 
     def _send(self, now: float) -> None:
-        data = self._faults.from_robot(self._create.data_to_send(), now)
-        if self._wire is not None:
-            self._wire[0].put(data, now, self._create.baud)
-        else:
-            self._line.write(data)
+        self._to_host.put(
+            self._faults.from_robot(self._create.data_to_send(), now), now, self._create.baud)
 
     def _due(self) -> float:
-        """Return when the next slot ends, or a byte arrives."""
+        """Return when the next slot ends, or bytes arrive."""
         slot = (self._slots + 1) * self._create.period
-        return slot if self._wire is None else min(slot, *(each.due() for each in self._wire))
+        return min(slot, self._to_host.due(), self._to_robot.due())
 
-    def _pass_on(self, to_host: Pacer, to_robot: Pacer, now: float) -> None:
+    def _pass_on(self, now: float) -> None:
         """Pass on the bytes that have arrived at either end of the wire."""
-        self._line.write(to_host.take(now))
-        data = to_robot.take(now)
-        if data:
-            self._give_to_robot(data, now)
+        while (arrived := self._to_robot.take(now)) is not None:
+            data, baud = arrived
+            self._create.receive(data, now, None if self._line.baud() is None else baud)
+            self._send(now)
+        while (arrived := self._to_host.take(now)) is not None:
+            self._line.write(arrived[0])
 
     def _watched(self) -> list[int]:
         watched = self._line.watched()
