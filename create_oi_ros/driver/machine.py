@@ -198,7 +198,7 @@ class Driver:
         if not self.state.takes_commands:
             if self.scripts.reading:
                 self._connection.heard_at = now
-            self.scripts.poll(now)
+            self.scripts.poll(now, self._connection.heard_at)
         self._connection.check_silence(now)
         self._modes.check_timeout(now)
         self.outputs.check_timeout(now)
@@ -277,7 +277,8 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        if self.state.activity is not Activity.CLOSED:
+        sends = self.state.activity is not Activity.CLOSED and self.scripts.may_stop()
+        if sends:
             self._outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self._outbox.send_at_once(END_DEMO, now)
@@ -366,7 +367,10 @@ class Driver:
     def _after_script(self) -> None:
         if self.scripts.resets_accumulators:
             self._tracking.odometry.recounted()
-        self._events.notice(Severity.INFO, 'the script has ended; wheels stopped')
+        self._events.notice(Severity.INFO, (
+            'the robot obeys between the rounds of its script, which may go on: an empty script '
+            '(define_script) ends it' if self.scripts.goes_on else
+            'the script has ended; wheels stopped'))
         if self._tracking.readings.oi_mode in oi.ACTUATE:
             self.outputs.restore()
         else:

@@ -3,10 +3,14 @@
 """
 Scripts in the robot: stored, played, read back.
 
-While a script waits, the robot ignores everything on the line, a stop included, and it does not
-report the end. So the driver polls: every so often it sends a stop and asks for a list of packets
-that it uses for nothing else. A frame with that list shows that the robot listens again and that
-the wheels stand.
+While a script waits, the robot obeys nothing, a stop included, and it does not report the end.
+Whether it loses what it is sent meanwhile or obeys it afterwards is not known, nor how much it can
+keep. So the driver sends, once, a stop and a request for a list of packets that it uses for
+nothing else: a frame with that list shows that the robot listens again and that the wheels stand.
+A robot that keeps what it is sent needs no more. For one that loses it the driver then sends, from
+when the script should have ended and ever more seldom, two bytes that pause the stream, and soon
+two that resume it: harmless even if some of them are lost. When frames cease in between, the robot
+listens, and is sent stop and request again.
 
 A stored script is read back as bare bytes between frames. So the stream is paused, the line falls
 silent, and everything that arrives then is the script.
@@ -27,8 +31,15 @@ from .state import Activity, State, StateEvent
 from .stopping import HALT
 from .stream_plan import StreamPlan
 
-POLL_INTERVAL = 0.2
-"""Seconds between two polls of a robot that plays a script."""
+POLL_INTERVAL, POLL_PART = 0.2, 0.1
+"""Seconds between two polls of a robot that plays a script; at least this part of the time since
+the script began or should have ended, so that a long wait gets few."""
+PAUSED, LOOK_AFTER = 0.075, 0.105
+"""Seconds without a frame by which the stream has paused, and after a poll to look for that."""
+LATE, LATE_PART = 0.1, 0.04
+"""Seconds, and part of its time, by which a script may end later than it should."""
+PAUSE = oi.PauseResumeStream(state=oi.StreamState.PAUSE)
+RESUME = oi.PauseResumeStream(state=oi.StreamState.RESUME)
 SILENCE = 0.1
 """Seconds after which the line is silent once the stream was paused."""
 REPLY_TIMEOUT = 0.5
@@ -55,6 +66,14 @@ class ScriptControl:
         self._stored: oi.Script | None = None
         self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
         self._due = 0.0
+        self._polled_since = 0.0
+        """When the script began, or should have ended."""
+        self._asked = False
+        """Whether the list that shows the end was asked for."""
+        self._polled_at: float | None = None
+        """When the last poll was sent; None once its effect was looked for."""
+        self._stop_sent = False
+        """Whether the user's stop has been sent to the robot that plays."""
         self._ends_at: float | None = None
         """When the script that plays should end; None where that is not known."""
         self._reply = bytearray()
@@ -75,6 +94,11 @@ class ScriptControl:
         if self._state.activity is not Activity.SCRIPT:
             return requested_directly(readings)
         return self._speeds.speeds(readings) if self._speeds.known else None
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the script that played last plays itself, so that it may not have ended."""
+        return self._stored is not None and not can_end(self._stored)
 
     @property
     def reading(self) -> bool:
@@ -103,7 +127,8 @@ class ScriptControl:
         self._speeds = ScriptSpeeds(
             self._stored, self._wheel_separation,
             cleared=self._requests.refusal(oi.Drive) is None)
-        self._due = now + POLL_INTERVAL
+        self._due, self._polled_since = now + POLL_INTERVAL, now
+        self._asked, self._polled_at, self._stop_sent = False, None, False
         takes = self._duration()
         self._ends_at = None if takes is None else now + takes
         self._handle(StateEvent.SCRIPT_STARTED)
@@ -122,27 +147,58 @@ class ScriptControl:
         why = DRIVES if self._state.moving else self._requests.refusal(oi.ShowScript)
         if why is not None:
             return refused(why)
-        self._outbox.send(oi.PauseResumeStream(state=oi.StreamState.PAUSE))
+        self._outbox.send(PAUSE)
         self._due, self._show_request = now + SILENCE, Pending()
         self._handle(StateEvent.SHOW_STARTED)
         return self._show_request
 
-    def poll(self, now: float) -> None:
-        """Advance timers: the next poll of a playing robot, silence, the reply's timeout."""
+    def may_stop(self) -> bool:
+        """Tell whether a user's stop is to be sent: while a script plays only the first one."""
+        first = not (self.playing and self._stop_sent)
+        self._stop_sent = True
+        return first
+
+    def poll(self, now: float, heard_at: float) -> None:
+        """
+        Advance timers: the next poll of a playing robot, silence, the reply's timeout.
+
+        `heard_at` is when the last frame came.
+        """
         activity = self._state.activity
         if activity is Activity.SILENCING and self._outbox.busy:
             self._due = now + SILENCE
         if now < self._due or self._outbox.busy:
             return
         if activity is Activity.SCRIPT:
-            self._outbox.send(HALT)
-            self._outbox.send(oi.Stream(packets=self._plan.marker.ids))
-            self._due = now + POLL_INTERVAL
+            self._poll_playing(now, heard_at)
         elif activity is Activity.SILENCING:
             self._ask_for_script(now)
         elif activity is Activity.READING:
             self._end_show(False, f'the robot sent {len(self._reply)} bytes of its script and '
                            'then nothing: try again')
+
+    def _poll_playing(self, now: float, heard_at: float) -> None:
+        """Ask for the list that shows the end: at first, and when the stream could be paused."""
+        silent, polled_at = now - heard_at > PAUSED, self._polled_at
+        if not self._asked or (
+                polled_at is not None and silent and heard_at > polled_at - PAUSED):
+            self._outbox.send(HALT)
+            self._outbox.send(oi.Stream(packets=self._plan.marker.ids))
+            self._due = now + POLL_INTERVAL
+            if not self._asked and self._ends_at is not None:
+                self._polled_since = max(
+                    now, self._ends_at + LATE + LATE_PART * (self._ends_at - self._polled_since))
+                self._due = max(self._due, self._polled_since)
+            self._asked = True
+        elif polled_at is None:
+            if not silent:  # else it sends nothing while it waits, or is gone: `Connection` calls
+                self._outbox.send(PAUSE)
+                self._polled_at, self._due = now, now + LOOK_AFTER
+        else:
+            if not silent:
+                self._outbox.send(RESUME)
+            self._polled_at = None
+            self._due = polled_at + max(POLL_INTERVAL, POLL_PART * (now - self._polled_since))
 
     def _ask_for_script(self, now: float) -> None:
         self._reply.clear()
@@ -188,7 +244,7 @@ class ScriptControl:
             return ('the stored script is not known: call define_script, or show_script to see '
                     'what it is, or set force')
         if not can_end(self._stored):
-            return ('the stored script plays itself again and cannot end; then only the Power '
+            return ('the stored script plays itself again and may never end; then only the Power '
                     'button stops the robot: set force to play it')
         endless = endless_wait(self._stored, self._mode(), SEPARATION)
         if endless is not None:
@@ -230,5 +286,5 @@ def _described(script: oi.Script) -> str:
     size = f'{len(script.script)} of {SCRIPT_LIMIT} bytes'
     waits = ', '.join(format_command(wait) for wait in open_waits(script))
     if not can_end(script):
-        return f'{size}; it plays itself again and cannot end'
+        return f'{size}; it plays itself again and may never end'
     return f'{size}; it ends only if this happens: {waits}' if waits else size

@@ -154,8 +154,8 @@ OWNERS = {
 REFUSALS = {
     _A.CLOSED: f'{_A.CLOSED.value}: check cable and power, the driver keeps trying',
     _A.CALLING: f'{_A.CALLING.value}: check cable and power, the driver keeps trying',
-    _A.SCRIPT: ('a script plays, and the robot ignores everything while it waits, a stop '
-                'included: let it end, or switch the robot off by its Power button'),
+    _A.SCRIPT: ('a script plays, and the robot obeys nothing while it waits, a stop included '
+                '(perhaps later): let it end, or switch the robot off by its Power button'),
     _A.SILENCING: 'the stored script is being read: try again',
     _A.READING: 'the stored script is being read: try again',
 }

@@ -40,7 +40,7 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
     loop.run(2.0)
     assert not loop.driver.scripts.playing
     assert loop.body.truth().speed == 0
-    loop.drive(0.2, 0.0, 0.5)
+    loop.drive(0.2, 0.0, 1.0)
     assert loop.body.truth().speed > 0.1
     assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.003)
 
@@ -67,7 +67,8 @@ def test_leds_are_restored_after_a_script_that_enters_safe(loop):
 
 
 def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
-    assert 'cannot end' in ask(loop, loop.driver.scripts.define, ENDLESS).text
+    assert 'may never end' in ask(loop, loop.driver.scripts.define, ENDLESS).text
+    loop.robot.guesses = Guesses(loop_listens=False)
     refused = ask(loop, loop.driver.scripts.play, loop.now, force=False)
     assert not refused.ok
     assert 'force' in refused.text
@@ -77,6 +78,47 @@ def test_a_script_that_cannot_end_is_refused_unless_forced(loop):
     power_cycle(loop)
     assert not loop.driver.scripts.playing
     assert loop.robot.mode is oi.Mode.SAFE
+
+
+def test_a_robot_that_obeys_between_the_rounds_of_its_script_is_driven_again(loop):
+    ask(loop, loop.driver.scripts.define, parse_script('Send IR byte=5; Play Script'))
+    assert ask(loop, loop.driver.scripts.play, loop.now, force=True).ok
+    loop.run(0.5)
+    assert 'may go on' in loop.notices[-1].text
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.body.truth().speed > 0.1
+    assert ask(loop, loop.driver.scripts.define, oi.Script(script=b'')).ok
+    assert loop.robot.actuators.infrared_sent
+    loop.robot.actuators.infrared_sent.clear()
+    loop.run(0.5)
+    assert not loop.robot.actuators.infrared_sent
+
+
+@pytest.mark.parametrize('guesses', [
+    {'wait_queue': 0}, {'wait_queue': 135}, {'wait_queue': 135, 'wait_answers': True}], ids=str)
+def test_a_robot_that_waits_is_sent_next_to_nothing_and_stands_after_it(loop, guesses):
+    loop.robot.guesses = Guesses(**guesses)
+    ask(loop, loop.driver.scripts.define, parse_script(
+        'Drive velocity=200 radius=straight; Wait Time time=250'))
+    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    loop.run(0.1)
+    loop.heard.clear()
+    loop.driver.stop(loop.now)
+    loop.run(0.02)
+    assert bytes(loop.heard) == oi.DriveDirect(right=0, left=0).encode()
+    for _ in range(23):
+        loop.driver.stop(loop.now)
+        loop.drive(0.2, 0.0, 1.0)
+    assert loop.robot.waiting
+    assert len(loop.heard) < 100
+    loop.run(4.0)
+    assert not loop.robot.waiting
+    assert not loop.driver.scripts.playing
+    assert loop.body.truth().speed == 0
+    assert loop.driver.counts.silences == 0
+    assert loop.robot.mode is oi.Mode.SAFE
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.body.truth().speed > 0.1
 
 
 AWAY_FROM_ITS_GOAL = parse_script(

@@ -48,15 +48,22 @@ def watched(driver: Driver, *times: float) -> bytes:
     return sent
 
 
-def test_a_robot_that_plays_is_asked_every_fifth_of_a_second_whether_it_listens():
-    driver = playing()
+def test_a_robot_that_plays_is_asked_once_and_then_by_two_bytes_whether_it_listens():
+    driver, pause = playing(), words(oi.PauseResumeStream(state=oi.StreamState.PAUSE))
     asks = words(HALT, oi.Stream(packets=driver.plan.marker.ids))
     assert watched(driver, NOW + 0.1, NOW + 0.19) == b''
     assert watched(driver, NOW + 0.21) == asks
     assert watched(driver, NOW + 0.3, NOW + 0.4) == b''
-    assert watched(driver, NOW + 0.42) == asks
+    assert watched(driver, NOW + 1.0, NOW + 1.5, NOW + 2.05) == b''
+    assert watched(driver, NOW + 2.2) == pause
+    assert watched(driver, NOW + 2.25) == b''
+    assert watched(driver, NOW + 2.31) == words(
+        oi.PauseResumeStream(state=oi.StreamState.RESUME))
+    assert watched(driver, NOW + 2.41) == pause
+    assert polled(driver, NOW + 2.5) == b''
+    assert polled(driver, NOW + 2.52) == asks
     assert driver.state.activity is Activity.SCRIPT
-    heard(driver, NOW + 0.45, driver.plan.marker)
+    heard(driver, NOW + 2.55, driver.plan.marker)
     assert driver.state.activity is Activity.IDLE
     assert 'the script has ended; wheels stopped' in [text for _, text in notices(driver)]
 
@@ -74,7 +81,7 @@ def test_of_a_script_without_an_end_nobody_knows_how_long_it_plays():
     endless = build_script([oi.WaitTime(time=1), oi.PlayScript()])
     driver = stored(endless)
     refused = driver.scripts.play(NOW, force=False).outcome
-    assert not refused.ok and 'plays itself again and cannot end' in refused.text
+    assert not refused.ok and 'plays itself again and may never end' in refused.text
     assert 'for an unknown time' in playing(endless, force=True).scripts.status(NOW)
 
 
@@ -152,7 +159,7 @@ def test_a_robot_that_is_lost_while_it_sends_its_script_ends_the_request():
 
 @pytest.mark.parametrize(('script', 'says'), [
     (SCRIPT, '12 of 100 bytes'), (oi.Script(script=b''), 'no script is stored'),
-    (build_script([oi.PlayScript()]), '1 of 100 bytes; it plays itself again and cannot end'),
+    (build_script([oi.PlayScript()]), '1 of 100 bytes; it plays itself again and may never end'),
     (build_script([oi.WaitEvent(event=oi.Event.BUMP)]),
      '2 of 100 bytes; it ends only if this happens: Wait Event event=bump')])
 def test_what_is_stored_is_described(script, says):
