@@ -22,7 +22,10 @@ from .stopping import HALT, WAKE_UP
 from .stream_plan import StreamPlan
 
 SILENCE = 0.5
-"""Seconds without a frame after which the robot counts as away, and is called again."""
+"""Seconds without a frame after which the robot is called again."""
+MOST_ABSENCE = 2.0
+"""Seconds without a frame after which a robot was away: only then is it called by Start, which
+changes its mode, and commands must pause before it follows them again."""
 STANDSTILL = 1.0
 """Seconds between two calls of the driver after which its process must have been stopped."""
 STALE = 0.05
@@ -49,6 +52,8 @@ class Connection:
         self.reader = oi.StreamReader(self.plan.lists)
         self.heard_at = 0.0
         """When the last frame came, in the clock of `now`."""
+        self.present_at = inf
+        """When a frame came last; before the first one, when the robot was called first."""
         self._call_interval = CALL_INTERVAL
         self._ran_at = inf
         """When the driver was called last; in no past before the port is open."""
@@ -76,11 +81,16 @@ class Connection:
 
     def opened(self, now: float) -> None:
         """Start to call: the port has been opened."""
+        self.present_at = min(self.present_at, now)
         self._search.restart()
         self._silence = None
         self._ran_at = now
         self._check_rate()
         self._call(now, StateEvent.OPENED)
+
+    def was_away(self, now: float) -> bool:
+        """Tell whether a robot that is heard now was not for so long that anything may be true."""
+        return now - self.present_at > MOST_ABSENCE
 
     def forget(self) -> None:
         """Forget how well the line works: no robot answers."""
@@ -199,12 +209,13 @@ class Connection:
         byte_time = oi.BITS_PER_BYTE / baud
         # What has not left would delay a stop, or go out at the next rate.
         wake_up = WAKE_UP if len(WAKE_UP) * byte_time < CALL_INTERVAL else 2 * HALT.encode()
-        call = wake_up + oi.Start().encode() + ask.encode()
+        start = [] if self._counts.frames and not self.was_away(now) else [oi.Start()]
+        call = b''.join((wake_up, *(each.encode() for each in (*start, ask))))
         self._call_interval = max(
             CALL_INTERVAL, (len(call) + answer) * byte_time + ANSWER_TIME)
         self._outbox.send_raw(wake_up)
-        self._outbox.send(oi.Start())
-        self._outbox.send(ask)
+        for each in (*start, ask):
+            self._outbox.send(each)
 
     def _check_rate(self) -> None:
         slow = too_slow(self.plan.budget, self.plan.baud)

@@ -52,8 +52,6 @@ LOOK_INTERVAL = 0.1
 """Seconds between two looks at what changes within seconds."""
 RESTFUL = (Activity.IDLE, Activity.DRIVING)
 """Activities in which frames may wait that say nothing new."""
-MOST_ABSENCE = 2.0
-"""Seconds without a frame after which commands must pause before a robot follows them again."""
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 
@@ -103,8 +101,6 @@ class Driver:
         self._waiting = WaitingFrames()
         self._newest: oi.Frame | None = None
         self._look_at = -inf
-        self._present_at = inf
-        """When the robot was heard last; before its first frame, when it was called first."""
         self._mistakes: set[str] = set()
         self._reported_status = self.status
 
@@ -141,7 +137,6 @@ class Driver:
 
     def connected(self, now: float) -> None:
         """Start to call the robot: the port has been opened."""
-        self._present_at = min(self._present_at, now)
         self._connection.opened(now)
 
     def disconnected(self, why: str) -> None:
@@ -277,7 +272,9 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        sends = self.state.activity is not Activity.CLOSED and self.scripts.may_stop()
+        activity = self.state.activity
+        sends = activity is not Activity.CLOSED and (
+            activity is not Activity.SCRIPT or self.scripts.may_stop())
         if sends:
             self._outbox.send_at_once(HALT, now)
             if self._may_play_demo:
@@ -346,7 +343,7 @@ class Driver:
             self._found(before, now)
         elif activity is Activity.SCRIPT and self.scripts.ended(frame.packets):
             self._after_script()
-        self._present_at = now
+        self._connection.present_at = now
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
         self._events.append(moved)
         self._unchecked.append((taken, moved))
@@ -355,7 +352,7 @@ class Driver:
         """Enter the wanted mode; `before` is what was known before this first frame."""
         had, mode = (each.oi_mode if each.has('oi_mode') else None
                      for each in (before, self._tracking.readings))
-        away = now - self._present_at > MOST_ABSENCE or had is not None and (
+        away = self._connection.was_away(now) or had is not None and (
             had is not mode or mode not in oi.ACTUATE)
         self._connection.answered(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         self._velocity.report_next_refusal()

@@ -20,7 +20,7 @@ from create_oi_ros.driver.state import (
     TRANSITIONS,
 )
 from create_oi_ros.driver.stopping import HALT
-from support.loop import Loop, said
+from support.loop import Loop, said, STEP
 
 
 def reachable(start: Activity) -> set[Activity]:
@@ -236,6 +236,41 @@ def test_a_hiccup_needs_no_pause_unless_the_robot_comes_back_in_another_mode(mod
     loop.cut = False
     loop.drive(0.2, 0.0, 2.0)
     assert any(loop.robot.actuators.wheels) is drives
+
+
+def losing_replies(loop: Loop) -> None:
+    """Lose all that the robot sends for 1.2 s."""
+    loop.lost_down = True
+    loop.drive(0.2, 0.0, 1.2)
+    loop.lost_down = False
+
+
+def standing_still(loop: Loop) -> None:
+    """Let the robot send for 1.2 s, and call the driver no more."""
+    until = loop.now + 1.2
+    while loop.now < until:
+        loop.now += STEP
+        loop.robot.poll(loop.now)
+
+
+def plugging_again(loop: Loop) -> None:
+    """Close the port, and open it 1.2 s later."""
+    loop.driver.disconnected('the cable is out')
+    loop.driver.data_to_send()
+    standing_still(loop)
+    loop.robot.data_to_send()
+    loop.driver.connected(loop.now)
+
+
+@pytest.mark.parametrize('hiccup', [losing_replies, standing_still, plugging_again])
+@pytest.mark.parametrize('phase', [0.0, 0.005, 0.01])
+def test_a_hiccup_of_driver_port_or_line_needs_no_pause(hiccup, phase):
+    loop = in_safe()
+    loop.drive(0.2, 0.0, 1.0 + phase)
+    hiccup(loop)
+    loop.drive(0.2, 0.0, 2.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.robot.actuators.wheels == (200, 200)
 
 
 def test_setting_the_mode_is_as_good_as_a_pause():

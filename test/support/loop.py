@@ -38,7 +38,8 @@ class Loop:
         self.driver = Driver(settings or Settings(), odometry)
         self.now = 100.0
         self.delay = delay
-        self.cut = False
+        self.cut = self.lost_down = False
+        """Whether the line carries nothing, or nothing that the robot sends."""
         self.forged: dict[str, int] = {}
         """Values that replace the robot's own in its frames, by packet."""
         self.heard = bytearray()
@@ -118,7 +119,7 @@ class Loop:
         return b''.join(pieces)
 
     def _carry(self, line: deque[tuple[float, bytes]], data: bytes) -> None:
-        if data and not self.cut:
+        if data and not (self.cut or self.lost_down and line is self._down):
             line.append((self.now + self.delay, data))
 
     def _arrived(self, line: deque[tuple[float, bytes]]) -> bytes | None:
