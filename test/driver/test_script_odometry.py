@@ -12,7 +12,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings
 from create_oi_ros.driver.stream_plan import StreamPlan
 from create_oi_ros.oi.tools.text import parse_script
-from create_oi_ros.robot import Rounding
+from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
 from support.loop import AT_ONCE, Loop
 
 LINE = 'Drive velocity=200 radius=straight; Wait Time time=20'
@@ -24,7 +24,8 @@ DIRECT = ('Drive Direct right=200 left=100; Wait Time time=20; Drive Direct righ
           'Wait Time time=30')
 MIXED = ('Drive Direct right=200 left=100; Wait Time time=20; '
          'Drive velocity=-100 radius=straight; Wait Time time=30')
-LESSON = ((0.2, 0.3), (0.1, -0.7), (0.0, 0.0), (-0.2, 0.2), (0.3, 0.4), (0.0, 0.5), (0.0, 0.0))
+LESSON = ((239, 161), (10, 190), (0, 0), (-174, -226), (352, 248), (64, -64), (0, 0))
+"""Speeds of the right and the left wheel, mm/s."""
 
 
 @cache
@@ -32,8 +33,8 @@ def lessons(rounding: Rounding, begin: int) -> Loop:
     """Return a driver after a minute and a half of driving by steps, as scripts drive."""
     loop = Loop(Settings(odometry_window=1.0, limits=AT_ONCE), rounding=rounding)
     loop.run(0.3)
-    for linear, angular in (LESSON[begin:] + LESSON[:begin]) * 8:
-        loop.drive(linear, angular, 1.5)
+    for right, left in (LESSON[begin:] + LESSON[:begin]) * 8:
+        loop.drive((right + left) / 2000, (right - left) / 1000 / WHEEL_SEPARATION, 1.5)
     return loop
 
 
