@@ -93,11 +93,11 @@ class GoalControl:
             return running
         if self._goal is not None:
             self._finish(ANOTHER_GOAL, now)
+        if self._state.activity is Activity.HOLDING:  # a goal is as good as a pause of commands
+            self._handle(StateEvent.HALTED)
         self._goal, self._running = goal, running
         self._begun, self._started_at = False, now
         self._mode_before = self._supervision.status.wanted
-        if self._state.activity is Activity.HOLDING:  # a goal is as good as a pause of commands
-            self._handle(StateEvent.HALTED)
         self._handle(StateEvent.GOAL_STARTED)
         if goal.hint:
             self._events.notice(Severity.WARNING, goal.hint)

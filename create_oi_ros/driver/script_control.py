@@ -180,8 +180,7 @@ class ScriptControl:
     def _poll_playing(self, now: float, heard_at: float) -> None:
         """Ask for the list that shows the end: at first, and when the stream could be paused."""
         silent, polled_at = now - heard_at > PAUSED, self._polled_at
-        if not self._asked or (
-                polled_at is not None and silent and heard_at > polled_at - PAUSED):
+        if not self._asked or polled_at is not None and silent:
             self._outbox.send(HALT)
             self._outbox.send(oi.Stream(packets=self._plan.marker.ids))
             self._due = now + POLL_INTERVAL
@@ -195,8 +194,7 @@ class ScriptControl:
                 self._outbox.send(PAUSE)
                 self._polled_at, self._due = now, now + LOOK_AFTER
         else:
-            if not silent:
-                self._outbox.send(RESUME)
+            self._outbox.send(RESUME)
             self._polled_at = None
             self._due = polled_at + max(POLL_INTERVAL, POLL_PART * (now - self._polled_since))
 

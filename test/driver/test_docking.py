@@ -157,6 +157,17 @@ def test_a_lifted_robot_searches_for_nothing():
     assert pursue(loop, Dock(0.0)).code is Code.WHEEL_DROP
 
 
+def test_a_robot_whose_mode_is_not_known_searches_for_nothing():
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(3.0)
+    loop.forged = {'oi_mode': 9}
+    loop.run(0.3)
+    assert running.ending.code is Code.MODE
+    assert 'switch the robot off and on' in running.ending.text
+    assert loop.robot.demo is None
+
+
 def test_a_robot_that_safe_lets_go_leaves_in_safe():
     loop = docked(Guesses(dock_holds_safe=False))
     ending = pursue(loop, undock())

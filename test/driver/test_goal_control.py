@@ -276,3 +276,22 @@ def test_the_odometry_marks_the_start_of_a_goal_until_it_ends():
     assert start == pytest.approx((0.0, 0.0, 0.0), abs=0.05)
     loop.driver.goals.cancel(running, loop.now)
     assert odometry.marked is None
+
+
+def test_a_goal_is_as_good_as_a_pause_of_commands(at_once):
+    at_once.cut = True
+    at_once.drive(0.2, 0.0, 3.0)
+    at_once.cut = False
+    at_once.drive(0.2, 0.0, 1.0)
+    assert at_once.driver.state.activity is Activity.HOLDING
+    begun(at_once, Told(AHEAD))
+    assert at_once.robot.actuators.wheels == (100, 100)
+
+
+def test_a_goal_ends_when_the_robot_enters_no_mode_to_drive_in_while_it_runs(at_once):
+    running = begun(at_once, Told(AHEAD))
+    at_once.driver.set_mode(oi.Mode.FULL, at_once.now)
+    at_once.forged = {'oi_mode': int(oi.Mode.PASSIVE)}
+    at_once.run(0.2)
+    assert ended(running)[0] is Code.MODE
+    assert at_once.robot.actuators.wheels == (0, 0)

@@ -61,3 +61,7 @@ def test_waits_for_a_way_reset_what_is_counted(commands, resets):
 
 def test_what_is_sent_before_a_script_moves_nothing_and_clears_the_last_drive():
     assert CLEARED.encode() == bytes([137, 0, 0, 128, 0])
+
+
+def test_a_speed_that_the_robot_reports_oddly_is_not_known():
+    assert speeds(DRIVE).speeds(oi.Readings({**REPORTED, 'requested_velocity': None})) is None

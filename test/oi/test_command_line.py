@@ -80,6 +80,8 @@ def test_replies_are_explained() -> None:
     assert ran('decode', '--reply', '7,distance', '3 255 254', '0 0 1') == (0, [
         'Bumps and Wheel Drops = bump_right+bump_left, Distance = -2 mm',
         'Bumps and Wheel Drops = 0, Distance = 1 mm'], '')
+    assert ran('decode', '--reply', '19', '0') == (
+        1, ['# reply is cut short: 1 of 2 bytes'], '')
     status, lines, _ = ran('decode', '--reply', '0', '3 0 1 1 1 1')
     assert (status, lines) == (1, [
         'Bumps and Wheel Drops = bump_right+bump_left, Wall = 0, Cliff Left = 1, Cliff Front Left '

@@ -8,6 +8,7 @@ A line for bytes that cannot be explained begins with #, so that all lines can b
 
 from collections.abc import Iterable, Iterator
 from enum import IntEnum, IntFlag
+from itertools import takewhile
 import re
 from typing import Any
 
@@ -142,12 +143,10 @@ def explain_replies(chunks: Iterable[bytes], packets: PacketList) -> Iterator[st
             yield _readings(packets, packets.unpack_reply(rest[:packets.reply_size]))
             rest = rest[packets.reply_size:]
     if rest:
-        whole = PacketList(())
-        for packet in packets.packets:
-            more = PacketList([*whole.ids, packet.id])
-            if more.reply_size > len(rest):
-                break
-            whole = more
+        each = [packet.id for packet in packets.packets]
+        *_, whole = takewhile(
+            lambda part: part.reply_size <= len(rest),
+            (PacketList(each[:count]) for count in range(len(each))))
         if whole.ids:
             yield _readings(whole, whole.unpack_reply(rest[:whole.reply_size]))
         yield f'# reply is cut short: {len(rest)} of {packets.reply_size} bytes'
