@@ -22,12 +22,10 @@ def fail(*_):
 bumper = messages.bumper.values
 messages.bumper = messages.content(*messages.bumper.paths)(lambda readings: (
     fail() if readings.bumps_and_wheel_drops else bumper(readings)))
-from geometry_msgs.msg import Twist
-from rclpy.serialization import deserialize_message
-from create_oi_ros.ros.node import CreateNode
-on_velocity = CreateNode._on_velocity
-CreateNode._on_velocity = lambda node, received: (
-    fail() if deserialize_message(received, Twist).linear.z else on_velocity(node, received))
+from create_oi_ros.ros.velocity_input import VelocityInput
+take = VelocityInput._take
+VelocityInput._take = lambda commands, message, info: (
+    fail() if message.linear.z else take(commands, message, info))
 raise SystemExit(programs.create_node())
 """
 """A node whose bumper message and velocity callback can raise an exception."""
