@@ -50,10 +50,10 @@ def drivers() -> list[tuple[int, str]]:
 
 def waits_for(node: Node, what: str, waited: float) -> str | None:
     """Say what a node has waited for, s, and why it may not come; None: it may still come."""
-    own, namespace = node.context.get_domain_id(), node.get_namespace()
-    found = drivers()
     if waited < SAY_AFTER:
         return None
+    own, namespace = node.context.get_domain_id(), node.get_namespace()
+    found = drivers()
     if any(domain == own and name.rpartition('/')[0] == namespace.rstrip('/')
            for domain, name in found):
         return None if waited < FOUND_WITHIN else (
