@@ -64,7 +64,7 @@ def test_a_pilot_turns_the_short_way(pilot):
 def test_a_pilot_backs_off(pilot):
     x, y = pilot.place
     pilot.back(0.1)
-    assert 0.1 <= hypot(pilot.place[0] - x, pilot.place[1] - y) < 0.15
+    assert hypot(pilot.place[0] - x, pilot.place[1] - y) == pytest.approx(0.1, abs=0.01)
 
 
 def test_a_spiral_ends_after_its_turns(pilot):

@@ -70,13 +70,16 @@ def test_a_robot_in_a_namespace_with_stamped_commands(stage, start_recorder, tmp
     recorder.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
     publisher = stage.ros.node.create_publisher(TwistStamped, '/robot1/cmd_vel', 1)
     stage.ros.until(lambda: publisher.get_subscription_count() == 2)
-    publisher.publish(TwistStamped())
-    recorder.until(lambda: amount(recorder)[1] == len(PUBLISHED) + 1, 'a command')
+
+    def commanded() -> bool:  # the recorder listens as best effort: one alone may be lost
+        publisher.publish(TwistStamped())
+        return amount(recorder)[1] == len(PUBLISHED) + 1
+    recorder.until(commanded, 'a command')
     recorder.send(signal.SIGTERM)
     assert recorder.ended() == 0
     with Reader(tmp_path / 'walk') as bag:
         commands, = (each for each in bag.connections if each.topic == '/robot1/cmd_vel')
-    assert (commands.msgtype, commands.msgcount) == ('geometry_msgs/msg/TwistStamped', 1)
+    assert commands.msgtype == 'geometry_msgs/msg/TwistStamped' and commands.msgcount >= 1
     assert read(tmp_path / 'walk', lambda part: None).robot == 'robot1'
 
 
