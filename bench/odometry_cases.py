@@ -12,8 +12,8 @@ from typing import NamedTuple
 from create_oi_ros.odometry import Increment, Odometry
 from create_oi_ros.robot import FIRMWARE_SEPARATION
 from create_oi_ros.sim.body.config import IDEAL
-from create_oi_ros.sim.body.encoders import Accumulator, Rounding
-from create_oi_ros.sim.body.wheel_log import WheelLog
+from create_oi_ros.sim.body.mechanics import Accumulator, Rounding
+from create_oi_ros.sim.body.wheels import WheelLog
 from odometry_loop import Journey
 from robots import Robot
 

@@ -20,7 +20,7 @@ import numpy as np
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import IDEAL
-from create_oi_ros.sim.body.encoders import Accumulator, Rounding
+from create_oi_ros.sim.body.mechanics import Accumulator, Rounding
 from create_oi_ros.sim.world import World
 from drives import mixed
 from robots import spread

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.encoders import Accumulator
+from create_oi_ros.sim.body.mechanics import Accumulator
 
 
 class Counts(NamedTuple):

@@ -17,7 +17,7 @@ from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.server import Server
-from create_oi_ros.sim.server.control_port import ControlPort
+from create_oi_ros.sim.server.control import ControlPort
 from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped
 

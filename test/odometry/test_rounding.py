@@ -10,7 +10,7 @@ import pytest
 
 from create_oi_ros.odometry.rounding import cut_normal, interval, telling_in
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.encoders import Accumulator
+from create_oi_ros.sim.body.mechanics import Accumulator
 from support.ride import ROUNDINGS
 
 

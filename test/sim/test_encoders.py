@@ -11,7 +11,7 @@ import pytest
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import CENTRE, EncoderSign
 from create_oi_ros.sim.body.drivetrain import Drivetrain
-from create_oi_ros.sim.body.encoders import Accumulator
+from create_oi_ros.sim.body.mechanics import Accumulator
 
 AMOUNTS = st.lists(st.floats(-300, 300), max_size=60)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.sim.server.faults import Fault, FaultKind, Faults, MOST_GARBAGE
-from create_oi_ros.sim.server.pacing import Pacer
+from create_oi_ros.sim.server.serve import Pacer
 
 FRAME = bytes(range(100, 150))
 SLOT = 0.015

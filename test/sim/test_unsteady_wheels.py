@@ -8,8 +8,8 @@ from statistics import fmean, pstdev
 
 import pytest
 
-from create_oi_ros.sim.body import Body, body_guesses
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.body.config import BodyConfig, CENTRE, parse_guesses
 from create_oi_ros.sim.world import World
 
 ASKED = 0.2
@@ -77,7 +77,7 @@ def test_no_wheel_turns_backwards_by_being_unsteady():
 
 @pytest.mark.parametrize('name', ['speed_jitter', 'speed_wander'])
 def test_it_is_a_guess_of_the_command_line(name):
-    config, rest = body_guesses.parse([f'{name}=0.02'], str)
+    config, rest = parse_guesses([f'{name}=0.02'], str)
     assert (getattr(config, name), rest) == (0.02, [])
     for value in (-0.01, 0.2):
         with pytest.raises(ValueError, match=f'{name} is {value}: it must be within 0 to 0.1'):

@@ -12,8 +12,8 @@ from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.sensed import NO_INFRARED
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW, RECEIVER_FORWARD
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
+from create_oi_ros.sim.world.floor_plan import outlines
 from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon, sees
-from create_oi_ros.sim.world.outlines import outlines
 
 FRAME = 0.015
 

@@ -30,11 +30,10 @@ from random import Random
 
 from ...robot import MILLI, Rounding
 from ..world import Pose, World
+from .battery import Electrics
 from .config import BodyConfig, CENTRE
-from .electrics import Electrics
 from .mechanics import Mechanics, Truth
-from .overlay import Overlay
-from .sensed import clamped, Sensed
+from .sensed import clamped, Overlay, Sensed
 from .surroundings import CLIFF_BELOW, WALL_SEEN
 
 MOMENT = 1e-9

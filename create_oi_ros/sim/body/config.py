@@ -9,14 +9,16 @@ and `guess` what nobody we know of has published: chosen to be plausible, and he
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 import math
+from typing import Any
 
 from ...robot import BODY_RADIUS, FIRMWARE_SEPARATION, TOP_SPEED, WHEEL_RADIUS, WHEEL_SEPARATION
+from ..numbers import number
 from .battery import BatteryConfig
-from .wheel_log import WheelLog
-from .wheels import MOST_UNSTEADY, Response, TimeConstant
+from .wheels import MOST_UNSTEADY, Response, TimeConstant, WheelLog
 
 
 class EncoderSign(Enum):
@@ -143,3 +145,71 @@ IDEAL = BodyConfig(
     response=Response.RAMP, dead_time=0.0, dead_band=0.0, encoder_tick=0.0,
     encoder_sign=EncoderSign.UNTIL_REST)
 """Wheels that ramp without delay, for tests whose sums are easy."""
+
+
+TIME_CONSTANT = {
+    'time_constant': 'seconds', 'time_constant_exponent': 'exponent',
+    'time_constant_slowest': 'slowest', 'time_constant_fastest': 'fastest'}
+"""Names of guesses, and the fields of the time constant that they set."""
+RECORDING = 'recording'
+"""The name of the guess that is a file: a log of real wheels."""
+
+
+def guess_names() -> tuple[str, ...]:
+    """Return the names of all guesses about the body."""
+    plain = (field.name for field in fields(BodyConfig)
+             if isinstance(getattr(CENTRE, field.name), (float, Enum)))
+    return (*plain, *TIME_CONSTANT, RECORDING)
+
+
+def parse_guesses(
+    texts: Sequence[str], read: Callable[[str], str],
+) -> tuple[BodyConfig, list[str]]:
+    """
+    Read 'name=value' texts; return the body, and the texts that are about something else.
+
+    `read` returns what a file contains.
+    """
+    config, rest, known = CENTRE, [], guess_names()
+    for text in texts:
+        name, _, value = text.partition('=')
+        if name not in known:
+            rest.append(text)
+        elif name in TIME_CONSTANT:
+            constant = config.time_constant._replace(
+                **{TIME_CONSTANT[name]: _number(name, value)})
+            config = replace(config, time_constant=constant)
+        elif name == RECORDING:
+            config = replace(config, recording=_recording(value, read))
+        else:
+            changed: dict[str, Any] = {name: _value(name, value)}
+            config = replace(config, **changed)
+    return config, rest
+
+
+def _value(name: str, text: str) -> float | Enum:
+    default = getattr(CENTRE, name)
+    return choice(name, text, type(default)) if isinstance(default, Enum) else _number(name, text)
+
+
+def choice(name: str, text: str, kind: type[Enum]) -> Enum:
+    """Read the value of a guess that is one of several; ValueError says which."""
+    try:
+        return kind(text)
+    except ValueError:
+        allowed = ', '.join(str(each.value) for each in kind)
+        raise ValueError(f'{name}={text}: one of {allowed} is wanted') from None
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return number(text)
+    except ValueError as error:
+        raise ValueError(f'{name}: {error}') from None
+
+
+def _recording(text: str, read: Callable[[str], str]) -> WheelLog:
+    try:
+        return WheelLog.parse(read(text))
+    except (OSError, KeyError) as error:
+        raise ValueError(f'{RECORDING}={text}: {error}') from None

@@ -23,17 +23,14 @@ from ...oi import Mode
 from ...oi.commands import ACTUATORS, INPUTS, WAITS
 from ..body import Body
 from ..body.sensed import Sensed
-from ..timing import TOLERANCE
+from ..numbers import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
 from .actuators import ActuatorState, CommandedWheels, DARK, Lights
-from .demo_behaviors import Controls
-from .demo_player import DemoPlayer
-from .guesses import Guesses, LIKELY
-from .limits import obeyable
-from .power import BANNER, Power
+from .demos import Controls, DemoPlayer
+from .guesses import Guesses, LIKELY, obeyable
 from .songs import BEEP, DESCENDING, Speaker
-from .uart import DEFAULT_BAUD, SLOW_BAUD, Uart
+from .uart import BANNER, DEFAULT_BAUD, Power, SLOW_BAUD, Uart
 
 RESET_OPCODE = b'\x07'
 """Undocumented; reported to restart the robot."""

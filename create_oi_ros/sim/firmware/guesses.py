@@ -13,8 +13,13 @@ from enum import Enum
 import math
 from typing import Any
 
+from ...oi import Command
+from ...oi.codes import Radius
+from ...oi.commands import RADIUS
+from ...oi.declaration import Tail
+from ...oi.readings import SPEED
 from ...robot import SLOT
-from ..body import body_guesses
+from ..body import config
 
 
 class LongRadius(Enum):
@@ -91,10 +96,10 @@ class Guesses:
         defaults = {field.name: field.default for field in fields(cls)}
         if name not in defaults:
             raise ValueError(
-                f'no guess {name!r}: one of {", ".join((*defaults, *body_guesses.names()))}')
+                f'no guess {name!r}: one of {", ".join((*defaults, *config.guess_names()))}')
         default: Any = defaults[name]
         if isinstance(default, Enum):
-            return body_guesses.choice(name, text, type(default))
+            return config.choice(name, text, type(default))
         if isinstance(default, bool):
             if text not in ('0', '1', 'false', 'true'):
                 raise ValueError(f'{name}={text}: true or false is wanted')
@@ -109,3 +114,39 @@ class Guesses:
 
 
 LIKELY = Guesses()
+
+
+def obeyable(command: Command, guesses: Guesses) -> Command | None:
+    """
+    Return the command with values that the robot accepts; None if it ignores the command.
+
+    Velocities are clamped; bits without a meaning and long radii follow the guesses.
+    """
+    if command.tail is not None and not _tail_allowed(command, command.tail):
+        return None
+    changed: dict[str, int] = {}
+    for field in command.fields:
+        value, wire = getattr(command, field.name), field.wire
+        if wire.allows(value):
+            continue
+        if wire is SPEED:
+            changed[field.name] = max(SPEED.low, min(SPEED.high, value))
+        elif wire is RADIUS and guesses.long_radius is LongRadius.CLAMP:
+            changed[field.name] = max(RADIUS.low, min(RADIUS.high, value))
+        elif wire is RADIUS and guesses.long_radius is LongRadius.STRAIGHT:
+            changed[field.name] = Radius.STRAIGHT
+        elif wire.mask and guesses.mask_bits:
+            changed[field.name] = value & wire.mask
+        else:
+            return None
+    if not changed:
+        return command
+    values = {field.name: getattr(command, field.name) for field in command.fields}
+    return type(command)(**{**values, **changed})
+
+
+def _tail_allowed(command: Command, tail: Tail) -> bool:
+    items = getattr(command, tail.name)
+    return tail.counted.allows(len(items)) and all(
+        wire.allows(number) for item in items for wire, number in zip(
+            tail.counted.item, item if isinstance(item, tuple) else (item,), strict=True))

@@ -5,7 +5,7 @@
 from collections.abc import Sequence
 
 from ...oi import Command, Note, NOTES_PER_SECOND, PlaySong, REST, Song, SOUNDING
-from ..timing import TOLERANCE
+from ..numbers import TOLERANCE
 
 BEEP = (Note(84, 10),)
 """Sound of Start if the interface was off (manual: Start, 'beeps once'; the pitch is a guess)."""

@@ -3,8 +3,8 @@
 """
 A simulated Create that other programs open like a serial port.
 
-`serve` runs one robot on one line in real time, `control_port` lets other programs change its
-world, `play` replays a captured robot, and `create_sim` is the executable.
+`serve` runs one robot on one line in real time, `control` lets other programs change its
+world, `replay` replays a captured robot, and `create_sim` is the executable.
 """
 
 from .create_sim import main

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 import csv
+import errno
 import ipaddress
 from pathlib import Path
 import signal
@@ -14,17 +15,16 @@ import sys
 from ...oi import Checksum
 from ...oi.tools.capture_format import CaptureError
 from ...robot import Rounding
-from ..body import Body, body_guesses
-from ..body.config import BodyConfig
+from ..body import Body
+from ..body.config import BodyConfig, parse_guesses
 from ..firmware import Create
 from ..firmware.guesses import Guesses
 from ..world import parse, shipped, shipped_names, World
-from .control_port import ControlPort
-from .export import export, SUFFIXES
+from ..world.floor_plan import map_of, sdf_of
+from .control import ControlPort
 from .faults import Fault, Faults
-from .lines import Line, PtyLine, TcpLine
-from .path_errors import naming, sentence
-from .play import play, Player
+from .lines import Line, naming, PtyLine, sentence, TcpLine
+from .replay import play, Player
 from .serve import Server
 
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
@@ -211,7 +211,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _arguments()
     options = parser.parse_args(arguments)
     try:
-        config, others = body_guesses.parse(
+        config, others = parse_guesses(
             options.guess, lambda name: Path(name).read_text('utf-8'))
         guesses = Guesses.parse(others)
     except ValueError as error:
@@ -231,3 +231,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f'create_sim: {sentence(error)}', file=sys.stderr)
         return 2
     return 0
+
+
+SUFFIXES = ('.yaml', '.sdf')
+
+
+def export(world: World, path: Path) -> str:
+    """Write a world, and say what was written; OSError names a file that cannot be."""
+    if path.suffix == '.sdf':
+        _write({path: sdf_of(world).encode()})
+        return f'{path}: walls for Gazebo'
+    drawn, image = map_of(world), path.with_suffix('.pgm')
+    _write({path: drawn.yaml(image.name, world.name).encode(), image: drawn.pgm()})
+    return f'{path} and {image}: a map for Nav2, {drawn.width} by {drawn.height} cells'
+
+
+def _write(files: dict[Path, bytes]) -> None:
+    """Write new files; where one exists, none is written."""
+    for path in files:
+        if path.exists():
+            raise FileExistsError(
+                errno.EEXIST, 'exists already; remove it, or give another name', str(path))
+    for path, content in files.items():
+        with naming(path):
+            path.write_bytes(content)

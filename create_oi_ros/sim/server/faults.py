@@ -28,7 +28,7 @@ from random import Random
 import re
 
 from ...robot import SLOT
-from ..timing import TOLERANCE
+from ..numbers import TOLERANCE
 
 MOST_GARBAGE = 20
 """Bytes at once."""

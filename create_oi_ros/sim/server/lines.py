@@ -7,9 +7,11 @@ Both behave like a serial port. Bytes are lost while no host has the port open, 
 does not read them in time. The robot does not notice that a host comes or goes.
 """
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 import errno
 import fcntl
+import hashlib
 import os
 from pathlib import Path
 import select
@@ -20,8 +22,6 @@ import tty
 from typing import Protocol
 
 from ..firmware.uart import DEFAULT_BAUD
-from .claim import Claim
-from .path_errors import naming
 
 AT_ONCE = 4096
 """Bytes that are read at once."""
@@ -285,3 +285,60 @@ class TcpLine:
     def baud(self) -> int | None:
         """Return None: TCP has no baud rate."""
         return None
+
+
+PEER = struct.Struct('3i')
+"""Linux, unix(7): process, user and group at the other end."""
+CALLERS = 64
+"""Refused processes that can still ask for the owner's process id."""
+
+
+class Claim:
+    """Holds a path until `release`."""
+
+    def __init__(self, path: Path) -> None:
+        """Claim a path; FileExistsError says which live process has it."""
+        whole = os.path.join(os.path.realpath(path.parent), path.name)
+        name = '\0create_sim ' + hashlib.sha256(os.fsencode(whole)).hexdigest()
+        self._socket = socket.socket(socket.AF_UNIX)
+        try:
+            self._socket.bind(name)
+        except OSError as error:
+            self._socket.close()
+            if error.errno != errno.EADDRINUSE:
+                raise
+            raise FileExistsError(
+                errno.EEXIST, f'belongs to a running create_sim{_owner(name)}; end that one, '
+                'or use another path', str(path)) from None
+        self._socket.listen(CALLERS)
+
+    def release(self) -> None:
+        """Leave the path to others."""
+        self._socket.close()
+
+
+def _owner(name: str) -> str:
+    """Return the process that has claimed a name, as text; '' if it cannot be found."""
+    with socket.socket(socket.AF_UNIX) as caller:
+        caller.setblocking(False)
+        try:
+            caller.connect(name)
+        except OSError:
+            return ''
+        process, _, _ = PEER.unpack(
+            caller.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, PEER.size))
+    return f' (process {process})' if process else ''
+
+
+@contextmanager
+def naming(given: object) -> Iterator[None]:
+    """Have every OSError inside name what the user gave: not nothing, nor a temporary name."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(given)) from None
+
+
+def sentence(error: OSError) -> str:
+    """Return the error as one line."""
+    return f'{error.filename}: {error.strerror}' if error.filename else str(error)

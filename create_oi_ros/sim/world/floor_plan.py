@@ -13,8 +13,8 @@ from math import atan2, ceil, floor, hypot
 from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
-from .geometry import Disc, LineSegment, Obstacle, Point
-from .world import World
+from .geometry import Disc, LineSegment, Obstacle, Point, Polygon
+from .world import Pose, World
 
 RESOLUTION = 0.02
 """Metres of a cell."""
@@ -201,3 +201,37 @@ def _link(number: int, obstacle: Obstacle) -> str:
 
 def _heading(line: LineSegment) -> str:
     return f'{atan2(line.uy, line.ux):.6f}'
+
+
+Numbers = list[float]
+
+
+def outlines(world: World) -> dict[str, list[Numbers]]:
+    """
+    Return the parts of a room, in metres and radians.
+
+    Walls are x, y of both ends; posts x, y and radius; cliffs and grounds x, y of their corners;
+    Home Bases x, y and heading; virtual walls the same and their reach.
+    """
+    walls = [each for each in world.obstacles if isinstance(each, LineSegment)]
+    posts = [each for each in world.obstacles if isinstance(each, Disc)]
+    return {
+        'walls': [_rounded(*(value for end in wall.ends for value in end)) for wall in walls],
+        'posts': [_rounded(post.x, post.y, post.radius) for post in posts],
+        'cliffs': list(map(_polygon, world.cliffs)),
+        'grounds': list(map(_polygon, world.ground)),
+        'home_bases': [_pose(base.pose) for base in world.home_bases],
+        'virtual_walls': [[*_pose(each.pose), each.reach] for each in world.virtual_walls],
+    }
+
+
+def _rounded(*values: float) -> Numbers:
+    return [round(value, 4) for value in values]
+
+
+def _polygon(polygon: Polygon) -> Numbers:
+    return _rounded(*(value for edge in polygon.edges for value in edge.ends[0]))
+
+
+def _pose(pose: Pose) -> Numbers:
+    return _rounded(*pose)

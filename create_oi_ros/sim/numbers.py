@@ -17,3 +17,7 @@ def number(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(f'{text[:LONGEST]!r} is not a number')
     return value
+
+
+TOLERANCE = 1e-6
+"""Seconds by which a sum of floats may fall short of the time it stands for."""
