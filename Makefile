@@ -7,9 +7,9 @@
 #   make run             a simulated robot, its driver and web page; PORT=/dev/ttyUSB0: a real robot;
 #   make run             with ARGS='--ros-args -p NAME:=VALUE'; ARGS='--host 0.0.0.0': for telephones
 #   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
-#   make test            build, lint and run every test; ARGS='FILE -k NAME' runs some of them
+#   make test            build, lint and test, seven minutes; ARGS='FILE -k NAME' runs some tests
 #   make build           the same as make
-#   make coverage        every test, measuring the whole package; a floor for each of its rooms
+#   make nightly         the rest: coverage, with a floor for each room, and all that takes long
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
 #   make bench           measure speed and cost: 45 minutes, on a quiet machine
@@ -26,24 +26,21 @@
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test coverage build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences campaign mutants docs lint clean
+.PHONY: help run demo test nightly build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences campaign mutants docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
 READY := .venv/ready
 BUILT := install/built
 MUTANTS := build/mutants/ready
-PYTEST := python -m pytest -n 2 --dist loadfile --max-worker-restart 0
-COVERED := $(PYTEST) --cov-report=
-# Measuring doubles the time of a test: only those of the rooms that have to be covered are measured.
-ROOMS := $(shell sed -n "/^source = /s/[^']*'create_oi_ros\/\([a-z]*\)'[^']*/test\/\1 /gp" pyproject.toml)
+PYTEST := python -m pytest -n 2 --dist worksteal --max-worker-restart 0
 ENTER := source ./env.sh &&
 
 help: ; @sed -n 's/^#   make/make/p' Makefile
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
-test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(COVERED) $(ROOMS) --cov && python tools/coverage_floors.py && $(PYTEST) $(ROOMS:%=--ignore=%))
-coverage: build ; @$(ENTER) $(COVERED) --cov=create_oi_ros && python tools/coverage_floors.py --whole
+test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(PYTEST))
+nightly: build ; @$(ENTER) $(if $(ARGS),python -m pytest -m nightly $(ARGS),$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py && python -m pytest -m nightly)
 build: $(BUILT)
 bench: build ; @$(ENTER) python bench/everything.py $(ARGS)
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)

@@ -1,15 +1,12 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Compare the coverage of each room with its floor: `python tools/coverage_floors.py [--whole]`.
+Compare the coverage of each room with its floor: `python tools/coverage_floors.py`.
 
 It reads `.coverage`. The floors are in pyproject.toml, under `[tool.coverage-floors]`. The exit
 code is 1 if a room is below its floor. A floor may only rise: the table shows where it can.
-`make test` measures the rooms under `[tool.coverage.run]`, each by the tests of these rooms alone,
-and runs this after them; `--whole`, of `make coverage`, compares all.
 """
 
-from argparse import ArgumentParser
 from io import StringIO
 from math import floor
 from pathlib import Path
@@ -41,12 +38,9 @@ class Room(NamedTuple):
         return f'raise the floor to {reached:g}' if reached > self.floor else ''
 
 
-def floors(*, whole: bool) -> dict[str, float]:
-    """Return the floor of each room, in per cent: of all, or of those of `make test`."""
-    settings = tomllib.loads(PROJECT.read_text('utf-8'))['tool']
-    usual = settings['coverage']['run']['source']
-    return {name: lowest for name, lowest in settings['coverage-floors'].items()
-            if whole or name in usual}
+def floors() -> dict[str, float]:
+    """Return the floor of each room, in per cent."""
+    return dict(tomllib.loads(PROJECT.read_text('utf-8'))['tool']['coverage-floors'])
 
 
 def room(coverage: Coverage, name: str, lowest: float) -> Room:
@@ -68,12 +62,9 @@ def table(rooms: list[Room]) -> str:
 
 def main() -> int:
     """Print the table, after the lines that are missing in rooms below their floor."""
-    parser = ArgumentParser(description='Compare the coverage of each room with its floor.')
-    parser.add_argument('--whole', action='store_true', help='all rooms of the package')
-    whole = parser.parse_args().whole
     coverage = Coverage()
     coverage.load()
-    rooms = [room(coverage, name, lowest) for name, lowest in floors(whole=whole).items()]
+    rooms = [room(coverage, name, lowest) for name, lowest in floors().items()]
     low = [each for each in rooms if each.covered < each.floor]
     for each in low:
         print(each.missing)

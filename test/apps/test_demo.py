@@ -118,6 +118,7 @@ def demo(folder: Path, domain: int, *arguments: str) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
 
+@pytest.mark.nightly
 def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
     with scene(tmp_path) as made:
         shown = demo(tmp_path / 'demo', made.domain, '--short')
@@ -151,6 +152,7 @@ def test_ctrl_c_leaves_no_process_and_a_readable_bag(tmp_path):
     assert len(read(tmp_path / 'demo' / 'create_demo', lambda part: None).odom) > 10
 
 
+@pytest.mark.nightly
 def test_a_full_disk_gets_a_sentence_and_leaves_a_readable_bag(unmeasured, tmp_path):
     full = 'import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000)); '
     with scene(tmp_path) as made:

@@ -3,7 +3,6 @@
 """The coverage floors: every measured room has one, and the table judges it."""
 
 from runpy import run_path
-import tomllib
 from typing import Any
 
 import pytest
@@ -11,23 +10,18 @@ import pytest
 from support.source import ROOT
 
 TOOL: Any = run_path(str(ROOT / 'tools' / 'coverage_floors.py'))
-SETTINGS = tomllib.loads((ROOT / 'pyproject.toml').read_text('utf-8'))
 
 
 def test_every_room_has_a_floor_and_so_has_the_whole_package() -> None:
-    floors = TOOL['floors'](whole=True)
+    floors = TOOL['floors']()
     rooms = [f'create_oi_ros/{path.name}' for path in (ROOT / 'create_oi_ros').iterdir()
              if (path / '__init__.py').exists()]
     assert sorted(floors) == sorted([*rooms, 'create_oi_ros'])
     assert all(0 < floor <= 100 for floor in floors.values())
 
 
-def test_every_room_that_make_test_measures_has_a_floor() -> None:
-    assert list(TOOL['floors'](whole=False)) == SETTINGS['tool']['coverage']['run']['source']
-
-
 def test_the_protocol_is_covered_completely() -> None:
-    assert TOOL['floors'](whole=False)['create_oi_ros/oi'] == 100
+    assert TOOL['floors']()['create_oi_ros/oi'] == 100
 
 
 @pytest.mark.parametrize(('covered', 'floor', 'verdict'), [

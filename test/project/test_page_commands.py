@@ -107,8 +107,9 @@ def recorded() -> bool:
 
 
 @pytest.mark.parametrize(('page', 'count'), [
-    ('README.md', 2), ('docs/calibration.md', 5), ('docs/recording.md', 5),
-    ('docs/simulator.md', 7), ('docs/web.md', 3)])
+    ('README.md', 2), *(pytest.param(page, count, marks=pytest.mark.nightly) for page, count in (
+        ('docs/calibration.md', 5), ('docs/recording.md', 5), ('docs/simulator.md', 7),
+        ('docs/web.md', 3)))])
 def test_the_commands_of_a_page_work(page, count, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = commands(page)

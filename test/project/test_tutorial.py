@@ -121,6 +121,7 @@ def run(block: Block, folder: Path, environment: dict[str, str]) -> Terminal:
     return terminal
 
 
+@pytest.mark.nightly
 @pytest.mark.timeout(300)
 def test_the_tutorial_works(folder, environment):
     pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
