@@ -27,7 +27,7 @@ from ..numbers import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
 from .actuators import ActuatorState, CommandedWheels, DARK, Lights
-from .demos import Controls, DemoPlayer
+from .demo_behaviors import Controls, DemoPlayer
 from .guesses import Guesses, LIKELY, obeyable
 from .songs import BEEP, DESCENDING, Speaker
 from .uart import BANNER, DEFAULT_BAUD, Power, SLOW_BAUD, Uart
