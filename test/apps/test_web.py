@@ -323,9 +323,10 @@ def test_from_other_computers_a_token_is_needed(stage, pages):
     assert len(token) >= 20
     assert not base.startswith('http://0.0.0.0')
     here = f'http://127.0.0.1:{base.rstrip("/").rpartition(":")[2]}/'
-    for path in ('/', '/?token=', '/?token=wrong', '/?token=%ff', f'/?token={token}x'):
-        status, _, body = get(here, path)
-        assert status in (401, 403) and 'Which token?' in body, path
+    status, _, body = get(here, '/')
+    assert status == 401 and 'Which token?' in body
+    for path in ('/?token=', '/?token=%ff', f'/?token={token}x'):
+        assert get(here, path)[1]['Location'] == '/#wrong', path
     assert get(here, '/main.js')[0] == 401
     assert get(here, '/style.css')[0] == 200, 'the question is styled, too'
     assert refusal(pages, here) == 401

@@ -16,7 +16,7 @@ import aiohttp
 
 from support.ros import Program, Robot, Scene, TIMEOUT
 
-ADDRESS = re.compile(r'open (http://\S+:(\d+)/\S*) in a browser')
+ADDRESS = re.compile(r'open (https?://\S+:(\d+)/\S*) in a browser')
 
 
 def served(stage: Scene, *arguments: str) -> tuple[Program, str]:

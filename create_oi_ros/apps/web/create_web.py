@@ -10,13 +10,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 import errno
 from importlib.util import find_spec
+import os
 from pathlib import Path
+import re
 import secrets
 import socket
+import ssl
 import sys
 import time
 
-from aiohttp import web
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.utilities import remove_ros_args
 
@@ -35,6 +37,7 @@ LOOPBACK, PORT = '127.0.0.1', 8080
 PORTS = range(PORT, PORT + 20)
 """Ports of which the first free one is taken, without --port."""
 TOKEN_BYTES = 16
+TOKEN = re.compile(r'[\w-]{20,100}', re.ASCII)
 LOOKED_AT, ALONE = 0.05, 0.1
 """Seconds between two looks at what ROS has brought, with a page open and without."""
 OTHERWISE = 1.0
@@ -82,10 +85,39 @@ def show_qr_code(address: str) -> None:
         print(f'create_web: for a QR code here: {installing("segno")}')
         return
     import segno
-    # In `create_run` a status line may stand here.
-    sys.stdout.write(CLEAR_LINE)
     segno.make(address, error='l').terminal(compact=True, border=2)
     sys.stdout.flush()
+
+
+def kept_token(path: Path) -> str:
+    """Return the token in a file, which is made if it is not there; UserError: it is no good."""
+    try:
+        with open(os.open(path, os.O_RDWR | os.O_CREAT, 0o600), 'r+', encoding='ascii') as file:
+            if os.fstat(file.fileno()).st_mode & 0o077:
+                raise UserError(f'--token-file {path}: others may read it: chmod 600 {path}')
+            token = file.read().strip()
+            if not token:
+                token = secrets.token_urlsafe(TOKEN_BYTES)
+                file.write(f'{token}\n')
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f'--token-file {path}: {error}') from None
+    if not TOKEN.fullmatch(token):
+        raise UserError(f'--token-file {path}: no token; allowed: 20 to 100 letters, digits, - '
+                        'and _; delete the file, and a new one is made')
+    return token
+
+
+def encryption(cert: Path | None, key: Path | None) -> ssl.SSLContext | None:
+    """Return what encrypts the connections; None: nothing. UserError: the files are no good."""
+    if cert is None:
+        return None
+    try:
+        made = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+        made.load_cert_chain(cert, key)
+    except OSError as error:  # an SSLError is one, too
+        raise UserError(f'--cert {cert}, --key {key}: {error.strerror or error}; allowed: a '
+                        'certificate and its key, as PEM files') from None
+    return made
 
 
 async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobot,
@@ -109,7 +141,8 @@ async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobo
 
 
 async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
-                 options: argparse.Namespace, ended: asyncio.Event) -> None:
+                 options: argparse.Namespace, token: str | None, tls: ssl.SSLContext | None,
+                 ended: asyncio.Event) -> None:
     robot = LiveRobot()
     node = WebNode(robot)
     executor.add_node(node)
@@ -121,11 +154,9 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
             truth.reset()
     viewers = Viewers(node, robot, GREETING, on_reset)
     port = listener.getsockname()[1]
-    access = Access(None if is_loopback(options.host) else secrets.token_urlsafe(TOKEN_BYTES))
-    runner = web.AppRunner(WebServer(access, viewers, port).application(), access_log=None)
-    await runner.setup()
-    await web.SockSite(runner, listener).start()
-    _announce(node, options.host, port, access.token)
+    server = WebServer(Access(token), viewers, port, secure=tls is not None)
+    runner = await server.serve(listener, tls, node.get_logger().warning)
+    _announce(node, f'http{"s" if tls else ""}://{own_address(options.host)}:{port}/', token)
     say_if_waiting(node, 'a driver', lambda: not node.velocity.driver_listens,
                    node.get_logger().warning)
     tasks = [asyncio.create_task(_look(node, executor, robot, viewers, truth)),
@@ -139,13 +170,17 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
         task.result()  # raises what has ended it
 
 
-def _announce(node: WebNode, host: str, port: int, token: str | None) -> None:
-    address = f'http://{own_address(host)}:{port}/' + (f'?token={token}' if token else '')
-    telephone = '' if token else '; for telephones in your network, too, add --host 0.0.0.0'
-    node.get_logger().info(
-        f'open {address} in a browser to see and drive the robot{telephone}')
-    if token:
-        show_qr_code(address)
+def _announce(node: WebNode, address: str, token: str | None) -> None:
+    what = 'in a browser to see and drive the robot'
+    if token is None:
+        node.get_logger().info(f'open {address} {what}; for telephones in your network, too, add '
+                               '--host 0.0.0.0')
+        return
+    # ROS writes its log to files, which must not have the token. A status line may stand here.
+    address = f'{address}?token={token}'
+    clear = CLEAR_LINE if sys.stdout.isatty() else ''
+    print(f'{clear}create_web: open {address} {what}', flush=True)
+    show_qr_code(address)
 
 
 def _port(text: str) -> int:
@@ -163,9 +198,17 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
         f'TCP port (default: the first free one from {PORTS[0]} to {PORTS[-1]})'))
     parser.add_argument('--control', type=Path, metavar='PATH', help=(
         'control socket of create_sim: show its room, and where the robot really is'))
+    parser.add_argument('--token-file', type=Path, metavar='FILE', help=(
+        'keep the token in this file, so that it lasts (default: a new one at each start, with '
+        '--host)'))
+    parser.add_argument('--cert', type=Path, metavar='FILE', help=(
+        'encrypt (https) with this certificate, a PEM file, and --key'))
+    parser.add_argument('--key', type=Path, metavar='FILE', help='key of the certificate')
     options = parser.parse_args(remove_ros_args(['create_web', *given])[1:])
     if not options.host:
         parser.error('--host is empty: give an address, or leave it out')
+    if (options.cert is None) != (options.key is None):
+        parser.error('--cert and --key belong together: give both, or none')
     return options
 
 
@@ -173,6 +216,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Serve until a signal."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     options = _arguments(given)
+    tls = encryption(options.cert, options.key)
+    token = None if is_loopback(options.host) else secrets.token_urlsafe(TOKEN_BYTES)
+    if options.token_file is not None:
+        token = kept_token(options.token_file)
     with asyncio.Runner() as runner, listen(options.host, options.port) as listener:
         ended, loop = asyncio.Event(), runner.get_loop()
 
@@ -180,5 +227,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
             loop.call_soon_threadsafe(ended.set)
         call_on_signal(end)
         with ros_executor(given) as executor:
-            runner.run(_serve(executor, listener, options, ended))
+            runner.run(_serve(executor, listener, options, token, tls, ended))
     return 0

@@ -1,18 +1,31 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Answers browsers: the page's files, the question for the token, the live connection."""
+"""
+Answers browsers: the page's files, the question for the token, the live connection.
+
+`Connection` limits what a client can hold open before it has said who it is.
+"""
 
 from __future__ import annotations
 
+import asyncio
+from collections import Counter
 from collections.abc import Awaitable, Callable
 from importlib import resources
+import resource
+import socket
+import ssl
+import time
+from typing import Any
 
 from aiohttp import web
+from aiohttp.http import HttpProcessingError
 
 from ... import pages
 from .access import Access
 from .viewers import Viewers
 
+NAME = 'create_web'
 TYPES = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript',
          '.svg': 'image/svg+xml'}
 HEADERS = {
@@ -23,11 +36,22 @@ HEADERS = {
     'X-Content-Type-Options': 'nosniff',
     'Referrer-Policy': 'no-referrer',
     'Cache-Control': 'no-store',
+    'Server': NAME,  # without a version
 }
 COOKIE_AGE = 30 * 24 * 3600
 """Seconds for which a browser keeps the token."""
 MOST_BODY = 1024
 """Bytes of a request's body; no request here needs one."""
+HEADER_TIME, IDLE_TIME = 5.0, 15.0
+"""Seconds in which a request must have come, and after which an idle connection is closed."""
+MOST_OF_ADDRESS = 64
+"""Connections of one address; eight pages of one computer, while they load, need fewer."""
+MOST_CONNECTIONS = min(256, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // 2)
+"""Connections of all addresses; ROS and the files need descriptors, too."""
+WRONG_TOKEN = 0.5
+"""Seconds that an answer to a wrong token takes; one after the other, whoever asks."""
+COMPLAINT = 60.0
+"""Seconds between two lines about bad HTTP."""
 ASK, PAGE = 'token.html', 'index.html'
 OPEN = ('token.html', 'base.css', 'style.css', 'icon.svg')
 """Files that the question for the token needs."""
@@ -41,25 +65,123 @@ def files() -> dict[str, tuple[bytes, str]]:
     return {name: (body, TYPES['.' + name.rpartition('.')[2]]) for name, body in found.items()}
 
 
+class Limits:
+    """How many connections each address has, and when bad HTTP was complained of last."""
+
+    def __init__(self, complain: Callable[[str], object]) -> None:
+        """`complain` is told of bad HTTP, not too often."""
+        self._complain = complain
+        self.connections: Counter[str] = Counter()
+        self._next_at, self._more = 0.0, 0
+
+    def admit(self, address: str) -> bool:
+        """Count a connection; return whether it may stay."""
+        self.connections[address] += 1
+        return (self.connections[address] <= MOST_OF_ADDRESS
+                and self.connections.total() <= MOST_CONNECTIONS)
+
+    def leave(self, address: str) -> None:
+        """Count a connection that has ended."""
+        self.connections[address] -= 1
+        self.connections += Counter()  # drops those that are 0
+
+    def complain(self, text: str) -> None:
+        """Say something about bad HTTP, once in COMPLAINT seconds."""
+        if time.monotonic() < self._next_at:
+            self._more += 1
+            return
+        more = f'; {self._more} more since the last line' if self._more else ''
+        self._complain(f'refused bad HTTP from {text}{more}')
+        self._next_at, self._more = time.monotonic() + COMPLAINT, 0
+
+
+class Connection(web.RequestHandler):
+    """A connection that must send a request in time; bad ones are answered and barely logged."""
+
+    def __init__(self, server: web.Server, limits: Limits) -> None:
+        """Pass requests on to `server`."""
+        loop = asyncio.get_running_loop()
+        super().__init__(server, loop=loop, keepalive_timeout=IDLE_TIME,
+                         access_log=None)  # type: ignore[arg-type]
+        self._limits, self._address, self._end = limits, '', b''
+        self._slow = loop.call_later(HEADER_TIME, self.force_close)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Count it, and end it if there are too many."""
+        super().connection_made(transport)
+        self._address = transport.get_extra_info('peername')[0]
+        if not self._limits.admit(self._address):
+            self.force_close()
+
+    def data_received(self, data: bytes) -> None:
+        """Stop the clock when the first header has come whole."""
+        self._end += data
+        if b'\r\n\r\n' in self._end:
+            self._slow.cancel()
+        self._end = self._end[-3:]
+        super().data_received(data)
+
+    def connection_lost(self, exc: BaseException | None) -> None:
+        """Count it no more."""
+        self._slow.cancel()
+        self._limits.leave(self._address)
+        super().connection_lost(exc)
+
+    def log_exception(self, *args: Any, **kw: Any) -> None:
+        """Log what is wrong here with its traceback, and what is wrong there in a line."""
+        error = kw.get('exc_info')
+        if isinstance(error, HttpProcessingError):
+            self._limits.complain(f'{self._address}: {type(error).__name__}')
+        else:
+            super().log_exception(*args, **kw)
+
+    def handle_error(self, *args: Any, **kw: Any) -> web.StreamResponse:
+        """Answer bad HTTP without a version."""
+        response = super().handle_error(*args, **kw)
+        response.headers['Server'] = NAME
+        return response
+
+
 class WebServer:
     """The routes, and who may use them."""
 
-    def __init__(self, access: Access, viewers: Viewers, port: int) -> None:
+    def __init__(self, access: Access, viewers: Viewers, port: int, *, secure: bool) -> None:
         """Serve these viewers; `port` keeps the cookies of several servers apart."""
-        self._access, self._viewers = access, viewers
+        self._access, self._viewers, self._secure = access, viewers, secure
         self._cookie = f'create_web_{port}'
         self._files = files()
+        self._wrong = asyncio.Lock()
 
-    def application(self) -> web.Application:
-        """Return the application."""
+    def _application(self) -> web.Application:
         made = web.Application(middlewares=[self._guard], client_max_size=MOST_BODY)
         made.router.add_get('/', self._page)
         made.router.add_get('/live', self._live)
         made.router.add_get('/{name}', self._file)
         return made
 
-    def _known(self, request: web.Request) -> bool:
-        return self._access.admits_token(request.cookies.get(self._cookie, ''))
+    async def serve(self, listener: socket.socket, tls: ssl.SSLContext | None,
+                    complain: Callable[[str], object]) -> web.AppRunner:
+        """Answer who connects to a socket; return what ends that."""
+        runner, limits = web.AppRunner(self._application()), Limits(complain)
+        await runner.setup()
+        assert runner.server is not None
+        server = runner.server
+        await asyncio.get_running_loop().create_server(
+            lambda: Connection(server, limits), sock=listener, ssl=tls,
+            ssl_handshake_timeout=HEADER_TIME if tls else None)
+        return runner
+
+    async def _admits(self, token: str) -> bool:
+        """Return whether a token is right; a wrong one takes time."""
+        if self._access.admits_token(token):
+            return True
+        if token:
+            async with self._wrong:
+                await asyncio.sleep(WRONG_TOKEN)
+        return False
+
+    async def _known(self, request: web.Request) -> bool:
+        return await self._admits(request.cookies.get(self._cookie, ''))
 
     @web.middleware
     async def _guard(
@@ -82,13 +204,13 @@ class WebServer:
         """Send the page; with the right token in the address, keep it in a cookie first."""
         given = request.query.get('token')
         if given is not None and self._access.token is not None:
-            if not self._access.admits_token(given):
-                return self._send(ASK, status=403)
+            if not await self._admits(given):
+                raise web.HTTPSeeOther('/#wrong')  # so that it leaves the address bar
             to_page = web.HTTPSeeOther('/')
             to_page.set_cookie(self._cookie, given, max_age=COOKIE_AGE, httponly=True,
-                               samesite='Lax')
+                               samesite='Lax', secure=self._secure)
             raise to_page
-        if not self._known(request):
+        if not await self._known(request):
             return self._send(ASK, status=401)
         return self._send(PAGE)
 
@@ -96,12 +218,12 @@ class WebServer:
         name = request.match_info['name']
         if name not in self._files:
             raise web.HTTPNotFound(text='no such file\n')
-        if name not in OPEN and not self._known(request):
+        if name not in OPEN and not await self._known(request):
             raise web.HTTPUnauthorized(text='open the address with the token first\n')
         return self._send(name)
 
     async def _live(self, request: web.Request) -> web.StreamResponse:
-        if not self._known(request):
+        if not await self._known(request):
             raise web.HTTPUnauthorized(text='open the address with the token first\n')
         origin, host = request.headers.get('Origin', ''), request.headers.get('Host', '')
         if not self._access.same_origin(origin, host):

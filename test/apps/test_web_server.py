@@ -1,0 +1,188 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What `create_web` does with clients that want no page: half headers, bad HTTP, guessed tokens."""
+
+from contextlib import closing, ExitStack
+import http.client
+import os
+import select
+import signal
+import socket
+import ssl
+import subprocess
+
+import pytest
+
+from create_oi_ros.apps.web.create_web import encryption, kept_token
+from create_oi_ros.apps.web.web_server import MOST_OF_ADDRESS
+from create_oi_ros.ros.user_errors import UserError
+from support.ros import scene
+from support.web import free_port, served
+
+@pytest.fixture(scope='module')
+def stage(tmp_path_factory):
+    """Return an empty scene."""
+    with scene(tmp_path_factory.mktemp('server')) as made:
+        yield made
+
+
+@pytest.fixture(scope='module')
+def server(stage):
+    """Return a server with a token, and the address that it prints."""
+    os.environ['ROS_LOG_DIR'] = str(stage.folder / 'log')
+    try:
+        return served(stage, '--host', '0.0.0.0', '--token-file', str(stage.folder / 'token'))
+    finally:
+        del os.environ['ROS_LOG_DIR']
+
+
+def port_of(address: str) -> int:
+    """Return the port in an address."""
+    return int(address.partition('?')[0].rstrip('/').rpartition(':')[2])
+
+
+def ask(address: str, path: str, cookie: str = '') -> http.client.HTTPResponse:
+    """Ask this computer for a path; the answer is read."""
+    with closing(http.client.HTTPConnection('127.0.0.1', port_of(address), timeout=20)) as asked:
+        asked.request('GET', path, headers={'Cookie': cookie} if cookie else {})
+        answer = asked.getresponse()
+        answer.read()
+        return answer
+
+
+def ended(connection: socket.socket) -> bytes:
+    """Wait until the server ends a connection; return what it said before."""
+    connection.settimeout(20)
+    said = b''
+    try:
+        while received := connection.recv(4096):
+            said += received
+    except ConnectionResetError:
+        pass
+    return said
+
+
+def test_half_headers_are_limited_by_address_and_in_time(server):
+    with ExitStack() as opened:
+        held = []
+        for _ in range(MOST_OF_ADDRESS + 3):
+            held.append(opened.enter_context(
+                closing(socket.create_connection(('127.0.0.1', port_of(server[1]))))))
+            held[-1].sendall(b'GET / HTTP/1.1\r\nHost: x\r\nX: ')
+        first, _, _ = select.select(held, [], [], 20)
+        assert first and set(first) <= set(held[MOST_OF_ADDRESS:])
+        assert [ended(each) for each in held] == [b''] * len(held)
+    assert ask(server[1], '/').status == 401
+
+
+@pytest.mark.parametrize('bad', [
+    b'GET / HTTP/1.1\r\n\r\n', b'GET /' + b'x' * 100_000 + b' HTTP/1.1\r\nHost: x\r\n\r\n',
+    b'\x16\x03\x01\x02\x00\x01\x00\x01', b'GET / HTTP/9.9.9\r\nHost: x\r\n\r\n',
+    b'GET / HTTP/1.1\r\nHost: x\r\nContent-Length: -1\r\n\r\n',
+    b'GET http://[ HTTP/1.1\r\nHost: [\r\n\r\n'], ids=lambda bad: bad[:24].decode('latin-1'))
+def test_bad_http_is_answered_without_a_version_and_without_a_traceback(server, bad):
+    web, address = server
+    for _ in range(3):
+        with closing(socket.create_connection(('127.0.0.1', port_of(address)))) as connection:
+            connection.sendall(bad)
+            said = ended(connection)
+            assert b'aiohttp' not in said and b'Python' not in said
+    assert 'Traceback' not in web.output and web.output.count('refused bad HTTP') <= 1
+
+
+def test_the_server_says_no_version(server):
+    assert ask(server[1], '/').headers['Server'] == 'create_web'
+    assert ask(server[1], '/nothing').headers['Server'] == 'create_web'
+
+
+def test_a_wrong_token_leaves_the_address_and_is_called_wrong(server):
+    answer = ask(server[1], '/?token=guessed')
+    assert (answer.status, answer.headers['Location']) == (303, '/#wrong')
+
+
+def test_tokens_that_fail_are_answered_one_after_the_other(server, monkeypatch):
+    # Three answers at once would come after one delay; the order is seen, not the time.
+    port, done = port_of(server[1]), []
+    with ExitStack() as opened:
+        asked = []
+        for number in range(3):
+            each = opened.enter_context(closing(socket.create_connection(('127.0.0.1', port))))
+            each.sendall(f'GET /?token={number} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n'
+                         .encode())
+            asked.append(each)
+        for each in asked:
+            assert b'/#wrong' in ended(each)
+            each.setblocking(False)
+            done.append([other for other in asked if b'' == peeked(other)])
+    assert [len(each) for each in done] == [1, 2, 3]
+
+
+def peeked(connection: socket.socket) -> bytes | None:
+    """Return what has come; None: nothing yet, and the connection is open."""
+    connection.setblocking(False)
+    try:
+        return connection.recv(1, socket.MSG_PEEK)
+    except BlockingIOError:
+        return None
+    finally:
+        connection.setblocking(True)
+
+
+def test_a_token_in_a_file_lasts_and_no_log_has_it(stage, server):
+    web, address = server
+    token = address.partition('?token=')[2]
+    file = stage.folder / 'token'
+    assert file.read_text() == f'{token}\n' and file.stat().st_mode & 0o777 == 0o600
+    web.send(signal.SIGTERM)
+    assert web.ended() == 0
+    logs = [path.read_text() for path in (stage.folder / 'log').rglob('*') if path.is_file()]
+    assert not any(token in log for log in logs)
+    again, _ = served(stage, '--host', '0.0.0.0', '--token-file', str(file),
+                      '--port', str(port_of(address)))
+    assert ask(address, '/', cookie=f'create_web_{port_of(address)}={token}').status == 200
+    again.send(signal.SIGTERM)
+
+
+@pytest.mark.parametrize(('text', 'mode', 'words'), [
+    ('', 0o644, 'others may read it'), ('secret', 0o600, '20 to 100 letters'),
+    ('with spaces, and more than twenty', 0o600, 'allowed'), ('é' * 30, 0o600, "can't decode")])
+def test_a_file_that_is_no_good_for_a_token_is_refused(tmp_path, text, mode, words):
+    file = tmp_path / 'token'
+    file.write_text(text)
+    file.chmod(mode)
+    with pytest.raises(UserError, match=words):
+        kept_token(file)
+    assert file.read_text() == text
+
+
+def test_a_folder_is_no_file_for_a_token(tmp_path):
+    with pytest.raises(UserError, match='Is a directory'):
+        kept_token(tmp_path)
+
+
+def test_with_a_certificate_the_page_is_encrypted(stage):
+    cert, key = stage.folder / 'cert.pem', stage.folder / 'key.pem'
+    subprocess.run(['openssl', 'req', '-x509', '-newkey', 'ed25519', '-nodes', '-days', '2',
+                    '-subj', '/CN=localhost', '-addext', 'subjectAltName=IP:127.0.0.1',
+                    '-keyout', key, '-out', cert], check=True, capture_output=True)
+    port = free_port()
+    web, address = served(stage, '--host', '0.0.0.0', '--port', str(port),
+                          '--cert', str(cert), '--key', str(key))
+    assert address.startswith('https://')
+    trusting = ssl.create_default_context(cafile=cert)
+    token = address.partition('?token=')[2]
+    with closing(http.client.HTTPSConnection(
+            '127.0.0.1', port, timeout=20, context=trusting)) as asked:
+        asked.request('GET', f'/?token={token}')
+        cookie = asked.getresponse().headers['Set-Cookie']
+    assert 'Secure' in cookie and 'HttpOnly' in cookie
+    assert 'Traceback' not in web.output
+
+
+def test_a_certificate_that_is_none_is_refused(tmp_path):
+    (tmp_path / 'cert').write_text('none')
+    with pytest.raises(UserError, match='a certificate and its key, as PEM files'):
+        encryption(tmp_path / 'cert', tmp_path / 'cert')
+    with pytest.raises(UserError, match='No such file'):
+        encryption(tmp_path / 'nothing', tmp_path / 'cert')
+    assert encryption(None, None) is None
