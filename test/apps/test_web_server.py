@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What `create_web` does with clients that want no page: half headers, bad HTTP, guessed tokens."""
+"""What `create_web` does with clients that want no page: half headers, bad HTTP, guesses."""
 
 from contextlib import closing, ExitStack
 import http.client
@@ -18,6 +18,7 @@ from create_oi_ros.apps.web.web_server import MOST_OF_ADDRESS
 from create_oi_ros.ros.user_errors import UserError
 from support.ros import scene
 from support.web import free_port, served
+
 
 @pytest.fixture(scope='module')
 def stage(tmp_path_factory):
