@@ -4,7 +4,6 @@
 
 import importlib.util
 import os
-from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -20,13 +19,6 @@ STEP = """
 import sys
 sys.path.insert(0, {tools!r})
 import step
-shows, looks = step.moves_in_place, []
-def look():
-    looks.append(True)
-    if {release!r} and len(looks) == 1:
-        open('go', 'w').close()
-    return shows()
-step.moves_in_place = look
 with step.interruptible():
     step.step([sys.executable, '-c', {program!r}], 'a.log', 'it failed',
               progress=lambda log: str(log.count('done')) + ' of 2 done')
@@ -46,13 +38,13 @@ def tool(monkeypatch):
     return load
 
 
-def run_step(folder, program, stdout, term='xterm', release=False):
-    """Start a step in a folder; `release` ends the WAITING program after the first look at it."""
+def run_step(folder, program, stdout):
+    """Start a step in a folder."""
     os.mkfifo(folder / 'go')
-    code = STEP.format(tools=str(TOOLS), program=program, release=release)
+    code = STEP.format(tools=str(TOOLS), program=program)
     return subprocess.Popen(
         [sys.executable, '-c', code], cwd=folder, stdout=stdout, stderr=subprocess.PIPE,
-        text=True, env={**os.environ, 'TERM': term})
+        text=True, env={**os.environ, 'TERM': 'xterm'})
 
 
 def test_a_terminal_shows_how_far_a_step_is_and_for_how_long(tmp_path):
@@ -69,13 +61,6 @@ def test_a_terminal_shows_how_far_a_step_is_and_for_how_long(tmp_path):
     os.close(master)
     assert b'\x1b' not in shown and b'\n' not in shown
     assert shown.endswith(b' \r')  # the line is cleared
-
-
-@pytest.mark.parametrize('term', ['xterm', 'dumb'])
-def test_without_a_terminal_a_step_prints_nothing(tmp_path, term):
-    with run_step(tmp_path, WAITING, subprocess.PIPE, term, release=True) as process:
-        assert process.communicate(timeout=20) == ('', '')
-    assert process.returncode == 0
 
 
 def test_a_step_that_fails_shows_the_end_of_its_log(tmp_path):
@@ -96,37 +81,6 @@ def test_ctrl_c_of_a_step_is_one_sentence(tmp_path):
     assert errors == '\nmake: interrupted; make again begins with what is not complete\n'
 
 
-def test_the_packages_of_pip_are_counted(tool, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    site = tmp_path / '.venv/lib/python3.12/site-packages'
-    (site / 'pip-24.dist-info').mkdir(parents=True)
-    say = tool('make_venv').counting(3)
-    log = 'Collecting a==1\n  Downloading a.whl\nCollecting b==2\n'
-    assert say(log) == '2 of 3 packages fetched'
-    (site / 'a-1.dist-info').mkdir()
-    assert say(f'{log}Installing collected packages: a, b') == '1 of 3 packages installed'
-
-
-def test_a_new_environment_needs_nothing_of_the_old_one(tool, tmp_path, monkeypatch):
-    real = Path(sys.executable).resolve()
-    old = tmp_path / 'python'
-    old.symlink_to(real)
-    monkeypatch.setattr(sys, 'executable', str(old))
-    assert tool('make_venv').INTERPRETER == real
-
-
-def test_the_packages_of_colcon_are_counted(tool, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    say = tool('build').counting(3)
-    log = 'Starting >>> tf2_msgs\nStarting >>> create_oi_msgs\n'
-    assert say(log) == '0 of 3 packages built, tf2_msgs 0%, create_oi_msgs 0%'
-    out = tmp_path / 'log/latest_build/create_oi_msgs/stdout.log'
-    out.parent.mkdir(parents=True)
-    out.write_text('-- Found ament\n[  3%] Building\n[ 42%] Building C object\n')
-    log += 'Finished <<< tf2_msgs [9.3s]\n'
-    assert say(log) == '1 of 3 packages built, create_oi_msgs 42%'
-
-
 def test_messages_are_built_anew_when_one_was_removed(tool, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     built = tmp_path / 'install/create_oi_msgs/share/create_oi_msgs'
@@ -143,7 +97,7 @@ def test_messages_are_built_anew_when_one_was_removed(tool, tmp_path, monkeypatc
     assert not (tmp_path / 'build/create_oi_msgs').exists()
 
 
-@pytest.mark.parametrize('name', ['a b', 'ümlaut', 'a;b', '$HOME', '(a)', '日本'])
+@pytest.mark.parametrize('name', ['a b', 'ümlaut', 'a;b', '$HOME'])
 def test_what_is_made_for_a_special_path_is_elsewhere(tool, tmp_path, monkeypatch, name):
     clone, cache = tmp_path / name, tmp_path / 'cache'
     clone.mkdir()
@@ -162,17 +116,6 @@ def test_what_is_made_for_a_special_path_is_elsewhere(tool, tmp_path, monkeypatc
     assert not list(clone.iterdir()) and not list(cache.iterdir())
 
 
-def test_in_a_plain_path_there_are_no_links(tool, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    other = tmp_path / 'other'
-    other.mkdir()
-    (tmp_path / 'build').symlink_to(other)
-    (tmp_path / 'install').mkdir()
-    (tmp_path / 'install' / 'old').touch()
-    tool('folders').make_anew()
-    assert list(tmp_path.iterdir()) == [other]
-
-
 @pytest.mark.parametrize('name, sentence', [
     ('a b', 'set XDG_CACHE_HOME to a folder whose path has none'),
     ("it's", 'make cannot work in a path with a quote')])
@@ -184,15 +127,3 @@ def test_a_path_in_which_nothing_can_be_built_is_refused_in_one_line(tmp_path, n
         capture_output=True, env={**os.environ, 'XDG_CACHE_HOME': str(folder)})
     assert (done.returncode, done.stderr, done.stdout.count('\n')) == (1, '', 1)
     assert sentence in done.stdout and str(folder) in done.stdout.replace('\\', '')
-
-
-def test_a_clone_that_cannot_be_written_is_refused_in_one_line(tmp_path):
-    # Root may write everywhere, so that the answer of the system is replaced.
-    run = ('import os, runpy, sys; os.access = lambda path, mode: False; '
-           f'sys.path.insert(0, {str(TOOLS)!r}); sys.argv = ["check.py", "jazzy"]; '
-           f'runpy.run_path({str(TOOLS / "check.py")!r}, run_name="__main__")')
-    done = subprocess.run([sys.executable, '-c', run], cwd=tmp_path, text=True, check=False,
-                          capture_output=True)
-    assert (done.returncode, done.stderr) == (1, '')
-    assert done.stdout == (f'{tmp_path} cannot be written by you: clone the repository to a '
-                           'folder of your own\n')

@@ -3,13 +3,11 @@
 """The workflow for GitHub runs the commands of the README and of the Makefile, and no others."""
 
 import json
-from pathlib import Path
 import re
 import shlex
 import tomllib
 from typing import Any
 
-import pytest
 import yaml
 
 from campaign.campaign import PARTS
@@ -53,23 +51,10 @@ def said(command: str) -> bool:
     return bool(re.search(rf'(^|`)(sudo )?{plain}($|`)', PAGES, re.M))
 
 
-@pytest.mark.parametrize('name', JOBS)
-def test_the_commands_of_a_job_are_those_of_the_pages(name: str) -> None:
-    assert [command for command in commands(JOBS[name]) if not said(command)] == []
-
-
-def test_a_command_that_no_page_has_is_found() -> None:
+def test_the_commands_of_the_jobs_are_those_of_the_pages() -> None:
+    assert not {command for job in JOBS.values() for command in commands(job) if not said(command)}
     assert not said('make everything') and not said('colcon build --all') and said('make test')
-
-
-@pytest.mark.parametrize('name', JOBS)
-def test_a_job_says_that_it_has_not_yet_run_there(name: str) -> None:
-    """Remove the comment, and this test, when it has."""
-    assert re.search(rf'\n  # Has not yet run on GitHub\.\n  {name}:\n', TEXT)
-
-
-def test_every_wait_of_a_job_has_a_limit() -> None:
-    assert all(job['timeout-minutes'] <= 240 for job in JOBS.values())
+    assert TEXT.count('\n  # Has not yet run on GitHub.\n') == len(JOBS)
 
 
 def test_every_part_of_the_campaign_runs_each_night() -> None:
@@ -91,12 +76,5 @@ def test_the_commands_of_the_container_are_those_of_the_pages() -> None:
     devcontainer = json.loads((ROOT / '.devcontainer' / 'devcontainer.json').read_text('utf-8'))
     whole = re.findall('^RUN (.*)', file, re.M) + [devcontainer['postCreateCommand'][-1]]
     each = [command.strip() for run in whole for command in run.split(' && ')]
-    assert len(each) == 9
     assert [command for command in each if not said(command)] == [
         'rm -rf /var/lib/apt/lists/*', 'cd /ws']
-
-
-def test_colcon_knows_how_to_run_the_tests() -> None:
-    """It takes pytest for a package whose setup.py names it as an extra for tests."""
-    setup = Path(ROOT / 'setup.py').read_text('utf-8')
-    assert re.search(r"extras_require=\{'test': \['pytest'\]\}", setup)

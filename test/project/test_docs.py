@@ -4,11 +4,8 @@
 
 from collections.abc import Iterator
 import os
-from pathlib import Path
 import re
 import subprocess
-
-import pytest
 
 from support.source import ROOT
 
@@ -30,11 +27,6 @@ MAKEFILE = (ROOT / 'Makefile').read_text('utf-8')
 TARGETS = set(re.findall(r'^([a-z][a-z-]*):', MAKEFILE, re.MULTILINE))
 
 
-def name(path: Path) -> str:
-    """Return the path of a file from the repository's root, to name its test."""
-    return str(path.relative_to(ROOT))
-
-
 def targets(text: str) -> Iterator[str]:
     """Yield the `make` targets that a page or a source file names."""
     code = '\n'.join(FENCED.findall(text))
@@ -43,27 +35,20 @@ def targets(text: str) -> Iterator[str]:
             yield inline or line
 
 
-@pytest.mark.parametrize('page', PAGES, ids=name)
-def test_files_that_a_page_names_exist(page: Path) -> None:
-    named = set(FILE.findall(page.read_text('utf-8')))
-    assert not {path for path in named if not list(ROOT.glob(path))}
+def test_files_and_links_of_the_pages_exist() -> None:
+    missing = []
+    for page in PAGES:
+        text = page.read_text('utf-8')
+        local = {link for link in LINK.findall(text)
+                 if not link.startswith(('https:', 'http:', 'mailto:'))}
+        missing += [f'{page}: {name}' for name in FILE.findall(text) if not list(ROOT.glob(name))]
+        missing += [f'{page}: {link}' for link in local if not (page.parent / link).exists()]
+    assert not missing
 
 
-@pytest.mark.parametrize('page', PAGES, ids=name)
-def test_links_of_a_page_lead_to_files(page: Path) -> None:
-    links = set(LINK.findall(page.read_text('utf-8')))
-    local = {link for link in links if not link.startswith(('https:', 'http:', 'mailto:'))}
-    assert not {link for link in local if not (page.parent / link).exists()}
-
-
-@pytest.mark.parametrize('page', PAGES + SOURCES, ids=name)
-def test_make_has_every_target_that_is_named(page: Path) -> None:
-    assert set(targets(page.read_text('utf-8'))) <= TARGETS
-
-
-def test_every_target_is_phony() -> None:
-    phony = re.search(r'^\.PHONY: (.*)', MAKEFILE, re.MULTILINE)
-    assert phony and set(phony[1].split()) == TARGETS
+def test_make_has_every_target_that_is_named() -> None:
+    assert not {(page, target) for page in PAGES + SOURCES
+                for target in targets(page.read_text('utf-8')) if target not in TARGETS}
 
 
 def test_make_help_names_every_target() -> None:
@@ -71,9 +56,9 @@ def test_make_help_names_every_target() -> None:
     environment = {name: value for name, value in os.environ.items() if 'MAKE' not in name}
     shown = subprocess.run(['make', 'help'], cwd=ROOT, text=True, capture_output=True, check=True,
                            env=environment)
-    lines = shown.stdout.splitlines()
-    assert {line.split()[1] for line in lines if not line.startswith('make  ')} == TARGETS
-    assert all(len(line) <= 99 and line[21] != ' ' for line in lines)
+    named = {line.split()[1] for line in shown.stdout.splitlines() if line[4:6] != '  '}
+    phony = re.search(r'^\.PHONY: (.*)', MAKEFILE, re.MULTILINE)
+    assert named == TARGETS == set(phony[1].split())
 
 
 def test_names_in_text_are_found() -> None:

@@ -4,6 +4,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -15,6 +16,12 @@ def modules(folder: str) -> dict[str, Path]:
     return {dotted(path): path for path in sorted((ROOT / folder).rglob('*.py'))}
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    """Return a file's syntax tree."""
+    return ast.parse(path.read_text('utf-8'))
+
+
 def dotted(path: Path) -> str:
     """Return the dotted module name of a file."""
     return '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
@@ -22,7 +29,7 @@ def dotted(path: Path) -> str:
 
 def imported(path: Path) -> Iterator[str]:
     """Yield the full name of each import: `from os import path` yields `os.path`."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -35,20 +42,8 @@ def home(path: Path, level: int) -> str:
     return '.'.join(path.relative_to(ROOT).parts[:-level]) if level else ''
 
 
-def docstring(path: Path) -> str:
-    """Return the docstring of a file; empty where it has none."""
-    return ast.get_docstring(ast.parse(path.read_text())) or ''
-
-
 def plain_calls(path: Path) -> Iterator[str]:
     """Yield `name()` or `name(...)` for each call of a name that is not an attribute."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(parsed(path)):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             yield f'{node.func.id}(...)' if node.args or node.keywords else f'{node.func.id}()'
-
-
-def classes(path: Path) -> Iterator[str]:
-    """Yield the name of each class that a file defines."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ClassDef):
-            yield node.name
