@@ -3,11 +3,11 @@
 """
 The files for other packages describe this robot correctly.
 
-ROS's own parser reads the parameter files. Frames, speeds and sizes are compared with the driver's
-parameters and the model; topics and fields with what the driver publishes. The other packages need
-not be installed.
+Frames, speeds and sizes are compared with the driver's parameters and the model; topics and fields
+with what the driver publishes. The other packages need not be installed.
 """
 
+from collections.abc import Iterator
 from configparser import ConfigParser
 from functools import cache
 import json
@@ -25,6 +25,7 @@ from nav_msgs.msg import Odometry
 import pytest
 import rclpy
 from rclpy.context import Context
+import yaml
 
 from create_oi_ros.driver.contacts import AWAY, OUTSIDE
 from create_oi_ros.robot import BODY_RADIUS
@@ -37,118 +38,86 @@ from support.pages import blocks, check_ros2, commands, OURS, ROOT
 FILES = ROOT / 'config' / 'with'
 PAGES = ROOT / 'docs' / 'with'
 MODEL = ElementTree.parse(ROOT / 'urdf' / 'create.urdf').getroot()
-NODES = {
-    'ekf.yaml': ['/ekf_filter_node'],
-    'slam_toolbox.yaml': ['/slam_toolbox'],
-    'diagnostic_aggregator.yaml': ['/analyzers'],
-    'teleop_twist_joy.yaml': ['/game_controller_node', '/teleop_twist_joy_node'],
-    'nav2.yaml': ['/controller_server', '/local_costmap/local_costmap',
-                  '/global_costmap/global_costmap', '/planner_server', '/bt_navigator',
-                  '/behavior_server', '/velocity_smoother', '/collision_monitor',
-                  '/docking_server'],
-}
-"""The nodes that each parameter file is for; it names no others."""
-COSTMAPS = ('/local_costmap/local_costmap', '/global_costmap/global_costmap')
+PADDING = 0.01
+"""Metres in x and y that Nav2 adds to a footprint, unless it is told otherwise."""
+COSTMAPS = ('local_costmap', 'global_costmap')
 FOREIGN = {'/scan', '/imu/data', '/cmd_vel_smoothed', '/joy', '/diagnostics_toplevel_state',
            '/robot_description'}
 """Other nodes' topics that files and pages may name: lidar, IMU, Nav2, joy, aggregator, model."""
-MAP = 'map'
-"""Frame that other packages add."""
 BROUGHT = {'tf2_ros'}
 """Packages installed with robot_state_publisher, which the launch file starts."""
 TYPES = {topic.name.lstrip('/'): topic.type for topic in PUBLISHED} | {'cmd_vel': Twist}
 
 
 @cache
-def parameters(file: str, node: str) -> dict[str, Any]:
-    """Return the parameters that ROS reads from a file for a node of this full name."""
-    namespace, _, name = node.rpartition('/')
+def nodes(file: str) -> dict[str, dict[str, Any]]:
+    """Return the parameters of each node that a file is for, which ROS's own parser accepts."""
     context = Context()
     rclpy.init(args=['--ros-args', '--params-file', str(FILES / file)], context=context)
-    try:
-        made = rclpy.create_node(
-            name, namespace=namespace, context=context, enable_rosout=False,
-            start_parameter_services=False,
-            automatically_declare_parameters_from_overrides=True)
-        found = {key: made.get_parameter(key).value for key in made._parameters}
-        made.destroy_node()
-    finally:
-        rclpy.shutdown(context=context)
-    found.pop('use_sim_time', None)
-    assert found, f'{file} has nothing for {node}'
-    return found
+    rclpy.shutdown(context=context)
+    return dict(named(yaml.safe_load((FILES / file).read_text('utf-8'))))
 
 
-EACH = [(file, node) for file, nodes in NODES.items() for node in nodes]
+def named(tree: dict[str, Any], path: str = '') -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the nodes of a file, by the last part of their names."""
+    for name, below in tree.items():
+        if name == 'ros__parameters':
+            yield path, dict(flat(below))
+        else:
+            yield from named(below, name)
+
+
+def flat(tree: dict[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+    """Yield parameters by their full names."""
+    for name, value in tree.items():
+        if isinstance(value, dict):
+            yield from flat(value, f'{prefix}{name}.')
+        else:
+            yield prefix + name, value
 
 
 def nav2(node: str) -> dict[str, Any]:
     """Return the parameters of one of Nav2's nodes."""
-    return parameters('nav2.yaml', node)
+    return nodes('nav2.yaml')[node]
 
 
-def test_every_file_is_checked_here():
-    assert {path.name for path in FILES.iterdir()} == {*NODES, 'foxglove.json', 'create.service'}
+def test_frames_and_topics_of_the_files_exist():
+    for path in FILES.glob('*.yaml'):
+        for found in nodes(path.name).values():
+            for name, value in found.items():
+                if re.search('frame(_id)?$', name):
+                    assert value == frame(name.rpartition('.')[2], found), name
+                if re.search(r'(^|[_.])topic$|^(odom|imu)\d$', name):
+                    assert f'/{value.lstrip("/")}' in OURS | FOREIGN, name
 
 
-@pytest.mark.parametrize('file', NODES)
-def test_a_file_has_no_other_nodes(file):
-    text = (FILES / file).read_text('utf-8')
-    assert text.count('ros__parameters:') == len(NODES[file])
-
-
-@pytest.mark.parametrize(('file', 'node'), EACH)
-def test_frames_are_the_drivers(file, node):
-    for name, value in parameters(file, node).items():
-        last = name.rpartition('.')[2]
-        if not re.search('frame(_id)?$', last):
-            continue
-        if last.startswith(('base', 'robot_base')):
-            assert value == Parameters.base_frame, name
-        elif last.startswith(('odom', 'local', 'fixed', 'world')):
-            assert value == Parameters.odom_frame, name
-        else:
-            assert last.startswith(('map', 'global')), name
-            rolling = parameters(file, node).get('rolling_window', False)
-            assert value == (Parameters.odom_frame if rolling else MAP), name
-
-
-@pytest.mark.parametrize(('file', 'node'), EACH)
-def test_topics_are_ours_or_declared(file, node):
-    for name, value in parameters(file, node).items():
-        if re.search(r'(^|[_.])topic$|^(odom|imu)\d$', name):
-            assert f'/{value.lstrip("/")}' in OURS | FOREIGN, name
-
-
-def radius_of_body() -> float:
-    """Return the radius of the model's body, metres."""
-    body, = MODEL.findall("./link[@name='base_link']/collision/geometry/cylinder")
-    return float(body.get('radius'))
+def frame(name: str, others: dict[str, Any]) -> str:
+    """Return the value that a parameter for a frame must have."""
+    if name.startswith(('base', 'robot_base')):
+        return Parameters.base_frame
+    if name.startswith(('odom', 'local', 'fixed', 'world')):
+        return Parameters.odom_frame
+    assert name.startswith(('map', 'global'))
+    return Parameters.odom_frame if others.get('rolling_window') else 'map'
 
 
 def test_the_robot_is_as_wide_as_its_model():
+    body, = MODEL.findall("./link[@name='base_link']/collision/geometry/cylinder")
+    radius = float(body.get('radius'))
     for costmap in COSTMAPS:
-        assert nav2(costmap)['robot_radius'] == radius_of_body()
-        assert nav2(costmap)['inflation_layer.inflation_radius'] > radius_of_body()
-    assert nav2('/collision_monitor')['body.radius'] == radius_of_body()
-
-
-PADDING = 0.01
-"""Metres in x and y that Nav2 adds to a footprint, unless it is told otherwise."""
-
-
-@pytest.mark.parametrize('costmap', COSTMAPS)
-def test_every_source_of_a_costmap_says_how_high_its_points_may_be(costmap):
-    found = nav2(costmap)
-    for name, layer in ((name, name.removesuffix('.observation_sources')) for name in found
-                        if name.endswith('.observation_sources')):
-        # Nav2's own default is 0: no lidar is as low as that.
-        assert found[f'{layer}.{found[name]}.max_obstacle_height'] > HEIGHT
+        assert nav2(costmap)['robot_radius'] == radius
+        assert nav2(costmap)['inflation_layer.inflation_radius'] > radius
+    assert nav2('collision_monitor')['body.radius'] == radius
 
 
 @pytest.mark.parametrize('costmap', COSTMAPS)
 def test_both_costmaps_feel_the_bumper_and_keep_what_it_felt(costmap):
     found = nav2(costmap)
+    for layer in (name.removesuffix('.observation_sources') for name in found
+                  if name.endswith('.observation_sources')):
+        # Nav2's own default is 0: no lidar is as low as that.
+        source = found[f'{layer}.observation_sources']
+        assert found[f'{layer}.{source}.max_obstacle_height'] > HEIGHT
     layer = {name.removeprefix('contact_layer.'): value for name, value in found.items()
              if name.startswith('contact_layer.')}
     assert layer['observation_sources'] == 'contacts'
@@ -168,40 +137,33 @@ def wheel(speed: float, turn: float) -> float:
 
 
 def test_nav2_commands_only_possible_speeds():
-    smoother = nav2('/velocity_smoother')
+    smoother = nav2('velocity_smoother')
     for limit in ('max_velocity', 'min_velocity'):
         speed, sideways, turn = smoother[limit]
         assert sideways == 0
         assert wheel(speed, turn) <= Parameters.max_wheel_speed
     follow = {name.removeprefix('FollowPath.'): value
-              for name, value in nav2('/controller_server').items()}
+              for name, value in nav2('controller_server').items()}
     assert follow['desired_linear_vel'] <= smoother['max_velocity'][0]
     assert follow['rotate_to_heading_angular_vel'] <= smoother['max_velocity'][2]
-    assert nav2('/behavior_server')['max_rotational_vel'] <= smoother['max_velocity'][2]
-
-
-def test_nav2_sends_one_type_of_command():
-    commanding = [node for node in NODES['nav2.yaml']
-                  if 'enable_stamped_cmd_vel' in nav2(node)]
-    assert set(commanding) == {'/controller_server', '/behavior_server', '/velocity_smoother',
-                               '/collision_monitor', '/docking_server'}
-    for node in commanding:
-        assert nav2(node)['enable_stamped_cmd_vel'] is False  # all the same
-    assert f'/{nav2("/collision_monitor")["cmd_vel_out_topic"]}' in OURS
+    assert nav2('behavior_server')['max_rotational_vel'] <= smoother['max_velocity'][2]
+    stamped = [nav2(node).get('enable_stamped_cmd_vel') for node in nodes('nav2.yaml')]
+    assert stamped.count(False) == 5 and True not in stamped  # all the same
+    assert f'/{nav2("collision_monitor")["cmd_vel_out_topic"]}' in OURS
 
 
 def test_a_stick_commands_only_possible_speeds_and_often_enough():
-    stick = parameters('teleop_twist_joy.yaml', '/teleop_twist_joy_node')
+    stick = nodes('teleop_twist_joy.yaml')['teleop_twist_joy_node']
     assert stick['publish_stamped_twist'] is False  # as in nav2.yaml
     assert stick['scale_linear.x'] < stick['scale_linear_turbo.x'] <= Parameters.max_wheel_speed
     assert stick['scale_angular.yaw'] < stick['scale_angular_turbo.yaw']
     assert wheel(0, stick['scale_angular_turbo.yaw']) <= Parameters.max_wheel_speed
-    repeated = parameters('teleop_twist_joy.yaml', '/game_controller_node')['autorepeat_rate']
+    repeated = nodes('teleop_twist_joy.yaml')['game_controller_node']['autorepeat_rate']
     assert repeated * Parameters.cmd_vel_timeout > 2
 
 
 def test_the_filter_takes_speeds_from_the_driver():
-    filtered = parameters('ekf.yaml', '/ekf_filter_node')
+    filtered = nodes('ekf.yaml')['ekf_filter_node']
     assert filtered['odom0'] == ODOM.name and ODOM.type is Odometry
     taken = [place for place, used in enumerate(filtered['odom0_config']) if used]
     assert taken == [6, 7, 11]  # forward, sideways, turning: of fifteen
@@ -212,9 +174,8 @@ def test_the_filter_takes_speeds_from_the_driver():
 def test_every_status_of_the_driver_is_in_one_group():
     names = re.findall(r"f'\{name\}: ([a-z ]+)'", Path(diagnostics.__file__).read_text('utf-8'))
     names += [diagnostics.LINK, diagnostics.PARAMETERS]
-    analyzers = parameters('diagnostic_aggregator.yaml', '/analyzers')
+    analyzers = nodes('diagnostic_aggregator.yaml')['analyzers']
     groups = [value for name, value in analyzers.items() if name.endswith('.contains')]
-    assert len(set(names)) == 7
     for name in set(names):
         within = [group for group in groups if any(each in f'create: {name}' for each in group)]
         assert len(within) == 1, name
@@ -229,7 +190,7 @@ def kind_of(path: str) -> str:
     return value.get_fields_and_field_types()[fields[-1]]
 
 
-def test_the_foxglove_layout_names_only_existing_topics():
+def test_the_foxglove_layout_names_what_exists_and_drives_within_the_limits():
     layout = json.loads((FILES / 'foxglove.json').read_text('utf-8'))
     panels = layout['configById']
     assert shown(layout['layout']) == set(panels)
@@ -242,6 +203,11 @@ def test_the_foxglove_layout_names_only_existing_topics():
         for layer in panel.get('layers', {}).values():
             assert layer.get('topic', '/odom') in OURS | FOREIGN
             assert layer.get('frameId', Parameters.odom_frame) == Parameters.odom_frame
+    pad = panels['Teleop!drive']
+    assert pad['publishRate'] * Parameters.cmd_vel_timeout > 2
+    up, left = pad['upButton'], pad['leftButton']
+    assert (up['field'], left['field']) == ('linear-x', 'angular-z')
+    assert wheel(up['value'], left['value']) <= Parameters.max_wheel_speed
 
 
 def shown(place: Any) -> set[str]:
@@ -251,62 +217,33 @@ def shown(place: Any) -> set[str]:
     return shown(place['first']) | shown(place['second'])
 
 
-def test_the_drive_pad_is_within_the_limits_and_fast_enough():
-    panels = json.loads((FILES / 'foxglove.json').read_text('utf-8'))['configById']
-    pad = panels['Teleop!drive']
-    assert pad['publishRate'] * Parameters.cmd_vel_timeout > 2
-    up, left = pad['upButton'], pad['leftButton']
-    assert (up['field'], left['field']) == ('linear-x', 'angular-z')
-    assert wheel(up['value'], left['value']) <= Parameters.max_wheel_speed
-
-
-def service() -> ConfigParser:
-    """Return the parsed unit; the last value of a repeated key."""
-    unit = ConfigParser(strict=False, interpolation=None)
-    unit.optionxform = str
-    unit.read(FILES / 'create.service')
-    return unit
-
-
 def test_the_service_starts_an_existing_launch_file():
-    shell, option, line = shlex.split(service()['Service']['ExecStart'])
-    assert (shell, option) == ('/bin/bash', '-c')
-    assert 'SIGINT' == service()['Service']['KillSignal']
+    unit = ConfigParser(strict=False, interpolation=None)  # the last value of a repeated key
+    unit.read(FILES / 'create.service')
+    shell, option, line = shlex.split(unit['Service']['ExecStart'])
+    assert (shell, option, unit['Service']['KillSignal']) == ('/bin/bash', '-c', 'SIGINT')
     *sourced, last = line.split(' && ')
     assert all(each.startswith('source /') for each in sourced)
     check_ros2(shlex.split(last.removeprefix('exec ')))
-
-
-def test_systemd_accepts_the_service():
-    if not shutil.which('systemd-analyze'):
-        pytest.skip('no systemd-analyze here')
-    checked = subprocess.run(['systemd-analyze', 'verify', FILES / 'create.service'], text=True,
-                             capture_output=True, timeout=60)
-    assert (checked.returncode, 'create.service' in checked.stderr) == (0, False), checked.stderr
+    if shutil.which('systemd-analyze'):
+        checked = subprocess.run(['systemd-analyze', 'verify', FILES / 'create.service'],
+                                 text=True, capture_output=True, timeout=60)
+        assert checked.returncode == 0 and 'create.service' not in checked.stderr
 
 
 ALL_PAGES = sorted(PAGES.glob('*.md'))
 
 
-@pytest.mark.parametrize('page', ALL_PAGES, ids=lambda page: page.stem)
-def test_a_page_says_whether_it_was_run_and_its_links_lead_somewhere(page):
-    text = page.read_text('utf-8')
-    assert re.search(r'\*\*(Run|Not run here\.|Verified, not started)\*\*|run\?', text)
-    for link in re.findall(r'\]\(([^)#]+)\)', text):
-        assert (page.parent / link).exists(), link
-
-
-@pytest.mark.parametrize('page', ALL_PAGES, ids=lambda page: page.stem)
-def test_names_in_a_pages_commands_exist(page):
-    words = [words for block in blocks(page) for words in commands(block.text)]
-    packages = {name.removeprefix('ros-jazzy-').replace('-', '_')
-                for line in words if 'apt-get' in line for name in line}
-    for line in words:
-        if line[0] == 'ros2':
-            check_ros2(line, frozenset(packages | BROUGHT | FOREIGN))
+def test_names_in_the_commands_of_the_pages_exist():
     links = {link.get('name') for link in MODEL.iter('link')}
-    for frame in re.findall(r'--frame-id (\S+)', page.read_text('utf-8')):
-        assert frame in links
+    for page in ALL_PAGES:
+        words = [words for block in blocks(page) for words in commands(block.text)]
+        packages = {name.removeprefix('ros-jazzy-').replace('-', '_')
+                    for line in words if 'apt-get' in line for name in line}
+        for line in words:
+            if line[0] == 'ros2':
+                check_ros2(line, frozenset(packages | BROUGHT | FOREIGN))
+        assert {*re.findall(r'--frame-id (\S+)', page.read_text('utf-8'))} <= links
 
 
 def test_every_file_has_its_page():
