@@ -22,7 +22,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from .actions import ACTIONS, malformed
-from .process import end_in_time, leave_out_generator
+from .process import end_in_time
 from .user_errors import INTERRUPTED
 from .waiting import waits_for
 
@@ -88,8 +88,7 @@ class GoalClient:
         self._waiting = self._interrupted = False
 
     def __enter__(self) -> 'GoalClient':
-        leave_out_generator()
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         if current_thread() is main_thread():
             self._handlers = {number: signal.signal(number, self._on_signal) for number in SIGNALS}
         self.node = rclpy.create_node(self._name)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import fields
 from itertools import pairwise
@@ -10,6 +11,7 @@ import re
 import textwrap
 
 from rclpy.utilities import remove_ros_args
+import yaml
 
 from .. import __version__
 from .parameter_checks import listed, suggestion
@@ -34,8 +36,6 @@ def parse(arguments: Sequence[str]) -> None:
 
 
 def _answer(arguments: Sequence[str]) -> None:
-    # Here: it takes half a megabyte, and most nodes start without such arguments.
-    from argparse import ArgumentParser, RawDescriptionHelpFormatter
     parser = ArgumentParser(
         prog='create_node', formatter_class=RawDescriptionHelpFormatter,
         usage='create_node [--help] [--version] [--ros-args -p NAME:=VALUE ...]',
@@ -72,7 +72,6 @@ def unused_files(arguments: Sequence[str], node: str) -> Iterator[str]:
     for flag, path in pairwise(arguments):
         if flag != '--params-file':
             continue
-        import yaml  # here: most nodes start without a file
         parts = list(_parts(yaml.safe_load(Path(path).read_text('utf-8'))))
         if not any(re.fullmatch(_pattern(part), node) for part in parts):
             yield (f'{path} holds no parameter of this node, {node}, but of '

@@ -4,6 +4,7 @@
 
 from collections.abc import Iterable
 from dataclasses import fields, MISSING, replace
+from difflib import get_close_matches
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
@@ -157,7 +158,6 @@ def unknown_parameter(name: str) -> str:
 
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return a question for the nearest known name; empty where none is near."""
-    from difflib import get_close_matches  # here: few programs ever need it
     found = get_close_matches(name, list(known), 1)
     return f': did you mean {found[0]}?' if found else ''
 

@@ -9,17 +9,15 @@ to a socket, whichever thread receives it, and a thread of ours reads that socke
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 import ctypes
 import faulthandler
-from importlib import import_module
 import os
 import signal
 import socket
 import sys
 import threading
 import time
-from typing import Any
 
 import rclpy
 from rclpy.executors import Executor, SingleThreadedExecutor, TimeoutException
@@ -33,8 +31,6 @@ PR_SET_PDEATHSIG = 1
 """Linux, prctl(2)."""
 SPIN_TIME = 0.05
 """Seconds for which `spin_ready` runs callbacks at most."""
-GENERATOR = 'rosidl_generator_py.generate_py_impl'
-"""The part of ROS that writes the Python code of messages when a package is built."""
 END_TIME = 10.0
 """Seconds in which ROS must have shut down."""
 STDERR = 2
@@ -82,22 +78,6 @@ def stop_job() -> None:
     signal.signal(signal.SIGTSTP, own)
 
 
-def leave_out_generator() -> None:
-    """
-    Load what messages need of `rosidl_generator_py`, without its code generator.
-
-    Every message takes one function from that package, which loads its generator too: a parser of
-    grammars, and OpenSSL. It says itself that it can do without; that saves 6 MB and some time.
-    """
-    # None stands for a module that cannot be imported. Whoever wants it later gets it.
-    modules: dict[str, Any] = sys.modules
-    if GENERATOR not in modules:
-        modules[GENERATOR] = None
-        with suppress(ModuleNotFoundError):
-            import_module('rosidl_generator_py')
-        del modules[GENERATOR]
-
-
 @contextmanager
 def end_in_time() -> Iterator[None]:
     """
@@ -125,7 +105,6 @@ def ros_executor(arguments: list[str] | None = None) -> Iterator[SingleThreadedE
     check_environment()
     for sentence in remove_unfinished(int(os.environ.get('ROS_DOMAIN_ID') or 0)):
         print(sentence, file=sys.stderr)
-    leave_out_generator()
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     executor = SingleThreadedExecutor()
     try:
