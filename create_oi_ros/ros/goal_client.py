@@ -88,7 +88,7 @@ class GoalClient:
         self._waiting = self._interrupted = False
 
     def __enter__(self) -> 'GoalClient':
-            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         if current_thread() is main_thread():
             self._handlers = {number: signal.signal(number, self._on_signal) for number in SIGNALS}
         self.node = rclpy.create_node(self._name)

@@ -15,7 +15,7 @@ import time
 
 from create_oi_msgs.msg import Mode
 from rclpy.node import Node
-from rclpy.qos import qos_check_compatible, QoSCompatibility, ReliabilityPolicy
+from rclpy.qos import ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from . import topics
@@ -55,7 +55,7 @@ class GraphWatch:
 
     def check(self) -> None:
         """Look at the graph, and warn of new mistakes; called once a second."""
-        warnings = {*self._velocity_mistakes(), *self._unheard(), *self._other_topics()}
+        warnings = {*self._velocity_mistakes(), *self._wrong_subscribers(), *self._other_topics()}
         own = self._node.get_fully_qualified_name()
         if own in self._duplicate_names():
             warnings.add(f'another node is called {own} in ROS domain {_domain()}, so two '
@@ -95,18 +95,17 @@ class GraphWatch:
             return f'{what}Let all publishers send the same type, or end those of one'
         return f'{what}Start the driver with cmd_vel_type: auto, or change the publisher'
 
-    def _unheard(self) -> Iterator[str]:
-        """Find subscribers that get nothing from this node."""
-        own = self._node.get_fully_qualified_name()
+    def _wrong_subscribers(self) -> Iterator[str]:
+        """Find subscribers of another type; rclpy warns of those whose QoS does not fit."""
         for publisher in self._node.publishers:
-            topic = publisher.topic_name
+            topic, ours = publisher.topic_name, type_name(publisher.msg_type)
             if publisher.get_subscription_count() >= self._node.count_subscribers(topic):
                 continue
-            # The graph's QoS is complete; the one that it was created with need not be.
-            for ours in self._node.get_publishers_info_by_topic(topic):
-                if node_name(ours) == own:
-                    for each in self._node.get_subscriptions_info_by_topic(topic):
-                        yield from _misfits(ours, each, topic)
+            for each in self._node.get_subscriptions_info_by_topic(topic):
+                if type_name_of(each) != ours:
+                    yield (f'{node_name(each)} subscribes to {topic}, but gets nothing: it takes '
+                           f'{type_name_of(each)}, and this driver publishes {ours}. Change the '
+                           'subscriber')
 
     def _other_topics(self) -> Iterator[str]:
         """Find commands in another namespace, and other drivers with the same frames."""
@@ -173,22 +172,6 @@ def names_of_publishers(node: Node, topic: str) -> set[str]:
         if time.monotonic() > until or all(each.node_name != UNNAMED for each in found):
             return {node_name(each) for each in found}
         time.sleep(LOOK)
-
-
-def _misfits(ours: TopicEndpointInfo, theirs: TopicEndpointInfo, topic: str) -> Iterator[str]:
-    """Say why a subscriber gets nothing from a publisher of this node, if it does not."""
-    who = f'{node_name(theirs)} subscribes to {topic}, but gets nothing'
-    if type_name_of(theirs) != type_name_of(ours):
-        yield (f'{who}: it takes {type_name_of(theirs)}, and this driver publishes '
-               f'{type_name_of(ours)}. Change the subscriber')
-        return
-    qos = ours.qos_profile
-    fits, reason = qos_check_compatible(qos, theirs.qos_profile)
-    if fits == QoSCompatibility.ERROR:
-        yield (f'{who}: its QoS asks for more than this driver offers '
-               f'({reason.removeprefix("ERROR: ").rstrip("; ")}). Let it subscribe as '
-               f'{qos.reliability.name.lower()} and {qos.durability.name.lower()}, without '
-               'deadline and liveliness')
 
 
 def _domain() -> str:

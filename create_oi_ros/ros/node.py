@@ -11,6 +11,8 @@ import sys
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
@@ -35,7 +37,6 @@ from .actions import ACTIONS, Actions
 from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
-from .periodic_thread import PeriodicThread
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
 from .services import SERVICES, Services
@@ -66,7 +67,8 @@ class CreateNode(Node):
         `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node,
         such as `namespace` and `cli_args` where several robots share a process.
         """
-        super().__init__(node_arguments.NODE, **options)
+        super().__init__(
+            node_arguments.NODE, automatically_declare_parameters_from_overrides=True, **options)
         self.parameters = parameter_checks.declare(self)
         self._periods = self.parameters.periods()
         self.add_pre_set_parameters_callback(parameter_checks.as_declared)
@@ -87,9 +89,6 @@ class CreateNode(Node):
         self._actions = Actions(self, self.session, self.parameters, self._stamps)
         self._counts = LinkCounts()
         self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())
-        self._diagnostics_thread = PeriodicThread(
-            'diagnostics', DIAGNOSTICS_PERIOD, self._watch_and_report,
-            on_failure=self._on_failure)
         self._publish_mode(self.session.driver.status)
         self._announced = announce(
             self.context.get_domain_id(), self.get_fully_qualified_name())
@@ -128,7 +127,9 @@ class CreateNode(Node):
         """Open the port, call the robot, and take commands."""
         self.session.start()
         self._commands.start()
-        self._diagnostics_thread.start()
+        self._timer = self.create_timer(  # it does not wait for a simulated clock
+            DIAGNOSTICS_PERIOD, self._watch_and_report,
+            clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def stop(self) -> None:
         """Stop the robot, close the port, and write what was learned and captured."""
@@ -138,7 +139,7 @@ class CreateNode(Node):
             ends.callback(self._announced.close)
             ends.callback(self.model.end, self.session)
             ends.callback(self._commands.destroy)
-            ends.callback(self._diagnostics_thread.close)
+            ends.callback(self.destroy_timer, self._timer)
             ends.callback(self._commands.close)
             ends.callback(self.session.close)
 

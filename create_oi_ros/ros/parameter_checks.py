@@ -34,8 +34,12 @@ def descriptor(name: str) -> ParameterDescriptor:
 
 
 def declare(node: Node) -> Parameters:
-    """Declare all parameters; ValueError says which value is wrong and what is allowed."""
-    given = dict(getattr(node, '_parameter_overrides', {}))
+    """
+    Declare all parameters; ValueError says which value is wrong and what is allowed.
+
+    The node must declare what it is given by itself; that is declared anew, with descriptions.
+    """
+    given = {name: node.get_parameter(name).value for name in node.get_parameters_by_prefix('')}
     for unknown in sorted(given.keys() - DECLARED.keys()):
         if unknown.startswith('qos_overrides.'):
             raise ValueError(
@@ -44,15 +48,18 @@ def declare(node: Node) -> Parameters:
                 f'; {CMD_VEL} adapts to its publishers')
         if not unknown.startswith(OF_ROS):
             node.get_logger().warning(unknown_parameter(unknown))
+            node.undeclare_parameter(unknown)
     values = {}
     for declaration in fields(Parameters):
         assert declaration.default is not MISSING
         name = declaration.name
-        value = _whole_as_float(name, given[name].value if name in given else declaration.default)
+        value = _whole_as_float(name, given.get(name, declaration.default))
         reason = (refusal(name, value) if type(value) is type(declaration.default)
                   else wrong_type(name, value))
         if reason is not None:
             raise ValueError(reason)
+        if name in given:
+            node.undeclare_parameter(name)
         values[name] = node.declare_parameter(
             name, value, descriptor(name), ignore_override=True).value
     parameters = Parameters(**values)

@@ -13,7 +13,6 @@ import time
 from typing import Any
 
 from rclpy.clock import ROSClock
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
@@ -38,15 +37,8 @@ CLOCK_JITTER = 1_000_000
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
-    """
-    Create the publisher of a topic, without its event callbacks.
-
-    A subscriber with incompatible QoS reports it. With event callbacks the publisher would too,
-    but the executor would have two more entities to check for every topic, at every command.
-    """
-    return node.create_publisher(
-        topic.type, topic.name, topic.qos,
-        event_callbacks=PublisherEventCallbacks(use_default_callbacks=False))
+    """Create the publisher of a topic."""
+    return node.create_publisher(topic.type, topic.name, topic.qos)
 
 
 def cheapest(node: Node, message: Any, paths: tuple[str, ...]) -> Fill:

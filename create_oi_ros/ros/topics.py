@@ -11,6 +11,7 @@ in messages.
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
+from typing import Any
 
 from create_oi_msgs.msg import (
     Bumper,
@@ -170,7 +171,7 @@ NEEDED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.needs})
 """All readings that sensor topics are made from, the watched ones among them."""
 
 
-def type_name(type_: type) -> str:
+def type_name(type_: Any) -> str:
     """Return the name of a message, service or action type as people write it."""
     package = type_.__module__.partition('.')[0]
     return f'{package}/{type_.__name__}'

@@ -14,7 +14,6 @@ import re
 from shlex import quote
 import signal
 import sys
-from types import SimpleNamespace
 
 INTERRUPTED = 128 + signal.SIGINT
 """Exit code of a program that Ctrl-C has ended, as shells have it."""
@@ -109,24 +108,15 @@ def _place(error: OSError) -> str:
 
 
 def _explained_by_ros(error: RuntimeError) -> str | None:
-    # Imported already: only ROS raises these.
-    ros = _ros_errors()
-    if isinstance(error, ros.UnknownROSArgsError):
-        return (f'unknown among the ROS arguments: {error}; allowed are -p NAME:=VALUE, '
-                '--params-file FILE, -r FROM:=TO, --log-level LEVEL')
-    if isinstance(error, ros.RCLInvalidROSArgsError):
-        return _rule(str(error))
-    if isinstance(error, ros.RCLError) and str(error).startswith('failed to initialize'):
-        return f'ROS does not start: {str(error).partition(", at /")[0]}'
+    match type(error).__name__:  # ROS has no public names for these classes
+        case 'UnknownROSArgsError':
+            return (f'unknown among the ROS arguments: {error}; allowed are -p NAME:=VALUE, '
+                    '--params-file FILE, -r FROM:=TO, --log-level LEVEL')
+        case 'RCLInvalidROSArgsError':
+            return _rule(str(error))
+        case 'RCLError' if str(error).startswith('failed to initialize'):
+            return f'ROS does not start: {str(error).partition(", at /")[0]}'
     return None
-
-
-def _ros_errors() -> SimpleNamespace:
-    """Return the classes of ROS's own errors, for which rclpy has no public names."""
-    from rclpy.impl.implementation_singleton import rclpy_implementation as ros
-    return SimpleNamespace(
-        RCLError=ros.RCLError, RCLInvalidROSArgsError=ros.RCLInvalidROSArgsError,
-        UnknownROSArgsError=ros.UnknownROSArgsError)
 
 
 def _rule(text: str) -> str:

@@ -229,7 +229,8 @@ def started_with(name, value):
     made = rclpy.create_node(
         'start', parameter_overrides=[
             Parameter(each, value=worth) for each, worth in given.items()],
-        start_parameter_services=False, enable_rosout=False)
+        start_parameter_services=False, enable_rosout=False,
+        automatically_declare_parameters_from_overrides=True)
     try:
         yield made
     finally:
