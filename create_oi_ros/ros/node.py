@@ -89,6 +89,9 @@ class CreateNode(Node):
         self._actions = Actions(self, self.session, self.parameters, self._stamps)
         self._counts = LinkCounts()
         self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())
+        self._timer = self.create_timer(  # it does not wait for a simulated clock
+            DIAGNOSTICS_PERIOD, self._watch_and_report,
+            clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._publish_mode(self.session.driver.status)
         self._announced = announce(
             self.context.get_domain_id(), self.get_fully_qualified_name())
@@ -127,9 +130,6 @@ class CreateNode(Node):
         """Open the port, call the robot, and take commands."""
         self.session.start()
         self._commands.start()
-        self._timer = self.create_timer(  # it does not wait for a simulated clock
-            DIAGNOSTICS_PERIOD, self._watch_and_report,
-            clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def stop(self) -> None:
         """Stop the robot, close the port, and write what was learned and captured."""
