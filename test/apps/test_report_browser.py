@@ -3,7 +3,9 @@
 """The page of a report in a real Chromium, without network, made from a bag of the simulator."""
 
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
+import re
 import signal
 
 from geometry_msgs.msg import Twist
@@ -12,6 +14,8 @@ import pytest
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros.apps.report.create_report import main
+from create_oi_ros.apps.report.page import write
+from create_oi_ros.apps.report.recording import Curve, Recording, Span
 from support.browser import browsers, OpenPage
 from support.ros import Scene, scene
 
@@ -75,6 +79,13 @@ def opened(browser, page_file) -> Iterator[object]:
 LAST = 'document.getElementById("slider").max'
 
 
+def blank() -> Recording:
+    """Return a recording of 20 s without messages."""
+    return Recording('walk', 'MCAP', 0.0, 20.0, 80, odom=Curve('x', 'y', 'yaw', 'speed', 'turn'),
+                     commands=Curve('speed', 'turn'), battery=Curve('volts', 'amperes', 'charge'),
+                     link=Curve('frames', 'damaged', 'garbage'))
+
+
 def pictures(page: OpenPage, selector: str) -> list[str]:
     """Return what is drawn on each canvas."""
     return [str(each) for each in page.page.locator(selector).evaluate_all(
@@ -103,8 +114,8 @@ def test_nothing_is_wider_than_the_page_and_the_slider_moves_map_and_values(open
         .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
     assert small == [], 'a thumb must hit every button'
     before, shown = pictures(page, '#map-canvas'), values(page)
-    seek(page, 0.9)
-    page.until(f'Number(document.getElementById("slider").value) > 0.8 * {LAST}')
+    seek(page, 0.5)
+    page.until(f'Number(document.getElementById("slider").value) < 0.6 * {LAST}')
     page.wait(lambda: pictures(page, '#map-canvas') != before, 'a robot that moves')
     page.until('document.querySelector(".chart-values").textContent.includes("0.3")')
     assert values(page) != shown
@@ -121,28 +132,147 @@ def test_an_event_jumps_to_its_time_and_the_map_shows_it(opened):
     assert 'bumper left' in page.text('#charts')
 
 
-def test_charts_zoom_together_and_the_cursor_is_dragged(opened):
+def move(page: OpenPage, part: float, selector: str = '.paper canvas') -> None:
+    """Move the mouse over a canvas, to a part of its width."""
+    box = page.page.locator(selector).first.bounding_box()
+    page.page.mouse.move(box['x'] + box['width'] * part, box['y'] + 30)
+
+
+def time(page: OpenPage) -> float:
+    """Return the part of the time that the slider is at."""
+    return float(page.page.evaluate(f'document.getElementById("slider").value / {LAST}'))
+
+
+def test_it_opens_with_the_values_and_the_place_of_the_last_moment(opened):
     page = opened()
-    chart = page.page.locator('.paper canvas').first
+    page.until('document.querySelector(".chart-values").textContent.includes("measured 0.")')
+    assert time(page) > 0.9
+    assert page.text('#place').startswith('x 0.') and 'heading' in page.text('#place')
+
+
+def test_the_wheel_scrolls_the_page_and_zooms_with_ctrl(opened):
+    page = opened()
+    page.until('document.querySelector(".chart-values").textContent.includes("0.")')
+    for place in ('#map-canvas', '.paper canvas'):
+        page.page.evaluate('scrollTo(0, 0)')
+        page.wait(lambda: page.page.evaluate('scrollY') == 0, 'the top')
+        move(page, 0.5, place)
+        page.page.mouse.wheel(0, 200)
+        page.wait(lambda: page.page.evaluate('scrollY') > 100, 'the page scrolls')
+    page.page.evaluate('scrollTo(0, 0)')
+    move(page, 0.1)
     before = pictures(page, '.paper canvas')
-    box = chart.bounding_box()
-    page.page.mouse.move(box['x'] + box['width'] / 2, box['y'] + 30)
+    page.page.keyboard.down('Control')
     page.page.mouse.wheel(0, -600)
+    page.page.keyboard.up('Control')
     page.wait(lambda: all(one != other for one, other in zip(
         before, pictures(page, '.paper canvas'), strict=True)), 'all charts zoom')
+    page.wait(lambda: time(page) < 0.7, 'the cursor stays in what is shown')
+
+
+def test_values_follow_the_pointer_and_a_drag_zooms(opened):
+    page = opened()
+    end, shown = page.text('#clock'), values(page)
+    move(page, 0.5)
+    page.wait(lambda: page.text('#clock') != end and values(page) != shown, 'values there')
+    assert time(page) > 0.9, 'nothing is chosen yet'
+    page.page.mouse.move(5, 5)
+    page.wait(lambda: page.text('#clock') == end, 'the pointer has left')
+    move(page, 0.4)
     page.page.mouse.down()
-    page.page.mouse.move(box['x'] + box['width'] * 0.6, box['y'] + 30, steps=2)
+    move(page, 0.6)
     page.page.mouse.up()
-    page.until(f'Math.abs(document.getElementById("slider").value / {LAST} - 0.5) < 0.15')
+    page.wait(lambda: 0.5 < time(page) < 0.65, 'the cursor is at the end of what is shown')
+    page.page.mouse.click(*page.page.evaluate("""() => {
+        const box = document.querySelector('.paper canvas').getBoundingClientRect();
+        return [box.left + box.width / 2, box.top + 20];
+    }"""))
+    page.wait(lambda: 0.4 < time(page) < 0.55, 'a click chooses')
+
+
+def test_pointing_at_the_track_moves_the_cursor(opened):
+    page = opened()
+    end = page.text('#clock')
+    box = page.page.locator('#map-canvas').bounding_box()
+    middle = box['x'] + box['width'] / 2
+    for y in range(int(box['y']), int(box['y'] + box['height']), 6):
+        page.page.mouse.move(middle, y)
+        if page.text('#clock') != end:
+            break
+    there = page.text('#clock')
+    assert there != end
+    page.page.mouse.down()
+    page.page.mouse.up()
+    page.page.mouse.move(5, 5)
+    page.wait(lambda: page.text('#clock') == there, 'a click on the track chooses its time')
+
+
+def test_times_of_day_are_a_choice(opened):
+    page = opened()
+    page.page.locator('#utc').click()
+    for text in (page.text('#clock'), page.page.locator('#events button').first.inner_text()):
+        assert re.fullmatch(r'\d\d:\d\d:\d\d\.\d', text)
+    page.page.locator('#utc').click()
+    assert page.page.locator('#events button').first.inner_text().startswith('0:')
+
+
+def test_signals_are_chosen(opened):
+    page = opened()
+    count = page.page.locator('figure:visible').count()
+    page.page.locator('.chart-choice summary').click()
+    page.page.get_by_label('Battery, V', exact=True).uncheck()
+    page.page.get_by_label('Forward, m/s: commanded', exact=True).uncheck()
+    assert page.page.locator('figure:visible').count() == count - 1
+    assert 'commanded' not in page.page.locator('figure').first.inner_text()
+
+
+def shown(browser, folder: Path, made: Recording) -> OpenPage:
+    """Open the page of a recording."""
+    write(made, folder / 'report.html')
+    return OpenPage(browser, (folder / 'report.html').as_uri(), 800, 800, offline=True)
+
+
+@pytest.mark.parametrize('jumps', [True, False])
+def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(browser, tmp_path, jumps):
+    """It drives along y = 0, then along y = 9 m; the way between leads through the middle."""
+    made = blank()
+    for tick in range(80):
+        made.odom.add(tick / 4, tick % 40 * 9 / 39, 9.0 * (tick >= 40), 0.0, 0.5, 0.0)
+    if jumps:
+        made.jumps.append(Span(10.0, 'Odometry jumps by 12.73 m (reset_pose)', 10.0))
+    with closing(shown(browser, tmp_path, made)) as page:
+        page.until('document.getElementById("place").textContent.startsWith("x 9.00")')
+        page.wait(lambda: page.page.evaluate("""() => {
+            const canvas = document.getElementById('map-canvas'), c = canvas.getContext('2d');
+            const data = (...box) => c.getImageData(...box).data, { width, height } = canvas;
+            const has = (box, like) => data(...box).some((red, at, all) => at % 4 === 0
+                && all[at + 3] === 255 && like(red, all[at + 2]));
+            return [has([0, height / 2, width, height / 2], (red, blue) => blue > red + 90),
+                    has([0, 0, width, height / 2], (red, blue) => red > 200 && blue < 30),
+                    data(width / 2 - 4, height / 2 - 4, 8, 8).some(each => each)];
+        }""") == [True, True, not jumps], 'blue, then amber, and the line between')
+        assert page.errors == []
+
+
+def test_what_was_not_recorded_is_left_out_and_named(browser, tmp_path):
+    made = blank()
+    made.heard.add('mode')
+    made.spans['mode'].all.append(Span(0.0, 'Safe', 20.0))
+    with closing(shown(browser, tmp_path, made)) as page:
+        page.page.get_by_text('Not recorded: odom, cmd_vel, battery_state, diagnostics, bumper, '
+                              'cliff, wheel_drop').wait_for()
+        assert page.page.locator('figure').count() == 1
+        assert page.text('figure').split() == ['What', 'holds', 'Safe']
+        assert page.page.locator('#map-canvas:visible, #place:visible').count() == 0
+        assert page.errors == []
 
 
 def test_keys_and_the_play_button_move_the_time(opened):
     page = opened()
-    page.page.locator('.paper canvas').first.focus()
-    page.page.keyboard.press('ArrowRight')
-    page.until('document.getElementById("clock").textContent === "0:01.0"')
     page.page.keyboard.press('Home')
     page.until('document.getElementById("clock").textContent === "0:00.0"')
+    page.page.keyboard.press('ArrowRight')
+    page.until('document.getElementById("clock").textContent === "0:01.0"')
     page.page.get_by_role('button', name='Play').click()
     page.until(f'document.getElementById("slider").value === {LAST}')
     page.page.get_by_role('button', name='Play').wait_for()
@@ -150,15 +280,13 @@ def test_keys_and_the_play_button_move_the_time(opened):
 
 def test_parameters_are_listed(opened):
     page = opened('telephone')
-    page.page.locator('summary').click()
+    page.page.locator('#settings summary').click()
     assert 'max_wheel_speed' in page.text('#settings')
 
 
-def test_charts_and_their_keys_are_drawn_anew_in_the_dark(opened):
+def test_charts_are_drawn_anew_in_the_dark(opened):
     page = opened()
-    drawn = '.paper canvas, .chart-key'
-    page.wait(lambda: page.page.locator('.chart-key').count(), 'keys of the lines')
-    light = pictures(page, drawn)
+    light = pictures(page, '.paper canvas')
     page.page.emulate_media(color_scheme='dark')
     page.wait(lambda: all(one != other for one, other in zip(
-        light, pictures(page, drawn), strict=True)), 'all in other colours')
+        light, pictures(page, '.paper canvas'), strict=True)), 'all in other colours')

@@ -301,3 +301,35 @@ def test_the_page_comes_back_when_the_server_does(stage, robot, pages):
     page.live()
     assert all('WebSocket' in error for error in page.errors)
     page.errors.clear()
+
+
+def test_charts_show_the_value_at_the_pointer_and_can_be_held(robot, shown):
+    page = shown()
+    newest = 'document.querySelector(".chart-values").textContent'
+    page.grab(0.0, 0.7)
+    page.until(f'parseFloat({newest}) > 0.1')
+    page.page.mouse.up()
+    page.until(f'parseFloat({newest}) === 0')
+    box = page.page.locator('.paper canvas').first.bounding_box()
+
+    shows = (f'new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(() => '
+             f'drawn(parseFloat({newest}) > 0.1))))')
+
+    def driven() -> bool:
+        """Look for the drive from the newest to older values."""
+        for back in range(2, 60):
+            page.page.mouse.move(box['x'] + box['width'] - 6 - back, box['y'] + 20)
+            if page.page.evaluate(shows):
+                return True
+        return False
+    page.wait(driven, 'the drive is below the pointer')
+    page.page.mouse.move(5, 5)
+    page.until(f'parseFloat({newest}) === 0')
+    page.page.locator('#chart-pause').click()
+    page.grab(0.0, 0.7)
+    page.until('parseFloat(document.getElementById("speed").textContent) > 0.1')
+    page.page.mouse.up()
+    assert page.page.evaluate(f'parseFloat({newest}) === 0'), 'the charts are held'
+    page.page.locator('.chart-choice summary').click()
+    page.page.get_by_label('Wall signal', exact=True).uncheck()
+    assert page.page.locator('figure:visible').count() == 4

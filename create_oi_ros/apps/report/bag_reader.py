@@ -10,12 +10,13 @@ something new: a sensor topic repeats itself 20 times a second.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from math import inf
+from math import hypot, inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TYPE_CHECKING
 
 from ...oi import ChargingState, Mode
+from ...robot import TOP_SPEED
 from ...ros.bags import BagError, DamageError, definitions, guarded, reading
 from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
 from ...ros.messages import charging_name, mode_name
@@ -31,6 +32,8 @@ POINTS = 300_000
 """Points of a curve at most: all frames of an hour."""
 GAP, SILENCE = 0.5, 2.0
 """Seconds without odometry, and without any message, that count as a gap."""
+NEAR = 0.05
+"""Metres by which the odometry may correct itself."""
 SETTLING = 1.0
 """Seconds within which the number of a song that has just begun may still be corrected."""
 BODY = slice(12, None)
@@ -98,9 +101,21 @@ class RecordingBuilder:
 
     def _add_odom(self, time: float, message: Any) -> None:
         pose, twist = message.pose.pose, message.twist.twist
-        self.recording.odom.add(
-            time, pose.position.x, pose.position.y, yaw_of(pose.orientation),
-            twist.linear.x, twist.angular.z)
+        x, y, yaw = pose.position.x, pose.position.y, yaw_of(pose.orientation)
+        self._look_for_jump(time, x, y)
+        self.recording.odom.add(time, x, y, yaw, twist.linear.x, twist.angular.z)
+
+    def _look_for_jump(self, time: float, x: float, y: float) -> None:
+        """Note that the odometry goes on elsewhere: farther off than the robot can drive."""
+        odom = self.recording.odom
+        if not odom:
+            return
+        far = hypot(x - odom['x'][-1], y - odom['y'][-1])
+        anew = x == y == 0 != far
+        if anew or far > NEAR + 2 * TOP_SPEED * (time - odom.times[-1]):
+            text = ('Odometry begins anew (reset_odometry, or the driver was restarted)'
+                    if hypot(x, y) < NEAR else f'Odometry jumps by {far:.2f} m (reset_pose)')
+            self.recording.jumps.append(Span(time, text, time))
 
     def _add_twist(self, time: float, message: Any) -> None:
         self.recording.commands.add(time, message.linear.x, message.angular.z)
@@ -243,6 +258,7 @@ def _read_messages(
     for connection, stamp, raw in guarded(reader.messages(chosen)):
         time, kind = (stamp - began) / 1e9, connection.msgtype
         builder.note_time(time)
+        builder.recording.heard.add(TOPICS.get(kind, 'diagnostics'))
         if time > shown:
             progress(time / seconds if seconds else 1.0)
             shown = time + seconds / 100

@@ -17,7 +17,7 @@ from ...pages.one_file import one_script
 from ...ros.whole_file import write_whole
 from .page_data import packed
 from .recording import Recording
-from .summary import clock, events, summary, TimelineEvent, warnings
+from .summary import absent, clock, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
 """Rows of a table; the rest is only counted."""
@@ -42,13 +42,19 @@ def _html(recording: Recording) -> bytes:
         style=style, script=script, data=packed(recording),
         policy=f'script-src {_digest(script)}; style-src {_digest(style)}',
         summary='\n'.join(f'<p>{escape(line)}</p>' for line in summary(recording)),
-        events=_event_table(events(recording)), warnings=_event_table(warnings(recording)),
+        absent=_absent(recording), events=_event_table(events(recording)),
+        warnings=_event_table(warnings(recording)),
         settings=_settings(recording)).encode('utf-8', 'replace')
 
 
 def _digest(text: str) -> str:
     """Return what a content security policy calls this inline text."""
     return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
+
+
+def _absent(recording: Recording) -> str:
+    names = ', '.join(absent(recording))
+    return f'<p>Not recorded: {escape(names)}.</p>' if names else ''
 
 
 def _event_table(shown: list[TimelineEvent]) -> str:

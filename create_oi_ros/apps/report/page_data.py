@@ -77,8 +77,10 @@ def page_data(recording: Recording, most: int) -> dict[str, Any]:
     """Return all that the page draws, with at most `most` points of each curve."""
     return {
         'seconds': recording.seconds, 'pause': PAUSE, 'damage': recording.damage,
+        'began': recording.began, 'jumps': [round(each.start, 3) for each in recording.jumps],
         'gaps': [each[:2] for each in _bars(recording.gaps)],
-        'spans': [{'name': name, 'spans': _bars(recording.spans[name].all)} for name in SPANS],
+        'spans': [{'name': name, 'spans': _bars(recording.spans[name].all)} for name in SPANS
+                  if name.replace(' ', '_') in recording.heard],
         'curves': {name: _curve(getattr(recording, name), shape, most)
                    for name, shape in CURVES.items()},
     }

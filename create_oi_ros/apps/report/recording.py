@@ -121,6 +121,10 @@ class Recording:
     warnings: dict[str, Spans] = field(default_factory=dict)
     """Warnings of the diagnostics, by the name of the status."""
     gaps: list[Span] = field(default_factory=list)
+    jumps: list[Span] = field(default_factory=list)
+    """Where the odometry goes on elsewhere, without the robot's driving there."""
+    heard: set[str] = field(default_factory=set)
+    """Topics with messages in the bag, without the robot's namespace."""
     settings: dict[str, str] = field(default_factory=dict)
     """Version and parameters of the driver."""
     damage: str = ''

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime, UTC
 from math import hypot, isfinite
 
-from .recording import Recording, Span
+from .recording import Recording, Span, SPANS
 
 CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
            'overcurrent': 'Too much current', 'buttons': 'Button'}
@@ -42,6 +42,8 @@ def events(recording: Recording) -> list[TimelineEvent]:
     for span in recording.spans['charging'].all:
         found.append(TimelineEvent(
             span.start, 'charging', f'Charging: {span.text}{_duration(span)}'))
+    for span in recording.jumps:
+        found.append(TimelineEvent(span.start, 'odometry', span.text))
     for span in recording.gaps:
         found.append(TimelineEvent(span.start, 'gap', f'Gap{_duration(span)}: {span.text}'))
     return sorted(found, key=lambda each: each.time)
@@ -68,9 +70,10 @@ def _duration(span: Span) -> str:
 
 def travelled(recording: Recording) -> float:
     """Return the length of the track, metres, without jumps of the odometry."""
-    xs, ys = recording.odom['x'], recording.odom['y']
-    steps = (hypot(b - a, d - c) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:]))
-    return sum(step for step in steps if step < 1.0)
+    xs, ys, jumps = recording.odom['x'], recording.odom['y'], {
+        span.start for span in recording.jumps}
+    steps = zip(xs, xs[1:], ys, ys[1:], recording.odom.times[1:])
+    return sum(hypot(b - a, d - c) for a, b, c, d, time in steps if time not in jumps)
 
 
 def summary(recording: Recording) -> list[str]:
@@ -94,6 +97,15 @@ def summary(recording: Recording) -> list[str]:
     return [line for line in lines if line]
 
 
+def absent(recording: Recording) -> list[str]:
+    """Return what the bag lacks: topics, and values that are never known."""
+    missing = [name for name in ('odom', 'cmd_vel', 'battery_state', 'diagnostics', *(
+        kind.replace(' ', '_') for kind in SPANS)) if name not in recording.heard]
+    unknown = [f'{name} of the battery (never known)' for name in ('volts', 'amperes', 'charge')
+               if recording.battery and not any(map(isfinite, recording.battery[name]))]
+    return missing + unknown
+
+
 def _times_in_modes(recording: Recording) -> str:
     times: dict[str, float] = {}
     for span in recording.spans['mode'].all:
@@ -105,24 +117,23 @@ def _times_in_modes(recording: Recording) -> str:
 def _counts(recording: Recording) -> str:
     names = {'bumper': 'bumps', 'cliff': 'cliffs', 'wheel drop': 'wheel drops',
              'buttons': 'pressed buttons', 'song': 'songs'}
-    parts = [f'{name}: {len(recording.spans[kind])}' for kind, name in names.items()]
-    return f'Number of {", ".join(parts)}.'
+    parts = [f'{name}: {len(recording.spans[kind])}' for kind, name in names.items()
+             if kind.replace(' ', '_') in recording.heard]
+    return f'Number of {", ".join(parts)}.' if parts else ''
 
 
 def _battery(recording: Recording) -> str:
-    if not recording.battery:
-        return 'The bag has no battery state.'
     volts, charge = ([each for each in recording.battery[name] if isfinite(each)]
                      for name in ('volts', 'charge'))
     if not volts:
-        return 'The voltage of the battery is not known.'
+        return ''
     known = f', {charge[0]:.0f} % to {charge[-1]:.0f} %' if charge else ''
     return f'Battery {volts[0]:.1f} V to {volts[-1]:.1f} V{known}.'
 
 
 def _link(recording: Recording) -> str:
     if not recording.link:
-        return 'The bag has nothing about the serial link (/diagnostics).'
+        return ''
     damaged = sum(each for each in recording.link['damaged'] if isfinite(each))
     garbage = sum(each for each in recording.link['garbage'] if isfinite(each))
     rates = sorted(each for each in recording.link['frames'] if isfinite(each))

@@ -22,6 +22,7 @@ export class Map2D {
     this.follow = true;
     this.onFollow = () => {};
     this.onTap = () => {};      // is told x and y, metres
+    this.scrolls = false;       // the wheel scrolls the page, and zooms with Ctrl
     this.track = new Track();
     this.layer = new StillLayer();
     this.changes = 0;           // of what stands still, besides the track
@@ -90,6 +91,7 @@ export class Map2D {
   listen() {
     const canvas = this.canvas;
     canvas.addEventListener('wheel', event => {
+      if (this.scrolls && !event.ctrlKey && !event.metaKey) return;
       event.preventDefault();
       this.zoom(Math.exp(-event.deltaY / 400), event.offsetX, event.offsetY);
     }, { passive: false });

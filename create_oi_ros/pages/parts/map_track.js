@@ -5,7 +5,7 @@
 const RECENT = 600;         // seconds for which every point is kept
 const OLD_STEP = 0.2;       // metres between older points
 const THIN_EVERY = 60;      // seconds
-export const CHUNK = 400;          // points that are drawn, or left out, together
+const CHUNK = 400;          // points that are drawn, or left out, together
 
 export class Track {
   constructor() {
@@ -53,14 +53,13 @@ export class Track {
     for (const point of this.points) this.append(point);
   }
 
-  append([x, y]) {
+  // A chunk has one `part`, which may stand for a colour; a point that is apart begins a new line.
+  append([x, y], part = 0, apart = false) {
     let chunk = this.chunks.at(-1);
-    if (!chunk || chunk.count >= CHUNK) {
-      const path = new Path2D();
-      if (chunk) path.moveTo(chunk.x, chunk.y);
-      else path.moveTo(x, y);
-      chunk = { path, count: 0, left: x, right: x, low: y, high: y,
-                ...(chunk ? box([chunk.x, x], [chunk.y, y]) : {}) };
+    if (!chunk || chunk.count >= CHUNK || chunk.part !== part || apart) {
+      const path = new Path2D(), from = apart || !chunk ? { x, y } : chunk;
+      path.moveTo(from.x, from.y);
+      chunk = { path, part, count: 0, ...box([from.x, x], [from.y, y]) };
       this.chunks.push(chunk);
     }
     chunk.path.lineTo(x, y);

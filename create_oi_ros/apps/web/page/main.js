@@ -3,9 +3,9 @@
 // The page: connects what the server says with what is drawn, and buttons with what is sent.
 
 import { Body } from './body.js';
-import { Charts } from './charts.js';
 import { Connection } from './connection.js';
 import { Goals } from './goals.js';
+import { LastMinute } from './last_minute.js';
 import { Map2D } from './map.js';
 import * as panels from './panels.js';
 import { Piano } from './piano.js';
@@ -20,7 +20,7 @@ const LED_DELAY = 120;  // ms: a slider that is dragged sends no more often
 
 const map = new Map2D(byId('map-canvas'), byId('map-key'));
 const body = new Body(byId('body'), byId('sensed'));
-const charts = new Charts(byId('chart-list'));
+const charts = new LastMinute(byId('chart-list'), byId('chart-pause'), name => map.color(name));
 const goals = new Goals(byId('goal-form'), map, (type, fields) => connection.send(type, fields));
 const known = { you: null, topTurn: 3.8, separation: 0.258, silent: true, found: false, any: false };
 let connected = false, trouble = '', problem = '';
