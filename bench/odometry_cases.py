@@ -13,9 +13,9 @@ from create_oi_ros.odometry import Increment, Odometry
 from create_oi_ros.robot import FIRMWARE_SEPARATION
 from create_oi_ros.sim.body.config import IDEAL
 from create_oi_ros.sim.body.mechanics import Accumulator, Rounding
-from create_oi_ros.sim.body.wheels import WheelLog
 from odometry_loop import Journey
 from robots import Robot
+from wheel_log import WheelLog
 
 DAMAGED, SHORT, NOISY = 0.05, 0.05, 0.05
 """Probability that a byte of a frame is wrong, that one is missing, that garbage follows."""

@@ -8,15 +8,14 @@ import pytest
 
 from create_oi_ros.oi import ChargingState
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.battery import Battery, BatteryConfig
-from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.battery import Battery, CAPACITY
 from create_oi_ros.sim.world import parse, World
 
 HOUR = 3600.0
 DOCKED = parse('start 0.165 0 180 \n home_base 0 0 0', 'docked')
 
 
-def charging(charge=0.5, **config):
+def charging(charge=0.5):
     body = Body(World())
     body.set_battery(charge=charge)
     body.plug_charger(True)
@@ -47,12 +46,6 @@ def test_switched_off_it_hardly_drains():
     body.power(False)
     body.step(HOUR)
     assert body.sense().current == -2
-
-
-@pytest.mark.parametrize(('name', 'value'), [('capacity', 0.0), ('initial_charge', 1.1)])
-def test_an_impossible_battery_is_refused_by_name(name, value):
-    with pytest.raises(ValueError, match=name):
-        BatteryConfig(**{name: value})
 
 
 def test_an_empty_battery_is_flat_and_stays_at_zero():
@@ -123,16 +116,6 @@ def test_safe_and_full_end_charging_though_the_source_is_there():
     body.allow_charging(True)
     body.step(1)
     assert body.sense().charging_state == ChargingState.FULL_CHARGING
-
-
-@pytest.mark.parametrize('reported', [False, True])
-def test_cliffs_may_show_while_charging(reported):
-    body = Body(DOCKED, config=BodyConfig(cliffs_while_charging=reported))
-    body.step(1)
-    assert body.sense().cliff_left is reported
-    body.allow_charging(False)
-    body.step(1)
-    assert not body.sense().cliff_left
 
 
 def test_a_charging_fault_stops_the_current_until_it_is_cleared():
@@ -217,10 +200,10 @@ def test_the_duty_cycle_scales_the_drivers_current():
 @given(st.lists(st.tuples(st.floats(0, 2000), st.floats(0, 5), st.booleans()), max_size=20))
 @settings(max_examples=50, deadline=None)
 def test_charge_stays_between_empty_and_full(times):
-    battery = Battery(BatteryConfig())
+    battery = Battery()
     for seconds, drawn, charger in times:
         battery.step(seconds, drawn, charger)
-        assert 0 <= battery.charge <= battery.config.capacity
+        assert 0 <= battery.charge <= CAPACITY
         assert 10 < battery.voltage < 18
         assert (battery.state is ChargingState.NOT_CHARGING) == (not charger) or seconds == 0
 

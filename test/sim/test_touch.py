@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.body.config import Contact
 from create_oi_ros.sim.world import parse, Pose, shipped, World
-from support.bodies import Body, body_at_speed, FRAME, ideal, run, WALL_AHEAD
+from support.bodies import Body, body_at_speed, FRAME, run, WALL_AHEAD
 
 # Obstacles.
 
@@ -25,19 +24,6 @@ def test_a_wall_stops_the_robot_and_the_wheels_slip():
     assert truth.speed == pytest.approx(0, abs=1e-6)
     assert body.sense().bump_left and body.sense().bump_right
     assert not body.sense().overcurrent_left_wheel
-
-
-def test_a_wall_stalls_the_wheels_where_the_floor_grips():
-    body = Body(WALL_AHEAD, config=ideal(contact=Contact.STALL))
-    body.drive(right=0.4, left=0.4)
-    run(body, 4)
-    truth = body.truth()
-    assert truth.measured_travelled == pytest.approx(truth.travelled, abs=1e-3)
-    assert body.sense().overcurrent_left_wheel and body.sense().overcurrent_right_wheel
-    body.drive(right=-0.2, left=-0.2)
-    run(body, 1)
-    assert not body.sense().overcurrent_left_wheel
-    assert body.truth().pose.x < 1 - 0.165
 
 
 def test_at_a_slant_the_robot_slides_along_the_wall():

@@ -3,17 +3,14 @@
 """Room files, and what a robot senses in rooms."""
 
 import math
-from random import Random
 
 import pytest
 
-from create_oi_ros.oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.sensed import NO_INFRARED
-from create_oi_ros.sim.body.surroundings import CLIFF_BELOW, RECEIVER_FORWARD
+from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World, WorldError
 from create_oi_ros.sim.world.floor_plan import outlines
-from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon, sees
+from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon
 
 FRAME = 0.015
 
@@ -244,57 +241,6 @@ def test_a_virtual_wall_is_seen_in_its_beam_and_halo(pose, seen):
 
 def test_a_wall_stops_the_beam_of_a_virtual_wall():
     assert not sensed('virtual_wall 0 0 0 2 \n wall 1 -1 1 1', (1.5, 0, 0)).virtual_wall
-
-
-def crowded_room(random):
-    def somewhere():
-        return f'{random.uniform(-3, 3)} {random.uniform(-3, 3)}'
-
-    return parse('\n'.join([
-        *(f'home_base {somewhere()} {random.uniform(-180, 180)}' for _ in range(3)),
-        *(f'virtual_wall {somewhere()} {random.uniform(-180, 180)} 3' for _ in range(3)),
-        *(f'wall {somewhere()} {somewhere()}' for _ in range(random.randint(0, 3))),
-        *(f'post {somewhere()} {random.uniform(0.01, 0.1)}' for _ in range(30)),
-    ]), 'crowded')
-
-
-def beams_by_every_obstacle(world, pose):
-    """Return infrared character and virtual wall, and whether an obstacle hides any beam."""
-    receiver = pose.ahead(RECEIVER_FORWARD)
-    bits, walled, hidden = 0, False, False
-    for base in world.home_bases:
-        on = sum(bit * seen for bit, seen in zip(
-            (RED_BUOY, GREEN_BUOY, FORCE_FIELD), base.beams_on(receiver)))
-        others = [each for each in world.obstacles if each is not base.plate]
-        clear = sees(others, base.pose[:2], receiver)
-        bits |= on * clear
-        hidden |= bool(on) and not clear
-    for source in world.virtual_walls:
-        shines, clear = source.shines_on(receiver), sees(
-            world.obstacles, source.pose[:2], receiver)
-        walled |= shines and clear
-        hidden |= shines and not clear
-    return BEAMS + bits if bits else NO_INFRARED, walled or bool(bits & FORCE_FIELD), hidden
-
-
-def test_a_robot_that_drives_about_sees_the_beams_that_no_obstacle_hides():
-    seen, hidden = 0, 0
-    for seed in range(40):
-        random = Random(seed)
-        world = crowded_room(random)
-        body = Body(world, seed=seed)
-        for leg in range(60):
-            if leg % 20 == 0:
-                body.place(Pose(
-                    random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)))
-            body.drive(right=random.uniform(0, 0.5), left=random.uniform(0, 0.5))
-            body.step(random.uniform(0.1, 0.3))
-            infrared, walled, hides = beams_by_every_obstacle(world, body.truth().pose)
-            sense = body.sense()
-            assert (sense.infrared, sense.virtual_wall) == (infrared, walled)
-            seen, hidden = seen + (infrared != NO_INFRARED or walled), hidden + hides
-    assert seen > 100
-    assert hidden > 100
 
 
 # Docking.

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The battery: a store of charge with a voltage, a temperature and the charger's four stages.
+The battery, what charges it and what discharges it.
 
 The shapes are documented, the numbers guessed: twelve NiMH cells. The voltage follows the charge
 by a table and drops over an inner resistance. The pack is warmed by its own losses, and by a
@@ -13,7 +13,6 @@ charge is used. A pack that is too hot waits as well. A fault stops charging unt
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 import math
 
@@ -21,69 +20,40 @@ from ...oi import ChargingState
 
 LONGEST_STEP = 1.0
 """Seconds that are computed at once."""
+CAPACITY = 2.7
+"""Ampere hours (reported: the yellow pack's 3.0 nominal reads 2.6 to 2.7)."""
+INITIAL_LEVEL = 0.9
+"""Part of the capacity that is stored at the start."""
 CURVE = ((0.0, 12.0), (0.05, 13.8), (0.2, 14.6), (0.8, 15.3), (0.95, 15.8), (1.0, 16.4))
-"""Volts without load by fraction of capacity, straight lines between (guess)."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BatteryConfig:
-    """
-    Constants of the battery; all but the capacity are guesses.
-
-    Amperes, ampere hours, ohms, degrees Celsius, seconds.
-    """
-
-    capacity: float = 2.7
-    """Ampere hours (reported: the yellow pack's 3.0 nominal reads 2.6 to 2.7)."""
-    initial_charge: float = 0.9
-    """Fraction of the capacity at the start."""
-    resistance: float = 0.2
-    electronics: float = 0.2
-    """Amperes while the robot is on."""
-    standby: float = 0.002
-    """Amperes while it is off."""
-    wheel_idle: float = 0.08
-    """Amperes of the motor of a wheel that turns slowly."""
-    wheel_per_speed: float = 0.3
-    """Amperes that each m/s of wheel speed adds."""
-    wheel_blocked: float = 0.8
-    """Amperes of a wheel that slips against an obstacle: below the limit of 1 A (manual)."""
-    wheel_stalled: float = 1.5
-    """Amperes of a wheel that is held: above that limit."""
-    full_current: float = 1.25
-    reconditioning_current: float = 0.25
-    trickle_current: float = 0.05
-    reconditioning_below: float = 0.05
-    """Fraction of the capacity."""
-    trickle_time: float = 3600.0
-    recharge_below: float = 0.9
-    """Fraction of the capacity at which WAITING ends."""
-    ambient: float = 24.0
-    hot: float = 45.0
-    """Charging waits at this temperature, until the pack is 5 degrees cooler."""
-    warming: float = 6.0
-    """Degrees above ambient that each watt of heat leads to in the long run."""
-    warming_time: float = 1800.0
-
-    def __post_init__(self) -> None:
-        for name in ('capacity', 'warming_time'):
-            if not getattr(self, name) > 0:
-                raise ValueError(f'{name} is {getattr(self, name)}; allowed: above 0')
-        if not 0 <= self.initial_charge <= 1:
-            raise ValueError(f'initial_charge is {self.initial_charge}; allowed: 0 to 1')
+"""Volts without load by part of the capacity, straight lines between (guess)."""
+RESISTANCE = 0.2
+"""Ohms (guess)."""
+ELECTRONICS, STANDBY = 0.2, 0.002
+"""Amperes while the robot is on, and while it is off (guesses)."""
+CHARGE_CURRENTS = {ChargingState.RECONDITIONING: 0.25, ChargingState.FULL_CHARGING: 1.25,
+                   ChargingState.TRICKLE: 0.05}
+"""Amperes in each state in which the charger gives any (guesses)."""
+RECONDITIONING_BELOW, RECHARGE_BELOW = 0.05, 0.9
+"""Parts of the capacity at which reconditioning ends, and at which WAITING does (guesses)."""
+TRICKLE_TIME = 3600.0
+"""Seconds (guess)."""
+AMBIENT, HOT, COOLER = 24.0, 45.0, 5.0
+"""Degrees Celsius of the room; at which charging waits, until it is so much cooler (guesses)."""
+WARMING, WARMING_TIME = 6.0, 1800.0
+"""Degrees that each watt of heat leads to in the long run; time constant, seconds (guesses)."""
+LOW_SIDE_LIMITS = (0.5, 0.5, 1.5)
+"""Highest current of low side drivers 0, 1 and 2, amperes (manual)."""
 
 
 class Battery:
     """Charge in ampere hours, current in amperes (negative discharging), temperature in °C."""
 
-    __slots__ = ('config', 'charge', 'current', 'temperature', 'state', 'fault',
-                 '_trickled', '_hot')
+    __slots__ = ('charge', 'current', 'temperature', 'state', 'fault', '_trickled', '_hot')
 
-    def __init__(self, config: BatteryConfig) -> None:
-        self.config = config
-        self.charge = config.capacity * config.initial_charge
+    def __init__(self) -> None:
+        self.charge = CAPACITY * INITIAL_LEVEL
         self.current = 0.0
-        self.temperature = config.ambient
+        self.temperature = AMBIENT
         self.state = ChargingState.NOT_CHARGING
         self.fault = False
         """Set from outside: the battery refuses to be charged."""
@@ -93,8 +63,7 @@ class Battery:
     @property
     def voltage(self) -> float:
         """Volts at the terminals, at the present current."""
-        level = self.charge / self.config.capacity
-        return _at_rest(min(level, 1.0)) + self.current * self.config.resistance
+        return _voltage_without_load(self.charge / CAPACITY) + self.current * RESISTANCE
 
     def step(self, dt: float, drawn: float, charger: bool) -> None:
         """Let dt seconds pass while `drawn` amperes are used; `charger`: one is connected."""
@@ -104,99 +73,72 @@ class Battery:
             dt -= part
 
     def _step(self, dt: float, drawn: float, charger: bool) -> None:
-        config = self.config
         self.state = self._next_state() if charger else ChargingState.NOT_CHARGING
-        given = self._given()
+        given = CHARGE_CURRENTS.get(self.state, 0.0)
         # A charger that works also feeds the robot; one that waits or has failed does not.
         self.current = given if given else -drawn
         charge = self.charge + self.current * dt / 3600
-        lost = self.current ** 2 * config.resistance
-        if charge >= config.capacity:
-            lost += given * self.voltage
-            charge = config.capacity
-        self.charge = max(0.0, charge)
+        heat = self.current ** 2 * RESISTANCE
+        if charge >= CAPACITY:
+            heat += given * self.voltage
+        self.charge = min(CAPACITY, max(0.0, charge))
         self._trickled = self._trickled + dt if self.state is ChargingState.TRICKLE else 0.0
-        goal = config.ambient + config.warming * lost
-        self.temperature += (goal - self.temperature) * -math.expm1(-dt / config.warming_time)
-
-    def _given(self) -> float:
-        config = self.config
-        if self.state is ChargingState.FULL_CHARGING:
-            return config.full_current
-        if self.state is ChargingState.RECONDITIONING:
-            return config.reconditioning_current
-        return config.trickle_current if self.state is ChargingState.TRICKLE else 0.0
+        goal = AMBIENT + WARMING * heat
+        self.temperature += (goal - self.temperature) * -math.expm1(-dt / WARMING_TIME)
 
     def _next_state(self) -> ChargingState:
         """Return the charging state while a charger is connected."""
-        config, level = self.config, self.charge / self.config.capacity
-        self._hot = self.temperature > config.hot - (5 if self._hot else 0)
+        level = self.charge / CAPACITY
+        self._hot = self.temperature > HOT - (COOLER if self._hot else 0)
         if self.fault:
             return ChargingState.FAULT
-        if self._hot:
+        if self._hot or self.state is ChargingState.WAITING and level > RECHARGE_BELOW:
             return ChargingState.WAITING
-        if self.state is ChargingState.WAITING and level > config.recharge_below:
-            return ChargingState.WAITING
-        if level < config.reconditioning_below:
+        if level < RECONDITIONING_BELOW:
             return ChargingState.RECONDITIONING
-        stays_full = self.state is ChargingState.TRICKLE and level > config.recharge_below
+        stays_full = self.state is ChargingState.TRICKLE and level > RECHARGE_BELOW
         if level < 1 and not stays_full:
             return ChargingState.FULL_CHARGING
-        if self._trickled >= config.trickle_time:
-            return ChargingState.WAITING
-        return ChargingState.TRICKLE
+        return ChargingState.WAITING if self._trickled >= TRICKLE_TIME else ChargingState.TRICKLE
 
 
-def _at_rest(level: float) -> float:
-    """Return the volts without load at a fraction of the capacity, 0 to 1."""
+def _voltage_without_load(level: float) -> float:
+    """Return volts at a part of the capacity, 0 to 1."""
     for (low, bottom), (high, top) in pairwise(CURVE):
         if level <= high:
             return bottom + (top - bottom) * (level - low) / (high - low)
     return CURVE[-1][1]
 
 
-LOW_SIDE_LIMITS = (0.5, 0.5, 1.5)
-"""Highest current of low side drivers 0, 1 and 2, amperes (manual)."""
-
-
 class Electrics:
     """The battery and everything connected to it. Amperes; duty cycles 0 to 1."""
 
     __slots__ = ('battery', 'on', 'charging_allowed', 'charger', 'base_powered', 'docked',
-                 'overloads', '_duties', '_loads', '_drivers_draw')
+                 'duties', 'loads')
 
-    def __init__(self, config: BatteryConfig) -> None:
-        self.battery = Battery(config)
+    def __init__(self) -> None:
+        self.battery = Battery()
         self.on = self.charging_allowed = self.base_powered = True
         self.charger = self.docked = False
-        self._duties: Sequence[float] = (0.0, 0.0, 0.0)
-        self._loads: Sequence[float] = (0.0, 0.0, 0.0)
-        self._note_drivers()
+        self.duties: Sequence[float] = (0.0, 0.0, 0.0)
+        """Of low side drivers 0, 1 and 2."""
+        self.loads: Sequence[float] = (0.0, 0.0, 0.0)
+        """What is connected to them: amperes that each draws when fully on."""
 
     @property
     def home_base(self) -> bool:
         """The robot touches a Home Base that has power."""
         return self.docked and self.base_powered
 
+    @property
+    def overloads(self) -> list[bool]:
+        """Whether drivers 0, 1, 2 are on with a load that wants more than the limit."""
+        return [duty > 0 and load > limit
+                for load, duty, limit in zip(self.loads, self.duties, LOW_SIDE_LIMITS)]
+
     def step(self, dt: float, motors: float) -> None:
         """Let dt seconds pass while the wheels' motors draw this many amperes."""
-        config = self.battery.config
-        electronics = config.electronics if self.on else config.standby
-        drawn = motors + electronics + self._drivers_draw
+        drivers = sum(min(load, limit) * duty for load, duty, limit in zip(
+            self.loads, self.duties, LOW_SIDE_LIMITS))
+        drawn = motors + drivers + (ELECTRONICS if self.on else STANDBY)
         self.battery.step(dt, drawn, self.charging_allowed and (self.charger or self.home_base))
-
-    def switch(self, duties: Sequence[float]) -> None:
-        """Set the duty cycles of low side drivers 0, 1 and 2."""
-        self._duties = duties
-        self._note_drivers()
-
-    def load(self, loads: Sequence[float]) -> None:
-        """Set what is connected to them: amperes that each draws when fully on."""
-        self._loads = loads
-        self._note_drivers()
-
-    def _note_drivers(self) -> None:
-        drivers = list(zip(self._loads, self._duties, LOW_SIDE_LIMITS, strict=True))
-        self._drivers_draw = sum(min(load, limit) * duty for load, duty, limit in drivers)
-        self.overloads = [duty > 0 and load > limit for load, duty, limit in drivers]
-        """Whether drivers 0, 1, 2 are on with a load that wants more than the limit."""

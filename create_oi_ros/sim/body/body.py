@@ -30,10 +30,10 @@ from random import Random
 
 from ...robot import MILLI, Rounding
 from ..world import Pose, World
-from .battery import Electrics
+from .battery import CAPACITY, Electrics
 from .config import BodyConfig, CENTRE
 from .mechanics import Mechanics, Truth
-from .sensed import clamped, Overlay, Sensed
+from .sensed import clamped, ForcedValues, Sensed
 from .surroundings import CLIFF_BELOW, WALL_SEEN
 
 MOMENT = 1e-9
@@ -44,7 +44,7 @@ class Body:
     """A Create's mechanics, sensors and battery."""
 
     __slots__ = ('config', 'world', '_time', '_deadline', '_mechanics', '_electrics',
-                 '_overlay', '_sensed', '_random', '_push_end', '_slip_end')
+                 '_forced', '_sensed', '_random', '_push_end', '_slip_end')
 
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
                  config: BodyConfig = CENTRE) -> None:
@@ -52,8 +52,8 @@ class Body:
         self.world = world
         self._time, self._deadline = 0.0, math.inf
         self._mechanics = Mechanics(world, config, rounding, seed)
-        self._electrics = Electrics(config.battery)
-        self._overlay = Overlay()
+        self._electrics = Electrics()
+        self._forced = ForcedValues()
         self._sensed: Sensed | None = None
         self._random = Random(seed)
         self._push_end = self._slip_end = math.inf
@@ -69,7 +69,7 @@ class Body:
 
     def low_side(self, *, duty0: float, duty1: float, duty2: float) -> None:
         """Set the low side drivers' duty cycles, clamped to 0 to 1."""
-        self._electrics.switch(tuple(map(_fraction, (duty0, duty1, duty2))))
+        self._electrics.duties = tuple(map(_fraction, (duty0, duty1, duty2)))
         self._sensed = None
 
     def allow_charging(self, allowed: bool) -> None:
@@ -95,7 +95,7 @@ class Body:
     def sense(self) -> Sensed:
         """Return all sensors as they are now, forced values included; cached until a change."""
         if self._sensed is None:
-            self._sensed = self._overlay.over(self._look())
+            self._sensed = self._forced.put_over(self._look())
         return self._sensed
 
     def take_distance(self) -> int:
@@ -134,16 +134,13 @@ class Body:
         Examples: force(bump_left=True), force(seconds=0.2, play=True), force(infrared=130).
         ValueError names an unknown field or a value out of range; nothing is held then.
         """
-        self._overlay.force(values, _after(self._time, seconds))
+        self._forced.force(values, _after(self._time, seconds))
         self._set_deadline()
         self._sensed = None
 
     def unforce(self, *names: str) -> None:
         """Give the named sensors back to the physics; without names, all."""
-        if names:
-            self._overlay.release(names)
-        else:
-            self._overlay.release_all()
+        self._forced.release(names)
         self._set_deadline()
         self._sensed = None
 
@@ -185,7 +182,6 @@ class Body:
         wheels = self._mechanics.wheels
         for wheel, held in ((wheels.right, right), (wheels.left, left)):
             wheel.held = held
-            wheel.speed = 0.0 if held else wheel.speed
         self._sensed = None
 
     def plug_charger(self, plugged: bool) -> None:
@@ -203,7 +199,7 @@ class Body:
         """Set charge (fraction of capacity), temperature (deg C) and the charger's fault."""
         battery = self._electrics.battery
         if charge is not None:
-            battery.charge = _fraction(charge) * battery.config.capacity
+            battery.charge = _fraction(charge) * CAPACITY
         if temperature is not None:
             _finite('temperature', temperature)
             battery.temperature = temperature
@@ -214,7 +210,7 @@ class Body:
     def load(self, *, ld0: float = 0.0, ld1: float = 0.0, ld2: float = 0.0) -> None:
         """Set the loads of the low side drivers: amperes that each draws when fully on."""
         _finite('load', ld0, ld1, ld2)
-        self._electrics.load(tuple(max(0.0, each) for each in (ld0, ld1, ld2)))
+        self._electrics.loads = tuple(max(0.0, each) for each in (ld0, ld1, ld2))
         self._sensed = None
 
     # Time.
@@ -236,7 +232,7 @@ class Body:
         return h if h > 0 else 0.0
 
     def _set_deadline(self) -> None:
-        self._deadline = min(self._push_end, self._slip_end, self._overlay.deadline)
+        self._deadline = min(self._push_end, self._slip_end, self._forced.deadline)
 
     def _expire(self) -> None:
         """End the pushes, slips and forced values whose time is over."""
@@ -249,7 +245,7 @@ class Body:
             self._slip_end = math.inf
             self._mechanics.wheels.right.slip = self.config.right_slip
             self._mechanics.wheels.left.slip = self.config.left_slip
-        self._overlay.expire(now)
+        self._forced.expire(now)
         self._set_deadline()
         self._sensed = None
 
@@ -259,8 +255,6 @@ class Body:
         """Return the sensors as the physics has them."""
         mechanics, electrics, battery = self._mechanics, self._electrics, self._electrics.battery
         bumps, wall, floors = mechanics.feel()
-        if self.config.cliffs_while_charging and battery.current > 0:
-            floors = (0, 0, 0, 0)
         signals = self._noisy(floors)
         virtual_wall, infrared = mechanics.near.beams(
             mechanics.pose, electrics.base_powered)
@@ -284,7 +278,7 @@ class Body:
             current=clamped('current', battery.current / MILLI),
             temperature=clamped('temperature', battery.temperature),
             charge=clamped('charge', battery.charge / MILLI),
-            capacity=clamped('capacity', battery.config.capacity / MILLI),
+            capacity=clamped('capacity', CAPACITY / MILLI),
             home_base=electrics.home_base, internal_charger=electrics.charger)
 
     def _noisy(self, floors: tuple[int, ...]) -> list[int]:

@@ -9,16 +9,12 @@ and `guess` what nobody we know of has published: chosen to be plausible, and he
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from enum import Enum
 import math
-from typing import Any
 
-from ...robot import BODY_RADIUS, FIRMWARE_SEPARATION, TOP_SPEED, WHEEL_RADIUS, WHEEL_SEPARATION
-from ..numbers import number
-from .battery import BatteryConfig
-from .wheels import MOST_UNSTEADY, Response, TimeConstant, WheelLog
+from ...robot import FIRMWARE_SEPARATION, WHEEL_SEPARATION
+from .wheels import MOST_UNSTEADY, Response, TimeConstant
 
 
 class EncoderSign(Enum):
@@ -36,15 +32,6 @@ class EncoderSign(Enum):
     """The true sign, as two-channel encoders would have it."""
 
 
-class Contact(Enum):
-    """What the drive wheels do when an obstacle stops the robot."""
-
-    SLIP = 'slip'
-    """They slip on the floor: the encoders count on (default)."""
-    STALL = 'stall'
-    """They stop with the robot: the encoders stop, and the wheels draw too much current."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyConfig:
     """
@@ -57,12 +44,6 @@ class BodyConfig:
     """Between the wheels' contact points, metres (measured of one Create: 0.261 to 0.263)."""
     encoder_separation: float = 0.262
     """The separation by which the firmware works out the angle, metres (guess: the true one)."""
-    wheel_radius: float = WHEEL_RADIUS
-    """Metres (reported: 0.033 to 0.036); for drawings, the physics knows only metres of travel."""
-    body_radius: float = BODY_RADIUS
-    """Metres (reported: diameter 330 mm)."""
-    max_wheel_speed: float = TOP_SPEED
-    """Metres per second (manual)."""
     response: Response = Response.FIRST_ORDER
     """How a wheel's speed follows its goal (measured of one Create)."""
     time_constant: TimeConstant = TimeConstant(0.2256, 1.0)
@@ -102,41 +83,25 @@ class BodyConfig:
     right_slip: float = 0.0
     """Part of the right wheel's travel that is lost to slip at all times, 0 to 1."""
     left_slip: float = 0.0
-    contact: Contact = Contact.SLIP
-    cliffs_while_charging: bool = False
-    """All four cliff sensors see a cliff while a charger's current flows (reported of some)."""
-    battery: BatteryConfig = BatteryConfig()
-    recording: WheelLog | None = None
-    """Wheels that turn as a log says, whatever is asked of them."""
-    wheel_lateral: float = WHEEL_SEPARATION / 2
-    """Distance of each wheel from the robot's centre line, where its drop switch looks, metres."""
-    caster_forward: float = 0.13
-    """Distance of the front caster ahead of the centre, metres (guess)."""
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(value, float) and not math.isfinite(value):
-                raise ValueError(f'{each.name} is {value}: it must be finite')
-        for name in ('wheel_separation', 'encoder_separation', 'body_radius',
-                     'max_wheel_speed', 'wheel_acceleration', 'braking'):
-            if getattr(self, name) <= 0:
-                raise ValueError(f'{name} is {getattr(self, name)}: it must be above 0')
-        for name in ('dead_time', 'dead_band', 'encoder_tick'):
-            if getattr(self, name) < 0:
-                raise ValueError(f'{name} is {getattr(self, name)}: it must not be below 0')
-        if self.time_constant.seconds <= 0:
-            raise ValueError(f'time_constant is {self.time_constant.seconds}: it must be above 0')
-        if not 0 <= self.overshoot < 1:
-            raise ValueError(f'overshoot is {self.overshoot}: it must be within 0 to 1')
-        for name in ('speed_jitter', 'speed_wander'):
-            if not 0 <= getattr(self, name) <= MOST_UNSTEADY:
-                raise ValueError(f'{name} is {getattr(self, name)}: '
-                                 f'it must be within 0 to {MOST_UNSTEADY:g}')
-        for name in ('right_slip', 'left_slip'):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f'{name} is {getattr(self, name)}: it must be within 0 to 1')
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        for name, value in {**values, 'time_constant': self.time_constant.seconds}.items():
+            low, high = RANGES.get(name, (-math.inf, math.inf))
+            if isinstance(value, float) and not (low <= value <= high and math.isfinite(value)):
+                raise ValueError(f'{name} is {value}; allowed: {low:g} to {high:g}')
 
+
+SMALLEST = 1e-6
+"""Stands for above 0."""
+RANGES = {
+    **dict.fromkeys(('wheel_separation', 'encoder_separation', 'wheel_acceleration', 'braking',
+                     'time_constant'), (SMALLEST, math.inf)),
+    **dict.fromkeys(('dead_time', 'dead_band', 'encoder_tick'), (0.0, math.inf)),
+    **dict.fromkeys(('speed_jitter', 'speed_wander'), (0.0, MOST_UNSTEADY)),
+    **dict.fromkeys(('right_slip', 'left_slip'), (0.0, 1.0)), 'overshoot': (0.0, 0.99),
+}
+"""Lowest and highest value of a constant; any finite number where it is not here."""
 
 CENTRE = BodyConfig()
 """The centre of what was measured and reported: the default robot."""
@@ -145,71 +110,3 @@ IDEAL = BodyConfig(
     response=Response.RAMP, dead_time=0.0, dead_band=0.0, encoder_tick=0.0,
     encoder_sign=EncoderSign.UNTIL_REST)
 """Wheels that ramp without delay, for tests whose sums are easy."""
-
-
-TIME_CONSTANT = {
-    'time_constant': 'seconds', 'time_constant_exponent': 'exponent',
-    'time_constant_slowest': 'slowest', 'time_constant_fastest': 'fastest'}
-"""Names of guesses, and the fields of the time constant that they set."""
-RECORDING = 'recording'
-"""The name of the guess that is a file: a log of real wheels."""
-
-
-def guess_names() -> tuple[str, ...]:
-    """Return the names of all guesses about the body."""
-    plain = (field.name for field in fields(BodyConfig)
-             if isinstance(getattr(CENTRE, field.name), (float, Enum)))
-    return (*plain, *TIME_CONSTANT, RECORDING)
-
-
-def parse_guesses(
-    texts: Sequence[str], read: Callable[[str], str],
-) -> tuple[BodyConfig, list[str]]:
-    """
-    Read 'name=value' texts; return the body, and the texts that are about something else.
-
-    `read` returns what a file contains.
-    """
-    config, rest, known = CENTRE, [], guess_names()
-    for text in texts:
-        name, _, value = text.partition('=')
-        if name not in known:
-            rest.append(text)
-        elif name in TIME_CONSTANT:
-            constant = config.time_constant._replace(
-                **{TIME_CONSTANT[name]: _number(name, value)})
-            config = replace(config, time_constant=constant)
-        elif name == RECORDING:
-            config = replace(config, recording=_recording(value, read))
-        else:
-            changed: dict[str, Any] = {name: _value(name, value)}
-            config = replace(config, **changed)
-    return config, rest
-
-
-def _value(name: str, text: str) -> float | Enum:
-    default = getattr(CENTRE, name)
-    return choice(name, text, type(default)) if isinstance(default, Enum) else _number(name, text)
-
-
-def choice(name: str, text: str, kind: type[Enum]) -> Enum:
-    """Read the value of a guess that is one of several; ValueError says which."""
-    try:
-        return kind(text)
-    except ValueError:
-        allowed = ', '.join(str(each.value) for each in kind)
-        raise ValueError(f'{name}={text}: one of {allowed} is wanted') from None
-
-
-def _number(name: str, text: str) -> float:
-    try:
-        return number(text)
-    except ValueError as error:
-        raise ValueError(f'{name}: {error}') from None
-
-
-def _recording(text: str, read: Callable[[str], str]) -> WheelLog:
-    try:
-        return WheelLog.parse(read(text))
-    except (OSError, KeyError) as error:
-        raise ValueError(f'{RECORDING}={text}: {error}') from None

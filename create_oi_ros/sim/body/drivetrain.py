@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Two wheels and what they do to the robot's pose.
+Two drive wheels with their encoders, and what they do to the robot's pose.
 
 `Drivetrain.horizon` says how long the wheels' present motion keeps its nature; the body cuts time
 there. Within such a piece wheel travel and yaw are exact. The position is a two-point Gauss sum of
@@ -15,11 +15,147 @@ import math
 from random import Random
 from typing import NamedTuple
 
+from ...robot import TOP_SPEED
 from .config import BodyConfig, EncoderSign
 from .wheels import Follower, Lag, Ramp, Response, Spring, Unsteady
 
 GAUSS_NODE = 0.5 - 0.5 / math.sqrt(3)
 """Part of a piece of time at which a two-point Gauss sum looks first."""
+TIME_SLACK = 1e-9
+"""Seconds by which a sum of times may miss the moment at which a request takes effect."""
+TICK_SLACK = 1e-9
+"""Ticks by which a sum of floats may miss a whole number of them."""
+
+
+class Wheel:
+    """Motor, tyre and encoder. Speeds in m/s, forwards positive."""
+
+    __slots__ = ('target', 'slip', 'grounded', '_held', '_counts_up', '_scale', '_gain',
+                 '_offset', '_config', '_between', '_requests', '_follower')
+
+    def __init__(self, config: BodyConfig, scale: float, gain: float, offset: float,
+                 slip: float, random: Random) -> None:
+        self.target = 0.0
+        """What the wheel is driven at now, m/s."""
+        self.slip = slip
+        self.grounded = True
+        self._held = False
+        self._counts_up = True
+        """Whether the encoder takes the wheel to turn forwards."""
+        self._config = config
+        self._scale, self._gain, self._offset = scale, gain, offset
+        self._between = 0.0
+        """Metres since the last tick."""
+        self._requests: deque[tuple[float, float]] = deque()
+        """Seconds until a request takes effect, and its speed."""
+        self._follower = _follower(config)
+        if config.speed_jitter or config.speed_wander:
+            self._follower = Unsteady(
+                self._follower, config.speed_jitter, config.speed_wander, random)
+
+    def command(self, speed: float) -> None:
+        """Set the speed to run to, clamped to the wheel's maximum."""
+        speed = max(-TOP_SPEED, min(TOP_SPEED, speed))
+        if self._config.encoder_sign is not EncoderSign.DRIVE:
+            self._take_sign(speed)
+        if self._config.dead_time <= 0:
+            self._obey(speed)
+        elif speed != (self._requests[-1][1] if self._requests else self.target):
+            self._requests.append((self._config.dead_time, speed))
+
+    def _take_sign(self, speed: float) -> None:
+        sign = self._config.encoder_sign
+        if speed:
+            self._counts_up = speed > 0
+        elif sign is EncoderSign.COMMAND or (sign is EncoderSign.UNTIL_REST and self.speed == 0):
+            self._counts_up = True
+
+    def _obey(self, speed: float) -> None:
+        """Let a request take effect."""
+        self.target = speed
+        if self._config.encoder_sign is EncoderSign.DRIVE:
+            self._take_sign(speed)
+        self._follower.aim(self.goal)
+
+    @property
+    def speed(self) -> float:
+        """Of the tyre, as the encoder would measure it."""
+        return self._follower.speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._follower.speed = speed
+        self._follower.aim(self.goal)
+
+    @property
+    def held(self) -> bool:
+        """Whether somebody holds it."""
+        return self._held
+
+    @held.setter
+    def held(self, held: bool) -> None:
+        self._held = held
+        self.speed = 0.0 if held else self.speed
+
+    @property
+    def goal(self) -> float:
+        """The speed that it settles at."""
+        if self._held or abs(self.target) < self._config.dead_band or not self.target:
+            return 0.0
+        return self.target * self._gain + math.copysign(self._offset, self.target)
+
+    @property
+    def grip(self) -> float:
+        """True travel over tyre travel."""
+        return self._scale * (1 - self.slip) if self.grounded else 0.0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether it stands, and nothing that was asked will change that."""
+        return self.speed == 0 == self.goal and not self._requests
+
+    def horizon(self, longest: float) -> float:
+        """Return the seconds, at most `longest`, for which one `roll` is exact."""
+        if self._requests:
+            longest = min(longest, max(self._requests[0][0], TIME_SLACK))
+        return self._follower.horizon(longest)
+
+    def roll(self, h: float) -> float:
+        """Turn for h seconds, at most `horizon`; return the tread's travel, metres."""
+        if self._requests:
+            self._requests = deque((wait - h, speed) for wait, speed in self._requests)
+        return 0.0 if self._held else self._follower.roll(h)
+
+    def count(self, travel: float) -> float:
+        """
+        Return the signed metres, in whole ticks, that the encoder makes of the tread's travel.
+
+        Call this after each `roll`: requests that are due take effect here.
+        """
+        sign, counted = self._config.encoder_sign, travel
+        if sign is not EncoderSign.TRUE:
+            counted = abs(travel) if self._counts_up else -abs(travel)
+        while self._requests and self._requests[0][0] <= TIME_SLACK:
+            self._obey(self._requests.popleft()[1])
+        if sign is EncoderSign.UNTIL_REST and self.at_rest and self.target == 0:
+            self._counts_up = True
+        tick = self._config.encoder_tick
+        if not tick:
+            return counted
+        self._between += counted
+        ticks = math.trunc(self._between / tick + math.copysign(TICK_SLACK, self._between))
+        self._between -= ticks * tick
+        return ticks * tick
+
+
+def _follower(config: BodyConfig) -> Follower:
+    match config.response:
+        case Response.FIRST_ORDER:
+            return Lag(config.time_constant, config.braking)
+        case Response.SECOND_ORDER:
+            return Spring(config.time_constant, config.overshoot, config.braking)
+        case Response.RAMP:
+            return Ramp(config.wheel_acceleration, config.braking)
 
 
 class Motion(NamedTuple):
@@ -47,9 +183,6 @@ class Drivetrain:
                            Random(f'right {seed}'))
         self.left = Wheel(config, config.left_wheel_scale, config.left_speed_gain,
                           config.left_speed_offset, config.left_slip, Random(f'left {seed}'))
-        if config.recording is not None:
-            self.right.follow(config.recording.wheel('right'))
-            self.left.follow(config.recording.wheel('left'))
         self._separation = config.wheel_separation
 
     @property
@@ -72,12 +205,11 @@ class Drivetrain:
     def advance(self, h: float, yaw: float) -> Motion:
         """Drive for h seconds, at most `horizon`, from a heading of `yaw` radians."""
         right, left = self.right.grip, self.left.grip
-        speed, rate = self._together(self.right.speed * right, self.left.speed * left)
+        speed, rate = self.twist()
         right_travel, left_travel = self.right.roll(h), self.left.roll(h)
         far, turn = self._together(right_travel * right, left_travel * left)
-        dx, dy, turned, went = glide(
-            h, yaw, speed, rate, 2 * (far / h - speed) / h, 2 * (turn / h - rate) / h)
-        return Motion(dx, dy, turned, went, right_travel, left_travel)
+        return Motion(*glide(h, yaw, speed, rate, 2 * (far / h - speed) / h,
+                             2 * (turn / h - rate) / h), right_travel, left_travel)
 
     def roll(self, h: float, yaw: float, speed: float, rate: float) -> Motion:
         """Be pushed for h seconds at a twist of m/s and rad/s: the wheels follow the floor."""
@@ -93,12 +225,6 @@ class Drivetrain:
             if wheel.target == 0:
                 wheel.speed = 0.0
 
-    def stall(self, part: float) -> None:
-        """Take this part, 0 to 1, of what both wheels have in common from their speeds."""
-        common = (self.right.speed + self.left.speed) / 2 * part
-        self.right.speed -= common
-        self.left.speed -= common
-
 
 def glide(h: float, yaw: float, speed: float, rate: float,
           acceleration: float, turn_acceleration: float) -> tuple[float, float, float, float]:
@@ -110,163 +236,3 @@ def glide(h: float, yaw: float, speed: float, rate: float,
         x += stride * math.cos(heading)
         y += stride * math.sin(heading)
     return (x, y, (rate + turn_acceleration * h / 2) * h, (speed + acceleration * h / 2) * h)
-
-
-MOMENT_SLACK = 1e-9
-"""Seconds by which a sum of times may miss the moment at which a request takes effect."""
-TICK_SLACK = 1e-9
-"""Ticks by which a sum of floats may miss a whole number of them."""
-
-
-class Wheel:
-    """Motor, tyre and encoder. Speeds in m/s, forwards positive."""
-
-    __slots__ = ('target', 'slip', 'grounded', '_held', '_up', '_rolled_up', '_scale', '_gain',
-                 '_offset', '_top', '_sign', '_dead_time', '_dead_band', '_tick', '_between',
-                 '_waiting', '_follower', '_recorded')
-
-    def __init__(self, config: BodyConfig, scale: float, gain: float, offset: float,
-                 slip: float, random: Random) -> None:
-        self.target = 0.0
-        """What the wheel is driven at now, m/s."""
-        self.slip = slip
-        self.grounded = True
-        self._held = False
-        self._up = True
-        self._rolled_up: bool | None = None
-        """Its sign while it turned; a request that took effect at the end may have changed it."""
-        self._scale, self._gain, self._offset = scale, gain, offset
-        self._top, self._sign = config.max_wheel_speed, config.encoder_sign
-        self._dead_time, self._dead_band = config.dead_time, config.dead_band
-        self._tick = config.encoder_tick
-        self._between = 0.0
-        """Metres since the last tick."""
-        self._waiting: deque[tuple[float, float]] = deque()
-        """Seconds until a request takes effect, and its speed."""
-        self._follower = _follower(config)
-        if config.speed_jitter or config.speed_wander:
-            self._follower = Unsteady(
-                self._follower, config.speed_jitter, config.speed_wander, random)
-        self._recorded = False
-
-    def follow(self, follower: Follower) -> None:
-        """Turn as a recording says, with its own signs and ticks."""
-        self._follower, self._recorded = follower, True
-        self._sign, self._tick = EncoderSign.TRUE, 0.0
-
-    # What is asked of it.
-
-    def command(self, speed: float) -> None:
-        """Set the speed to run to, clamped to the wheel's maximum."""
-        speed = max(-self._top, min(self._top, speed))
-        if self._sign is not EncoderSign.DRIVE:
-            self._note_sign(speed)
-        if self._dead_time <= 0:
-            self._obey(speed)
-        elif speed != (self._waiting[-1][1] if self._waiting else self._asked):
-            self._waiting.append((self._dead_time, speed))
-
-    @property
-    def _asked(self) -> float:
-        """The speed asked for that the target comes from."""
-        return self.target
-
-    def _note_sign(self, speed: float) -> None:
-        if speed:
-            self._up = speed > 0
-        elif self._sign is EncoderSign.COMMAND or (
-                self._sign is EncoderSign.UNTIL_REST and self.speed == 0):
-            self._up = True
-
-    def _obey(self, speed: float) -> None:
-        """Let a request take effect."""
-        self.target = speed
-        if self._sign is EncoderSign.DRIVE:
-            self._note_sign(speed)
-        self._follower.aim(self.goal)
-
-    # What it does.
-
-    @property
-    def speed(self) -> float:
-        """Of the tyre, as the encoder would measure it."""
-        return self._follower.speed
-
-    @speed.setter
-    def speed(self, speed: float) -> None:
-        self._follower.speed = speed
-        self._follower.aim(self.goal)
-
-    @property
-    def held(self) -> bool:
-        """Whether somebody holds it."""
-        return self._held
-
-    @held.setter
-    def held(self, held: bool) -> None:
-        self._held = held
-        self._follower.aim(self.goal)
-
-    @property
-    def goal(self) -> float:
-        """The speed that it settles at."""
-        if self._held or abs(self.target) < self._dead_band or not self.target:
-            return 0.0
-        return self.target * self._gain + math.copysign(self._offset, self.target)
-
-    @property
-    def grip(self) -> float:
-        """True travel over tyre travel."""
-        return self._scale * (1 - self.slip) if self.grounded else 0.0
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether it stands, and nothing that was asked will change that."""
-        return (self.speed == 0 == self.goal and not self._waiting and not self._recorded)
-
-    def horizon(self, longest: float) -> float:
-        """Return the seconds, at most `longest`, for which one `roll` is exact."""
-        if self._waiting:
-            longest = min(longest, max(self._waiting[0][0], MOMENT_SLACK))
-        return self._follower.horizon(longest)
-
-    def roll(self, h: float) -> float:
-        """Turn for h seconds, at most `horizon`; return the tread's travel, metres."""
-        travel = self._follower.roll(h) if not self._held or self._recorded else 0.0
-        self._rolled_up = self._up
-        if self._waiting:
-            self._waiting = deque((wait - h, speed) for wait, speed in self._waiting)
-            while self._waiting and self._waiting[0][0] <= MOMENT_SLACK:
-                self._obey(self._waiting.popleft()[1])
-        return travel
-
-    # What is counted.
-
-    def count(self, travel: float) -> float:
-        """Return the signed metres that the encoder makes of the tread's travel."""
-        if self._sign is EncoderSign.TRUE:
-            return self._ticked(travel)
-        up, self._rolled_up = self._up if self._rolled_up is None else self._rolled_up, None
-        counted = abs(travel) if up else -abs(travel)
-        if self._sign is EncoderSign.UNTIL_REST and self.at_rest and self.target == 0:
-            self._up = True
-        return self._ticked(counted)
-
-    def _ticked(self, counted: float) -> float:
-        """Return the whole ticks that this and what was left of the last ones make."""
-        if not self._tick:
-            return counted
-        self._between += counted
-        ticks = math.trunc(self._between / self._tick + math.copysign(TICK_SLACK, self._between))
-        self._between -= ticks * self._tick
-        return ticks * self._tick
-
-
-def _follower(config: BodyConfig) -> Follower:
-    match config.response:
-        case Response.FIRST_ORDER:
-            return Lag(config.time_constant, config.braking)
-        case Response.SECOND_ORDER:
-            return Spring(config.time_constant, config.overshoot, config.braking)
-        case Response.RAMP:
-            return Ramp(config.wheel_acceleration, config.braking)

@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ...robot import MM_PER_M, Rounding, SLOT
+from ...robot import MM_PER_M, Rounding, SLOT, WHEEL_SEPARATION
 from ..world import Pose, World
-from .config import BodyConfig, Contact
+from .config import BodyConfig
 from .drivetrain import Drivetrain, Motion, Wheel
 from .surroundings import Surroundings
 
@@ -17,6 +17,18 @@ LONGEST_PIECE = SLOT
 """Seconds. At top speed this is 7.5 mm, so the robot jumps over no wall."""
 BLOCKED = 0.5
 """Part of the way lost to an obstacle from which the motors labour (guess)."""
+WHEEL_IDLE, WHEEL_PER_SPEED = 0.08, 0.3
+"""Amperes of a motor whose wheel turns slowly, and that each m/s adds (guesses)."""
+WHEEL_BLOCKED, WHEEL_HELD = 0.8, 1.5
+"""Amperes of a wheel that slips against an obstacle, and of one that is held: below and above the
+manual's limit of 1 A (guesses)."""
+WHEEL_LATERAL = WHEEL_SEPARATION / 2
+"""Metres of each wheel from the robot's centre line, where its drop switch looks."""
+CASTER_FORWARD = 0.13
+"""Metres of the front caster ahead of the centre (guess)."""
+LOWEST, HIGHEST = -32768, 32767
+UNIT_SLACK = 1e-6
+"""Units by which a sum of floats may miss a whole number that it means to be."""
 
 
 class Truth(NamedTuple):
@@ -42,11 +54,12 @@ class Mechanics:
     """A round body on two driven wheels and a caster."""
 
     __slots__ = ('wheels', 'near', 'pose', 'distance', 'angle', 'pushed', 'lifted', 'dropped',
-                 'caster_grounded', 'docked', '_config', '_travelled', '_turned', '_lost')
+                 'caster_grounded', 'docked', '_encoder_separation', '_travelled', '_turned',
+                 '_lost')
 
     def __init__(self, world: World, config: BodyConfig, rounding: Rounding, seed: int) -> None:
         self.wheels = Drivetrain(config, seed)
-        self.near = Surroundings(world, config.body_radius)
+        self.near = Surroundings(world)
         self.pose = world.start
         self.distance = Accumulator(rounding)
         """Millimetres."""
@@ -59,7 +72,7 @@ class Mechanics:
         """Wheels that hang down by somebody's hand: right, left, caster."""
         self.caster_grounded = True
         self.docked = False
-        self._config = config
+        self._encoder_separation = config.encoder_separation
         self._travelled = self._turned = 0.0
         self._lost = 0.0
 
@@ -84,19 +97,16 @@ class Mechanics:
 
     def stand(self) -> None:
         """Work out which wheels have floor below them and whether the robot is docked."""
-        config, up, firm = self._config, not self.lifted, self.near.firm
         right, left, caster = self.dropped
-        self.wheels.right.grounded = (
-            up and not right and (firm or self._floor(0, -config.wheel_lateral)))
-        self.wheels.left.grounded = (
-            up and not left and (firm or self._floor(0, config.wheel_lateral)))
-        self.caster_grounded = (
-            up and not caster and (firm or self._floor(config.caster_forward, 0)))
-        self.docked = up and self.near.docked(self.pose)
+        self.wheels.right.grounded = not right and self._floor_at(0, -WHEEL_LATERAL)
+        self.wheels.left.grounded = not left and self._floor_at(0, WHEEL_LATERAL)
+        self.caster_grounded = not caster and self._floor_at(CASTER_FORWARD, 0)
+        self.docked = not self.lifted and self.near.docked(self.pose)
 
-    def _floor(self, forward: float, left: float) -> bool:
-        """Return whether there is floor at a point of the robot."""
-        return self.near.floor(self.pose.ahead(forward, left)) is not None
+    def _floor_at(self, forward: float, left: float) -> bool:
+        """Return whether a point of the robot stands on floor."""
+        return not self.lifted and (self.near.floor_everywhere or self.near.floor(
+            self.pose.ahead(forward, left)) is not None)
 
     def horizon(self, longest: float) -> float:
         """Return the seconds, at most `longest`, that one `advance` may span."""
@@ -118,7 +128,7 @@ class Mechanics:
     def _move(self, motion: Motion) -> None:
         """Take the motion as far as obstacles allow, and count it."""
         (x, y, yaw), near = self.pose, self.near
-        travel, right, left = motion.travel, motion.right, motion.left
+        travel = motion.travel
         to_x, to_y = x + motion.dx, y + motion.dy
         self._lost = 0.0
         if travel:
@@ -131,42 +141,33 @@ class Mechanics:
                 near.move_to(to_x, to_y)
                 heading = yaw + motion.turn / 2
                 travel = (to_x - x) * math.cos(heading) + (to_y - y) * math.sin(heading)
-                right, left = self._yield(1 - travel / motion.travel, right, left)
+                # The wheels slip on the floor: the encoders count on.
+                self._lost = min(1.0, max(0.0, 1 - travel / motion.travel))
         self.pose = Pose(to_x, to_y, math.remainder(yaw + motion.turn, math.tau))
         self._travelled += travel
         self._turned += motion.turn
-        self._count(self.wheels.right.count(right), self.wheels.left.count(left))
+        self._count(self.wheels.right.count(motion.right), self.wheels.left.count(motion.left))
         self.stand()
-
-    def _yield(self, lost: float, right: float, left: float) -> tuple[float, float]:
-        """Note that an obstacle took part of the way; return what the treads then travel."""
-        self._lost = lost = min(1.0, max(0.0, lost))
-        if self._config.contact is Contact.SLIP:
-            return right, left
-        self.wheels.stall(lost)
-        common = (right + left) / 2 * lost
-        return right - common, left - common
 
     def _count(self, right: float, left: float) -> None:
         """Add what the encoders counted, metres, to what packets 19 and 20 will say."""
         self.distance.add(MM_PER_M * (right + left) / 2)
-        self.angle.add(math.degrees((right - left) / self._config.encoder_separation))
+        self.angle.add(math.degrees((right - left) / self._encoder_separation))
 
     def overloaded(self, wheel: Wheel) -> bool:
         """Return whether a wheel is told to turn and cannot."""
-        return wheel.target != 0 and (
-            wheel.held or (self._lost > BLOCKED and self._config.contact is Contact.STALL))
+        return wheel.target != 0 and wheel.held
 
     def drawn(self) -> float:
         """Return what the wheels' motors draw, amperes."""
-        config, drawn = self._config.battery, 0.0
+        drawn = 0.0
         for wheel in (self.wheels.right, self.wheels.left):
             if self.overloaded(wheel):
-                drawn += config.wheel_stalled
+                drawn += WHEEL_HELD
             elif wheel.target and self._lost > BLOCKED:
-                drawn += config.wheel_blocked
+                drawn += WHEEL_BLOCKED
             elif wheel.target or wheel.speed:
-                drawn += config.wheel_idle + config.wheel_per_speed * abs(wheel.speed)
+                drawn += WHEEL_IDLE + WHEEL_PER_SPEED * abs(wheel.speed)
         return drawn
 
     def feel(self) -> tuple[tuple[bool, bool], int, tuple[int, ...]]:
@@ -177,11 +178,6 @@ class Mechanics:
         if not self.near.obstacles:
             return (False, False), 0, floors
         return self.near.bumps(self.pose), self.near.wall_signal(self.pose), floors
-
-
-LOWEST, HIGHEST = -32768, 32767
-UNIT_SLACK = 1e-6
-"""Units by which a sum of floats may miss a whole number that it means to be."""
 
 
 class Accumulator:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the firmware can ask of the body: one immutable record, and the range of every field."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 import math
 from typing import Any, NamedTuple
 
@@ -106,8 +106,8 @@ def clamped(name: str, value: float) -> int:
     return round(low if value < low else high if value > high else value)
 
 
-class Overlay:
-    """Values by field of `Sensed`, each until a time in seconds."""
+class ForcedValues:
+    """Sensor values that somebody outside holds in place of the physics, until a time, seconds."""
 
     __slots__ = ('_values', '_ends')
 
@@ -127,23 +127,18 @@ class Overlay:
         self._values.update(good)
         self._ends.update(dict.fromkeys(good, until))
 
-    def release(self, names: tuple[str, ...]) -> None:
-        """Stop holding the named fields; ValueError for a name that is no field."""
-        for name in names:
+    def release(self, names: Iterable[str] = ()) -> None:
+        """Stop holding the named fields, or all; ValueError for a name that is no field."""
+        for name in [*names] or [*self._values]:
             checked(name, 0)
-        for name in names:
             self._values.pop(name, None)
             self._ends.pop(name, None)
 
-    def release_all(self) -> None:
-        """Stop holding anything."""
-        self._values.clear()
-        self._ends.clear()
-
     def expire(self, now: float) -> None:
         """Release the values whose time is over."""
-        self.release(tuple(name for name, end in self._ends.items() if end <= now))
+        if over := [name for name, end in self._ends.items() if end <= now]:
+            self.release(over)
 
-    def over(self, sensed: Sensed) -> Sensed:
+    def put_over(self, sensed: Sensed) -> Sensed:
         """Return the sensor values with the held ones in their place."""
         return sensed._replace(**self._values) if self._values else sensed

@@ -4,8 +4,7 @@
 What a body at a pose meets in its world: obstacles, walls beside it, floor below, beams.
 
 A robot crosses a room slowly. So `Surroundings` keeps the obstacles nearby until the robot has
-moved a quarter of a metre, those that may stand in a beam's way, and one reflectance for the floor
-where no edge is near.
+moved a quarter of a metre, and one reflectance for the floor where no edge is near.
 
 The numbers below are guesses unless marked otherwise. Bearings are seen from the robot's centre,
 left positive.
@@ -14,8 +13,8 @@ left positive.
 import math
 
 from ...oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
-from ...robot import CLIFF_BEARINGS
-from ..world import HomeBase, Pose, VirtualWall, World
+from ...robot import BODY_RADIUS, CLIFF_BEARINGS
+from ..world import Pose, World
 from ..world.geometry import Obstacle, Point, reach, sees
 from .sensed import NO_INFRARED
 
@@ -54,68 +53,38 @@ MARGIN = 0.25
 ROUNDS = 6
 """Attempts to push the robot out of obstacles before it counts as stuck between them."""
 
-Obstacles = tuple[Obstacle, ...]
-
 
 class Surroundings:
     """The part of a world near a round body."""
 
-    __slots__ = ('obstacles', 'firm', '_world', '_radius', '_x', '_y', '_even', '_floor', '_docks',
-                 '_bases', '_virtual_walls')
+    __slots__ = ('obstacles', 'floor_everywhere', '_world', '_x', '_y', '_edge_near', '_floor')
 
-    def __init__(self, world: World, radius: float) -> None:
-        self._world, self._radius = world, radius
+    def __init__(self, world: World) -> None:
+        self._world = world
         self._x = self._y = math.nan
-        self.obstacles: Obstacles = ()
+        self.obstacles: tuple[Obstacle, ...] = ()
         """Those that the body or the wall sensor can reach."""
-        self.firm = False
+        self.floor_everywhere = False
         """There is floor everywhere below the robot and no edge near."""
-        self._even = False
+        self._edge_near = True
         self._floor: float | None = None
-        self._docks: tuple[HomeBase, ...] = ()
-        """Those that the body can reach."""
-        self._bases: tuple[tuple[HomeBase, Obstacles], ...] = ()
-        """Each with the obstacles that may hide it."""
-        self._virtual_walls: tuple[tuple[VirtualWall, Obstacles], ...] = ()
 
     def move_to(self, x: float, y: float) -> None:
         """Search again if the robot has moved too far since the last search."""
-        # `not <`, because the first time `_x` is NaN.
-        if not (x - self._x) ** 2 + (y - self._y) ** 2 < MARGIN ** 2:
-            self._look_around(x, y)
-
-    def _look_around(self, x: float, y: float) -> None:
+        # `<`, because the first time `_x` is NaN.
+        if (x - self._x) ** 2 + (y - self._y) ** 2 < MARGIN ** 2:
+            return
         self._x, self._y = x, y
-        near = self._radius + WALL_REACH + MARGIN
-        world = self._world
-        self.obstacles = tuple(each for each in world.obstacles if each.gap(x, y) < near)
-        self._docks = tuple(each for each in world.home_bases if each.plate.gap(x, y) < near)
-        self._bases = tuple((each, self._between(each.pose, each.plate))
-                            for each in world.home_bases)
-        self._virtual_walls = tuple((each, self._between(each.pose))
-                                    for each in world.virtual_walls)
-        near = self._radius + MARGIN
-        self._even = all(each.edge_gap(x, y) > near for each in world.borders)
+        world, near = self._world, BODY_RADIUS + MARGIN
+        self.obstacles = tuple(
+            each for each in world.obstacles if each.gap(x, y) < near + WALL_REACH)
+        self._edge_near = any(each.edge_gap(x, y) <= near for each in world.borders)
         self._floor = world.floor(x, y)
-        self.firm = self._even and self._floor is not None
-
-    def _between(self, source: Pose, own: Obstacle | None = None) -> Obstacles:
-        """
-        Return the obstacles, but its own, that may stand between a source and the receiver.
-
-        One that hides the source has a point on the straight way between them. So its gaps to both
-        are together no longer than that way.
-        """
-        x, y = self._x, self._y
-        # So far may the receiver be from (x, y): the gap and the way are wrong by as much at most.
-        strayed = MARGIN + RECEIVER_FORWARD
-        far = math.dist((source.x, source.y), (x, y)) + 2 * strayed
-        return tuple(each for each in self._world.obstacles if each is not own
-                     and each.gap(source.x, source.y) + each.gap(x, y) <= far)
+        self.floor_everywhere = not self._edge_near and self._floor is not None
 
     def floor(self, point: Point) -> float | None:
         """Return the reflectance at a point below the robot; None where there is no floor."""
-        return self._floor if self._even else self._world.floor(*point)
+        return self._world.floor(*point) if self._edge_near else self._floor
 
     def push_out(self, x: float, y: float, back: Point) -> Point | None:
         """
@@ -136,7 +105,7 @@ class Surroundings:
         worst, out_x, out_y = 0.0, 1.0, 0.0
         for each in self.obstacles:
             gap = each.gap(x, y)
-            depth = self._radius - gap
+            depth = BODY_RADIUS - gap
             if depth > worst and gap != 0:
                 dx, dy = each.away(x, y)
                 worst, out_x, out_y = depth, dx / gap, dy / gap
@@ -146,7 +115,7 @@ class Surroundings:
         """Return whether the bumper is pressed left and right."""
         left = right = False
         for each in self.obstacles:
-            if each.gap(pose.x, pose.y) <= self._radius + TOUCH:
+            if each.gap(pose.x, pose.y) <= BODY_RADIUS + TOUCH:
                 dx, dy = each.away(pose.x, pose.y)
                 bearing = math.remainder(math.atan2(-dy, -dx) - pose.yaw, math.tau)
                 if abs(bearing) <= BUMPER_HALF:
@@ -157,15 +126,15 @@ class Surroundings:
     def wall_signal(self, pose: Pose) -> int:
         """Return the signal of the wall sensor, 0 to WALL_PEAK."""
         dx, dy = math.cos(pose.yaw + WALL_BEARING), math.sin(pose.yaw + WALL_BEARING)
-        gap = reach(self.obstacles, pose.x + self._radius * dx, pose.y + self._radius * dy,
+        gap = reach(self.obstacles, pose.x + BODY_RADIUS * dx, pose.y + BODY_RADIUS * dy,
                     dx, dy)
         return int(WALL_PEAK * (WALL_FALL / (WALL_FALL + gap)) ** 2) if gap < WALL_REACH else 0
 
     def cliff_signals(self, pose: Pose) -> tuple[int, ...]:
         """Return the signals of the four cliff sensors without noise; 0 where no floor is."""
-        if self._even:
+        if not self._edge_near:
             return (int(FLOOR_PEAK * (self._floor or 0.0)),) * 4
-        return tuple(int(FLOOR_PEAK * (self.floor(pose.ahead(*place)) or 0.0))
+        return tuple(int(FLOOR_PEAK * (self._world.floor(*pose.ahead(*place)) or 0.0))
                      for place in CLIFF_PLACES)
 
     def beams(self, pose: Pose, powered: bool) -> tuple[bool, int]:
@@ -175,26 +144,27 @@ class Surroundings:
         `powered` is about Home Bases. Their force field sets packet 13 too (manual). The manual's
         table has no character for a Virtual Wall, so packet 17 does not show one.
         """
-        if not self._bases and not self._virtual_walls:
-            return False, NO_INFRARED
-        receiver = pose.ahead(RECEIVER_FORWARD)
+        world, receiver = self._world, pose.ahead(RECEIVER_FORWARD)
         bits = 0
-        for base, between in self._bases if powered else ():
+        for base in world.home_bases if powered else ():
             red, green, field = base.beams_on(receiver)
-            if (red or green or field) and sees(between, (base.pose.x, base.pose.y), receiver):
+            if (red or green or field) and self._sees(receiver, base.pose):
                 bits |= RED_BUOY * red | GREEN_BUOY * green | FORCE_FIELD * field
-        walled = bool(bits & FORCE_FIELD)
-        for wall, between in self._virtual_walls:
-            walled = walled or (wall.shines_on(receiver)
-                                and sees(between, (wall.pose.x, wall.pose.y), receiver))
+        walled = bool(bits & FORCE_FIELD) or any(
+            wall.shines_on(receiver) and self._sees(receiver, wall.pose)
+            for wall in world.virtual_walls)
         return walled, BEAMS + bits if bits else NO_INFRARED
+
+    def _sees(self, receiver: Point, source: Pose) -> bool:
+        """Return whether no obstacle hides a source; the front of a Home Base does not."""
+        return sees(self._world.obstacles, receiver, (source.x, source.y))
 
     def docked(self, pose: Pose) -> bool:
         """Return whether the robot touches the contacts of a Home Base."""
-        for base in self._docks:
+        for base in self._world.home_bases:
             far, bearing = base.pose.polar(pose.x, pose.y)
             askew = math.remainder(pose.yaw - base.pose.yaw - math.pi, math.tau)
             if (abs(far * math.sin(bearing)) <= DOCK_ASIDE and abs(askew) <= DOCK_ASKEW
-                    and -TOUCH <= far * math.cos(bearing) - self._radius <= DOCK_GAP):
+                    and -TOUCH <= far * math.cos(bearing) - BODY_RADIUS <= DOCK_GAP):
                 return True
         return False

@@ -8,8 +8,8 @@ from typing import NamedTuple
 from ... import oi
 from ...oi import DriverBits, LedBits, OutputBits
 from ...oi.commands import DUTY
-from ...oi.steering import wheel_speeds
-from ...robot import MM_PER_M
+from ...oi.steering import wheel_speeds, WheelSpeeds
+from ...robot import BODY_RADIUS, MM_PER_M
 from ..body import Body
 
 
@@ -24,21 +24,7 @@ class Lights(NamedTuple):
 DARK = Lights()
 
 
-class CommandedWheels(NamedTuple):
-    """Commanded wheel speeds, mm/s."""
-
-    right: float = 0.0
-    left: float = 0.0
-
-    @property
-    def forward(self) -> float:
-        """Speed of the robot's centre, mm/s."""
-        return (self.right + self.left) / 2
-
-    def radius(self, separation: float) -> float:
-        """Return the radius of the circle of the robot's centre, mm; inf for straight."""
-        turn = abs(self.right - self.left)
-        return abs(self.forward) * separation / turn if turn else float('inf')
+STANDING = WheelSpeeds(0.0, 0.0)
 
 
 class ActuatorState:
@@ -59,7 +45,7 @@ class ActuatorState:
         self.velocity = self.radius = self.right = self.left = 0
         self.outputs = OutputBits(0)
         self.lights = DARK
-        self.turn_wheels(CommandedWheels())
+        self.turn_wheels(STANDING)
         self.switch_drivers(0, 0, 0)
 
     def obey(self, command: oi.Command) -> None:
@@ -83,14 +69,14 @@ class ActuatorState:
     def drive(self, velocity: int, radius: int) -> None:
         """Carry out Drive: packets 39 and 40 change, 41 and 42 stay."""
         self.velocity, self.radius = velocity, radius
-        self.turn_wheels(CommandedWheels(*wheel_speeds(velocity, radius, self._separation)))
+        self.turn_wheels(wheel_speeds(velocity, radius, self._separation))
 
     def drive_direct(self, right: int, left: int) -> None:
         """Carry out Drive Direct: packets 41 and 42 change, 39 and 40 stay."""
         self.right, self.left = right, left
-        self.turn_wheels(CommandedWheels(right, left))
+        self.turn_wheels(WheelSpeeds(right, left))
 
-    def turn_wheels(self, wheels: CommandedWheels) -> None:
+    def turn_wheels(self, wheels: WheelSpeeds) -> None:
         """Set the wheel speeds; packets 39 to 42 stay."""
         self.wheels = wheels
         self._body.drive(right=wheels.right / MM_PER_M, left=wheels.left / MM_PER_M)
@@ -104,11 +90,9 @@ class ActuatorState:
 
     def moves_into_cliff(self) -> bool:
         """Return whether a cliff stops Safe mode: moving forward or on a small radius (manual)."""
-        wheels = self.wheels
-        if wheels.forward > 0:
-            return True
-        body_radius = self._body.config.body_radius * MM_PER_M
-        return wheels != CommandedWheels() and wheels.radius(self._separation) < body_radius
+        right, left = self.wheels
+        forward, turn = (right + left) / 2, abs(right - left)
+        return forward > 0 or abs(forward) * self._separation < BODY_RADIUS * MM_PER_M * turn
 
     @property
     def requested(self) -> dict[str, int]:

@@ -26,7 +26,7 @@ from ..body.sensed import Sensed
 from ..numbers import TOLERANCE
 from . import script_waits as scripts
 from . import sensing
-from .actuators import ActuatorState, CommandedWheels, DARK, Lights
+from .actuators import ActuatorState, DARK, Lights, STANDING
 from .demo_behaviors import Controls, DemoPlayer
 from .guesses import Guesses, LIKELY, obeyable
 from .songs import BEEP, DESCENDING, Speaker
@@ -306,7 +306,7 @@ class Create:
     def _enter(self, mode: Mode) -> None:
         self._demos.stop()
         if mode is Mode.PASSIVE:
-            self.actuators.turn_wheels(CommandedWheels())
+            self.actuators.turn_wheels(STANDING)
             if self.guesses.passive_stops_drivers:
                 self.actuators.switch_drivers(0, 0, 0)
         elif mode is Mode.SAFE or self.mode is Mode.PASSIVE:
@@ -359,7 +359,7 @@ class Create:
         if accepted.section == ACTUATORS:
             self.actuators.obey(accepted)
             if self._held_by_dock():
-                self.actuators.turn_wheels(CommandedWheels())
+                self.actuators.turn_wheels(STANDING)
             self.speaker.obey(accepted, self.time)
         elif accepted.section == INPUTS:
             self._uart.reply(self._telemetry.answer(accepted, self._own_values()), self.time)

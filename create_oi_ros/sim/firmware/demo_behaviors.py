@@ -14,10 +14,11 @@ from random import Random
 
 from ...oi import DemoNumber, Infrared, Note
 from ...oi.codes import BEAMS, GREEN_BUOY, RED_BUOY
+from ...oi.steering import WheelSpeeds
 from ...robot import MM_PER_M, SLOT
 from ..body import Body
 from ..body.sensed import Sensed
-from .actuators import ActuatorState, CommandedWheels
+from .actuators import ActuatorState
 from .script_waits import cliff
 
 Demo = Iterator[None]
@@ -77,7 +78,7 @@ class Controls:
 
     def drive(self, right: float, left: float) -> None:
         """Set the wheel speeds."""
-        self._actuators.turn_wheels(CommandedWheels(right, left))
+        self._actuators.turn_wheels(WheelSpeeds(right, left))
 
     def curve(self, speed: float, radius: float) -> None:
         """Drive on a circle; a positive radius turns left."""

@@ -4,10 +4,12 @@
 What the manual leaves open about the firmware, each with the switch that turns the guess.
 
 `Create(body, guesses=Guesses(boot_seconds=0.0))`, or `create_sim --guess boot_seconds=0`.
+`obeyable` says which values of a command the robot accepts; hosts may send any.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from enum import Enum
 import math
@@ -19,7 +21,8 @@ from ...oi.commands import RADIUS
 from ...oi.declaration import Tail
 from ...oi.readings import SPEED
 from ...robot import SLOT
-from ..body import config
+from ..body.config import BodyConfig, CENTRE
+from ..numbers import guess_defaults, guessed
 
 
 class LongRadius(Enum):
@@ -82,38 +85,41 @@ class Guesses:
     """Bytes that may wait for the wire; a stream that asks for more than a slot holds loses
     what does not fit, and so is corrupted (manual: Stream)."""
 
-    @classmethod
-    def parse(cls, texts: list[str]) -> Guesses:
-        """Read 'name=value' texts; ValueError says what is allowed."""
-        values: dict[str, Any] = {}
-        for text in texts:
-            name, _, value = text.partition('=')
-            values[name] = cls._value(name, value)
-        return cls(**values)
-
-    @classmethod
-    def _value(cls, name: str, text: str) -> bool | int | float | Enum:
-        defaults = {field.name: field.default for field in fields(cls)}
-        if name not in defaults:
-            raise ValueError(
-                f'no guess {name!r}: one of {", ".join((*defaults, *config.guess_names()))}')
-        default: Any = defaults[name]
-        if isinstance(default, Enum):
-            return config.choice(name, text, type(default))
-        if isinstance(default, bool):
-            if text not in ('0', '1', 'false', 'true'):
-                raise ValueError(f'{name}={text}: true or false is wanted')
-            return text in ('1', 'true')
-        try:
-            value: int | float = type(default)(text)
-        except ValueError:
-            value = math.nan
-        if not 0 <= value < math.inf or name == 'frame_period' and not 0.005 <= value <= 0.1:
-            raise ValueError(f'{name}={text}: a number, not negative, is wanted')
-        return value
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            low, high = (0.005, 0.1) if each.name == 'frame_period' else (0.0, math.inf)
+            if not isinstance(value, Enum) and not (low <= value <= high and math.isfinite(value)):
+                raise ValueError(f'{each.name} is {value}; allowed: {low:g} to {high:g}')
 
 
 LIKELY = Guesses()
+
+
+TIME_CONSTANT = {
+    'time_constant': 'seconds', 'time_constant_exponent': 'exponent',
+    'time_constant_slowest': 'slowest', 'time_constant_fastest': 'fastest'}
+"""Names of guesses, and the fields of the wheels' time constant that they set."""
+
+
+def parse_guesses(texts: Sequence[str]) -> tuple[BodyConfig, Guesses]:
+    """Read 'name=value' texts about body and firmware; ValueError says what is allowed."""
+    of_body, of_firmware = guess_defaults(BodyConfig), guess_defaults(Guesses)
+    body: dict[str, Any] = {}
+    firmware: dict[str, Any] = {}
+    constant = CENTRE.time_constant
+    for text in texts:
+        name, _, value = text.partition('=')
+        if name in of_body:
+            body[name] = guessed(name, value, of_body[name])
+        elif name in of_firmware:
+            firmware[name] = guessed(name, value, of_firmware[name])
+        elif name in TIME_CONSTANT:
+            constant = constant._replace(**{TIME_CONSTANT[name]: guessed(name, value, 0.0)})
+        else:
+            known = (*of_firmware, *of_body, *TIME_CONSTANT)
+            raise ValueError(f'no guess {name!r}; allowed: {", ".join(known)}')
+    return BodyConfig(time_constant=constant, **body), Guesses(**firmware)
 
 
 def obeyable(command: Command, guesses: Guesses) -> Command | None:
@@ -139,10 +145,7 @@ def obeyable(command: Command, guesses: Guesses) -> Command | None:
             changed[field.name] = value & wire.mask
         else:
             return None
-    if not changed:
-        return command
-    values = {field.name: getattr(command, field.name) for field in command.fields}
-    return type(command)(**{**values, **changed})
+    return type(command)(**{**vars(command), **changed}) if changed else command
 
 
 def _tail_allowed(command: Command, tail: Tail) -> bool:

@@ -4,7 +4,6 @@
 
 from collections.abc import Callable
 import math
-from operator import attrgetter
 
 from ... import oi
 from ...oi import Event
@@ -43,9 +42,9 @@ SENSORS: dict[Event, tuple[str, ...]] = {
 
 
 def _any_of(event: Event) -> Callable[[Sensed], bool]:
-    """Return a function that tells whether any of an event's sensors is on; called often."""
-    get = attrgetter(*SENSORS[event])
-    return lambda sensed: any(get(sensed))
+    """Return a function that tells whether any of an event's sensors is on."""
+    names = SENSORS[event]
+    return lambda sensed: any(getattr(sensed, name) for name in names)
 
 
 cliff = _any_of(Event.CLIFF)
@@ -56,53 +55,27 @@ wheel_drop = _any_of(Event.WHEEL_DROP)
 
 def waiting(command: oi.Command, body: Body, slots: Callable[[], int],
             passive: Callable[[], bool]) -> Over:
-    """Start a wait; return the function that tells when it is over."""
+    """Start a wait, in mm or degrees, slots or for an event; return what tells when it is over."""
     match command:
         case oi.WaitTime(time=tenths):
-            return until_slot(slots, slots_of(tenths))
-        case oi.WaitDistance(distance=distance):
-            return until_travelled(body, distance)
-        case oi.WaitAngle(angle=angle):
-            return until_turned(body, angle)
-        case oi.WaitEvent(event=event):
-            return until_event(body, passive, event)
+            last = slots() + math.ceil(tenths / 10 / SLOT - REACHED)
+            return lambda: slots() >= last
+        case oi.WaitDistance(distance=goal):
+            body.take_distance()
+            start = body.distance_total
+            return lambda: _reached(body.distance_total - start, goal)
+        case oi.WaitAngle(angle=goal):
+            body.take_angle()
+            start = body.angle_total
+            return lambda: _reached(body.angle_total - start, goal)
+        case oi.WaitEvent(event=number):
+            event, wanted = Event(abs(number)), number > 0
+            if event is Event.OI_MODE_PASSIVE:
+                return lambda: passive() is wanted
+            happens = _any_of(event)
+            return lambda: happens(body.sense()) is wanted
     raise ValueError(f'{command} is no wait command')
-
-
-def until_slot(slots: Callable[[], int], count: int) -> Over:
-    """Wait for a number of slots."""
-    last = slots() + count
-    return lambda: slots() >= last
-
-
-def slots_of(tenths: int) -> int:
-    """Return the slots that Wait Time takes (manual: 'with a resolution of 15 ms')."""
-    return math.ceil(tenths / 10 / SLOT - REACHED)
-
-
-def until_travelled(body: Body, distance: int) -> Over:
-    """Wait for a distance in mm, forward positive; resets packet 19."""
-    body.take_distance()
-    start = body.distance_total
-    return lambda: _reached(body.distance_total - start, distance)
-
-
-def until_turned(body: Body, angle: int) -> Over:
-    """Wait for a turn in degrees, counter-clockwise positive; resets packet 20."""
-    body.take_angle()
-    start = body.angle_total
-    return lambda: _reached(body.angle_total - start, angle)
 
 
 def _reached(value: float, goal: int) -> bool:
     return value >= goal - REACHED if goal >= 0 else value <= goal + REACHED
-
-
-def until_event(body: Body, passive: Callable[[], bool], event: int) -> Over:
-    """Wait for an event, or for its inverse if the number is negative."""
-    wanted = event > 0
-    number = Event(abs(event))
-    if number is Event.OI_MODE_PASSIVE:
-        return lambda: passive() is wanted
-    names = SENSORS[number]
-    return lambda: any(getattr(body.sense(), name) for name in names) is wanted

@@ -17,7 +17,7 @@ from ...oi import (
     PacketList,
 )
 from ..body import Body
-from ..body.sensed import Sensed
+from ..body.sensed import PACKET_NAMES, Sensed
 
 
 def _flags(places: dict[str, IntFlag]) -> Callable[[Sensed], int]:
@@ -26,7 +26,7 @@ def _flags(places: dict[str, IntFlag]) -> Callable[[Sensed], int]:
     return lambda sensed: sum(map(mul, get(sensed), weights))
 
 
-bumps_and_wheel_drops = _flags({
+_bumps_and_wheel_drops = _flags({
     'bump_right': BumpsAndWheelDrops.BUMP_RIGHT,
     'bump_left': BumpsAndWheelDrops.BUMP_LEFT,
     'drop_right': BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
@@ -54,36 +54,20 @@ _charging_sources = _flags({
 })
 
 
+FIELDS = {PACKET_NAMES.get(field, field): field for field in Sensed._fields
+          if PACKET_NAMES.get(field, field) in oi.NUMBERS}
+"""Fields of the body's sensors that are a packet of their own, by the packet's name."""
+_of_fields = attrgetter(*FIELDS.values())
+
+
 def packet_values(sensed: Sensed) -> dict[str, int]:
     """Return the values that the body gives by packet name, except 19 and 20."""
-    r = sensed
     return {
-        'bumps_and_wheel_drops': bumps_and_wheel_drops(r),
-        'wall': r.wall,
-        'cliff_left': r.cliff_left,
-        'cliff_front_left': r.cliff_front_left,
-        'cliff_front_right': r.cliff_front_right,
-        'cliff_right': r.cliff_right,
-        'virtual_wall': r.virtual_wall,
-        'overcurrents': _overcurrents(r),
-        'unused_15': 0,
-        'unused_16': 0,
-        'infrared': r.infrared,
-        'buttons': _buttons(r),
-        'charging_state': r.charging_state,
-        'voltage': r.voltage,
-        'current': r.current,
-        'battery_temperature': r.temperature,
-        'battery_charge': r.charge,
-        'battery_capacity': r.capacity,
-        'wall_signal': r.wall_signal,
-        'cliff_left_signal': r.cliff_left_signal,
-        'cliff_front_left_signal': r.cliff_front_left_signal,
-        'cliff_front_right_signal': r.cliff_front_right_signal,
-        'cliff_right_signal': r.cliff_right_signal,
-        'digital_inputs': _digital_inputs(r),
-        'analog_signal': r.analog,
-        'charging_sources': _charging_sources(r),
+        **dict(zip(FIELDS, _of_fields(sensed))),
+        'bumps_and_wheel_drops': _bumps_and_wheel_drops(sensed),
+        'overcurrents': _overcurrents(sensed), 'unused_15': 0, 'unused_16': 0,
+        'buttons': _buttons(sensed), 'digital_inputs': _digital_inputs(sensed),
+        'charging_sources': _charging_sources(sensed),
     }
 
 

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The language of the control socket: lines that change the simulated world or ask about it.
+The control socket: lines that change the simulated world or ask about it.
 
 Every line is answered by one line that starts with `ok` or `error`. `help` lists the words.
 """
@@ -31,34 +31,57 @@ PRESS = 0.2
 """Default of how long a button is pressed, seconds."""
 WAIT_TIMEOUT = 10.0
 """Default of the timeout of `wait`, seconds."""
+LONGEST_LINE = 4096
+"""Bytes; a client that sends more without an end of line is disconnected."""
 COMPARE: dict[str, Callable[[Any, Any], bool]] = {
     '>=': operator.ge, '<=': operator.le, '!=': operator.ne,
     '=': operator.eq, '>': operator.gt, '<': operator.lt,
 }
 CONDITION = re.compile(r'(\w+)(>=|<=|!=|=|>|<)(.+)')
+NAMED_VALUES = {'true': True, 'false': False, 'none': None}
 
 
-class Waiting:
+class Waiting(NamedTuple):
     """
     A `wait` or `after` that has no answer yet.
 
     Its condition is first checked after the next slot, when earlier lines have had their effect.
     """
 
-    def __init__(self, met: Callable[[], bool], since: float, deadline: float,
-                 truth: Callable[[], str], words: str) -> None:
-        self._met, self._since, self._deadline = met, since, deadline
-        self._truth, self._words = truth, words
+    met: Callable[[], bool]
+    answer: Callable[[], str]
+    words: str
+    since: float
+    """Seconds on the robot's clock, as is the next."""
+    deadline: float = math.inf
 
-    def answer(self, time: float) -> str | None:
+    def answer_at(self, time: float) -> str | None:
         """Return the answer at this time on the robot's clock, in seconds; None: not yet."""
-        if time <= self._since:
-            return None
-        if self._met():
-            return self._truth()
-        if time >= self._deadline:
-            return f'error timeout while waiting for {self._words}'
+        if time > self.since and self.met():
+            return self.answer()
+        if time >= self.deadline:
+            return f'error timeout while waiting for {self.words}'
         return None
+
+
+class ControlWord(NamedTuple):
+    """What a word does, its form and its meaning."""
+
+    obey: Callable[..., str | Waiting | None]
+    form: str
+    meaning: str
+
+
+WORDS: dict[str, ControlWord] = {}
+Obey = Callable[['Interpreter', list[str]], str | Waiting | None]
+
+
+def word(form: str, meaning: str) -> Callable[[Obey], Obey]:
+    """Make a method that is called `do_NAME` the meaning of the word NAME."""
+    def declare(method: Obey) -> Obey:
+        WORDS[method.__name__.removeprefix('do_')] = ControlWord(method, form, meaning)
+        return method
+    return declare
 
 
 class Interpreter:
@@ -73,23 +96,15 @@ class Interpreter:
     def obey(self, text: str, now: float) -> str | Waiting:
         """Run a line; return the answer or what waits for it. No text raises."""
         self._now = now
-        words = text.split()
-        if not words:
-            return 'error empty line: try help'
-        word = WORDS.get(words[0])
-        if word is None:
-            return f'error unknown word {words[0]!r}: try help'
+        name, *words = text.split() or ['']
+        if name not in WORDS:
+            return f'error unknown word {name!r}: try help' if name else (
+                'error empty line: try help')
         try:
-            answer = word.obey(self, words[1:])
+            answer = WORDS[name].obey(self, words)
         except (ValueError, OSError) as error:
-            return f'error {words[0]}: {error}'.replace('\n', ' ')
+            return f'error {name}: {error}'.replace('\n', ' ')
         return 'ok' if answer is None else answer
-
-    # Questions.
-
-    def _help(self, words: list[str]) -> str:
-        return 'ok ' + '; '.join(f'{name} {word.form}: {word.meaning}'.replace(' :', ':')
-                                 for name, word in WORDS.items())
 
     def facts(self) -> dict[str, Any]:
         """Return the true motion and the robot's state."""
@@ -111,67 +126,78 @@ class Interpreter:
             'infrared_sent': list(actuators.infrared_sent), 'cable_cut': self._faults.cable_cut,
         }
 
-    def _truth(self, words: list[str]) -> str:
+    def _known(self) -> dict[str, Any]:
+        return {**self.facts(), **self._body.sense()._asdict()}
+
+    @word('', 'list the words')
+    def do_help(self, words: list[str]) -> str:
+        return 'ok ' + '; '.join(f'{name} {word.form}: {word.meaning}'.replace(' :', ':')
+                                 for name, word in WORDS.items())
+
+    @word('', 'pose, velocities (m, rad, s), mode, wheels (mm/s), all else, as JSON')
+    def do_truth(self, words: list[str]) -> str:
+        return self._truth()
+
+    def _truth(self) -> str:
         return 'ok ' + json.dumps(self.facts())
 
-    def _sense(self, words: list[str]) -> str:
+    @word('', 'what the sensors see, as JSON')
+    def do_sense(self, words: list[str]) -> str:
         return 'ok ' + json.dumps(self._body.sense()._asdict())
 
-    def _room(self, words: list[str]) -> str:
+    @word('', 'what stands in the room, in metres, as JSON')
+    def do_room(self, words: list[str]) -> str:
         return 'ok ' + json.dumps(outlines(self._body.world))
 
-    def _wait(self, words: list[str]) -> Waiting:
-        conditions, timeout = [], WAIT_TIMEOUT
+    @word('NAME=VALUE ... [timeout=S]',
+          'answer when truth or sense meet these (also != < > <= >=)')
+    def do_wait(self, words: list[str]) -> Waiting:
+        known, timeout = self._known(), WAIT_TIMEOUT
+        conditions: list[tuple[str, Callable[[Any, Any], bool], Any]] = []
         for word in words:
             match = CONDITION.fullmatch(word)
             if match is None:
                 raise ValueError(f'{word!r} is no condition; allowed: such as mode=SAFE or x>0.5')
-            if match[1] == 'timeout':
+            name, compare, value = match[1], COMPARE[match[2]], _value(match[3])
+            if name == 'timeout':
                 timeout = number(match[3])
-            else:
-                conditions.append((match[1], COMPARE[match[2]], _value(match[3])))
-        return self._waiting(conditions, timeout, ' '.join(words))
-
-    def _waiting(self, conditions: list[tuple[str, Callable[[Any, Any], bool], Any]],
-                 timeout: float, words: str) -> Waiting:
-        known = self._known()
-        for name, compare, value in conditions:
+                continue
             if name not in known:
                 raise ValueError(f'no {name!r}; allowed: {", ".join(known)}')
             if compare not in (operator.eq, operator.ne) and not (
                     isinstance(value, float) and isinstance(known[name], int | float)):
                 raise ValueError(f'{name} and {value!r} are not both numbers; allowed: = and !=')
+            conditions.append((name, compare, value))
 
         def met() -> bool:
             facts = self._known()
             return all(compare(facts[name], value) for name, compare, value in conditions)
         time = self._create.time
-        return Waiting(met, time, time + timeout, lambda: self._truth([]), words)
+        return Waiting(met, self._truth, ' '.join(words), time, time + timeout)
 
-    def _known(self) -> dict[str, Any]:
-        return {**self.facts(), **self._body.sense()._asdict()}
-
-    def _after(self, words: list[str]) -> Waiting:
+    @word('SECONDS', "answer this much later on the robot's clock")
+    def do_after(self, words: list[str]) -> Waiting:
         seconds, = _numbers(words, 1)
         time = self._create.time
         end = time + seconds - TOLERANCE
-        return Waiting(lambda: self._create.time >= end, time, math.inf,
-                       lambda: self._truth([]), f'{seconds} s')
+        return Waiting(lambda: self._create.time >= end, self._truth,
+                       f'{seconds} s', time)
 
-    # The robot's surroundings.
-
-    def _bump(self, words: list[str]) -> None:
+    @word('left|right|both|off [SECONDS]', 'press the bumper')
+    def do_bump(self, words: list[str]) -> None:
         side, seconds = _choice(words, 'left', 'right', 'both', 'off'), _seconds(words, math.inf)
         self._body.unforce('bump_left', 'bump_right')
-        pressed = {'bump_left': side in ('left', 'both'), 'bump_right': side in ('right', 'both')}
         if side != 'off':
-            self._body.force(seconds=seconds, **pressed)
+            self._body.force(seconds=seconds, bump_left=side in ('left', 'both'),
+                             bump_right=side in ('right', 'both'))
 
-    def _button(self, words: list[str]) -> None:
+    @word('play|advance [SECONDS]', 'press a button')
+    def do_button(self, words: list[str]) -> None:
         name = _choice(words, 'play', 'advance')
         self._body.force(seconds=_seconds(words, PRESS), **{name: 1})
 
-    def _force(self, words: list[str]) -> None:
+    @word('NAME=VALUE ... [seconds=S]', 'hold sensors (the names of sense) at values')
+    def do_force(self, words: list[str]) -> None:
         values = _assignments(words, (*RANGES, 'seconds'))
         seconds = values.pop('seconds', math.inf)
         whole = {name: int(value) for name, value in values.items() if value == int(value)}
@@ -179,51 +205,63 @@ class Interpreter:
             raise ValueError('allowed: whole numbers, such as bump_left=1 infrared=130')
         self._body.force(seconds=seconds, **whole)
 
-    def _unforce(self, words: list[str]) -> None:
+    @word('[NAME ...]', 'give sensors back to the physics')
+    def do_unforce(self, words: list[str]) -> None:
         self._body.unforce(*words)
 
-    def _lift(self, words: list[str]) -> None:
+    @word('', 'take the robot off the floor')
+    def do_lift(self, words: list[str]) -> None:
         self._body.lift(True)
 
-    def _down(self, words: list[str]) -> None:
+    @word('', 'put the robot back on the floor')
+    def do_down(self, words: list[str]) -> None:
         self._body.lift(False)
 
-    def _drop(self, words: list[str]) -> None:
+    @word('[right] [left] [caster]', 'let these wheels and no others hang down')
+    def do_drop(self, words: list[str]) -> None:
         self._body.drop(**_flags(words, 'right', 'left', 'caster'))
 
-    def _hold(self, words: list[str]) -> None:
+    @word('[right] [left]', 'hold these wheels and no others')
+    def do_hold(self, words: list[str]) -> None:
         self._body.hold(**_flags(words, 'right', 'left'))
 
-    def _push(self, words: list[str]) -> None:
+    @word('SPEED RATE SECONDS', 'roll the robot by hand (m/s, rad/s)')
+    def do_push(self, words: list[str]) -> None:
         speed, rate, seconds = _numbers(words, 3)
         self._body.push(speed=speed, rate=rate, seconds=seconds)
 
-    def _slip(self, words: list[str]) -> None:
+    @word('RIGHT LEFT SECONDS', 'let the wheels lose these parts (0 to 1) of their travel')
+    def do_slip(self, words: list[str]) -> None:
         right, left, seconds = _numbers(words, 3)
         self._body.slip(right=right, left=left, seconds=seconds)
 
-    def _place(self, words: list[str]) -> None:
+    @word('X Y YAW', 'put the robot elsewhere (metres, degrees)')
+    def do_place(self, words: list[str]) -> None:
         x, y, yaw = _numbers(words, 3)
         self._body.place(Pose(x, y, math.radians(yaw)))
 
-    def _load(self, words: list[str]) -> None:
+    @word('[ld0=A] [ld1=A] [ld2=A]', 'connect loads (amperes) to the low side drivers')
+    def do_load(self, words: list[str]) -> None:
         self._body.load(**_assignments(words, ('ld0', 'ld1', 'ld2')))
 
-    # Power.
-
-    def _charger(self, words: list[str]) -> None:
+    @word('on|off', 'plug in the internal charger')
+    def do_charger(self, words: list[str]) -> None:
         self._body.plug_charger(_choice(words, 'on', 'off') == 'on')
 
-    def _dock(self, words: list[str]) -> None:
+    @word('on|off', 'switch the Home Bases on or off')
+    def do_dock(self, words: list[str]) -> None:
         self._body.power_home_base(_choice(words, 'on', 'off') == 'on')
 
-    def _battery(self, words: list[str]) -> None:
+    @word('[charge=0..1] [temperature=C] [fault=0|1]', 'set the state of the battery')
+    def do_battery(self, words: list[str]) -> None:
         values: dict[str, Any] = _assignments(words, ('charge', 'temperature', 'fault'))
         if 'fault' in values:
             values['fault'] = bool(values['fault'])
         self._body.set_battery(**values)
 
-    def _power(self, words: list[str]) -> None:
+    @word('on|off|toggle|fail',
+          'press the power button; fail: take the battery out and put it back')
+    def do_power(self, words: list[str]) -> None:
         match _choice(words, 'on', 'off', 'toggle', 'fail'):
             case 'toggle':
                 self._create.toggle_power(self._now)
@@ -232,9 +270,8 @@ class Interpreter:
             case state:
                 self._create.power(state == 'on', self._now)
 
-    # The line.
-
-    def _cable(self, words: list[str]) -> None:
+    @word('cut|mend|unplug|plug', 'lose all bytes; remove the port; undo each')
+    def do_cable(self, words: list[str]) -> None:
         match _choice(words, 'cut', 'mend', 'unplug', 'plug'):
             case 'unplug':
                 self._line.unplug()
@@ -243,10 +280,12 @@ class Interpreter:
             case state:
                 self._faults.cable_cut = state == 'cut'
 
-    def _fault(self, words: list[str]) -> None:
+    @word('SPEC ...|off', 'replace the faults by these (as in --fault), or by none')
+    def do_fault(self, words: list[str]) -> None:
         self._faults.faults = [] if words == ['off'] else [Fault.parse(word) for word in words]
 
-    def _quit(self, words: list[str]) -> None:
+    @word('', 'end the simulator')
+    def do_quit(self, words: list[str]) -> None:
         self._stop()
 
 
@@ -283,81 +322,12 @@ def _assignments(words: list[str], allowed: tuple[str, ...]) -> dict[str, float]
 
 def _value(text: str) -> Any:
     """Return the value of a condition: true, false, none, a number, or else the text."""
-    named = {'true': True, 'false': False, 'none': None}
-    if text.lower() in named:
-        return named[text.lower()]
+    if text.lower() in NAMED_VALUES:
+        return NAMED_VALUES[text.lower()]
     try:
         return float(text)
     except ValueError:
         return text
-
-
-class ControlWord(NamedTuple):
-    """What a word does, its form and its meaning."""
-
-    obey: Callable[[Interpreter, list[str]], str | Waiting | None]
-    form: str
-    meaning: str
-
-
-WORDS = {
-    'help': ControlWord(Interpreter._help, '', 'list the words'),
-    'truth': ControlWord(
-        Interpreter._truth, '',
-        'pose, velocities (m, rad, s), mode, wheels (mm/s), all else, as JSON'),
-    'sense': ControlWord(Interpreter._sense, '', 'what the sensors see, as JSON'),
-    'room': ControlWord(
-        Interpreter._room, '', 'what stands in the room, in metres, as JSON'),
-    'wait': ControlWord(
-        Interpreter._wait, 'NAME=VALUE ... [timeout=S]',
-        'answer when truth or sense meet these (also != < > <= >=)'),
-    'after': ControlWord(
-        Interpreter._after, 'SECONDS',
-        "answer this much later on the robot's clock"),
-    'bump': ControlWord(Interpreter._bump, 'left|right|both|off [SECONDS]', 'press the bumper'),
-    'button': ControlWord(Interpreter._button, 'play|advance [SECONDS]', 'press a button'),
-    'force': ControlWord(
-        Interpreter._force, 'NAME=VALUE ... [seconds=S]',
-        'hold sensors (the names of sense) at values'),
-    'unforce': ControlWord(Interpreter._unforce, '[NAME ...]', 'give sensors back to the physics'),
-    'lift': ControlWord(Interpreter._lift, '', 'take the robot off the floor'),
-    'down': ControlWord(Interpreter._down, '', 'put the robot back on the floor'),
-    'drop': ControlWord(
-        Interpreter._drop, '[right] [left] [caster]',
-        'let these wheels and no others hang down'),
-    'hold': ControlWord(Interpreter._hold, '[right] [left]', 'hold these wheels and no others'),
-    'push': ControlWord(
-        Interpreter._push, 'SPEED RATE SECONDS',
-        'roll the robot by hand (m/s, rad/s)'),
-    'slip': ControlWord(
-        Interpreter._slip, 'RIGHT LEFT SECONDS',
-        'let the wheels lose these parts (0 to 1) of their travel'),
-    'place': ControlWord(
-        Interpreter._place, 'X Y YAW',
-        'put the robot elsewhere (metres, degrees)'),
-    'load': ControlWord(
-        Interpreter._load, '[ld0=A] [ld1=A] [ld2=A]',
-        'connect loads (amperes) to the low side drivers'),
-    'charger': ControlWord(Interpreter._charger, 'on|off', 'plug in the internal charger'),
-    'dock': ControlWord(Interpreter._dock, 'on|off', 'switch the Home Bases on or off'),
-    'battery': ControlWord(
-        Interpreter._battery, '[charge=0..1] [temperature=C] [fault=0|1]',
-        'set the state of the battery'),
-    'power': ControlWord(
-        Interpreter._power, 'on|off|toggle|fail',
-        'press the power button; fail: take the battery out and put it back'),
-    'cable': ControlWord(
-        Interpreter._cable, 'cut|mend|unplug|plug',
-        'lose all bytes; remove the port; undo each'),
-    'fault': ControlWord(
-        Interpreter._fault, 'SPEC ...|off',
-        'replace the faults by these (as in --fault), or by none'),
-    'quit': ControlWord(Interpreter._quit, '', 'end the simulator'),
-}
-
-
-LONGEST_LINE = 4096
-"""Bytes; a client that sends more without an end of line is disconnected."""
 
 
 class ControlConnection:
@@ -429,7 +399,7 @@ class ControlPort:
     def _answer(self, client: ControlConnection, time: float) -> None:
         while not client.gone:
             if client.waiting is not None:
-                answer = client.waiting.answer(time)
+                answer = client.waiting.answer_at(time)
                 if answer is None:
                     return
                 client.waiting = None

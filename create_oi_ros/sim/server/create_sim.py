@@ -4,11 +4,11 @@
 
 import argparse
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 import csv
 import errno
-import ipaddress
 from pathlib import Path
+import re
 import signal
 import sys
 
@@ -16,9 +16,9 @@ from ...oi import Checksum
 from ...oi.tools.capture_format import CaptureError
 from ...robot import Rounding
 from ..body import Body
-from ..body.config import BodyConfig, parse_guesses
+from ..body.config import BodyConfig
 from ..firmware import Create
-from ..firmware.guesses import Guesses
+from ..firmware.guesses import Guesses, parse_guesses
 from ..world import parse, shipped, shipped_names, World
 from ..world.floor_plan import map_of, sdf_of
 from .control import ControlPort
@@ -29,6 +29,8 @@ from .serve import Server
 
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
+SUFFIXES = ('.yaml', '.sdf')
+"""Of a file for --export."""
 
 
 def _address(text: str) -> tuple[str, int]:
@@ -70,24 +72,14 @@ def _export(text: str) -> Path:
     return Path(text)
 
 
-def _speed(text: str) -> float:
-    try:
-        speed = float(text)
-    except ValueError:
-        speed = 0.0
-    if not 0 < speed <= 1000:
-        raise argparse.ArgumentTypeError(f'{text!r}; allowed: above 0, at most 1000')
-    return speed
-
-
-def _linger(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = -1.0
-    if not 0 <= seconds <= 60:
-        raise argparse.ArgumentTypeError(f'{text!r}; allowed: 0 to 60 seconds')
-    return seconds
+def _number(low: float, high: float) -> Callable[[str], float]:
+    """Return a function that reads a number in a range."""
+    def read(text: str) -> float:
+        with suppress(ValueError):
+            if low <= (value := float(text)) <= high:
+                return value
+        raise argparse.ArgumentTypeError(f'{text!r}; allowed: {low:g} to {high:g}')
+    return read
 
 
 def _arguments() -> argparse.ArgumentParser:
@@ -113,13 +105,14 @@ def _arguments() -> argparse.ArgumentParser:
     add('--fault', action='append', type=_fault, default=[], metavar='SPEC',
         help='cause a fault, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
     add('--seed', type=int, default=0, help='of all random numbers (default: %(default)s)')
-    add('--speed', type=_speed, default=1.0, help='times real time (default: %(default)s)')
+    add('--speed', type=_number(0.001, 1000), default=1.0,
+        help='times real time (default: %(default)s)')
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
     add('--export', type=_export, metavar='FILE.yaml|.sdf',
         help='write the world as a map for Nav2 (YAML and PGM, 2 cm a cell) or as walls for '
         'Gazebo, and end; nothing is simulated')
-    add('--linger', type=_linger, default=0.0, metavar='SECONDS',
+    add('--linger', type=_number(0, 60), default=0.0, metavar='SECONDS',
         help='at Ctrl-C, serve so long or until the host has closed the port '
         '(default: %(default)s); a second Ctrl-C ends at once')
     add('--replay', type=Path, metavar='FILE',
@@ -156,18 +149,11 @@ def _announce(options: argparse.Namespace, line: Line) -> None:
     print(f'A simulated Create is on {line.name} (world {options.world.name}, odometry '
           f'{options.odometry}, checksum {options.checksum}). Ctrl-C ends it.')
     print(f'  create_node --ros-args -p port:={line.name}')
-    if options.tcp and not _is_loopback(options.tcp[0]):
+    if options.tcp and not re.match(r'127\.|::1$|localhost$', options.tcp[0]):
         print('Everybody who can reach this computer can drive it: there is no password.')
     if options.control:
         print(f'Lines on {options.control} change the world; try "help" first.')
     sys.stdout.flush()
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == 'localhost'
 
 
 def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
@@ -190,52 +176,6 @@ def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) ->
         server.serve()
 
 
-def _unfit_for_replay(options: argparse.Namespace, parser: argparse.ArgumentParser) -> str | None:
-    """Return a given option that does not work with --replay, if any."""
-    return next((name for name, value in vars(options).items()
-                 if name not in REPLAY_HAS and value != parser.get_default(name)
-                 and not (name == 'world' and value.name == parser.get_default(name))), None)
-
-
-def _run(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) -> None:
-    if options.export:
-        print(export(options.world, options.export))
-    elif options.replay:
-        play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
-    else:
-        _serve(options, guesses, config)
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_sim`; return its exit code. BrokenPipeError: nobody reads its output."""
-    parser = _arguments()
-    options = parser.parse_args(arguments)
-    try:
-        config, others = parse_guesses(
-            options.guess, lambda name: Path(name).read_text('utf-8'))
-        guesses = Guesses.parse(others)
-    except ValueError as error:
-        parser.error(str(error))
-    unfit = _unfit_for_replay(options, parser) if options.replay else None
-    if unfit is not None:
-        unfit = unfit.replace('_', '-')
-        parser.error(f'--{unfit} does not work with --replay: nothing is simulated then')
-    try:
-        _run(options, guesses, config)
-    except BrokenPipeError:
-        raise  # nobody reads the output: the caller ends the program quietly
-    except CaptureError as error:
-        print(f'create_sim: {error}', file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f'create_sim: {sentence(error)}', file=sys.stderr)
-        return 2
-    return 0
-
-
-SUFFIXES = ('.yaml', '.sdf')
-
-
 def export(world: World, path: Path) -> str:
     """Write a world, and say what was written; OSError names a file that cannot be."""
     if path.suffix == '.sdf':
@@ -255,3 +195,33 @@ def _write(files: dict[Path, bytes]) -> None:
     for path, content in files.items():
         with naming(path):
             path.write_bytes(content)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `create_sim`; return its exit code. BrokenPipeError: nobody reads its output."""
+    parser = _arguments()
+    options = parser.parse_args(arguments)
+    try:
+        config, guesses = parse_guesses(options.guess)
+    except ValueError as error:
+        parser.error(str(error))
+    for name, value in vars(options).items() if options.replay else ():
+        default = parser.get_default(name)
+        if name not in REPLAY_HAS and value != default and getattr(value, 'name', '') != default:
+            parser.error(f'--{name} does not work with --replay: nothing is simulated then')
+    try:
+        if options.export:
+            print(export(options.world, options.export))
+        elif options.replay:
+            play(options.replay, lambda: _line(options), options.speed, _end_on_signals)
+        else:
+            _serve(options, guesses, config)
+    except BrokenPipeError:
+        raise  # nobody reads the output: the caller ends the program quietly
+    except CaptureError as error:
+        print(f'create_sim: {error}', file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f'create_sim: {sentence(error)}', file=sys.stderr)
+        return 2
+    return 0

@@ -20,7 +20,6 @@ repeats every PERIOD (`@10` alone is once). The first three can be limited to su
 The same seed gives the same faults.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 import math
@@ -50,8 +49,9 @@ class FaultKind(Enum):
     BROWNOUT = 'brownout'
 
 
-DAMAGE = (FaultKind.FLIP, FaultKind.DROP, FaultKind.GARBAGE,
-          FaultKind.FLIP_IN, FaultKind.DROP_IN, FaultKind.GARBAGE_IN)
+DAMAGE_FROM_ROBOT = (FaultKind.FLIP, FaultKind.DROP, FaultKind.GARBAGE)
+DAMAGE_TO_ROBOT = (FaultKind.FLIP_IN, FaultKind.DROP_IN, FaultKind.GARBAGE_IN)
+DAMAGE = DAMAGE_FROM_ROBOT + DAMAGE_TO_ROBOT
 NUMBER = r'(\d+\.?\d*|\.\d+)'
 SPEC = re.compile(
     rf'([a-z.]+)(?::{NUMBER})?(?:@{NUMBER})?(?:\+{NUMBER})?(?:~{NUMBER})?')
@@ -132,45 +132,29 @@ class Faults:
 
     def from_robot(self, data: bytes, time: float) -> bytes:
         """Return what the host receives of bytes from the robot."""
-        if self.quiet:
-            return data
-        if self.cable_cut or self._active & {FaultKind.SILENCE, FaultKind.CUT, FaultKind.UNPLUG}:
-            return b''
-        return self._damaged(data, time, FROM_ROBOT)
+        return self._passed(data, time, FaultKind.SILENCE, DAMAGE_FROM_ROBOT)
 
     def to_robot(self, data: bytes, time: float) -> bytes:
         """Return what the robot receives of bytes from the host."""
+        return self._passed(data, time, FaultKind.DEAF, DAMAGE_TO_ROBOT)
+
+    def _passed(self, data: bytes, time: float, loss: FaultKind,
+                damage: tuple[FaultKind, ...]) -> bytes:
+        """Return what is left of bytes in one direction."""
         if self.quiet:
             return data
-        if self.cable_cut or self._active & {FaultKind.DEAF, FaultKind.CUT, FaultKind.UNPLUG}:
+        if self.cable_cut or self._active & {loss, FaultKind.CUT, FaultKind.UNPLUG}:
             return b''
-        return self._damaged(data, time, TO_ROBOT)
-
-    def _damaged(self, data: bytes, time: float, kinds: dict[FaultKind, 'Damage']) -> bytes:
+        random = self._random
         for fault in self.faults:
-            damage = kinds.get(fault.kind)
-            if (data and damage is not None and fault.within(time)
-                    and self._random.random() < (fault.rate or 0.0)):
-                data = damage(self, data)
+            if not (data and fault.kind in damage and fault.within(time)
+                    and random.random() < (fault.rate or 0.0)):
+                continue
+            if fault.kind in (FaultKind.GARBAGE, FaultKind.GARBAGE_IN):
+                data = random.randbytes(random.randint(1, MOST_GARBAGE)) + data
+                continue
+            place = random.randrange(len(data))
+            flips = fault.kind in (FaultKind.FLIP, FaultKind.FLIP_IN)
+            instead = bytes([data[place] ^ 1 << random.randrange(8)]) if flips else b''
+            data = data[:place] + instead + data[place + 1:]
         return data
-
-    def _flip(self, data: bytes) -> bytes:
-        damaged = bytearray(data)
-        damaged[self._random.randrange(len(data))] ^= 1 << self._random.randrange(8)
-        return bytes(damaged)
-
-    def _drop(self, data: bytes) -> bytes:
-        place = self._random.randrange(len(data))
-        return data[:place] + data[place + 1:]
-
-    def _garbage(self, data: bytes) -> bytes:
-        return self._random.randbytes(self._random.randint(1, MOST_GARBAGE)) + data
-
-
-Damage = Callable[[Faults, bytes], bytes]
-FROM_ROBOT: dict[FaultKind, Damage] = {
-    FaultKind.FLIP: Faults._flip, FaultKind.DROP: Faults._drop,
-    FaultKind.GARBAGE: Faults._garbage}
-TO_ROBOT: dict[FaultKind, Damage] = {
-    FaultKind.FLIP_IN: Faults._flip, FaultKind.DROP_IN: Faults._drop,
-    FaultKind.GARBAGE_IN: Faults._garbage}

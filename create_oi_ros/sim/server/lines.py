@@ -31,6 +31,67 @@ TERMIOS2 = struct.Struct('4I B 19s I I')
 """Linux's own structure: the portable one has no 14400 baud."""
 OUTPUT_SPEED = struct.Struct(f'{TERMIOS2.size - struct.calcsize("I")}x I')
 """Its last number, bits per second."""
+PEER = struct.Struct('3i')
+"""Linux, unix(7): process, user and group at the other end."""
+CALLERS = 64
+"""Refused processes that can still ask for the owner's process id."""
+
+
+class Claim:
+    """
+    Holds a path, for one process at a time, until `release`.
+
+    The kernel keeps the claim, as an abstract Unix socket named after the path, and drops it when
+    the process ends, however it ends. So a link or socket that a dead process left is replaced,
+    and that of a live process is not.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Claim a path; FileExistsError says which live process has it."""
+        whole = os.path.join(os.path.realpath(path.parent), path.name)
+        name = '\0create_sim ' + hashlib.sha256(os.fsencode(whole)).hexdigest()
+        self._socket = socket.socket(socket.AF_UNIX)
+        try:
+            self._socket.bind(name)
+        except OSError as error:
+            self._socket.close()
+            if error.errno != errno.EADDRINUSE:
+                raise
+            raise FileExistsError(
+                errno.EEXIST, f'belongs to a running create_sim{_owner(name)}; end that one, '
+                'or use another path', str(path)) from None
+        self._socket.listen(CALLERS)
+
+    def release(self) -> None:
+        """Leave the path to others."""
+        self._socket.close()
+
+
+def _owner(name: str) -> str:
+    """Return the process that has claimed a name, as text; '' if it cannot be found."""
+    with socket.socket(socket.AF_UNIX) as caller:
+        caller.setblocking(False)
+        try:
+            caller.connect(name)
+        except OSError:
+            return ''
+        process, _, _ = PEER.unpack(
+            caller.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, PEER.size))
+    return f' (process {process})' if process else ''
+
+
+@contextmanager
+def naming(given: object) -> Iterator[None]:
+    """Have every OSError inside name what the user gave: not nothing, nor a temporary name."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(given)) from None
+
+
+def sentence(error: OSError) -> str:
+    """Return the error as one line."""
+    return f'{error.filename}: {error.strerror}' if error.filename else str(error)
 
 
 class Line(Protocol):
@@ -127,13 +188,11 @@ class PtyLine:
         """Close the terminal; a host that has it open gets an error."""
         if self._master < 0:
             return
-        if self._link is not None and self._points_here(self._link):
-            self._link.unlink()
+        link = self._link
+        if link is not None and link.is_symlink() and os.readlink(link) == self._slave_name:
+            link.unlink()
         os.close(self._master)
         self._master, self._present = -1, False
-
-    def _points_here(self, link: Path) -> bool:
-        return link.is_symlink() and os.readlink(link) == self._slave_name
 
     def close(self) -> None:
         """Remove the terminal and the link, and leave the link's name to others."""
@@ -146,15 +205,10 @@ class PtyLine:
         return [self._master] if self.connected() else []
 
     def connected(self) -> bool:
-        """Return whether a host has the terminal open."""
-        self._look()
+        if self._master >= 0 and not self._present:
+            events = self._poll.poll(0)
+            self._present = not events or bool(events[0][1] & select.POLLIN)
         return self._present
-
-    def _look(self) -> None:
-        if self._master < 0 or self._present:
-            return
-        events = self._poll.poll(0)
-        self._present = not events or bool(events[0][1] & select.POLLIN)
 
     def read(self) -> bytes:
         """Read, and notice when the host has gone."""
@@ -168,20 +222,16 @@ class PtyLine:
             if error.errno != errno.EIO:
                 raise
         self._present = False
-        self._discard()
-        return b''
-
-    def _discard(self) -> None:
-        """Drop what the last host did not read, so that the next one does not get it."""
+        # Drop what the last host did not read, so that the next one does not get it.
         with suppress(OSError):
             slave = os.open(self._slave_name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             try:
                 termios.tcflush(slave, termios.TCIFLUSH)
             finally:
                 os.close(slave)
+        return b''
 
     def write(self, data: bytes) -> int:
-        """Write what fits; the rest is lost."""
         if not data or not self._present:
             return len(data)
         try:
@@ -190,7 +240,6 @@ class PtyLine:
             return 0
 
     def baud(self) -> int | None:
-        """Return the rate that the host has set on the terminal."""
         if self._master < 0:
             return None
         fcntl.ioctl(self._master, TCGETS2, self._settings)
@@ -215,7 +264,6 @@ class TcpLine:
         return f'socket://{f"[{host}]" if ":" in host else host}:{port}'
 
     def plug(self) -> None:
-        """Listen."""
         if self._listener is None:
             family = socket.AF_INET6 if ':' in self._address[0] else socket.AF_INET
             with naming(self.name):
@@ -224,7 +272,6 @@ class TcpLine:
             self._address = self._listener.getsockname()[:2]
 
     def unplug(self) -> None:
-        """Disconnect the client and stop listening."""
         self._disconnect()
         if self._listener is not None:
             self._listener.close()
@@ -238,7 +285,6 @@ class TcpLine:
             self._client = None
 
     def watched(self) -> list[int]:
-        """Return the listening socket and the client's."""
         return [each.fileno() for each in (self._listener, self._client) if each is not None]
 
     def read(self) -> bytes:
@@ -267,7 +313,6 @@ class TcpLine:
             self._client = client
 
     def write(self, data: bytes) -> int:
-        """Write what fits; the rest is lost."""
         if not data or self._client is None:
             return len(data)
         try:
@@ -279,66 +324,8 @@ class TcpLine:
             return len(data)
 
     def connected(self) -> bool:
-        """Return whether a client is connected."""
         return self._client is not None
 
     def baud(self) -> int | None:
         """Return None: TCP has no baud rate."""
         return None
-
-
-PEER = struct.Struct('3i')
-"""Linux, unix(7): process, user and group at the other end."""
-CALLERS = 64
-"""Refused processes that can still ask for the owner's process id."""
-
-
-class Claim:
-    """Holds a path until `release`."""
-
-    def __init__(self, path: Path) -> None:
-        """Claim a path; FileExistsError says which live process has it."""
-        whole = os.path.join(os.path.realpath(path.parent), path.name)
-        name = '\0create_sim ' + hashlib.sha256(os.fsencode(whole)).hexdigest()
-        self._socket = socket.socket(socket.AF_UNIX)
-        try:
-            self._socket.bind(name)
-        except OSError as error:
-            self._socket.close()
-            if error.errno != errno.EADDRINUSE:
-                raise
-            raise FileExistsError(
-                errno.EEXIST, f'belongs to a running create_sim{_owner(name)}; end that one, '
-                'or use another path', str(path)) from None
-        self._socket.listen(CALLERS)
-
-    def release(self) -> None:
-        """Leave the path to others."""
-        self._socket.close()
-
-
-def _owner(name: str) -> str:
-    """Return the process that has claimed a name, as text; '' if it cannot be found."""
-    with socket.socket(socket.AF_UNIX) as caller:
-        caller.setblocking(False)
-        try:
-            caller.connect(name)
-        except OSError:
-            return ''
-        process, _, _ = PEER.unpack(
-            caller.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, PEER.size))
-    return f' (process {process})' if process else ''
-
-
-@contextmanager
-def naming(given: object) -> Iterator[None]:
-    """Have every OSError inside name what the user gave: not nothing, nor a temporary name."""
-    try:
-        yield
-    except OSError as error:
-        raise OSError(error.errno, error.strerror or str(error), str(given)) from None
-
-
-def sentence(error: OSError) -> str:
-    """Return the error as one line."""
-    return f'{error.filename}: {error.strerror}' if error.filename else str(error)

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The robot's side of a capture, sent again to a host that is connected now.
+`create_sim --replay`: the robot's side of a capture, sent again to a host that is connected now.
 
 A replayed robot ignores what the host sends: it sends what it sent then. The replay starts when
 the host sends its first byte, at the moment of the capture at which the captured host did. After
@@ -30,6 +30,10 @@ from ...robot import SLOT
 from .lines import Line
 
 BEFORE_THE_HOST = (RecordKind.FROM_ROBOT, RecordKind.OPENED, RecordKind.BAUD, RecordKind.NOTE)
+LINGER = 1.0
+"""Seconds for which the port stays open at the end: closing it would drop unread bytes."""
+AT_ONCE = 4096
+"""Bytes that are read from the file at once."""
 
 
 class Replay:
@@ -101,12 +105,6 @@ class Replay:
         return sent
 
 
-LINGER = 1.0
-"""Seconds for which the port stays open at the end: closing it would drop unread bytes."""
-AT_ONCE = 4096
-"""Bytes that are read from the file at once."""
-
-
 class Player:
     """One replay on one line, in real time or `speed` times as fast."""
 
@@ -123,16 +121,19 @@ class Player:
         """Serve to the end of the capture or until `stop`; CaptureError if it is cut short."""
         try:
             while not self._stopping and not self._replay.over:
-                self._turn(self._replay.poll)
+                self._replay.poll(self._now())
+                self._exchange()
         finally:
             until = time.monotonic() + LINGER
             while not self._stopping and time.monotonic() < until:
-                self._turn(lambda now: None)
+                self._exchange()
 
-    def _turn(self, poll: Callable[[float], None]) -> None:
+    def _exchange(self) -> None:
+        """Write what is due, and wait for the host's bytes or the next record."""
         replay = self._replay
-        poll(self._now())
-        self._write()
+        # What the host has no room for waits.
+        self._unsent += replay.data_to_send()
+        self._unsent = self._unsent[self._line.write(self._unsent):]
         if replay.plugged:
             self._line.plug()
         else:
@@ -141,11 +142,6 @@ class Player:
         ready, _, _ = select.select(self._line.watched(), [], [], max(0.0, wait / self._speed))
         if ready:
             replay.receive(self._line.read(), self._now())
-
-    def _write(self) -> None:
-        """Write what is due; what the host has no room for waits."""
-        self._unsent += self._replay.data_to_send()
-        self._unsent = self._unsent[self._line.write(self._unsent):]
 
     def _now(self) -> float:
         return time.monotonic() * self._speed

@@ -20,8 +20,8 @@ from x). `#` starts a comment; blank lines are ignored.
 `parse` raises WorldError with the file's name and the line number for anything else.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from importlib import resources
 import math
 from typing import NamedTuple
@@ -139,68 +139,9 @@ class World:
         return (*self.ground, *self.cliffs, *(region for _, region in self.patches))
 
 
-class _Draft:
-    """A world while its lines are read: one method for each keyword."""
-
-    __slots__ = ('start', 'reflectance', 'patches', 'ground', 'cliffs', 'obstacles',
-                 'virtual_walls', 'home_bases')
-
-    def __init__(self) -> None:
-        self.start = Pose()
-        self.reflectance = 0.6
-        self.patches: list[tuple[float, Polygon]] = []
-        self.ground: list[Polygon] = []
-        self.cliffs: list[Polygon] = []
-        self.obstacles: list[Obstacle] = []
-        self.virtual_walls: list[VirtualWall] = []
-        self.home_bases: list[HomeBase] = []
-
-    def set_start(self, numbers: Sequence[float]) -> None:
-        self.start = _pose(numbers)
-
-    def set_floor(self, numbers: Sequence[float]) -> None:
-        self.reflectance = _fraction(numbers[0])
-
-    def add_patch(self, numbers: Sequence[float]) -> None:
-        self.patches.append((_fraction(numbers[0]), Polygon(_points(numbers[1:]))))
-
-    def add_ground(self, numbers: Sequence[float]) -> None:
-        self.ground.append(Polygon(_points(numbers)))
-
-    def add_cliff(self, numbers: Sequence[float]) -> None:
-        self.cliffs.append(Polygon(_points(numbers)))
-
-    def add_wall(self, numbers: Sequence[float]) -> None:
-        self.obstacles.extend(chain(_points(numbers)))
-
-    def add_box(self, numbers: Sequence[float]) -> None:
-        (ax, ay), (bx, by) = _points(numbers)
-        self.obstacles.extend(chain([(ax, ay), (bx, ay), (bx, by), (ax, by), (ax, ay)]))
-
-    def add_post(self, numbers: Sequence[float]) -> None:
-        self.obstacles.append(Disc(*numbers))
-
-    def add_virtual_wall(self, numbers: Sequence[float]) -> None:
-        if not numbers[3] > 0:
-            raise ValueError(f'a beam of {numbers[3]} metres; allowed: above 0')
-        self.virtual_walls.append(VirtualWall(_pose(numbers), numbers[3]))
-
-    def add_home_base(self, numbers: Sequence[float]) -> None:
-        self.home_bases.append(HomeBase(_pose(numbers)))
-        self.obstacles.append(self.home_bases[-1].plate)
-
-    def world(self, name: str) -> World:
-        return World(name=name, start=self.start, reflectance=self.reflectance,
-                     patches=tuple(self.patches), ground=tuple(self.ground),
-                     cliffs=tuple(self.cliffs), obstacles=tuple(self.obstacles),
-                     virtual_walls=tuple(self.virtual_walls),
-                     home_bases=tuple(self.home_bases))
-
-
 class Keyword(NamedTuple):
-    """How a line is read: its method, its form for messages, how many numbers it takes."""
+    """The numbers of a line: their form for messages, and how many it takes."""
 
-    read: Callable[[_Draft, Sequence[float]], None]
     form: str
     least: int
     most: float
@@ -212,33 +153,34 @@ class Keyword(NamedTuple):
 
 
 KEYWORDS = {
-    'start': Keyword(_Draft.set_start, 'X Y YAW', 3, 3),
-    'floor': Keyword(_Draft.set_floor, 'R', 1, 1),
-    'patch': Keyword(_Draft.add_patch, 'R X Y X Y X Y ...', 7, math.inf),
-    'ground': Keyword(_Draft.add_ground, 'X Y X Y X Y ...', 6, math.inf),
-    'cliff': Keyword(_Draft.add_cliff, 'X Y X Y X Y ...', 6, math.inf),
-    'wall': Keyword(_Draft.add_wall, 'X Y X Y ...', 4, math.inf),
-    'box': Keyword(_Draft.add_box, 'X Y X Y', 4, 4),
-    'post': Keyword(_Draft.add_post, 'X Y R', 3, 3),
-    'virtual_wall': Keyword(_Draft.add_virtual_wall, 'X Y YAW L', 4, 4),
-    'home_base': Keyword(_Draft.add_home_base, 'X Y YAW', 3, 3),
+    'start': Keyword('X Y YAW', 3, 3),
+    'floor': Keyword('R', 1, 1),
+    'patch': Keyword('R X Y X Y X Y ...', 7, math.inf),
+    'ground': Keyword('X Y X Y X Y ...', 6, math.inf),
+    'cliff': Keyword('X Y X Y X Y ...', 6, math.inf),
+    'wall': Keyword('X Y X Y ...', 4, math.inf),
+    'box': Keyword('X Y X Y', 4, 4),
+    'post': Keyword('X Y R', 3, 3),
+    'virtual_wall': Keyword('X Y YAW L', 4, 4),
+    'home_base': Keyword('X Y YAW', 3, 3),
 }
 
 
 def parse(text: str, name: str) -> World:
     """Read a room; messages of WorldError begin with its name."""
-    draft = _Draft()
+    world = World(name=name)
     for line_number, line in enumerate(text.splitlines(), 1):
         words = line.partition('#')[0].split()
         if words:
             try:
-                _read(draft, words)
+                world = _with_line(world, words)
             except ValueError as error:
                 raise WorldError(f'{name}, line {line_number}: {error}') from None
-    return draft.world(name)
+    return world
 
 
-def _read(draft: _Draft, words: Sequence[str]) -> None:
+def _with_line(world: World, words: Sequence[str]) -> World:
+    """Return a world with what another line says."""
     keyword = KEYWORDS.get(words[0])
     if keyword is None:
         raise ValueError(f'unknown {words[0][:LONGEST]!r}; allowed: {", ".join(KEYWORDS)}')
@@ -246,7 +188,36 @@ def _read(draft: _Draft, words: Sequence[str]) -> None:
     if not keyword.fits(len(numbers)):
         raise ValueError(f'{len(numbers)} numbers after {words[0]!r}; '
                          f'allowed: "{words[0]} {keyword.form}"')
-    keyword.read(draft, numbers)
+    obstacles = world.obstacles
+    match words[0]:
+        case 'start':
+            return replace(world, start=_pose(numbers))
+        case 'floor':
+            return replace(world, reflectance=_fraction(numbers[0]))
+        case 'patch':
+            patch = _fraction(numbers[0]), Polygon(_points(numbers[1:]))
+            return replace(world, patches=(*world.patches, patch))
+        case 'ground':
+            return replace(world, ground=(*world.ground, Polygon(_points(numbers))))
+        case 'cliff':
+            return replace(world, cliffs=(*world.cliffs, Polygon(_points(numbers))))
+        case 'wall':
+            return replace(world, obstacles=(*obstacles, *chain(_points(numbers))))
+        case 'box':
+            (ax, ay), (bx, by) = _points(numbers)
+            box = chain([(ax, ay), (bx, ay), (bx, by), (ax, by), (ax, ay)])
+            return replace(world, obstacles=(*obstacles, *box))
+        case 'post':
+            return replace(world, obstacles=(*obstacles, Disc(*numbers)))
+        case 'virtual_wall':
+            if not numbers[3] > 0:
+                raise ValueError(f'a beam of {numbers[3]} metres; allowed: above 0')
+            wall = VirtualWall(_pose(numbers), numbers[3])
+            return replace(world, virtual_walls=(*world.virtual_walls, wall))
+        case _:
+            base = HomeBase(_pose(numbers))
+            return replace(world, home_bases=(*world.home_bases, base),
+                           obstacles=(*obstacles, base.plate))
 
 
 def _fraction(number: float) -> float:
