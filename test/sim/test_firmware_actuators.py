@@ -12,7 +12,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode, Note
-from create_oi_ros.sim.firmware.guesses import Guesses, LongRadius
+from create_oi_ros.sim.firmware.guesses import Guesses
 from support.robot import Robot
 
 SEPARATION = 258
@@ -115,22 +115,12 @@ def test_a_radius_of_0_is_taken_as_straight(robot: Robot) -> None:
     assert robot.wheels == (100, 100)
 
 
-@pytest.mark.parametrize(('guess', 'radius', 'turns'), [
-    (LongRadius.CLAMP, 2000, True), (LongRadius.STRAIGHT, oi.Radius.STRAIGHT, False)])
-def test_a_radius_out_of_range_is_the_longest_or_straight(
-        guess: LongRadius, radius: int, turns: bool) -> None:
-    robot = Robot(Mode.FULL, guesses=Guesses(long_radius=guess))
+def test_a_radius_out_of_range_is_the_longest(robot: Robot) -> None:
     robot.say(bytes([137, 0, 200, *(9000).to_bytes(2)]))
-    assert robot.read('requested_radius') == radius
-    assert (robot.wheels[0] > robot.wheels[1]) is turns
+    assert robot.read('requested_radius') == 2000
+    assert robot.wheels[0] > robot.wheels[1]
     robot.say(bytes([137, 0, 200, *(-9000).to_bytes(2, signed=True)]))
-    assert (robot.wheels[0] < robot.wheels[1]) is turns
-
-
-def test_a_radius_out_of_range_is_ignored_by_another_guess() -> None:
-    robot = Robot(Mode.FULL, guesses=Guesses(long_radius=LongRadius.IGNORE))
-    robot.say(bytes([137, 0, 100]) + (3000).to_bytes(2))
-    assert robot.wheels == (0, 0)
+    assert robot.wheels[0] < robot.wheels[1]
 
 
 @pytest.mark.parametrize(('asked', 'got'), [(32767, 500), (501, 500), (-501, -500)])
@@ -232,11 +222,10 @@ def test_if_too_much_current_is_requested_the_overcurrent_flag_is_set(
     assert robot.ask(14) == bytes([flags])
 
 
-@pytest.mark.parametrize('stops', [True, False])
-def test_whether_passive_stops_the_drivers_is_a_guess_with_a_switch(stops: bool) -> None:
-    robot = Robot(Mode.SAFE, guesses=Guesses(passive_stops_drivers=stops))
+def test_passive_stops_the_drivers() -> None:
+    robot = Robot(Mode.SAFE)
     robot.say(oi.LowSideDrivers(bits=7), oi.Start())
-    assert (robot.create.actuators.duties == (0, 0, 0)) is stops
+    assert robot.create.actuators.duties == (0, 0, 0)
 
 
 # Send IR.

@@ -11,8 +11,6 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
-from create_oi_ros.oi.script import build_script
-from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import parse, shipped
 from support.robot import GENTLE, Robot
 
@@ -179,119 +177,10 @@ def test_safe_ends_when_a_charger_is_plugged_in_and_powered() -> None:
     assert robot.mode is Mode.PASSIVE
 
 
-@pytest.mark.parametrize('ends', [True, False])
-def test_whether_the_home_base_ends_safe_is_a_guess_with_a_switch(ends: bool) -> None:
-    robot = Robot(Mode.SAFE, guesses=Guesses(dock_ends_safe=ends))
-    robot.body.force(home_base=1)
-    robot.slots()
-    assert (robot.mode is Mode.PASSIVE) is ends
-
-
-def test_a_safety_stop_stops_all_motors() -> None:
-    robot = Robot(Mode.SAFE)
-    robot.say(oi.DriveDirect(right=200, left=200), oi.LowSideDrivers(bits=7))
-    robot.run(0.5)
-    robot.body.force(drop_caster=1)
-    robot.run(1.0)
-    assert robot.speed == 0
-    assert robot.create.actuators.duties == (0, 0, 0)
-
-
-def test_in_safe_without_commands_all_motors_and_leds_are_off() -> None:
-    robot = Robot(Mode.SAFE)
-    robot.run(5)
-    assert robot.create.lights == (0, 0, 0)
-    assert (robot.wheels, robot.speed) == ((0, 0), 0)
-
-
-@pytest.mark.parametrize('mode', [Mode.SAFE, Mode.FULL])
-@pytest.mark.parametrize('button', ['play', 'advance'])
-def test_in_safe_and_full_it_does_not_respond_to_buttons(mode: Mode, button: str) -> None:
-    robot = Robot(mode)
-    robot.body.force(seconds=0.2, **{button: 1})
-    robot.run(1)
-    assert robot.mode is mode
-    assert robot.create.demo is None
-
-
-@pytest.mark.parametrize('mode', [Mode.SAFE, Mode.FULL])
-def test_charging_terminates_when_you_enter_safe_or_full_mode(mode: Mode) -> None:
+def test_start_ends_a_demo() -> None:
     robot = Robot(Mode.PASSIVE)
-    robot.body.force(home_base=1)
-    robot.body.plug_charger(True)
-    robot.run(1)
-    assert robot.read('charging_state') is oi.ChargingState.FULL_CHARGING
-    robot.body.plug_charger(False)
-    robot.say(oi.Full() if mode is Mode.FULL else oi.Safe())
-    robot.body.unforce()
-    robot.slots()
-    assert robot.mode is mode
-    assert robot.read('charging_state') is oi.ChargingState.NOT_CHARGING
-
-
-def test_a_robot_in_full_on_its_charger_is_not_charged() -> None:
-    robot = Robot(Mode.FULL)
-    robot.body.plug_charger(True)
-    before = robot.read('battery_charge')
-    robot.run(600)
-    assert robot.read('battery_charge') < before
-
-
-# Full Mode.
-
-@pytest.mark.parametrize('sensor', [*SENSORS, 'drop_left', 'drop_right', 'drop_caster',
-                                    'internal_charger', 'home_base'])
-def test_full_mode_shuts_off_the_safety_features(sensor: str) -> None:
-    robot = Robot(Mode.FULL)
-    robot.body.force(**{sensor: 1})
-    robot.say(GENTLE)
-    robot.run(1)
-    assert robot.mode is Mode.FULL
-    assert robot.wheels == (100, 100)
-
-
-def test_to_put_the_oi_back_into_safe_mode_you_must_send_safe() -> None:
-    robot = Robot(Mode.FULL)
-    robot.body.force(drop_left=1)
-    robot.run(1)
-    robot.say(oi.Safe())
-    robot.slots()
-    assert robot.mode is Mode.PASSIVE
-
-
-def test_in_full_without_commands_all_motors_and_leds_are_off() -> None:
-    robot = Robot(Mode.FULL)
-    robot.run(5)
-    assert robot.create.lights == (0, 0, 0)
-    assert (robot.wheels, robot.speed) == ((0, 0), 0)
-
-
-# Getting Started Commands.
-
-def test_create_beeps_once_to_acknowledge_it_is_starting_from_off_mode() -> None:
-    robot = Robot()
-    robot.say(oi.Start())
-    assert robot.create.note != 0
-    robot.run(1)
-    assert robot.create.note == 0
-    robot.say(oi.Start())
-    assert robot.create.note == 0
-
-
-def test_start_changes_mode_to_passive_and_stops_the_wheels() -> None:
-    robot = Robot(Mode.FULL)
-    robot.say(GENTLE)
-    robot.run(1)
-    robot.say(oi.Start())
-    robot.run(1)
-    assert (robot.mode, robot.speed) == (Mode.PASSIVE, 0)
-
-
-@pytest.mark.parametrize('ends', [True, False])
-def test_whether_start_ends_a_demo_is_a_guess_with_a_switch(ends: bool) -> None:
-    robot = Robot(Mode.PASSIVE, guesses=Guesses(start_ends_demo=ends))
     robot.say(oi.Spot(), oi.Start())
-    assert (robot.create.demo is None) is ends
+    assert robot.create.demo is None
 
 
 # Mode Commands.
@@ -365,32 +254,3 @@ def test_the_last_drive_holds_for_ever() -> None:
     robot.run(600)
     assert robot.speed == pytest.approx(0.1)
     assert robot.body.truth().travelled == pytest.approx(60, rel=0.001)
-
-
-# After a change of mode.
-
-def test_whether_bytes_after_a_change_of_mode_are_lost_is_a_guess_with_a_switch() -> None:
-    """Reported of the Roomba: ignored or only partially received within 20 ms."""
-    drive = oi.DriveDirect(right=100, left=100)
-    robot = Robot(Mode.SAFE)
-    robot.say(oi.Full(), drive)
-    assert robot.wheels == (100, 100)
-    slow = Robot(guesses=Guesses(mode_settle=0.02))
-    slow.say(oi.Start(), oi.Full())
-    assert slow.mode is Mode.PASSIVE
-    slow.slots(2)
-    slow.say(oi.Full(), drive.encode()[:2])
-    slow.slots(1)
-    slow.say(drive.encode()[2:3])
-    slow.slots(1)
-    slow.say(drive)
-    assert (slow.mode, slow.wheels) == (Mode.FULL, (100, 100))
-
-
-def test_a_script_loses_nothing_after_a_change_of_mode() -> None:
-    robot = Robot(guesses=Guesses(mode_settle=0.02))
-    robot.say(oi.Start())
-    robot.slots(2)
-    script = build_script([oi.Full(), oi.DriveDirect(right=100, left=100)])
-    robot.say(script, oi.PlayScript())
-    assert (robot.mode, robot.wheels) == (Mode.FULL, (100, 100))

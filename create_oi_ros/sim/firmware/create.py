@@ -77,7 +77,6 @@ class Create:
         """The slot in which a script that has played itself starts again."""
         self._unread = b''
         """Bytes of a command that arrives while a wait lasts, if requests are answered then."""
-        self._deaf_until = 0.0
         self._wait: scripts.Over | None = None
         self._telemetry.reset()
         self._demos.reset()
@@ -112,7 +111,7 @@ class Create:
         self._uart.host_baud = baud
 
     def _read(self, data: bytes) -> None:
-        if not self._running or self.time < self._deaf_until - TOLERANCE:
+        if not self._running:
             return
         data = self._uart.receive(data, self.time)
         if self._holds:
@@ -307,8 +306,7 @@ class Create:
         self._demos.stop()
         if mode is Mode.PASSIVE:
             self.actuators.turn_wheels(STANDING)
-            if self.guesses.passive_stops_drivers:
-                self.actuators.switch_drivers(0, 0, 0)
+            self.actuators.switch_drivers(0, 0, 0)
         elif mode is Mode.SAFE or self.mode is Mode.PASSIVE:
             self.actuators.lights = DARK
         self.mode = mode
@@ -355,7 +353,9 @@ class Create:
         if accepted is None:
             return
         if accepted.enters is not None:
-            self._change_mode(accepted, accepted.enters)
+            if isinstance(accepted, oi.Start) and self.mode is Mode.OFF:
+                self._sound(BEEP)
+            self._enter(accepted.enters)
         if accepted.section == ACTUATORS:
             self.actuators.obey(accepted)
             if self._held_by_dock():
@@ -367,17 +367,6 @@ class Create:
             self._begin_wait(accepted)
         else:
             self._obey_other(accepted)
-
-    def _change_mode(self, command: oi.Command, mode: Mode) -> None:
-        if isinstance(command, oi.Start):
-            if self.mode is Mode.OFF:
-                self._sound(BEEP)
-            elif self.demo is not None and not self.guesses.start_ends_demo:
-                return
-        self._enter(mode)
-        if self.guesses.mode_settle:
-            self._deaf_until = self.time + self.guesses.mode_settle
-            self._queue.clear()
 
     def _obey_other(self, command: oi.Command) -> None:
         match command:

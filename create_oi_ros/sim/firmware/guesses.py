@@ -11,27 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from enum import Enum
 import math
 from typing import Any
 
 from ...oi import Command
-from ...oi.codes import Radius
 from ...oi.commands import RADIUS
 from ...oi.declaration import Tail
 from ...oi.readings import SPEED
 from ...robot import SLOT
 from ..body.config import BodyConfig, CENTRE
 from ..numbers import guess_defaults, guessed
-
-
-class LongRadius(Enum):
-    """What the robot makes of a Drive whose radius is beyond 2000 mm."""
-
-    CLAMP = 'clamp'
-    """A radius of 2000 mm, as it clamps velocities."""
-    STRAIGHT = 'straight'
-    IGNORE = 'ignore'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,10 +42,6 @@ class Guesses:
     dock_charges: bool = True
     """Passive, entered on the contacts of a Home Base, begins to charge; else only a restart does
     (reported of some)."""
-    passive_stops_drivers: bool = True
-    """Whatever leads to Passive turns the low side drivers off, as it stops the wheels."""
-    start_ends_demo: bool = True
-    """Start, sent while a demo runs, ends it."""
     stream_while_waiting: bool = True
     """The stream goes on while a script waits."""
     wait_queue: int = 256
@@ -67,14 +52,9 @@ class Guesses:
     loop_listens: bool = True
     """Between the rounds of a script that plays itself the host's bytes are obeyed (a library
     counts on it; a manual says the opposite)."""
-    long_radius: LongRadius = LongRadius.CLAMP
-    """Drive with a radius beyond 2000 mm: one library sends it, so it is not ignored."""
     mask_bits: bool = True
     """Bits without a meaning in LEDs, Low Side Drivers and Digital Outputs are taken as 0
     (reported of LEDs: 139 25 0 128 lights them). Else the robot ignores the command."""
-    mode_settle: float = 0.0
-    """Seconds after a change of mode in which bytes are lost; 0.02 is reported of the Roomba
-    ('ignored or only partially received')."""
     overrun: bool = False
     """At 115200, bytes less than 200 microseconds apart are lost (manual: Baud, 'may'). Bytes
     received in one call count as sent back to back."""
@@ -89,7 +69,7 @@ class Guesses:
         for each in fields(self):
             value = getattr(self, each.name)
             low, high = (0.005, 0.1) if each.name == 'frame_period' else (0.0, math.inf)
-            if not isinstance(value, Enum) and not (low <= value <= high and math.isfinite(value)):
+            if not (low <= value <= high and math.isfinite(value)):
                 raise ValueError(f'{each.name} is {value}; allowed: {low:g} to {high:g}')
 
 
@@ -126,7 +106,7 @@ def obeyable(command: Command, guesses: Guesses) -> Command | None:
     """
     Return the command with values that the robot accepts; None if it ignores the command.
 
-    Velocities are clamped; bits without a meaning and long radii follow the guesses.
+    Velocities and radii are clamped; bits without a meaning follow the guess.
     """
     if command.tail is not None and not _tail_allowed(command, command.tail):
         return None
@@ -135,12 +115,9 @@ def obeyable(command: Command, guesses: Guesses) -> Command | None:
         value, wire = getattr(command, field.name), field.wire
         if wire.allows(value):
             continue
-        if wire is SPEED:
-            changed[field.name] = max(SPEED.low, min(SPEED.high, value))
-        elif wire is RADIUS and guesses.long_radius is LongRadius.CLAMP:
-            changed[field.name] = max(RADIUS.low, min(RADIUS.high, value))
-        elif wire is RADIUS and guesses.long_radius is LongRadius.STRAIGHT:
-            changed[field.name] = Radius.STRAIGHT
+        if wire in (SPEED, RADIUS):
+            # A library sends radii beyond 2000 mm, and could not drive a robot that ignores them.
+            changed[field.name] = max(wire.low, min(wire.high, value))
         elif wire.mask and guesses.mask_bits:
             changed[field.name] = value & wire.mask
         else:
