@@ -9,24 +9,18 @@
 #   make demo            a tour of a simulated robot, recorded and reported on; ARGS=--short
 #   make test            build, lint and test, seven minutes; ARGS='FILE -k NAME' runs some tests
 #   make build           the same as make
-#   make nightly         the rest: coverage, with a floor for each room, and all that takes long
+#   make nightly         all that takes long: hours; SHARE=0.1: a tenth of it; ARGS as above
 #   make lint            ruff and mypy
 #   make docs            write the generated tables and figures into the documents
 #   make bench           measure speed and cost: 45 minutes, on a quiet machine
 #   make bench-compare   compare two measurements
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are
-#   make faults          make each fault ten times: an hour
-#   make soak            30 minutes under load with faults; ARGS=5: five minutes
-#   make sequences       draw sequences of all that can happen for 10 minutes; ARGS=1: for one
-#   make campaign        all long tests, for some hours, and one table; ARGS=--short: ten minutes
-#   make mutants         try small mistakes in the code; ARGS='--sample 40 driver': 40 of each file
-#   make fuzz            read a million damaged frames; ARGS='20000 7': so many, with a seed
 #   make clean           remove all that was installed, built and measured
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test nightly build bench bench-compare bench-odometry bench-goals faults soak fuzz sequences campaign mutants docs lint clean
+.PHONY: help run demo test nightly build bench bench-compare bench-odometry bench-goals docs lint clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -40,18 +34,12 @@ help: ; @sed -n 's/^#   make/make/p' Makefile
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(PYTEST))
-nightly: build ; @$(ENTER) $(if $(ARGS),python -m pytest -m nightly $(ARGS),$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py && python -m pytest -m nightly)
+nightly: build $(MUTANTS) ; @$(ENTER) $(if $(ARGS),,$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py &&) python -m pytest -m nightly -rP $(ARGS)
 build: $(BUILT)
 bench: build ; @$(ENTER) python bench/everything.py $(ARGS)
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)
 bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build ; @$(ENTER) python bench/bench_goals.py $(ARGS)
-faults: build ; @$(ENTER) python test faults $(ARGS)
-soak: build ; @$(ENTER) python test soak $(ARGS)
-fuzz: build ; @$(ENTER) python test fuzz $(ARGS)
-sequences: build ; @$(ENTER) python test sequences $(ARGS)
-campaign: build $(MUTANTS) ; @$(ENTER) python test campaign $(ARGS)
-mutants: build $(MUTANTS) ; @$(ENTER) python test mutants $(ARGS)
 docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/robot_check.md && python bench/draw_odometry.py && python bench/draw_drive.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis

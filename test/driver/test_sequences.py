@@ -1,12 +1,247 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Any sequence of commands, requests, faults and hands on the robot ends well."""
+"""
+Any sequence of commands, goals, requests, faults and hands on the robot ends well.
 
-from campaign.sequences import draw
-from support.measuring import UNMEASURED
+A sequence that fails is printed as a short program.
+"""
 
-pytestmark = UNMEASURED
+from math import inf, nan
+
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import initialize, rule, RuleBasedStateMachine, run_state_machine_as_test
+import pytest
+
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver.goals import Dock, Undock, WallFollow
+from create_oi_ros.driver.goals.approach import Learned
+from create_oi_ros.oi.script import build_script
+from create_oi_ros.sim.body.config import CENTRE, IDEAL
+from create_oi_ros.sim.world import parse, World
+from support.goals import angle, arc, distance, place
+from support.nightly import NIGHTLY, times
+from support.watched_loop import WatchedLoop
+
+MODES = (oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL)
+SPEEDS = st.sampled_from((0.0, 0.05, 0.2, -0.3, 0.5, 9.0, nan, inf))
+TURNS = st.sampled_from((0.0, 0.1, -1.0, 3.0, -20.0))
+BODIES = {'ideal': IDEAL, 'centre': CENTRE}
+WORLDS = {
+    'empty': World(),
+    'dock': parse('home_base 0.5 0 180\nbox -1 -1 1 1\ncliff 0.5 0.5 0.9 0.5 0.9 0.9', 'dock')}
+GOALS = {
+    'short way': lambda: distance(0.2), 'way back': lambda: distance(-0.3, 0.1),
+    'long way': lambda: distance(9.0, 0.5), 'no way': lambda: distance(0.0),
+    'little time': lambda: distance(1.0, allowance=0.5), 'turn': lambda: angle(90),
+    'arc': lambda: arc(120, 0.3), 'place': lambda: place(-0.3, 0.2, 90),
+    'wall': lambda: WallFollow(-1, 2.0, 0.0), 'dock': lambda: Dock(20.0),
+    'undock': lambda: Undock(0.0, Learned())}
+TIMES = st.sampled_from((0.005, 0.02, 0.1, 0.3, 0.7, 1.5))
+SHARES = st.sampled_from((0.05, 0.3, 1.0))
+SCRIPT = build_script([
+    oi.DriveDirect(right=100, left=100), oi.WaitTime(time=5), oi.DriveDirect(right=0, left=0)])
 
 
-def test_any_sequence_ends_well():
-    draw(25, 40, derandomize=True)
+class Sequences(RuleBasedStateMachine):
+    """Everything that can happen to a driver, in any order."""
+
+    @initialize(body=st.sampled_from(sorted(BODIES)), acceleration=st.sampled_from((0.0, 0.5)),
+                world=st.sampled_from(sorted(WORLDS)), goal=st.sampled_from(['', *sorted(GOALS)]))
+    def begin(self, body, acceleration, world, goal):
+        """Let driver and robot meet; begin with a goal, for what comes next to interrupt."""
+        self.loop = WatchedLoop(BODIES[body], Settings(
+            odometry_window=1.0,
+            limits=MotionLimits(linear_acceleration=acceleration,
+                                angular_acceleration=4 * acceleration)), WORLDS[world])
+        self.loop.run(0.3)
+        if goal:
+            self.loop.pursue(GOALS[goal]())
+
+    @property
+    def driver(self):
+        return self.loop.driver
+
+    # Time and commands.
+
+    @rule(seconds=TIMES)
+    def wait(self, seconds):
+        self.loop.run(seconds)
+
+    @rule(linear=SPEEDS, angular=TURNS)
+    def command(self, linear, angular):
+        self.loop.command(linear, angular)
+        self.loop.run(0.03)
+
+    @rule(linear=SPEEDS, angular=TURNS, times=st.integers(2, 15))
+    def drive(self, linear, angular, times):
+        for _ in range(times):
+            self.loop.command(linear, angular)
+            self.loop.run(0.1)
+
+    # Goals.
+
+    @rule(goal=st.sampled_from(sorted(GOALS)), seconds=TIMES, ready=st.booleans())
+    def pursue(self, goal, seconds, ready):
+        if ready:
+            self.make_ready()
+        self.loop.pursue(GOALS[goal]())
+        self.loop.run(seconds)
+
+    @rule()
+    def make_ready(self):
+        """Let go of the robot, switch it on, and have it in Safe."""
+        loop = self.loop
+        loop.body.lift(False)
+        loop.body.hold(right=False, left=False)
+        loop.body.plug_charger(False)
+        loop.body.unforce()
+        loop.robot.power(True, loop.now)
+        until = loop.now + 1.0
+        while not self.driver.state.answered and loop.now < until:
+            loop.turn()
+        self.stop()
+        self.set_mode(oi.Mode.SAFE)
+        loop.run(0.1)
+
+    @rule(number=st.sampled_from((-1, -1, -2)), gone=st.booleans())
+    def end_goal(self, number, gone):
+        """Cancel a goal, or let its client go; it may have ended, or another may run."""
+        goals = self.driver.goals
+        for each in self.loop.pursuits[number:][:1]:
+            (goals.abandon if gone else goals.cancel)(each.running, self.loop.now)
+
+    @rule()
+    def until_goal_ends(self):
+        """Let a goal run, and let time pass."""
+        until = self.loop.now + 3.0
+        while self.driver.goals.active and self.loop.now < until:
+            self.loop.turn()
+
+    # Requests.
+
+    @rule(mode=st.sampled_from(MODES))
+    def set_mode(self, mode):
+        self.loop.request(self.driver.set_mode(mode, self.loop.now))
+
+    @rule()
+    def stop(self):
+        self.loop.request(self.driver.stop(self.loop.now))
+        self.loop.asked_at = -inf
+        self.loop.excuse(0.1)
+
+    @rule(demo=st.sampled_from(oi.DemoNumber))
+    def start_demo(self, demo):
+        self.loop.request(self.driver.demos.start(demo))
+
+    @rule()
+    def stop_demo(self):
+        self.loop.request(self.driver.demos.stop())
+
+    @rule(number=st.integers(0, 15))
+    def play_song(self, number):
+        self.loop.request(self.driver.outputs.define_song(number, [60, 64], [0.1, 0.2]))
+        self.loop.request(self.driver.outputs.play_song(number, self.loop.now))
+
+    @rule(color=st.integers(0, 255))
+    def light(self, color):
+        self.loop.request(self.driver.outputs.set_leds(oi.LedBits.PLAY, color, 128))
+
+    @rule(force=st.booleans())
+    def play_script(self, force):
+        self.loop.request(self.driver.scripts.define(SCRIPT))
+        self.loop.request(self.driver.scripts.play(self.loop.now, force=force))
+
+    @rule()
+    def show_script(self):
+        self.loop.request(self.driver.scripts.show(self.loop.now))
+
+    @rule()
+    def reset_odometry(self):
+        self.loop.reset_odometry()
+
+    # Hands on the robot.
+
+    @rule(right=st.booleans(), left=st.booleans())
+    def bump(self, right, left):
+        self.loop.body.force(bump_right=right, bump_left=left, seconds=0.4)
+
+    @rule(seconds=st.sampled_from((0.02, 0.5)))
+    def cliff(self, seconds):
+        self.loop.body.force(cliff_left=1, seconds=seconds)
+
+    @rule(lifted=st.booleans())
+    def lift(self, lifted):
+        self.loop.body.lift(lifted)
+
+    @rule(held=st.booleans())
+    def hold(self, held):
+        self.loop.body.hold(right=held, left=held)
+
+    @rule(speed=st.sampled_from((0.1, -0.2)))
+    def push(self, speed):
+        self.loop.body.push(speed=speed, rate=0.3, seconds=0.5)
+
+    @rule(plugged=st.booleans())
+    def charger(self, plugged):
+        self.loop.body.plug_charger(plugged)
+
+    @rule(seconds=st.sampled_from((0.01, 1.0, 3.0)))
+    def power_off_and_on(self, seconds):
+        self.loop.robot.power(False, self.loop.now)
+        self.loop.run(seconds)
+        self.loop.robot.power(True, self.loop.now)
+
+    # The line.
+
+    @rule(seconds=st.sampled_from((0.02, 0.2, 1.2)))
+    def cut(self, seconds):
+        self.loop.cut = True
+        self.loop.run(seconds)
+        self.loop.cut = False
+
+    @rule(seconds=st.sampled_from((0.0, 0.2, 1.2)))
+    def lose_port(self, seconds):
+        self.driver.disconnected('the cable was pulled')
+        self.loop.run(seconds)
+        self.driver.connected(self.loop.now)
+
+    @rule(share=SHARES, seconds=TIMES)
+    def damage_what_comes(self, share, seconds):
+        self.loop.damage_down = share
+        self.loop.run(seconds)
+        self.loop.damage_down = 0.0
+
+    @rule(share=SHARES, seconds=TIMES)
+    def damage_what_goes(self, share, seconds):
+        self.loop.damage_up = share
+        self.loop.run(seconds)
+        self.loop.damage_up = 0.0
+
+    @rule(seconds=st.sampled_from((0.3, 2.0)))
+    def stand_still(self, seconds):
+        """Stop the driver's process for a while; the dead-man stops the robot."""
+        self.loop.stand_still(seconds)
+
+    def teardown(self):
+        if not hasattr(self, 'loop'):
+            return
+        loop = self.loop
+        loop.driver.shut_down(loop.now)
+        loop.run(0.1)
+        reached = loop.robot.powered and not loop.robot.waiting and loop.robot.demo is None
+        if reached and loop.now > loop.excused_until:
+            assert not any(loop.robot.actuators.wheels), 'wheels turn after the end'
+        loop.driver.disconnected('closed')
+        assert all(len(each.endings) == 1 for each in loop.pursuits), 'a goal ended not just once'
+        assert all(len(got) == 1 for got in loop.replies), 'a reply was lost or given twice'
+
+
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize(('sequences', 'steps'), [
+    (25, 40), pytest.param(times(250), 200, marks=NIGHTLY)])
+def test_any_sequence_ends_well(sequences, steps):
+    run_state_machine_as_test(Sequences, settings=settings(
+        settings(), max_examples=sequences, stateful_step_count=steps,
+        suppress_health_check=list(HealthCheck)))

@@ -29,6 +29,12 @@ def found() -> Found:
     return explore(Rules(), FAULTS)
 
 
+@pytest.mark.nightly
+@pytest.mark.timeout(3600)
+def test_no_order_of_steps_with_three_faults_leaves_a_robot_driving():
+    assert explore(Rules(), 3).bad is None
+
+
 def test_no_order_of_steps_leaves_a_robot_driving(found):
     assert found.bad is None, ' > '.join(found.bad)
     assert found.states > 10_000

@@ -9,7 +9,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 import pytest
 
-from campaign.fuzz import fuzz
 from create_oi_ros import oi
 from create_oi_ros.oi.stream import GARBAGE_AT_ONCE, readable, SWITCH_AFTER
 from support.oi_strategies import commands, frames, packet_lists
@@ -300,10 +299,6 @@ def test_frames_in_order_come_out_in_order(
 @given(st.lists(st.binary(max_size=40)), st.lists(packet_lists(4), max_size=3))
 def test_no_bytes_raise(chunks: list[bytes], lists: list[oi.PacketList]) -> None:
     assert joined(events(chunks, *lists)) == b''.join(chunks)
-
-
-def test_the_fuzz_target_runs() -> None:
-    assert fuzz(4000, 2) > 0
 
 
 def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOpcode], bytes]:

@@ -10,7 +10,6 @@ from typing import Any
 
 import yaml
 
-from campaign.campaign import PARTS
 from support.source import ROOT
 
 FILE = ROOT / '.github' / 'workflows' / 'ci.yml'
@@ -55,11 +54,6 @@ def test_the_commands_of_the_jobs_are_those_of_the_pages() -> None:
     assert not {command for job in JOBS.values() for command in commands(job) if not said(command)}
     assert not said('make everything') and not said('colcon build --all') and said('make test')
     assert TEXT.count('\n  # Has not yet run on GitHub.\n') == len(JOBS)
-
-
-def test_every_part_of_the_campaign_runs_each_night() -> None:
-    parts = [part.name for part in PARTS]
-    assert JOBS['campaign']['strategy']['matrix']['part'] == parts
 
 
 def test_the_versions_of_python_are_those_that_are_supported() -> None:

@@ -14,8 +14,8 @@ from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import DefineSong, SetDigitalOutputs, SetLeds
 from geometry_msgs.msg import Twist, Vector3
 
-from campaign.watch import Watch
 from create_oi_ros.ros.programs import PROGRAMS
+from nightly.watch import Watch
 from support.ros import Listener, own_domain, Program
 from support.simulator import ControlClient
 

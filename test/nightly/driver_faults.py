@@ -10,15 +10,20 @@ import time
 from geometry_msgs.msg import Twist
 from std_srvs.srv import Trigger
 
-from campaign.fault import Fault, Result, Try
-from campaign.recovery import recovered, start_driving
-from campaign.stage import Stage
 from create_oi_ros.ros.programs import PROGRAMS
+from nightly.fault import (
+    Fault,
+    recovered,
+    Result,
+    start_driving,
+    Try,
+)
+from nightly.stage import Stage
 
 RAISING = """
 from create_oi_ros.ros import messages, programs
 def fail(*_):
-    raise RuntimeError('a fault of the campaign')
+    raise RuntimeError('a fault on purpose')
 bumper = messages.bumper.values
 messages.bumper = messages.content(*messages.bumper.paths)(lambda readings: (
     fail() if readings.bumps_and_wheel_drops else bumper(readings)))

@@ -11,10 +11,16 @@ import time
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import Twist, Vector3
 
-from campaign.fault import Result, Try
-from campaign.recovery import check_without_robot, recovered, start_driving, until_link_down
-from campaign.stage import ANSWERS, OPENED, Stage
 from create_oi_ros import oi
+from nightly.fault import (
+    check_without_robot,
+    recovered,
+    Result,
+    start_driving,
+    Try,
+    until_link_down,
+)
+from nightly.stage import ANSWERS, OPENED, Stage
 
 ADVICE = ('switch it off and on', 'another baud rate', 'no answer at')
 """Words in the node's log that tell the user what to do with a robot that does not follow."""

@@ -1,12 +1,12 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The watch of the campaign tells a jump of the odometry from a robot that drove on."""
+"""The watch of the long tests tells a jump of the odometry from a robot that drove on."""
 
 from math import cos, pi, sin
 
 import pytest
 
-from campaign.watch import GAP, jump, Pose, PROMPT, STEP, TruePath, TURN
+from nightly.watch import GAP, jump, Pose, PROMPT, STEP, TruePath, TURN
 
 BEGIN, LATE = 1000.0, 1000.0 + 2 * GAP
 SLOT = 0.015

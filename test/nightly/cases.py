@@ -1,12 +1,12 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""All faults of the campaign."""
+"""All faults of the nightly."""
 
 import signal
 
 from geometry_msgs.msg import Twist, Vector3
 
-from campaign.driver_faults import (
+from nightly.driver_faults import (
     commands_end,
     ended,
     killed,
@@ -15,8 +15,8 @@ from campaign.driver_faults import (
     suspended,
     told_to_stop,
 )
-from campaign.fault import Fault
-from campaign.link_faults import (
+from nightly.fault import Fault
+from nightly.link_faults import (
     at_other_rate,
     command_cut_short,
     damaging_commands,

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Load and faults for a long time; the node must not grow: `make soak ARGS='[MINUTES] [OPTIONS]'`.
+Load and faults for half an hour; the node must not grow.
 
 One node and one robot run as processes. The line fails at random: unplugged, cut, silent or
 damaged; the robot's battery fails, too. Meanwhile `cmd_vel` arrives at 1 kHz, services are called
@@ -9,32 +9,31 @@ a hundred at a time, ten goals are sent at once and some canceled, one subscribe
 sometimes all cores are busy. The node's threads, descriptors and resident memory are measured
 after the first minute and at the end.
 
-Every minute prints the progress. The exit code is 1 if the sizes differ, the node has ended, a
-wrong value was published, a call or a goal was not answered, or the newest command was late.
+The test fails if the sizes differ, the node has ended, a wrong value was published, a call or a
+goal was not answered, or the newest command was late.
 """
 
-import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
-import json
 import os
 from pathlib import Path
 from random import Random
 import signal
 import subprocess
 import sys
-from tempfile import TemporaryDirectory
 import time
 from typing import NamedTuple
 
 from create_oi_msgs.action import DriveDistance
 from create_oi_msgs.srv import SetLeds
 from geometry_msgs.msg import Twist, Vector3
+import pytest
 from rclpy.action.client import ActionClient
 from std_srvs.srv import Trigger
 
-from campaign.stage import Stage, staged
 from create_oi_ros.ros.services import QUEUE
+from nightly.stage import Stage, staged
+from support.nightly import SHARE
 
 SETTLE = 60.0
 """Seconds after which the node must have its final size."""
@@ -99,53 +98,25 @@ class Soak:
             stage.ros.node, DriveDistance, 'drive_distance', goal_service_qos_profile=QUEUE,
             result_service_qos_profile=QUEUE, cancel_service_qos_profile=QUEUE)
 
-    def run(self, minutes: float) -> dict[str, object]:
-        """Run for so many minutes; return the results."""
-        stage = self._stage
+    def run(self, minutes: float) -> None:
+        """Run for so many minutes."""
+        stage, first = self._stage, None
         stage.start_robot(*ROBOT)
         stage.watch.follow(stage.control.truth)
         stage.start_node(baud=0)
         stage.set_outputs()
         with frozen_subscriber(stage.domain):
-            try:
-                return self._run_rounds(minutes)
-            except TimeoutError as error:
-                self.troubles.append(str(error))
-                return {'trouble': str(error), 'truth': stage.control.truth(),
-                        'node': stage.node.output[-3000:], 'commands': self._commands}
-
-    def _run_rounds(self, minutes: float) -> dict[str, object]:
-        stage, begun, first = self._stage, time.monotonic(), None
-        settle = min(SETTLE, 20 * minutes)
-        reported = 0
-        while (passed := time.monotonic() - begun) < 60 * minutes:
-            if passed >= 60 * (reported + 1):
-                reported = int(passed / 60)
-                print(f'{reported} min: {self._progress()}', flush=True)
-            if first is None and passed >= settle:
-                first = self._size()
-                print(f'after {passed:.0f} s: {first}', flush=True)
-            self._round()
-        stage.control.tell('fault off', 'cable mend')
-        stage.until(self._recovered, 'the robot')
-        last = self._size()
-        print(f'after {60 * minutes:.0f} s: {last}', flush=True)
-        self._compare(first or last, last)
-        return {
-            'minutes': minutes, 'first': (first or last)._asdict(), 'last': last._asdict(),
-            'commands': self._commands, 'calls': self._called, 'answered': self._answered,
-            'goals': self._goals, 'results': self._results,
-            'odometry messages': stage.watch.odoms, 'wrong values': stage.watch.wrong,
-            'troubles': self.troubles}
-
-    def _progress(self) -> str:
-        """Return the present size and counts as text."""
-        threads, descriptors, resident = size_of(self._stage.node.pid)
-        wrong = self._stage.watch.wrong or 'no wrong value'
-        return (f'{threads} threads, {descriptors} descriptors, {resident / 1e6:.2f} MB, '
-                f'{self._commands} commands, {self._answered} of {self._called} calls answered, '
-                f'{self._results} results of {self._goals} goals, '
-                f'{wrong}, {len(self.troubles)} troubles')
+            begun = time.monotonic()
+            while (passed := time.monotonic() - begun) < 60 * minutes:
+                if first is None and passed >= min(SETTLE, 20 * minutes):
+                    first = self._size()
+                self._round()
+            stage.control.tell('fault off', 'cable mend')
+            stage.until(self._recovered, 'the robot')
+            last = self._size()
+        print(f'from {first} to {last}; {self._commands} commands, {self._called} calls, '
+              f'{self._goals} goals, {stage.watch.odoms} odom')
+        self._compare(first, last)
 
     def _round(self) -> None:
         """Make faults, and one kind of load at random."""
@@ -156,7 +127,7 @@ class Soak:
             self._stage.control.tell('fault off')
             self._newest_wins()
         if not self._stage.node.running():
-            raise SystemExit(f'the node has ended:\n{self._stage.node.output[-3000:]}')
+            pytest.fail(f'the node has ended:\n{self._stage.node.output[-3000:]}')
 
     def _flood(self, seconds: float = 2.0) -> None:
         """Publish 1000 velocities a second."""
@@ -273,18 +244,10 @@ def frozen_subscriber(domain: int) -> Iterator[None]:
         subscriber.wait()
 
 
-def main() -> int:
-    """Run the soak from the command line."""
-    parser = argparse.ArgumentParser(prog='soak', description=__doc__)
-    parser.add_argument('minutes', type=float, nargs='?', default=30.0, help='default: 30')
-    parser.add_argument('--json', type=Path, metavar='FILE', help='write the results to a file')
-    options = parser.parse_args()
-    with TemporaryDirectory(prefix='soak-') as folder, staged(Path(folder)) as stage:
+@pytest.mark.nightly
+@pytest.mark.timeout(7200)
+def test_the_node_serves_and_does_not_grow(tmp_path):
+    with staged(tmp_path) as stage:
         soak = Soak(stage)
-        results = soak.run(options.minutes)
-    for name, value in results.items():
-        print(f'{name}: {value}')
-    if options.json:
-        options.json.write_text(json.dumps(results, indent=1), encoding='utf-8')
-    print(f'{options.minutes:g} min: ' + ('; '.join(soak.troubles) or 'no trouble'))
-    return int(bool(soak.troubles))
+        soak.run(30 * SHARE)
+    assert not soak.troubles

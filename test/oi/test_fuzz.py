@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Mutated frames against the stream reader: `make fuzz ARGS='[COUNT [SEED]]'`.
+Mutated frames against the stream reader.
 
 Whatever is done to the bytes of good frames, and however the bytes are cut into pieces, the
 reader must
@@ -14,12 +14,13 @@ reader must
   look like a frame, and a good frame that begins inside is lost.
 """
 
-import argparse
 from collections.abc import Iterator
 from random import Random
-from time import perf_counter
+
+import pytest
 
 from create_oi_ros import oi
+from support.nightly import NIGHTLY, times
 
 LISTS = [
     oi.PacketList([29, 13]), oi.PacketList([30, 13]), oi.PacketList([19, 20, 35]),
@@ -109,10 +110,11 @@ def missed(pieces: list[tuple[bytes, bool]], covered: set[int]) -> list[int]:
     return starts
 
 
-def fuzz(count: int, seed: int) -> int:
-    """Check `count` frames, about half of them mutated; return how many the reader found."""
-    random = Random(seed)
-    found = 0
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize(('count', 'seed'), [
+    (4000, 2), pytest.param(times(1_000_000), 1, marks=NIGHTLY)])
+def test_damaged_frames_are_found_out_and_good_ones_found(count, seed):
+    random, found = Random(seed), 0
     for _ in range(0, count, FRAMES_AT_ONCE):
         lists = random.sample(LISTS, random.randrange(1, 4))
         # The first frame is good: from it the reader learns the checksum rule.
@@ -123,18 +125,4 @@ def fuzz(count: int, seed: int) -> int:
             good = random.random() > mutated_share
             frames.append((frame if good else mutated(frame, random), good))
         found += check(frames, lists, random.randrange(1, 40))
-    return found
-
-
-def main() -> int:
-    """Run the fuzzer from the command line; an AssertionError ends it."""
-    parser = argparse.ArgumentParser(
-        prog='fuzz', description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('count', type=int, nargs='?', default=1_000_000, help='frames')
-    parser.add_argument('seed', type=int, nargs='?', default=1, help='seed of all random choices')
-    options = parser.parse_args()
-    began = perf_counter()
-    found = fuzz(options.count, options.seed)
-    print(f'{options.count} frames, seed {options.seed}: {found} delivered, none wrong, '
-          f'none missed; {perf_counter() - began:.0f} s')
-    return 0
+    assert found > count / 2

@@ -1,0 +1,8 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Long tests with real processes; `make nightly` runs them, `make test` makes some faults once.
+
+`stage` starts a node and a simulated robot, `watch` checks all that the node publishes, `cases`
+lists the faults.
+"""
