@@ -9,6 +9,7 @@ Input Commands).
 """
 
 from collections.abc import Iterable, Sequence
+from operator import itemgetter
 import struct
 from typing import NamedTuple
 
@@ -107,7 +108,14 @@ class PacketList:
         If that number is too large for a byte (a Query List of 255 groups), this is its low
         byte. No frame of such a list exists: its `budget` does not fit at any baud rate.
         """
-        self._mask, self._tags = self._fixed_bytes()
+        # The header, the length and the ids are the same in every frame.
+        fixed = {0: HEADER, 1: self.length}
+        place = len(fixed)
+        for number in self.ids:
+            fixed[place] = number
+            place += 1 + size_of(number)
+        self._places, self._tags = tuple(fixed), tuple(fixed.values())
+        self._tags_of = itemgetter(*self._places)
 
     @classmethod
     def named(cls, *names: str) -> 'PacketList':
@@ -123,26 +131,12 @@ class PacketList:
     def __repr__(self) -> str:
         return f'PacketList({self.ids})'
 
-    def _fixed_bytes(self) -> tuple[int, int]:
-        """
-        Return the bytes of a frame that are always the same, and a mask of where they are.
-
-        Both are large integers, so that two operations compare the header, the length and all
-        ids of a frame; comparing them one by one takes longer than all the rest of the decoding.
-        """
-        fixed = {0: HEADER, 1: self.length}
-        place = len(fixed)
-        for number in self.ids:
-            fixed[place] = number
-            place += 1 + size_of(number)
-        mask = bytes(0xff if at in fixed else 0 for at in range(self.frame_size))
-        tags = bytes(fixed.get(at, 0) for at in range(self.frame_size))
-        return int.from_bytes(mask), int.from_bytes(tags)
-
     def matches(self, frame: bytes | bytearray) -> bool:
         """Tell whether a frame, or the start of one, has this list's header, length and ids."""
-        missing = 8 * (self.frame_size - len(frame))
-        return int.from_bytes(frame) & (self._mask >> missing) == self._tags >> missing
+        if len(frame) == self.frame_size:
+            return bool(self._tags_of(frame) == self._tags)
+        known = zip(self._places, self._tags)
+        return all(frame[place] == tag for place, tag in known if place < len(frame))
 
     def budget(self, baud: int) -> Budget:
         """Return what a frame costs at a baud rate (manual: Stream)."""
@@ -155,7 +149,8 @@ class PacketList:
     def bits_without(self, *names: str) -> int:
         """Return the bits of a frame that hold neither its checksum nor one of these packets."""
         every = (packet.wire.every_bit for packet in self.packets)
-        return self._mask | int.from_bytes(self._frame.pack(*(
+        mask = int.from_bytes(bytes(0xff * (at in self._places) for at in range(self.frame_size)))
+        return mask | int.from_bytes(self._frame.pack(*(
             0 if name in names else bits for name, bits in zip(self.names, every))))
 
     def unpack_reply(self, reply: bytes) -> Readings:
@@ -194,8 +189,9 @@ class PacketList:
             packed = self._frame.pack(*values)
         except struct.error:
             raise ValueError(self._refusal(values)) from None
-        whole = int.from_bytes(packed) | self._tags
-        frame = bytearray(whole.to_bytes(self.frame_size))
+        frame = bytearray(packed)
+        for place, tag in zip(self._places, self._tags):
+            frame[place] = tag
         frame[-1] = (0 if header_in_sum else HEADER) - sum(frame) & 0xff
         return bytes(frame)
 

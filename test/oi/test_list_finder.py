@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.tools.list_finder import ListFinder, lists_in
+from create_oi_ros.oi.tools.explain import ListFinder, lists_in
 from support.oi_strategies import frames, packet_lists
 
 CLIFF = oi.PacketList([29, 13])
