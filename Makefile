@@ -16,11 +16,12 @@
 #   make bench-compare   compare two measurements
 #   make bench-odometry  measure the odometry
 #   make bench-goals     measure how exact goals are
+#   make size            count lines, files and words, beside what they should be at most
 #   make clean           remove all that was installed, built and measured
 #   make help            print this
 SHELL := bash
 .DEFAULT_GOAL := build
-.PHONY: help run demo test nightly build bench bench-compare bench-odometry bench-goals docs lint clean
+.PHONY: help run demo test nightly build bench bench-compare bench-odometry bench-goals docs lint size clean
 
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
@@ -42,6 +43,7 @@ bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build ; @$(ENTER) python bench/bench_goals.py $(ARGS)
 docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/robot_check.md && python bench/draw_odometry.py && python bench/draw_drive.py
 lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
+size: ; @python3 tools/size.py
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
 # Variables of another ROS, or of env.sh, must not reach the wheels.
