@@ -5,6 +5,8 @@
 from collections.abc import Iterator
 import faulthandler
 import os
+from pathlib import Path
+import sys
 
 from hypothesis import settings
 import pytest
@@ -19,9 +21,17 @@ settings.load_profile('repeatable')
 # each, and can hang the tests of a later run.
 os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
 
-HANGS = 360.0
-"""Seconds after which a test ends its process: pytest's timeout is shorter, and has not helped."""
+HANGS = 1.5
+"""Times its own timeout after which a test ends its process: the timeout has not helped."""
 STDERR = pytest.StashKey[int]()
+SHARED_MEMORY = Path('/dev/shm')
+PORTS_EACH, FIRST_PORT = 250, 7400
+"""Numbers of the middleware's ports that a ROS domain has, and the first one of domain 0."""
+MAY_LACK = ('no Chromium', 'no check_urdf', 'no `ros2 security`', 'with an installed ROS',
+            'not a clone of git')
+"""Words in the reasons for a skip that `make` cannot help; all else it installs."""
+MADE = Path(sys.prefix) / 'ready'
+"""Where this Python is that of `make`, it has this file."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -48,8 +58,49 @@ def pytest_runtest_teardown(item: pytest.Item) -> None:
 
 
 def end_process_later(item: pytest.Item) -> None:
-    """After HANGS seconds, show where all threads are and exit."""
-    faulthandler.dump_traceback_later(HANGS, exit=True, file=item.config.stash[STDERR])
+    """Show where all threads are and exit, some time after the test's own timeout."""
+    mark = item.get_closest_marker('timeout')
+    timeout = mark.args[0] if mark else float(item.config.getini('timeout'))
+    faulthandler.dump_traceback_later(
+        HANGS * timeout, exit=True, file=item.config.stash[STDERR])
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Iterator[None]:
+    """Fail a test that is skipped where `make` has installed what it needs."""
+    return without_excuse((yield))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Iterator[None]:
+    """Fail a file that is skipped, too."""
+    return without_excuse((yield))
+
+
+def without_excuse(report):
+    """Return a report; one of a skip becomes a failure unless something may be missing."""
+    if report.skipped and not hasattr(report, 'wasxfail') and MADE.exists():
+        reason = report.longrepr[2]
+        if not any(words in reason for words in MAY_LACK):
+            report.outcome, report.longrepr = 'failed', f'skipped, with `make`: {reason}'
+    return report
+
+
+@pytest.fixture
+def default_transport(monkeypatch):
+    """Use shared memory; return a function that finds a domain's, which is removed afterwards."""
+    monkeypatch.delenv('FASTDDS_BUILTIN_TRANSPORTS')
+    used: set[Path] = set()
+
+    def find(domain: int) -> set[Path]:
+        first = FIRST_PORT + PORTS_EACH * domain
+        found = {path for number in range(first, first + PORTS_EACH)
+                 for path in SHARED_MEMORY.glob(f'*fastrtps_port{number}*')}
+        used.update(found)
+        return found
+    yield find
+    for path in used:
+        path.unlink(missing_ok=True)
 
 
 @pytest.fixture
