@@ -38,13 +38,6 @@ class ContactCloud:
             header=messages.header(parameters.base_frame, Time()), height=1, fields=fields,
             is_bigendian=False, point_step=POINT.size, is_dense=True)
 
-    @property
-    def due_at(self) -> float:
-        """Stamp, s, from which on a frame is needed that says nothing new."""
-        if not self._wanted:
-            return inf
-        return -inf if self._count else self._due_at  # points move with the robot
-
     def publish(self, moved: Moved, nanoseconds: int, parameters: Parameters) -> None:
         """Take a frame in, with its stamp in the node's time; publish what is felt when due."""
         stamp = moved.stamp

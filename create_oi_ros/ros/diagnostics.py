@@ -138,8 +138,7 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
     if not health.answered or not readings.has(
             'battery_capacity', 'charging_sources', 'oi_mode'):
         return status(f'{name}: battery', WARN, 'no robot answers', {})
-    content = messages.battery_state
-    state = dict(zip(content.paths, content.values(readings, charge_known=charge_known)))
+    state = messages.battery_state(readings, charge_known=charge_known)
     charge, temperature = state['percentage'], state['temperature']
     level, message = _battery(readings, charge, temperature, health.battery)
     odd = {each: value for each, value in health.odd.items()

@@ -3,14 +3,10 @@
 """
 Converts readings and estimates to ROS messages, and requests to the protocol's types. Pure.
 
-Units are SI here; nowhere else are they converted. A message that is published often is made once.
-A `Content` names its fields that change, by their paths (`serialized`), and returns their values.
+Units are SI here; nowhere else are they converted. A message that is published often is made once,
+by `empty...`; a function returns the values of its fields that change, by their paths in it.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from enum import IntFlag
-from functools import cache
 from math import nan
 from typing import Any
 
@@ -49,26 +45,22 @@ NOT_MEASURED = 1e6
 """Variance of axes that are not measured: height, roll, pitch, and speeds along them."""
 POSE_AXES, TWIST_AXES = (0, 1, 5), (0, 5)
 """Indices of x, y, yaw, and of forward and turning speed, among the six axes of ROS."""
-POSE_PLACES = tuple(6 * row + column for row in POSE_AXES for column in POSE_AXES)
-"""Indices of the covariance of x, y and yaw, row by row, in the 36 numbers of ROS."""
-TWIST_PLACES = tuple(7 * axis for axis in TWIST_AXES)
-"""Indices of the variances of the speeds in the same 36 numbers."""
+POSE_COVARIANCE = tuple(
+    f'pose.covariance[{6 * row + column}]' for row in POSE_AXES for column in POSE_AXES)
+"""The covariance of x, y and yaw, row by row."""
+TWIST_COVARIANCE = tuple(f'twist.covariance[{7 * axis}]' for axis in TWIST_AXES)
+"""The variances of the speeds."""
 UNKNOWN_CODE, UNKNOWN_SIGNAL = Mode.UNKNOWN, 0xffff
 """A code and a signal that are not known, in fields that have no NaN: no robot has them."""
-STAMP = ('stamp.sec', 'stamp.nanosec')
-"""The fields of a header that change."""
+Values = dict[str, Any]
+"""Values of fields of a message, by their paths in it, such as `pose.covariance[7]`."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
 
 
 def time(nanoseconds: int) -> Time:
     """Return a ROS time from nanoseconds since the epoch."""
-    seconds, rest = stamp(nanoseconds)
+    seconds, rest = divmod(nanoseconds, NANOSECONDS)
     return Time(sec=seconds, nanosec=rest)
-
-
-def stamp(nanoseconds: int) -> tuple[int, int]:
-    """Return the values of the fields STAMP, from nanoseconds since the epoch."""
-    return divmod(nanoseconds, NANOSECONDS)
 
 
 def header(frame: str, stamp: Time) -> Header:
@@ -84,20 +76,6 @@ def empty(type_: type, frame: str) -> Any:
 def unmeasured() -> list[float]:
     """Return a covariance of the six axes of ROS, none of them measured."""
     return [NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
-
-
-@dataclass(frozen=True)
-class Content:
-    """The fields of a message that change, and what they are set to."""
-
-    paths: tuple[str, ...]
-    values: Callable[..., tuple[Any, ...]]
-    """Returns the values of these fields, in order, from readings or an estimate."""
-
-
-def content(*paths: str) -> Callable[[Callable[..., tuple[Any, ...]]], Content]:
-    """Make a Content of a function: it returns the values of these fields."""
-    return lambda values: Content(paths, values)
 
 
 def empty_odometry(odom_frame: str, base_frame: str) -> Odometry:
@@ -119,57 +97,46 @@ def empty_joint_states() -> JointState:
     return JointState(name=list(WHEEL_JOINTS), position=nothing, velocity=nothing)
 
 
-@content(
-    'pose.pose.position.x', 'pose.pose.position.y',
-    'pose.pose.orientation.z', 'pose.pose.orientation.w',
-    *(f'pose.covariance[{place}]' for place in POSE_PLACES),
-    'twist.twist.linear.x', 'twist.twist.angular.z',
-    *(f'twist.covariance[{place}]' for place in TWIST_PLACES))
-def odometry(estimate: Estimate) -> tuple[float, ...]:
+def odometry(estimate: Estimate) -> Values:
     """Return pose in the header's frame, and twist in the base frame (REP 105, 103)."""
-    return (estimate.x, estimate.y, *of_yaw(estimate.yaw), *estimate.pose_covariance,
-            estimate.linear, estimate.angular, *estimate.twist_covariance)
+    z, w = of_yaw(estimate.yaw)
+    return {
+        'pose.pose.position.x': estimate.x, 'pose.pose.position.y': estimate.y,
+        'pose.pose.orientation.z': z, 'pose.pose.orientation.w': w,
+        **dict(zip(POSE_COVARIANCE, estimate.pose_covariance)),
+        'twist.twist.linear.x': estimate.linear, 'twist.twist.angular.z': estimate.angular,
+        **dict(zip(TWIST_COVARIANCE, estimate.twist_covariance))}
 
 
-@content(*(f'transforms[0].transform.{part}' for part in (
-    'translation.x', 'translation.y', 'rotation.z', 'rotation.w')))
-def transforms(estimate: Estimate) -> tuple[float, ...]:
+def transforms(estimate: Estimate) -> Values:
     """Return the only transform: from the header's frame to the base."""
-    return (estimate.x, estimate.y, *of_yaw(estimate.yaw))
+    z, w = of_yaw(estimate.yaw)
+    return {
+        'transforms[0].transform.translation.x': estimate.x,
+        'transforms[0].transform.translation.y': estimate.y,
+        'transforms[0].transform.rotation.z': z, 'transforms[0].transform.rotation.w': w}
 
 
-@content('position[0]', 'position[1]', 'velocity[0]', 'velocity[1]')
-def joint_states(estimate: Estimate) -> tuple[float, ...]:
+def joint_states(estimate: Estimate) -> Values:
     """Return the measured angles, rad, and speeds, rad/s, of the wheels, the left one first."""
-    return (estimate.left_wheel, estimate.right_wheel,
-            estimate.left_wheel_speed, estimate.right_wheel_speed)
+    return {
+        'position[0]': estimate.left_wheel, 'position[1]': estimate.right_wheel,
+        'velocity[0]': estimate.left_wheel_speed, 'velocity[1]': estimate.right_wheel_speed}
 
 
-def flags(*members: IntFlag) -> Callable[[int], tuple[bool, ...]]:
-    """Return a function that tells which of these bits are set: on numbers, enums are slow."""
-    numbers = tuple(map(int, members))
-    return cache(lambda bits: tuple([bits & number != 0 for number in numbers]))
-
-
-bumps = flags(BumpsAndWheelDrops.BUMP_LEFT, BumpsAndWheelDrops.BUMP_RIGHT)
-drops = flags(
-    BumpsAndWheelDrops.WHEEL_DROP_LEFT, BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
-    BumpsAndWheelDrops.WHEEL_DROP_CASTER)
-inputs = flags(
-    DigitalInputs.INPUT_0, DigitalInputs.INPUT_1, DigitalInputs.INPUT_2, DigitalInputs.INPUT_3,
-    DigitalInputs.BAUD_RATE_CHANGE)
-
-
-@content('left', 'right')
-def bumper(readings: Readings) -> tuple[bool, ...]:
+def bumper(readings: Readings) -> Values:
     """Return the bumper's two halves (packet 7)."""
-    return bumps(int(readings.bumps_and_wheel_drops))
+    bits = readings.bumps_and_wheel_drops
+    return {'left': BumpsAndWheelDrops.BUMP_LEFT in bits,
+            'right': BumpsAndWheelDrops.BUMP_RIGHT in bits}
 
 
-@content('left', 'right', 'caster')
-def wheel_drop(readings: Readings) -> tuple[bool, ...]:
+def wheel_drop(readings: Readings) -> Values:
     """Return the wheel drop sensors (packet 7)."""
-    return drops(int(readings.bumps_and_wheel_drops))
+    bits = readings.bumps_and_wheel_drops
+    return {'left': BumpsAndWheelDrops.WHEEL_DROP_LEFT in bits,
+            'right': BumpsAndWheelDrops.WHEEL_DROP_RIGHT in bits,
+            'caster': BumpsAndWheelDrops.WHEEL_DROP_CASTER in bits}
 
 
 def known_signal(strength: int | None) -> int:
@@ -177,17 +144,15 @@ def known_signal(strength: int | None) -> int:
     return UNKNOWN_SIGNAL if strength is None else strength
 
 
-cliff_signals = Readings.numbers(
-    'cliff_left_signal', 'cliff_front_left_signal', 'cliff_front_right_signal',
-    'cliff_right_signal')
-
-
-@content('left', 'front_left', 'front_right', 'right',
-         'left_signal', 'front_left_signal', 'front_right_signal', 'right_signal')
-def cliff(readings: Readings) -> tuple[int, ...]:
+def cliff(readings: Readings) -> Values:
     """Return the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
-    return (readings.cliff_left, readings.cliff_front_left, readings.cliff_front_right,
-            readings.cliff_right, *map(known_signal, cliff_signals(readings)))
+    return {
+        'left': readings.cliff_left, 'front_left': readings.cliff_front_left,
+        'front_right': readings.cliff_front_right, 'right': readings.cliff_right,
+        'left_signal': known_signal(readings.cliff_left_signal),
+        'front_left_signal': known_signal(readings.cliff_front_left_signal),
+        'front_right_signal': known_signal(readings.cliff_front_right_signal),
+        'right_signal': known_signal(readings.cliff_right_signal)}
 
 
 CHARGING: dict[ChargingState | None, int] = {
@@ -201,10 +166,7 @@ CHARGING: dict[ChargingState | None, int] = {
 """Power supply status of a charging state; any other state is discharging."""
 
 
-@content('present', 'voltage', 'current', 'temperature', 'charge', 'capacity',
-         'design_capacity', 'percentage', 'power_supply_status', 'power_supply_health',
-         'power_supply_technology')
-def battery_state(readings: Readings, *, charge_known: bool) -> tuple[float, ...]:
+def battery_state(readings: Readings, *, charge_known: bool) -> Values:
     """
     Return the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
 
@@ -226,9 +188,12 @@ def battery_state(readings: Readings, *, charge_known: bool) -> tuple[float, ...
     technology = (BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH if charge_known
                   else BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN)
     degrees = readings.battery_temperature
-    return (True, _milli(readings.voltage), _milli(readings.current),
-            nan if degrees is None else float(degrees), charge, capacity, nan,
-            min(charge / capacity, 1.0), status, health, technology)
+    return {
+        'present': True, 'voltage': _milli(readings.voltage), 'current': _milli(readings.current),
+        'temperature': nan if degrees is None else float(degrees),
+        'charge': charge, 'capacity': capacity, 'design_capacity': nan,
+        'percentage': min(charge / capacity, 1.0), 'power_supply_status': status,
+        'power_supply_health': health, 'power_supply_technology': technology}
 
 
 def _milli(thousandths: int | None) -> float:
@@ -258,53 +223,55 @@ def charging_name(code: int) -> str:
     return ChargingState(code).name.lower().replace('_', ' ')
 
 
-@content('wall', 'virtual_wall', 'signal')
-def wall(readings: Readings) -> tuple[int, ...]:
+def wall(readings: Readings) -> Values:
     """Return the wall sensor and the virtual wall (packets 8, 13 and 27)."""
-    return readings.wall, readings.virtual_wall, known_signal(readings.wall_signal)
+    return {'wall': readings.wall, 'virtual_wall': readings.virtual_wall,
+            'signal': known_signal(readings.wall_signal)}
 
 
-@content('play', 'advance')
-def buttons(readings: Readings) -> tuple[bool, ...]:
+def buttons(readings: Readings) -> Values:
     """Return which buttons are pressed (packet 18)."""
-    return oi.Buttons.PLAY in readings.buttons, oi.Buttons.ADVANCE in readings.buttons
+    return {'play': oi.Buttons.PLAY in readings.buttons,
+            'advance': oi.Buttons.ADVANCE in readings.buttons}
 
 
-@content('character', 'name')
-def ir_omni(readings: Readings) -> tuple[int, str]:
+def ir_omni(readings: Readings) -> Values:
     """Return the infrared character and its name (packet 17)."""
     character = readings.infrared
-    return character, Infrared(character).name.lower() if character in list(Infrared) else ''
+    name = Infrared(character).name.lower() if character in list(Infrared) else ''
+    return {'character': character, 'name': name}
 
 
-@content('state', 'internal_charger', 'home_base')
-def charging(readings: Readings) -> tuple[int, ...]:
+def charging(readings: Readings) -> Values:
     """Return the charging state and the sources (packets 21 and 34)."""
     sources = readings.charging_sources
-    return (readings.number('charging_state', UNKNOWN_CODE),
-            ChargingSources.INTERNAL_CHARGER in sources,
-            ChargingSources.HOME_BASE in sources)
+    return {'state': readings.number('charging_state', UNKNOWN_CODE),
+            'internal_charger': ChargingSources.INTERNAL_CHARGER in sources,
+            'home_base': ChargingSources.HOME_BASE in sources}
 
 
-@content('left_wheel', 'right_wheel', 'driver_0', 'driver_1', 'driver_2')
-def overcurrent(readings: Readings) -> tuple[bool, ...]:
+def overcurrent(readings: Readings) -> Values:
     """Return which wheels and drivers draw too much current (packet 14)."""
     bits = readings.overcurrents
-    return (Overcurrents.LEFT_WHEEL in bits, Overcurrents.RIGHT_WHEEL in bits,
-            Overcurrents.DRIVER_0 in bits, Overcurrents.DRIVER_1 in bits,
-            Overcurrents.DRIVER_2 in bits)
+    return {'left_wheel': Overcurrents.LEFT_WHEEL in bits,
+            'right_wheel': Overcurrents.RIGHT_WHEEL in bits,
+            'driver_0': Overcurrents.DRIVER_0 in bits, 'driver_1': Overcurrents.DRIVER_1 in bits,
+            'driver_2': Overcurrents.DRIVER_2 in bits}
 
 
-@content('number', 'playing')
-def song(readings: Readings) -> tuple[int, bool]:
+def song(readings: Readings) -> Values:
     """Return the number of the song and whether it plays (packets 36 and 37)."""
-    return readings.number('song_number', UNKNOWN_CODE), readings.song_playing
+    return {'number': readings.number('song_number', UNKNOWN_CODE),
+            'playing': readings.song_playing}
 
 
-@content('input_0', 'input_1', 'input_2', 'input_3', 'baud_rate_pin', 'analog')
-def cargo_bay(readings: Readings) -> tuple[float, ...]:
+def cargo_bay(readings: Readings) -> Values:
     """Return the inputs of the cargo bay connector (packets 32 and 33)."""
-    return *inputs(int(readings.digital_inputs)), readings.analog_volts
+    bits = readings.digital_inputs
+    return {'input_0': DigitalInputs.INPUT_0 in bits, 'input_1': DigitalInputs.INPUT_1 in bits,
+            'input_2': DigitalInputs.INPUT_2 in bits, 'input_3': DigitalInputs.INPUT_3 in bits,
+            'baud_rate_pin': DigitalInputs.BAUD_RATE_CHANGE in bits,
+            'analog': readings.analog_volts}
 
 
 def age(stamp: Time, nanoseconds: int) -> float:

@@ -169,7 +169,6 @@ class CreateNode(Node):
                 stamp = self._frames.publish(event, *self._periods)
                 if stamp is not None:
                     self._contacts.publish(event, stamp, self.parameters)
-                self.session.driver.wait_until = min(self._frames.due_at, self._contacts.due_at)
                 self._actions.report()
             case ModeChanged():
                 self._publish_mode(event.status)

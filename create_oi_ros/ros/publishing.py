@@ -20,11 +20,12 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from ..driver import Moved
 from ..oi import Readings
+from ..robot import SLOT
 from . import messages, topics
-from .messages import Content
+from .messages import Values
 from .parameters import Parameters
-from .serialized import Fill, filling, is_number, Packing, packing, PLEASE_REPORT
-from .topics import EARLY, Pace, Topic, TopicWatch
+from .serialized import filled, SerializedMessage
+from .topics import SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
 """Seconds between two checks of subscribers, and of the node's clock."""
@@ -34,6 +35,8 @@ CLOCK_WARNING_INTERVAL = 5.0
 """Seconds between two warnings about the node's clock."""
 CLOCK_JITTER = 1_000_000
 """Nanoseconds by which stamps may seem to go back without a jump of the clock."""
+EARLY = SLOT / 2
+"""Seconds before its due time at which a topic may be published: it takes the nearest frame."""
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
@@ -41,29 +44,22 @@ def publisher(node: Node, topic: Topic) -> Publisher:
     return node.create_publisher(topic.type, topic.name, topic.qos)
 
 
-def cheapest(node: Node, message: Any, paths: tuple[str, ...]) -> Fill:
-    """Return what fills a message: as bytes where all that changes are numbers."""
-    if all(is_number(message, path) for path in paths):
+def encoder(log: Any, message: Any, example: Values) -> Callable[[Values], Any]:
+    """
+    Return a function from the values of a message's fields to what `Publisher.publish` takes.
+
+    That is bytes, which take rclpy less time than an object. It is the object where text changes,
+    or where the middleware serializes in another way than this package knows.
+    """
+    if not any(isinstance(value, str) for value in example.values()):
         try:
-            return packing(message, paths, serialize_message, deserialize_message)
+            return SerializedMessage(message, example, serialize_message, deserialize_message)
         except ValueError as error:
-            node.get_logger().warning(
-                f'{type(message).__name__}: {error}. It is published as an object instead, '
-                f'{PLEASE_REPORT}')
-    return filling(message, paths)
-
-
-def sending(publisher: Publisher, fill: Fill) -> Callable[[Any], None]:
-    """
-    Return what publishes the messages of a function that fills them.
-
-    For bytes it is what `Publisher.publish` calls itself, after it has guarded the publisher
-    against being destroyed meanwhile. A node's publishers last until its session has ended.
-    """
-    send: Callable[[Any], None] = publisher.publish
-    if isinstance(fill, Packing):
-        send = publisher.handle.publish_raw
-    return send
+            log.warning(
+                f'{type(message).__name__}: {error}. It is published as an object instead, which '
+                'takes more processor time; please report it, with the versions of ROS and of '
+                'its middleware')
+    return lambda values: filled(message, values)
 
 
 class StampClock:
@@ -120,41 +116,87 @@ class StampClock:
         self._offset = now - (before + after) // 2
 
 
-class FilledTopic:
-    """One topic, its message, and what fills it."""
+class Pace:
+    """Tells when something is due that happens once in a period, in the nearest frame."""
 
-    def __init__(self, node: Node, topic: Topic, message: Any, content: Content, *,
+    def __init__(self) -> None:
+        self._due_at = -inf
+
+    def due(self, stamp: float, period: float) -> bool:
+        """Return whether it is due in the frame with this stamp, s; if so, it counts as done."""
+        if stamp < self._due_at - EARLY:
+            return False
+        # Count the period from the due time, not from the frame: the mean rate is exact.
+        next_at = self._due_at + period
+        self._due_at = next_at if next_at > stamp else stamp + period
+        return True
+
+
+class FrameTopic:
+    """Publishes one topic: its message, filled from a frame."""
+
+    def __init__(self, node: Node, topic: Topic, message: Any, values: Callable[[Any], Values], *,
                  header: str = 'header') -> None:
-        """Create the publisher; `header` is the path of the message's header."""
-        made = publisher(node, topic)
+        """
+        Create the publisher.
+
+        `values` returns those of the message from an estimate or readings; `header` is the path
+        of its header.
+        """
+        self._publisher = publisher(node, topic)
         self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
-        self._count = made.handle.get_subscription_count
-        stamp = tuple(f'{header}.{path}' for path in messages.STAMP)
-        self._fill = cheapest(node, message, stamp + content.paths)
-        self._send = sending(made, self._fill)
-        self._content = content.values
-        self.filled_from: object = None
-        """The estimate or the readings of the last message."""
-        self._values: tuple[Any, ...] = ()
-        self.heard = self.wanted = False
-        """Whether there are subscribers; whether that, or the topic is latched."""
+        self._log = node.get_logger()
+        self._message = message
+        self._values = values
+        self._seconds, self._nanoseconds = f'{header}.stamp.sec', f'{header}.stamp.nanosec'
+        self._encode: Callable[[Values], Any] | None = None
+        self._wanted = False
 
     def check(self) -> None:
-        """Look whether there are subscribers."""
-        self.heard = self._count() > 0
-        self.wanted = self._latched or self.heard
+        """Check for subscribers."""
+        self._wanted = self._latched or self._publisher.get_subscription_count() > 0
 
-    def publish(self, stamp: tuple[int, int], source: Any) -> None:
-        """Publish the message with this stamp; `source` is an estimate or readings."""
-        if source is not self.filled_from:  # a robot that stands has the same estimate again
-            self._values = self._content(source)
-            self.filled_from = source
-        self._send(self._fill(*stamp, *self._values))
+    def publish(self, stamp: int, source: Any) -> None:
+        """Publish the message of an estimate or of readings with this stamp, ns, if wanted."""
+        if not self._wanted:
+            return
+        values = self._values(source)
+        values[self._seconds], values[self._nanoseconds] = divmod(stamp, messages.NANOSECONDS)
+        if self._encode is None:
+            self._encode = encoder(self._log, self._message, values)
+        self._publisher.publish(self._encode(values))
 
 
-WatchedTopic = tuple[TopicWatch, FilledTopic]
-Group = tuple[Pace, list[WatchedTopic]]
-"""Topics that are published in the same frames, though nothing has changed."""
+class SensorFrameTopic(FrameTopic):
+    """Publishes a topic that is made from readings: when they change, else at a pace."""
+
+    def __init__(self, node: Node, topic: SensorTopic, frame: str) -> None:
+        """Create the publisher; `frame` is that of the header."""
+        super().__init__(node, topic, messages.empty(topic.type, frame), topic.values)
+        self._topic = topic
+        self._watched = Readings.numbers(*topic.watch)
+        self._last: tuple[int, ...] = ()
+        self._complete = self._changed = False
+        self._pace = Pace()
+
+    def publish_change(self, stamp: int, readings: Readings) -> None:
+        """Publish it if a watched reading has changed; the first time when all have arrived."""
+        self._complete = self._complete or readings.has(*self._topic.needs)
+        if not self._complete:
+            return
+        watched = self._watched(readings)
+        if self._topic.bits is not None:
+            watched = (watched[0] & self._topic.bits,)
+        self._changed = watched != self._last
+        if self._changed:
+            self._last = watched
+            self.publish(stamp, readings)
+
+    def publish_due(self, stamp: int, moved: Moved, sensor_period: float) -> None:
+        """Publish it if its time has come, unless it was published in this frame."""
+        due = self._pace.due(moved.stamp, self._topic.period or sensor_period)
+        if due and self._complete and not self._changed:
+            self.publish(stamp, moved.readings)
 
 
 class FramePublisher:
@@ -163,45 +205,19 @@ class FramePublisher:
     def __init__(self, node: Node, parameters: Parameters, *, charge_known: bool) -> None:
         """Create the publishers."""
         self.stamps = StampClock(node)
-        self._check_at = -inf
-        self._odom, *self._motion = self._motion_topics(node, parameters)
-        self._motion_pace = Pace()
-        self._sensors: list[WatchedTopic] = []
-        self._groups: dict[float | None, Group] = {}
-        for topic in topics.sensor_topics(charge_known=charge_known):
-            filled = FilledTopic(
-                node, topic, messages.empty(topic.type, parameters.base_frame), topic.content)
-            self._sensors.append((TopicWatch(topic), filled))
-            if topic.period != inf:
-                group = self._groups.setdefault(topic.period, (Pace(), []))
-                group[1].append(self._sensors[-1])
-        self._watched = Readings.numbers(*topics.WATCHED)
-        self._complete = False
-        self._seen: object = None
-        self._due_at = -inf
-        self._hears_sensors = False
-        """Whether somebody hears a topic that is also published when nothing has changed."""
-        self._check()
-
-    @staticmethod
-    def _motion_topics(node: Node, parameters: Parameters) -> list[FilledTopic]:
         frames = parameters.odom_frame, parameters.base_frame
-        odom = FilledTopic(
-            node, topics.ODOM, messages.empty_odometry(*frames), messages.odometry)
-        joints = FilledTopic(
-            node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states)
-        if not parameters.publish_tf:
-            return [odom, joints]
-        tf = FilledTopic(
-            node, topics.TF, messages.empty_transforms(*frames), messages.transforms,
-            header='transforms[0].header')
-        return [odom, tf, joints]
-
-    @property
-    def due_at(self) -> float:
-        """Stamp, s, from which on a frame is to be published that says nothing new."""
-        sensors_due_at = self._due_at if self._hears_sensors else inf
-        return min(self._motion_pace.due_at, sensors_due_at) - EARLY
+        self._motion = [FrameTopic(
+            node, topics.ODOM, messages.empty_odometry(*frames), messages.odometry)]
+        if parameters.publish_tf:
+            self._motion.append(FrameTopic(
+                node, topics.TF, messages.empty_transforms(*frames), messages.transforms,
+                header='transforms[0].header'))
+        self._motion.append(FrameTopic(
+            node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states))
+        self._sensors = [SensorFrameTopic(node, topic, parameters.base_frame)
+                         for topic in topics.sensor_topics(charge_known=charge_known)]
+        self._motion_pace, self._check_pace = Pace(), Pace()
+        self._check()
 
     def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> int | None:
         """
@@ -211,62 +227,23 @@ class FramePublisher:
         and the joints once in `motion_period`; 0 is in every frame. While a simulated clock
         stands, only changes are published.
         """
-        before, now = self.stamps.newest, self.stamps.of_frame(moved.stamp)
-        if now is None:
+        before, stamp = self.stamps.newest, self.stamps.of_frame(moved.stamp)
+        if stamp is None:
             return None
-        stamp = messages.stamp(now)
         # A change, such as a bump, must not wait; what is only due again can.
-        if self._changed(moved.readings):
-            self._publish_changed(moved.readings, stamp)
-        passes = now != before
-        motion_due = passes and (not motion_period or self._motion_pace.due(moved.stamp))
-        if motion_due and motion_period:
-            self._motion_pace.done(moved.stamp, motion_period)
-        if motion_due and self._odom.wanted:
-            self._odom.publish(stamp, moved.estimate)
-        if passes and moved.stamp >= self._due_at - EARLY:
-            self._publish_due(moved, stamp, sensor_period)
-        for filled in self._motion:
-            if motion_due and filled.wanted:
-                filled.publish(stamp, moved.estimate)
-        # Last, since it takes a while.
-        if moved.stamp >= self._check_at:
-            self._check_at = moved.stamp + CHECK_INTERVAL
+        for sensor in self._sensors:
+            sensor.publish_change(stamp, moved.readings)
+        if stamp != before:
+            if self._motion_pace.due(moved.stamp, motion_period):
+                for topic in self._motion:
+                    topic.publish(stamp, moved.estimate)
+            for sensor in self._sensors:
+                sensor.publish_due(stamp, moved, sensor_period)
+        if self._check_pace.due(moved.stamp, CHECK_INTERVAL):  # last, since it takes a while
             self._check()
-        return now
-
-    def _changed(self, readings: Readings) -> bool:
-        """Compare all watched values at once, since most often nothing has changed."""
-        self._complete = self._complete or readings.has(*topics.NEEDED)
-        if not self._complete:
-            return True
-        before, self._seen = self._seen, self._watched(readings)
-        return self._seen != before
-
-    def _publish_changed(self, readings: Readings, stamp: tuple[int, int]) -> None:
-        """Publish the topics of which a watched reading has changed."""
-        for watch, filled in self._sensors:
-            if watch.changed(readings) and filled.wanted:
-                filled.publish(stamp, readings)
-
-    def _publish_due(
-        self, moved: Moved, stamp: tuple[int, int], sensor_period: float,
-    ) -> None:
-        """Publish the topics whose time has come; those of one period come in one frame."""
-        for period, (pace, members) in self._groups.items():
-            if not pace.due(moved.stamp):
-                continue
-            pace.done(moved.stamp, period or sensor_period)
-            for watch, filled in members:
-                if filled.wanted and watch.complete and filled.filled_from is not moved.readings:
-                    filled.publish(stamp, moved.readings)
-        self._due_at = min(pace.due_at for pace, _ in self._groups.values())
+        return stamp
 
     def _check(self) -> None:
         """Check for subscribers."""
-        for filled in (self._odom, *self._motion):
-            filled.check()
-        for _, filled in self._sensors:
-            filled.check()
-        self._hears_sensors = any(
-            filled.heard for _, members in self._groups.values() for _, filled in members)
+        for topic in (*self._motion, *self._sensors):
+            topic.check()

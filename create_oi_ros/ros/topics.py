@@ -3,11 +3,11 @@
 """
 The topics, each declared once: name, type, quality of service, when and how it is published.
 
-The publishers, the tables of docs/interface.md and the decision when a topic is due come from
-here. A new sensor topic takes three files: its .msg file in msg_defs, its row here, its function
-in messages.
+The publishers and the tables of docs/interface.md come from here. A new sensor topic takes three
+files: its .msg file in msg_defs, its row here, its function in messages.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
@@ -35,9 +35,8 @@ from tf2_msgs.msg import TFMessage
 
 from ..driver.goals.hazards import BUMPS
 from ..oi import Readings
-from ..robot import SLOT
 from . import messages
-from .messages import Content
+from .messages import Values
 
 RELIABLE = QoSProfile(depth=10)
 TRANSFORMS = QoSProfile(depth=100)
@@ -70,8 +69,8 @@ class SensorTopic(Topic):
     """Readings whose change is published at once."""
     bits: int | None = None
     """Bits of the only watched reading that count; None: all."""
-    content: Content
-    """All of a message but its header, from readings."""
+    values: Callable[[Readings], Values]
+    """Returns all fields of a message but its header."""
     period: float | None = None
     """Seconds between two messages while nothing changes; None: at `sensor_rate`."""
 
@@ -108,54 +107,55 @@ CONTACTS = Topic(
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        name='bumper', type=Bumper, content=messages.bumper, needs=('bumps_and_wheel_drops',),
+        name='bumper', type=Bumper, values=messages.bumper, needs=('bumps_and_wheel_drops',),
         watch=('bumps_and_wheel_drops',), bits=BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
-        name='wheel_drop', type=WheelDrop, content=messages.wheel_drop,
+        name='wheel_drop', type=WheelDrop, values=messages.wheel_drop,
         needs=('bumps_and_wheel_drops',),
         watch=('bumps_and_wheel_drops',), bits=~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
-        name='cliff', type=Cliff, content=messages.cliff,
+        name='cliff', type=Cliff, values=messages.cliff,
         needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
         watch=CLIFFS,
         about='the four cliff sensors, with signal strengths (65535: not known)'),
     SensorTopic(
-        name='wall', type=Wall, content=messages.wall,
+        name='wall', type=Wall, values=messages.wall,
         needs=('wall', 'virtual_wall', 'wall_signal'),
         watch=('wall', 'virtual_wall'),
         about='the wall sensor on the right, with its signal strength (65535: not known), and '
         'virtual walls'),
     SensorTopic(
-        name='cargo_bay', type=CargoBay, content=messages.cargo_bay, qos=LATCHED,
+        name='cargo_bay', type=CargoBay, values=messages.cargo_bay, qos=LATCHED,
         needs=('digital_inputs', 'analog_signal'),
         watch=('digital_inputs',),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts (NaN: not known), baud rate pin'),
     StateTopic(
-        name='buttons', type=Buttons, content=messages.buttons, needs=('buttons',),
+        name='buttons', type=Buttons, values=messages.buttons, needs=('buttons',),
         watch=('buttons',), about='Play and Advance'),
     StateTopic(
-        name='ir_omni', type=IrOmni, content=messages.ir_omni, needs=('infrared',),
+        name='ir_omni', type=IrOmni, values=messages.ir_omni, needs=('infrared',),
         watch=('infrared',),
         about='infrared character that is received, with its name'),
     StateTopic(
-        name='charging', type=Charging, content=messages.charging,
+        name='charging', type=Charging, values=messages.charging,
         needs=('charging_state', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
         about='charging state (255: not known), charger and Home Base'),
     StateTopic(
-        name='overcurrent', type=Overcurrent, content=messages.overcurrent,
+        name='overcurrent', type=Overcurrent, values=messages.overcurrent,
         needs=('overcurrents',),
         watch=('overcurrents',),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
-        name='song', type=Song, content=messages.song, needs=('song_number', 'song_playing'),
+        name='song', type=Song, values=messages.song, needs=('song_number', 'song_playing'),
         watch=('song_number', 'song_playing'),
         about='the song that plays, or played last (255: not known)'),
     SensorTopic(
-        name='battery_state', type=BatteryState, content=messages.battery_state, period=1.0,
+        name='battery_state', type=BatteryState, period=1.0,
+        values=partial(messages.battery_state, charge_known=True),
         needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
                'battery_capacity', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
@@ -164,11 +164,6 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
 )
 PUBLISHED: tuple[Topic, ...] = (
     ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, CONTACTS, MODE, DIAGNOSTICS)
-
-WATCHED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.watch})
-"""All readings whose change is published at once."""
-NEEDED = tuple({name: None for topic in SENSOR_TOPICS for name in topic.needs})
-"""All readings that sensor topics are made from, the watched ones among them."""
 
 
 def type_name(type_: Any) -> str:
@@ -179,51 +174,6 @@ def type_name(type_: Any) -> str:
 
 def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
     """Return SENSOR_TOPICS, set for a battery whose charge is known or not."""
-    return [
-        replace(topic, content=Content(
-            topic.content.paths, partial(topic.content.values, charge_known=charge_known)))
-        if topic.type is BatteryState else topic for topic in SENSOR_TOPICS]
-
-
-EARLY = SLOT / 2
-"""Seconds before its due time at which a topic may be published: it takes the nearest frame."""
-
-
-class Pace:
-    """Tells when something is due that happens once in a period, in the nearest frame."""
-
-    def __init__(self) -> None:
-        self.due_at = -inf
-        """Stamp, s, from which it is due."""
-
-    def due(self, stamp: float) -> bool:
-        """Return whether it is due in the frame with this stamp, s."""
-        return stamp >= self.due_at - EARLY
-
-    def done(self, stamp: float, period: float) -> None:
-        """Note that it was done in this frame, and is due again after a period, s."""
-        # Count the period from the due time, not from the frame: the mean rate is exact.
-        next_at = self.due_at + period
-        self.due_at = next_at if next_at > stamp else stamp + period
-
-
-class TopicWatch:
-    """Tells whether a topic can be filled, and when a reading that it watches has changed."""
-
-    def __init__(self, topic: SensorTopic) -> None:
-        self._topic = topic
-        self._watched = Readings.numbers(*topic.watch)
-        self._last: tuple[int, ...] = ()
-        self.complete = False
-        """Whether all that the topic needs has arrived."""
-
-    def changed(self, readings: Readings) -> bool:
-        """Compare with the readings before; true of the first ones that are complete."""
-        self.complete = self.complete or readings.has(*self._topic.needs)
-        if not self.complete:
-            return False
-        numbers = self._watched(readings)
-        if self._topic.bits is not None:
-            numbers = (numbers[0] & self._topic.bits,)
-        before, self._last = self._last, numbers
-        return numbers != before
+    battery = partial(messages.battery_state, charge_known=charge_known)
+    return [replace(topic, values=battery) if topic.type is BatteryState else topic
+            for topic in SENSOR_TOPICS]

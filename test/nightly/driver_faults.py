@@ -24,9 +24,9 @@ RAISING = """
 from create_oi_ros.ros import messages, programs
 def fail(*_):
     raise RuntimeError('a fault on purpose')
-bumper = messages.bumper.values
-messages.bumper = messages.content(*messages.bumper.paths)(lambda readings: (
-    fail() if readings.bumps_and_wheel_drops else bumper(readings)))
+bumper = messages.bumper
+messages.bumper = lambda readings: (
+    fail() if readings.bumps_and_wheel_drops else bumper(readings))
 from create_oi_ros.ros.velocity_input import VelocityInput
 take = VelocityInput._take
 VelocityInput._take = lambda commands, message, info: (

@@ -124,10 +124,8 @@ def test_what_no_battery_has_is_not_known_and_a_warning(loop, forged, says, unkn
     assert status.level == WARN and says in status.message
     assert 'not known' in [each.value for each in status.values]
     assert levels(loop)['serial link'] == OK
-    content = messages.battery_state
     readings = loop.driver.health(loop.now).readings
-    state = dict(zip(content.paths, content.values(readings, charge_known=True)))
-    assert isnan(state[unknown])
+    assert isnan(messages.battery_state(readings, charge_known=True)[unknown])
 
 
 def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
@@ -146,17 +144,17 @@ def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
     mode = messages.mode(health.mode, Header())
     assert mode.mode == Mode.UNKNOWN and messages.mode_name(mode.mode, mode.reason) == 'UNKNOWN'
     readings = health.readings
-    values = {content: content.values(readings) for content in (
-        messages.cliff, messages.song, messages.cargo_bay, messages.buttons)}
-    assert values[messages.cliff][4:6] == (65535, readings.cliff_front_left_signal)
-    assert values[messages.song] == (255, False)
-    assert isnan(values[messages.cargo_bay][-1])
-    assert values[messages.buttons] == (True, False)
+    cliff = messages.cliff(readings)
+    assert (cliff['left_signal'], cliff['front_left_signal']) == (
+        65535, readings.cliff_front_left_signal)
+    assert messages.song(readings) == {'number': 255, 'playing': False}
+    assert isnan(messages.cargo_bay(readings)['analog'])
+    assert messages.buttons(readings) == {'play': True, 'advance': False}
     loop.forged = {'charging_state': 6}
     loop.run(0.2)
     loop.drive(0.1, 0.0, 1.0)
     readings = loop.driver.health(loop.now).readings
-    assert messages.charging.values(readings)[0] == 255
+    assert messages.charging(readings)['state'] == 255
     assert messages.charging_name(255) == 'not known'
     assert all_of(loop)['battery'].level == WARN
 
