@@ -6,7 +6,6 @@ import re
 
 import pytest
 
-import bench_parts
 import compare
 from create_oi_ros.oi.tools.markdown import block_pattern
 import document
@@ -80,20 +79,3 @@ def test_a_program_that_fails_does_not_keep_the_others_from_running(tmp_path, ca
     assert everything.run_all([bad, good], ['option']) == ['bad']
     said = capfd.readouterr().out
     assert 'option' in said and said.endswith('Failed, older results kept: bad\n')
-
-
-def test_the_parts_of_a_frame_add_up_to_what_the_kernel_counted():
-    calls = dict.fromkeys(bench_parts.PARTS, 2) | {'Publisher.publish': 9}
-    result = {'thread': 2_000_000, 'calls': calls, 'spent': dict.fromkeys(calls, 200_000)}
-    profile = bench_parts.profile(result, whole=10.0, others=1.0)
-    assert profile.messages == 4.5
-    assert sum(profile.microseconds.values()) == pytest.approx(1500)
-    assert profile.microseconds[bench_parts.DEAD_MAN] == pytest.approx(150)
-    assert profile.microseconds[bench_parts.REST] == pytest.approx(200)
-
-
-def test_a_method_that_the_node_no_longer_calls_is_an_error():
-    calls = dict.fromkeys(bench_parts.PARTS, 1)
-    del calls['Driver.poll']
-    with pytest.raises(KeyError, match='Driver.poll'):
-        bench_parts.profile({'thread': 1, 'calls': calls, 'spent': calls}, whole=10.0, others=1.0)
