@@ -26,6 +26,7 @@ SHELL := bash
 # Use an installed ROS if it is sourced, else ROS from wheels in .venv.
 KIND := $(if $(and $(filter jazzy,$(ROS_DISTRO)),$(AMENT_PREFIX_PATH)),jazzy,wheels)
 READY := .venv/ready
+TESTS := .venv/ready_for_tests
 BUILT := install/built
 MUTANTS := build/mutants/ready
 PYTEST := python -m pytest -n 2 --dist worksteal --max-worker-restart 0
@@ -35,14 +36,14 @@ help: ; @sed -n 's/^#   make/make/p' Makefile
 run: build ; @$(ENTER) exec create_run $(if $(PORT),--port $(PORT)) $(ARGS)
 demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(PYTEST))
-nightly: build $(MUTANTS) ; @$(ENTER) $(if $(ARGS),,$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py &&) python -m pytest -m nightly -rP $(ARGS)
+nightly: build $(TESTS) $(MUTANTS) ; @$(ENTER) $(if $(ARGS),,$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py &&) python -m pytest -m nightly -rP $(ARGS)
 build: $(BUILT)
-bench: build ; @$(ENTER) python bench/everything.py $(ARGS)
+bench: build $(TESTS) ; @$(ENTER) python bench/everything.py $(ARGS)
 bench-compare: $(READY) ; @.venv/bin/python bench/compare.py $(ARGS)
-bench-odometry: build ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
-bench-goals: build ; @$(ENTER) python bench/bench_goals.py $(ARGS)
-docs: build ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/robot_check.md && python bench/draw_odometry.py && python bench/draw_drive.py
-lint: $(READY) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
+bench-odometry: build $(TESTS) ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
+bench-goals: build $(TESTS) ; @$(ENTER) python bench/bench_goals.py $(ARGS)
+docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/robot_check.md && python bench/draw_odometry.py && python bench/draw_drive.py
+lint: $(TESTS) ; @.venv/bin/ruff check --quiet && .venv/bin/mypy --no-error-summary
 size: ; @python3 tools/size.py
 clean: ; @for each in .venv build install; do case "$$(readlink $$each)" in */create_oi_ros-*) rm -rf "$$(dirname "$$(readlink $$each)")" ;; esac; done; rm -rf .venv build install log *.egg-info .coverage* .mypy_cache .ruff_cache .pytest_cache .hypothesis
 
@@ -59,6 +60,9 @@ endif
 $(READY): tools/pins.txt tools/make_venv.py tools/folders.py tools/patch_cmake.py
 	@rm -f $@ && python=$$(tools/find_python.sh $(KIND)) && $$python tools/make_venv.py $(KIND)
 	@echo '$(KIND) $(CURDIR)' > $@
+
+$(TESTS): tools/test_pins.txt $(READY)
+	@.venv/bin/python tools/make_venv.py $(KIND) test && touch $@
 
 # cosmic-ray is beside .venv, since only mutants need it.
 $(MUTANTS): tools/mutants.txt $(READY)

@@ -1,10 +1,10 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Make .venv with the versions in pins.txt.
+Make .venv with the versions in pins.txt, or add those of test_pins.txt to it.
 
-Usage: python tools/make_venv.py KIND. With `wheels`, .venv holds ROS 2 Jazzy and the developer
-tools; with `jazzy`, ROS is the system's and .venv adds the tools.
+Usage: python tools/make_venv.py KIND [test]. With `wheels`, .venv holds ROS 2 Jazzy and what the
+programs need; with `jazzy`, ROS is the system's. `test` adds what tests, lints, measures and draws.
 """
 
 from collections.abc import Callable
@@ -19,14 +19,20 @@ VENV = Path('.venv')
 INTERPRETER = Path(sys.executable).resolve()
 """This Python by its real path: in a shell of env.sh it runs from the .venv that is removed."""
 PINS = Path(__file__).with_name('pins.txt')
+TEST_PINS = Path(__file__).with_name('test_pins.txt')
 PIP = ('-m', 'pip', '--disable-pip-version-check', '--no-input', 'install', '--no-deps',
-       '--progress-bar', 'off')
+       '--no-compile', '--progress-bar', 'off')
 
 
-def read_pins(section: str) -> list[str]:
-    """Return the pins between `# [section]` and the next section."""
-    text = PINS.read_text().split(f'# [{section}]')[1].split('# [')[0]
-    return [line for line in text.splitlines()[1:] if line and not line.startswith('#')]
+def read_pins(kind: str) -> list[str]:
+    """Return what the programs need: all pins, or those before `# [ros]` where ROS is installed."""
+    text = PINS.read_text()
+    return pins_of(text if kind == 'wheels' else text.split('# [ros]')[0])
+
+
+def pins_of(text: str) -> list[str]:
+    """Return the lines that are not empty and no comments."""
+    return [line for line in text.splitlines() if line and not line.startswith('#')]
 
 
 def python() -> Path:
@@ -71,13 +77,22 @@ def name_this_python() -> None:
          progress=lambda log: 'adapting the CMake files of the wheels')
 
 
+def add_tests(kind: str) -> None:
+    """Add what tests, lints, measures and draws to .venv."""
+    began = time.monotonic()
+    pins = pins_of(TEST_PINS.read_text())
+    print(f'set-up: {len(pins)} packages for tests into .venv (log/setup.log)', flush=True)
+    install(kind, pins)
+    print(f'set-up: done in {clock(began)}', flush=True)
+
+
 def main(kind: str) -> None:
     """Remove .venv and what was built with it, and make .venv anew."""
     began = time.monotonic()
     folders.make_anew()
-    pins = read_pins('tools') + (read_pins('ros') if kind == 'wheels' else [])
+    pins = read_pins(kind)
     print(f'set-up: Python {sys.version.split()[0]} and {len(pins)} pinned packages into .venv '
-          '(about half a minute, log/setup.log)', flush=True)
+          '(log/setup.log)', flush=True)
     if VENV.is_symlink():
         print(f'  .venv, build and install are links into {VENV.resolve().parent}: the path of '
               'this clone has characters that ROS cannot build with', flush=True)
@@ -90,4 +105,4 @@ def main(kind: str) -> None:
 
 if __name__ == '__main__':
     with interruptible():
-        main(sys.argv[1])
+        add_tests(sys.argv[1]) if sys.argv[2:] == ['test'] else main(sys.argv[1])
