@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-One Create: its driver and model, and on request a simulated robot and RViz.
+One Create: its driver and model, and on request a simulated robot, its web page and RViz.
 
     ros2 launch create_oi_ros create.launch.py port:=/dev/ttyUSB0
     ros2 launch create_oi_ros create.launch.py simulated:=true rviz:=true
@@ -11,6 +11,7 @@ One Create: its driver and model, and on request a simulated robot and RViz.
 import os
 import shutil
 import tempfile
+import uuid
 
 from ament_index_python.packages import (
     get_package_prefix,
@@ -22,82 +23,167 @@ from launch.actions import (
     DeclareLaunchArgument,
     EmitEvent,
     ExecuteProcess,
+    GroupAction,
     OpaqueFunction,
     RegisterEventHandler,
 )
-from launch.event_handlers import OnProcessIO
+from launch.conditions import IfCondition, UnlessCondition
+from launch.event_handlers import OnProcessExit, OnProcessIO
 from launch.events import Shutdown
-from launch.substitutions import LaunchConfiguration
+from launch.substitutions import (
+    AndSubstitution,
+    IfElseSubstitution,
+    LaunchConfiguration,
+    NotSubstitution,
+)
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+from create_oi_ros.sim.world_files import read_world
 
 SHARE = get_package_share_directory('create_oi_ros')
 ARGUMENTS = {
     'port': ('/dev/ttyUSB0', 'serial device of the robot, or a pyserial URL'),
     'simulated': ('false', 'true: simulate the robot, on a pseudo terminal'),
-    'world': ('apartment', 'world of the simulated robot'),
+    'world': ('apartment', 'world of the simulated robot: a name, or a file'),
     'namespace': ('', 'namespace of all nodes and topics'),
     'frame_prefix': ('', 'put before every frame, such as robot1/'),
+    'tf': ('/tf', 'topic of the transforms; tf: below the namespace'),
     'capture': ('', 'file to write every byte of the serial line to'),
     'params': (os.path.join(SHARE, 'config', 'create.yaml'), 'parameter file of the driver'),
+    'use_sim_time': ('false', 'true: take the time from /clock'),
+    'log_level': ('info', 'of the driver'),
+    'respawn': ('false', 'true: start the driver again when it ends; false: the launch ends'),
     'description': ('true', 'true: publish the model and its frames (robot_state_publisher)'),
     'rviz': ('false', 'true: open RViz'),
     'web': ('false', 'true: serve a page that shows the robot and drives it (create_web)'),
     'host': ('127.0.0.1', 'address on which the page is served; 0.0.0.0: with a token'),
 }
-
-
-SWITCHES = {'true': True, '1': True, 'yes': True, 'false': False, '0': False, 'no': False}
+CHOICES = {
+    **dict.fromkeys(('simulated', 'use_sim_time', 'respawn', 'description', 'rviz', 'web'),
+                    ['true', 'false']),
+    'log_level': ['debug', 'info', 'warn', 'error', 'fatal'],
+}
 # Launch leaves its processes running when it fails. These end with it, however it ends.
 ENDS_WITH_LAUNCH = [
     'setpriv --pdeathsig TERM ' if shutil.which('setpriv') else '',
     LaunchConfiguration('launch-prefix', default='')]
-LINGER = 3  # seconds; less than the 5 after which launch kills
+LINGER = '3'  # seconds that the simulated robot waits for the driver's stop; launch kills after 5
 
 
-def nodes(context):
-    """Check all arguments, then return what they ask for: so a wrong one starts nothing."""
+def generate_launch_description():
+    """Declare the arguments, check them, and start the nodes."""
+    value = {name: LaunchConfiguration(name) for name in ARGUMENTS}
+    robot = os.path.join(tempfile.gettempdir(), f'create_{uuid.uuid4().hex[:8]}')
+    simulator = simulated_robot(robot, value)
+    driver = driver_node(robot, value)
+    return LaunchDescription([
+        *(DeclareLaunchArgument(
+            name, default_value=default, description=description, choices=CHOICES.get(name))
+          for name, (default, description) in ARGUMENTS.items()),
+        OpaqueFunction(function=check),
+        # The driver of a simulated robot starts when its port is there.
+        RegisterEventHandler(OnProcessIO(target_action=simulator, on_stdout=once(driver))),
+        RegisterEventHandler(
+            OnProcessExit(target_action=driver,
+                          on_exit=EmitEvent(event=Shutdown(reason='create_node has ended'))),
+            condition=UnlessCondition(value['respawn'])),
+        simulator,
+        GroupAction([driver], scoped=False, condition=UnlessCondition(value['simulated'])),
+        page(value, AndSubstitution(value['web'], value['simulated']),
+             '--control', f'{robot}.control'),
+        page(value, AndSubstitution(value['web'], NotSubstitution(value['simulated']))),
+        model(value), rviz(value)])
+
+
+def once(action):
+    """Return a handler that starts an action at the first event."""
+    waiting = [action]
+    return lambda event: [waiting.pop()] if waiting else []
+
+
+def simulated_robot(robot, value):
+    """Return the simulated robot; it is no ROS node and takes no --ros-args."""
+    program = os.path.join(
+        get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
+    return ExecuteProcess(
+        cmd=[program, '--link', robot, '--world', value['world'], '--linger', LINGER,
+             '--control', f'{robot}.control'],
+        name='create_sim', output='screen', prefix=ENDS_WITH_LAUNCH,
+        condition=IfCondition(value['simulated']),
+        on_exit=EmitEvent(event=Shutdown(reason='create_sim has ended')))
+
+
+def node(program, value, package=None, **options):
+    """Return a node of this launch."""
+    return Node(
+        package=package or program, executable=program, exec_name=program,
+        namespace=value['namespace'], prefix=ENDS_WITH_LAUNCH,
+        remappings=[('/tf', value['tf']), ('/tf_static', [value['tf'], '_static'])], **options)
+
+
+def driver_node(robot, value):
+    """Return the driver."""
+    def text(name):  # else launch reads it as YAML: an empty one is no text
+        return ParameterValue(value[name], value_type=str)
+    return node(
+        'create_node', value, 'create_oi_ros', output='screen',
+        ros_arguments=['--log-level', value['log_level']],
+        respawn=value['respawn'], respawn_delay=2.0,
+        parameters=[value['params'], {
+            'port': ParameterValue(
+                IfElseSubstitution(value['simulated'], robot, value['port']), value_type=str),
+            'odom_frame': ParameterValue([value['frame_prefix'], 'odom'], value_type=str),
+            'base_frame': ParameterValue(
+                [value['frame_prefix'], 'base_footprint'], value_type=str),
+            'capture': text('capture'), **clock(value)}])
+
+
+def page(value, condition, *options):
+    """Return the web page."""
+    return node('create_web', value, 'create_oi_ros', output='screen',
+                arguments=['--host', value['host'], *options], condition=IfCondition(condition))
+
+
+def model(value):
+    """Return the publisher of the model and its frames."""
+    with open(os.path.join(SHARE, 'urdf', 'create.urdf')) as urdf:
+        return node(
+            'robot_state_publisher', value, condition=IfCondition(value['description']),
+            parameters=[{'robot_description': ParameterValue(urdf.read(), value_type=str),
+                         'frame_prefix': ParameterValue(value['frame_prefix'], value_type=str),
+                         **clock(value)}])
+
+
+def rviz(value):
+    """Return RViz."""
+    return node(
+        'rviz2', value, condition=IfCondition(value['rviz']), parameters=[clock(value)],
+        arguments=['-d', os.path.join(SHARE, 'rviz', 'create.rviz'),
+                   '-f', [value['frame_prefix'], 'odom']])
+
+
+def clock(value):
+    """Return the parameter by which a node chooses its clock."""
+    return {'use_sim_time': ParameterValue(value['use_sim_time'], value_type=bool)}
+
+
+def check(context):
+    """Raise RuntimeError if an argument is wrong or asks for what is missing: nothing starts."""
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    asked = {name: switch(name, value[name])
-             for name in ('simulated', 'description', 'rviz', 'web')}
-    check(value, asked)
-    namespace, prefix, port = value['namespace'], value['frame_prefix'], value['port']
-    if asked['simulated']:
-        name = namespace.strip('/').replace('/', '_') or 'robot'
-        port = os.path.join(tempfile.gettempdir(), f'create_{name}_{os.getpid()}')
-    made = [driver(value, port)]
-    if asked['simulated']:
-        watched = ['--control', control(port)] if asked['web'] else []
-        made = simulated(port, value['world'], made, watched)
-    if asked['web']:
-        made.append(page(value, control(port) if asked['simulated'] else None))
-    if asked['description']:
-        with open(os.path.join(SHARE, 'urdf', 'create.urdf')) as model:
-            made.append(Node(
-                package='robot_state_publisher', executable='robot_state_publisher',
-                exec_name='robot_state_publisher', namespace=namespace, prefix=ENDS_WITH_LAUNCH,
-                parameters=[{'robot_description': model.read(), 'frame_prefix': prefix}]))
-    if asked['rviz']:
-        made.append(Node(
-            package='rviz2', executable='rviz2', exec_name='rviz2', namespace=namespace,
-            prefix=ENDS_WITH_LAUNCH,
-            arguments=['-d', os.path.join(SHARE, 'rviz', 'create.rviz'), '-f', f'{prefix}odom']))
-    return made
-
-
-def switch(name, text):
-    """Return whether an argument says true."""
-    if text.lower() not in SWITCHES:
-        raise RuntimeError(f'{name}:={text}; allowed: true or false')
-    return SWITCHES[text.lower()]
-
-
-def check(value, asked):
-    """Raise RuntimeError if an argument is wrong, or asks for what is not installed."""
     for name, package in (('description', 'robot_state_publisher'), ('rviz', 'rviz2')):
-        if asked[name]:
+        if value[name] == 'true':
             check_installed(package, name)
-    check_file(value['params'])
-    if not value['port'] and not asked['simulated']:
+    try:
+        open(value['params']).close()
+    except OSError as error:
+        raise RuntimeError(f'params:={value["params"]}: {error.strerror}') from None
+    if value['simulated'] == 'true':
+        try:
+            read_world(value['world'])
+        except ValueError as error:
+            raise RuntimeError(f'world:={error}') from None
+    elif not value['port']:
         raise RuntimeError('port:= is empty; allowed: a serial device or a pyserial URL')
 
 
@@ -109,66 +195,3 @@ def check_installed(package, argument):
         raise RuntimeError(
             f'{package} is not installed: sudo apt-get install '
             f'ros-jazzy-{package.replace("_", "-")}, or launch with {argument}:=false') from None
-
-
-def check_file(path):
-    """Raise RuntimeError if the parameter file cannot be read."""
-    try:
-        open(path).close()
-    except OSError as error:
-        raise RuntimeError(f'params:={path}: {error.strerror}') from None
-
-
-def driver(value, port):
-    """Return the driver; when it ends, the launch ends."""
-    prefix = value['frame_prefix']
-    return Node(
-        package='create_oi_ros', executable='create_node', exec_name='create_node',
-        namespace=value['namespace'], output='screen', prefix=ENDS_WITH_LAUNCH,
-        parameters=[value['params'], {
-            'port': port, 'odom_frame': f'{prefix}odom', 'base_frame': f'{prefix}base_footprint',
-            # Launch does not pass an empty value on as a string.
-            **({'capture': value['capture']} if value['capture'] else {})}],
-        on_exit=EmitEvent(event=Shutdown(reason='create_node has ended')))
-
-
-def control(port):
-    """Return the control socket of the simulated robot on a port."""
-    return f'{port}.control'
-
-
-def page(value, socket):
-    """Return the web page; `socket` is the control socket of a simulated robot, or None."""
-    return Node(
-        package='create_oi_ros', executable='create_web', exec_name='create_web',
-        namespace=value['namespace'], output='screen', prefix=ENDS_WITH_LAUNCH,
-        arguments=['--host', value['host'], *(['--control', socket] if socket else [])])
-
-
-def simulated(port, world, users, options=()):
-    """
-    Return a simulated robot, and what is started when its port is there.
-
-    create_sim is no ROS node and takes no --ros-args. It ends when the driver has closed the port.
-    """
-    program = os.path.join(
-        get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
-    simulator = ExecuteProcess(
-        cmd=[program, '--link', port, '--world', world, '--linger', str(LINGER), *options],
-        name='create_sim', output='screen', prefix=ENDS_WITH_LAUNCH,
-        on_exit=EmitEvent(event=Shutdown(reason='create_sim has ended')))
-    waiting = list(users)
-
-    def start(_):
-        started = waiting.copy()
-        waiting.clear()
-        return started
-    return [RegisterEventHandler(OnProcessIO(target_action=simulator, on_stdout=start)), simulator]
-
-
-def generate_launch_description():
-    """Declare the arguments and start the nodes."""
-    return LaunchDescription([
-        *(DeclareLaunchArgument(name, default_value=default, description=description)
-          for name, (default, description) in ARGUMENTS.items()),
-        OpaqueFunction(function=nodes)])

@@ -18,6 +18,16 @@ from launch.substitutions import LaunchConfiguration
 SHARE = get_package_share_directory('create_oi_ros')
 
 
+ARGUMENTS = {
+    'world': ('apartment', 'world of each robot: a name, or a file'),
+    'params': (os.path.join(SHARE, 'config', 'create.yaml'), 'parameter file of the drivers'),
+    'log_level': ('info', 'of the drivers'),
+    'use_sim_time': ('false', 'true: take the time from /clock'),
+    'respawn': ('false', 'true: start a driver again when it ends; false: the launch ends'),
+    'description': ('true', 'true: publish models (robot_state_publisher)'),
+}
+
+
 def robots(context):
     """Return the launch of a simulated robot, once for each."""
     text = LaunchConfiguration('count').perform(context)
@@ -25,21 +35,17 @@ def robots(context):
     if not count:
         raise RuntimeError(f'count:={text}; allowed: a whole number of robots, 1 or more')
     one = os.path.join(SHARE, 'launch', 'create.launch.py')
-    names = [f'robot{number}' for number in range(1, count + 1)]
     return [
         IncludeLaunchDescription(PythonLaunchDescriptionSource(one), launch_arguments={
             'simulated': 'true', 'namespace': name, 'frame_prefix': f'{name}/',
-            'world': LaunchConfiguration('world'),
-            'description': LaunchConfiguration('description')}.items())
-        for name in names]
+            **{argument: LaunchConfiguration(argument) for argument in ARGUMENTS}}.items())
+        for name in (f'robot{number}' for number in range(1, count + 1))]
 
 
 def generate_launch_description():
     """Declare the arguments and start the robots."""
     return LaunchDescription([
         DeclareLaunchArgument('count', default_value='2', description='number of robots'),
-        DeclareLaunchArgument('world', default_value='apartment',
-                              description='world of each robot'),
-        DeclareLaunchArgument('description', default_value='true',
-                              description='true: publish models (robot_state_publisher)'),
+        *(DeclareLaunchArgument(name, default_value=default, description=description)
+          for name, (default, description) in ARGUMENTS.items()),
         OpaqueFunction(function=robots)])

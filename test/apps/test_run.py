@@ -131,14 +131,15 @@ sys.exit('it runs on')
 
 
 def test_when_a_child_ends_everything_ends(stage):
-    run = stage.program('create_run', '--world', 'no such world')
+    run = stage.program('create_run', '--ros-args', '-p', 'cmd_vel_timeout:=20')
     assert run.ended() == 1
-    assert 'create_sim has ended' in run.output
+    assert 'create_node has ended' in run.output
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [
     (['--port', ''], '--port is empty'), (['--world', ''], '--world is empty'),
     (['--capture', ''], '--capture is empty'),
+    (['--world', 'nowhere'], "'nowhere'; allowed: a file, or one of apartment, empty,"),
     (['--port', '/dev/ttyUSB0', '--world', 'room'], 'give one of them'),
     (['--ros-args', '-p', 'port:=/dev/ttyUSB0'], 'write --port'),
     (['-p', 'bump_stop:=forward'], 'write --ros-args -p bump_stop:=forward'),

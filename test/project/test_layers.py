@@ -44,10 +44,11 @@ RULES = {
     'driver': Rule(ours=('odometry', 'oi', 'oi.tools', 'robot')),
     'sim': Rule(),
     'sim.world': Rule(ours=('sim', 'robot')),
+    'sim.world_files': Rule(ours=('sim.world',), pure=False),
     'sim.body': Rule(ours=('sim', 'sim.world', 'oi', 'robot')),
     'sim.firmware': Rule(ours=('sim', 'sim.body', 'sim.world', 'oi', 'robot')),
-    'sim.server': Rule(ours=('sim', 'sim.firmware', 'sim.body', 'sim.world', 'oi',
-                             'oi.tools', 'robot'), pure=False),
+    'sim.server': Rule(ours=('sim', 'sim.firmware', 'sim.body', 'sim.world', 'sim.world_files',
+                             'oi', 'oi.tools', 'robot'), pure=False),
     'link': Rule(ours=('driver', 'oi', 'oi.tools', 'robot'), others='serial', pure=False),
     'ros': Rule(ours=('ros.messages', 'ros.rotation', 'ros.serialized', 'link', 'driver',
                       'odometry', 'oi', 'oi.tools', 'robot', ''),
@@ -58,7 +59,7 @@ RULES = {
     'ros.serialized': Rule(),
     'pages': Rule(pure=False),
     'apps': Rule(ours=('ros', 'pages', 'ros.messages', 'ros.rotation', 'link',
-                       'driver', 'odometry', 'oi', 'oi.tools', 'robot', ''),
+                       'driver', 'odometry', 'oi', 'oi.tools', 'robot', 'sim.world_files', ''),
                  others=rf'{ROS}|{BAGS}|numpy|yaml|aiohttp|segno', pure=False),
 }
 PROGRAMS = 'apps'

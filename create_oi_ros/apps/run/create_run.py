@@ -31,6 +31,7 @@ from ...ros.simulated_run import run_domain, run_folder
 from ...ros.topics import LATCHED
 from ...ros.user_errors import check_environment
 from ...ros.waiting import announce
+from ...sim.world_files import read_world, shipped_names, WorldError
 from .status import RobotStatus, show, status_line
 
 WORLD = 'apartment'
@@ -101,6 +102,16 @@ def _watch(children: Children, ended: Future, names: list[str], driver: str) -> 
     return int(ended.result())
 
 
+def world(text: str) -> str:
+    """Return the name or file of a world; ArgumentTypeError says what is wrong with it."""
+    try:
+        if text:  # '' is refused below, as that of other arguments
+            read_world(text)
+    except WorldError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    return text
+
+
 def _arguments(given: Sequence[str]) -> argparse.Namespace:
     """Return the arguments; those that contradict each other end the program."""
     parser = argparse.ArgumentParser(
@@ -109,7 +120,9 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
               '                  [--ros-args -p NAME:=VALUE --params-file FILE -r FROM:=TO ...]',
         epilog='create_node --help lists the parameters')
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
-    parser.add_argument('--world', help=f'world of the simulated robot (default: {WORLD})')
+    parser.add_argument('--world', metavar='NAME|FILE', type=world, help=(
+        f'world of the simulated robot: {", ".join(shipped_names())}, or a file '
+        f'(default: {WORLD})'))
     parser.add_argument('--capture', metavar='FILE', help=(
         'write every byte of the serial line to FILE, to be sent with a bug report'))
     parser.add_argument('--host', help=(

@@ -19,8 +19,9 @@ from ..body import Body
 from ..body.config import BodyConfig
 from ..firmware import Create
 from ..firmware.guesses import Guesses, parse_guesses
-from ..world import parse, shipped, shipped_names, World
+from ..world import shipped_names, World, WorldError
 from ..world.floor_plan import map_of, sdf_of
+from ..world_files import read_world
 from .control import ControlPort
 from .faults import Fault, Faults
 from .lines import Line, naming, PtyLine, sentence, TcpLine
@@ -43,18 +44,8 @@ def _address(text: str) -> tuple[str, int]:
 def _world(text: str) -> World:
     """Read a shipped room or a file."""
     try:
-        if text in shipped_names():
-            return shipped(text)
-        return parse(Path(text).read_text('utf-8'), text)
-    except FileNotFoundError:
-        raise argparse.ArgumentTypeError(
-            f'{text!r}; allowed: a file, or one of {", ".join(shipped_names())}') from None
-    except UnicodeDecodeError:
-        raise argparse.ArgumentTypeError(
-            f'{text!r} is no world file: it is not text') from None
-    except OSError as error:
-        raise argparse.ArgumentTypeError(f'{text!r}: {error.strerror}') from None
-    except ValueError as error:
+        return read_world(text)
+    except WorldError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
