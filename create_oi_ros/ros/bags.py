@@ -36,12 +36,12 @@ class DamageError(Exception):
 FAULTS = (
     AssertionError, AttributeError, EOFError, LookupError, MemoryError, OSError, OverflowError,
     RuntimeError, TypeError, ValueError, struct.error)
-"""What Python raises inside rosbags and mcap when they read damaged bytes."""
+"""What Python raises when damaged bytes are read."""
 LIBRARY_FAULTS = {
-    'apsw': 'Error', 'backports.zstd': 'ZstdError', 'compression.zstd': 'ZstdError',
-    'mcap.exceptions': 'McapError', 'rosbags.highlevel.anyreader': 'AnyReaderError',
-    'rosbags.rosbag2': 'ReaderError', 'zstandard': 'ZstdError'}
-"""Their own exceptions and those of their libraries, by module."""
+    'backports.zstd': 'ZstdError', 'compression.zstd': 'ZstdError', 'sqlite3': 'Error',
+    'rosbags.rosbag2': 'ReaderError', 'rosbags.serde': 'SerdeError',
+    'rosbags.typesys': 'TypesysError'}
+"""Exceptions of libraries, by module."""
 
 
 def faults() -> tuple[type[Exception], ...]:
@@ -52,7 +52,7 @@ def faults() -> tuple[type[Exception], ...]:
 
 @contextmanager
 def reading() -> Iterator[None]:
-    """Turn what a broken file causes in rosbags and mcap into DamageError."""
+    """Turn what a broken file causes into DamageError."""
     try:
         yield
     except faults() as error:
@@ -61,7 +61,7 @@ def reading() -> Iterator[None]:
 
 
 def guarded(items: Iterable[Item]) -> Iterator[Item]:
-    """Yield what rosbags reads, under `reading`; exceptions of the caller are not changed."""
+    """Yield what is read, under `reading`; exceptions of the caller are not changed."""
     with reading():
         yield from items
 

@@ -45,6 +45,8 @@ class Recorder:
         self._writer.open()
         assert isinstance(self._writer.storage, McapWriter)
         self._file = self._writer.storage
+        # The name that `ros2 bag reindex` looks for.
+        self._file.path = self._file.path.rename(folder / f'{folder.name}_0.mcap')
         self.counts: Counter[str] = Counter()
         """Messages recorded, by topic."""
         self.saved = 0

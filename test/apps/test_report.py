@@ -136,8 +136,9 @@ def test_something_else_than_a_bag_gets_a_sentence(tmp_path, capsys):
     (tmp_path / 'b.db3').write_bytes(b'no database at all')
     (tmp_path / 'c.txt').write_text('text')
     assert 'there is no' in refusal(tmp_path / 'nothing', capsys)
-    assert 'metadata.yaml' in refusal(tmp_path / 'folder', capsys)
-    for name in ('a.mcap', 'b.db3', 'c.txt'):
+    assert 'neither .mcap nor .db3' in refusal(tmp_path / 'folder', capsys)
+    assert 'is empty' in refusal(tmp_path / 'a.mcap', capsys)
+    for name in ('b.db3', 'c.txt'):
         assert 'cannot be read as a bag' in refusal(tmp_path / name, capsys)
 
 
@@ -257,7 +258,7 @@ def test_a_bag_without_odometry_is_still_shown(tmp_path):
 
 
 def test_a_missing_library_is_named_with_how_to_install_it(bag, tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, 'rosbags.highlevel', None)
+    monkeypatch.setitem(sys.modules, 'rosbags.typesys', None)
     assert 'pip install' in missing('rosbags')
     assert 'rosbags' in refusal(bag, capsys)
 

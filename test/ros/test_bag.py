@@ -63,7 +63,7 @@ def walk(tmp_path_factory) -> Walk:
 def test_the_metadata_is_what_rosbag2_of_jazzy_parses(walk):
     bag = walk.metadata
     assert (bag['version'], bag['storage_identifier']) == (9, 'mcap')
-    assert bag['relative_file_paths'] == ['walk.mcap'] == [each['path'] for each in bag['files']]
+    assert bag['relative_file_paths'] == ['walk_0.mcap'] == [each['path'] for each in bag['files']]
     assert (bag['compression_format'], bag['compression_mode'], bag['custom_data']) == (
         '', '', None)
     assert isinstance(bag['ros_distro'], str)
@@ -86,7 +86,7 @@ def test_the_metadata_is_what_rosbag2_of_jazzy_parses(walk):
 
 def test_the_file_alone_has_the_same_metadata_of_its_topics(walk):
     """`ros2 bag play` also takes a single .mcap file, without metadata.yaml."""
-    with Reader(walk.bag) as reader, Reader(walk.bag / 'walk.mcap') as alone:
+    with Reader(walk.bag) as reader, Reader(walk.bag / 'walk_0.mcap') as alone:
         folder, file = (
             {each.topic: (each.msgtype, each.msgcount, each.ext) for each in bag.connections}
             for bag in (reader, alone))

@@ -7,7 +7,7 @@ from math import cos, sin
 from pathlib import Path
 
 import numpy
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from create_oi_ros.ros.bags import definitions
 
@@ -130,9 +130,12 @@ def messages(
 def write(
     path: Path, seconds: float = 12.0, *, gap: tuple[float, float] = (5.0, 5.0),
     storage: StoragePlugin = StoragePlugin.MCAP, robots: tuple[str, ...] = ('',),
+    compression: CompressionMode = CompressionMode.NONE,
 ) -> Path:
     """Write a bag and return its folder."""
-    with Writer(path, version=9, storage_plugin=storage) as writer:
+    writer = Writer(path, version=9, storage_plugin=storage)
+    writer.set_compression(compression, CompressionFormat.ZSTD)
+    with writer:
         made = {}
         for robot in robots:
             node = f'{robot}/create'.lstrip('/')

@@ -9,7 +9,7 @@ something new: a sensor topic repeats itself 20 times a second.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from math import hypot, inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,16 +17,15 @@ from typing import Any, TYPE_CHECKING
 
 from ...oi import ChargingState, Mode
 from ...robot import TOP_SPEED
-from ...ros.bags import BagError, DamageError, definitions, guarded, reading
+from ...ros.bags import BagError, DamageError, definitions, reading
 from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
 from ...ros.messages import charging_name, mode_name
 from ...ros.rotation import yaw_of
+from .bag_files import BagFiles, Topic
 from .recording import Curve, Recording, Span, Spans
-from .recovery import files_of, recover, UNFINISHED, unfinished
 
 if TYPE_CHECKING:
-    from rosbags.highlevel import AnyReader
-    from rosbags.interfaces import Connection
+    from rosbags.typesys.store import Typestore
 
 POINTS = 300_000
 """Points of a curve at most: all frames of an hour."""
@@ -42,7 +41,7 @@ MODES = {mode.value: mode.name.capitalize() for mode in Mode}
 CHARGING = {state.value: charging_name(state) for state in ChargingState
             if state is not ChargingState.NOT_CHARGING}
 LEVELS = {1: 'warning', 2: 'error', 3: 'stale'}
-OURS = 'create_oi_msgs/msg/'
+OURS, DIAGNOSTICS = 'create_oi_msgs/msg/', 'diagnostic_msgs/msg/DiagnosticArray'
 Progress = Callable[[float], None]
 """Called with the part that is done, 0 to 1."""
 
@@ -60,7 +59,7 @@ class RecordingBuilder:
             'geometry_msgs/msg/TwistStamped':
                 lambda time, message: self._add_twist(time, message.twist),
             'sensor_msgs/msg/BatteryState': self._add_battery,
-            'diagnostic_msgs/msg/DiagnosticArray': self._add_diagnostics,
+            DIAGNOSTICS: self._add_diagnostics,
             f'{OURS}Mode': self._add_mode,
             f'{OURS}Song': self._add_song,
             f'{OURS}Charging': self._add_charging,
@@ -178,114 +177,70 @@ def _number(text: str | None) -> float:
 def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
     """Read a bag; BagError says why it cannot be read, or that a robot must be named."""
     with TemporaryDirectory(prefix='create_report-') as folder:
-        files, damage = _readable(path, Path(folder))
-        reader = _opened(files, path)
+        files = BagFiles(path, Path(folder))
+        topics, robot = _wanted(files, path, robot)
+        recording = _blank(files, path, robot)
+        recording.heard = {topic.name.rpartition('/')[2] for topic in topics}
+        builder = RecordingBuilder(recording)
         try:
-            recording = _read(reader, path, progress, robot)
-        finally:
-            reader.close()
-    recording.damage = recording.damage or damage
+            _read_messages(files, topics, builder, progress)
+        except DamageError as error:
+            files.faults.append(str(error))
+        builder.finish()
+    recording.faults = files.faults
+    if not recording.odom and not any(map(len, recording.spans.values())):
+        raise BagError(f'{path} is damaged: {"; ".join(files.faults)}' if files.faults else
+                       f'{path} holds no message of this driver')
     return recording
-
-
-def _readable(path: Path, folder: Path) -> tuple[list[Path], str]:
-    """Return files to open, unfinished ones recovered to a folder, and what is damaged."""
-    files, damage = files_of(path), ''
-    for place, file in enumerate(files):
-        if file.is_file() and unfinished(file):
-            damage, files[place] = UNFINISHED, folder / f'{place}.mcap'
-            recover(file, files[place])
-    return files, damage
-
-
-def _opened(files: list[Path], path: Path) -> AnyReader:
-    from rosbags.highlevel import AnyReader
-    try:
-        with reading():
-            reader = AnyReader(files, default_typestore=definitions())
-            reader.open()
-    except DamageError as error:
-        raise BagError(f'{path} cannot be read as a bag, it is damaged or something else: '
-                       f'{error}') from error
-    return reader
-
-
-def _read(reader: AnyReader, path: Path, progress: Progress, robot: str | None) -> Recording:
-    if not reader.message_count:
-        raise BagError(f'{path} is empty: no message was recorded, or none was written yet '
-                       'when the recorder was killed')
-    names, robot = _wanted(reader.connections, path, robot)
-    recording = _blank(reader, path, robot)
-    builder = RecordingBuilder(recording)
-    chosen = [each for each in _as_stored(reader) if each.topic in names]
-    last = 0.0
-    try:
-        last = _read_messages(reader, chosen, builder, progress)
-    except DamageError as error:
-        if not recording.odom and not recording.spans['mode']:
-            raise BagError(f'{path} is damaged: {error}') from error
-        recording.damage = str(error)
-    if not chosen or (last == 0.0 and not recording.odom and not recording.spans['mode']):
-        raise BagError(f'{path} holds no message of this driver')
-    builder.finish()
-    return recording
-
-
-def _as_stored(reader: AnyReader) -> list[Connection]:
-    """
-    Return the connections with the quality of service that stands in the files.
-
-    rosbags yields the messages of connections that are equal to those of the files. In
-    metadata.yaml `ros2 bag reindex` writes another depth, so that none is.
-    """
-    found = []
-    for each in reader.connections:
-        storages = getattr(each.owner, 'storages', ())  # only a folder has some
-        kinds = [own.ext for storage in storages for own in storage.connections
-                 if (own.topic, own.msgtype) == (each.topic, each.msgtype)]
-        found += [each._replace(ext=ext) for place, ext in enumerate(kinds)
-                  if ext not in kinds[:place]] or [each]
-    return found
 
 
 def _read_messages(
-    reader: AnyReader, chosen: list[Connection], builder: RecordingBuilder, progress: Progress,
-) -> float:
-    """Add all messages; return the time of the last one."""
+    files: BagFiles, topics: Collection[Topic], builder: RecordingBuilder, progress: Progress,
+) -> None:
+    """Add all messages of some topics; DamageError: one cannot be read."""
+    decoders = {topic: _decoder(topic) for topic in topics}
     before: dict[str, bytes] = {}
-    began, seconds = reader.start_time, builder.recording.seconds
-    time, shown = 0.0, 0.0
-    for connection, stamp, raw in guarded(reader.messages(chosen)):
-        time, kind = (stamp - began) / 1e9, connection.msgtype
+    seconds, shown = builder.recording.seconds, 0.0
+    for topic, stamp, raw in files.messages(topics):
+        time = (stamp - files.start) / 1e9
         builder.note_time(time)
-        builder.recording.heard.add(TOPICS.get(kind, 'diagnostics'))
         if time > shown:
             progress(time / seconds if seconds else 1.0)
             shown = time + seconds / 100
-        if not builder.needs_decoding(kind, time):
+        if not builder.needs_decoding(topic.type, time):
             continue
-        if kind.startswith(OURS):
-            body = bytes(raw[BODY])
-            if before.get(connection.topic) == body:
+        if topic.type.startswith(OURS):
+            body = raw[BODY]
+            if before.get(topic.name) == body:
                 continue
-            before[connection.topic] = body
+            before[topic.name] = body
         with reading():
-            message = reader.deserialize(raw, kind)
-        builder.adders[kind](time, message)
+            message = decoders[topic].deserialize_cdr(raw, topic.type)
+        builder.adders[topic.type](time, message)
     progress(1.0)
-    return time
 
 
-def _blank(reader: AnyReader, path: Path, robot: str) -> Recording:
-    seconds = max(0.0, (reader.end_time - reader.start_time) / 1e9)
+def _decoder(topic: Topic) -> Typestore:
+    """Return the definitions that decode a topic: those of the bag, if it has them as text."""
+    from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+    if topic.encoding != 'ros2msg':
+        return definitions()
+    with reading():
+        store = get_typestore(Stores.EMPTY)
+        store.register(get_types_from_msg(topic.definition, topic.type))
+    return store
+
+
+def _blank(files: BagFiles, path: Path, robot: str) -> Recording:
+    seconds = (files.end - files.start) / 1e9
     spacing = seconds / POINTS
-    storage = 'MCAP' if next(path.glob('*.mcap'), path).suffix == '.mcap' else 'SQLite'
     return Recording(
-        path.resolve().name, storage, reader.start_time / 1e9, seconds, reader.message_count,
+        path.resolve().name, files.storage, files.start / 1e9, seconds, files.counts.total(),
         odom=Curve('x', 'y', 'yaw', 'speed', 'turn', spacing=spacing),
         commands=Curve('speed', 'turn', spacing=spacing),
         battery=Curve('volts', 'amperes', 'charge', spacing=spacing),
-        link=Curve('frames', 'damaged', 'garbage'), robot=robot)
+        link=Curve('frames', 'damaged', 'garbage'), robot=robot,
+        undefined=sorted(topic.name for topic in files.counts if topic.encoding == 'unknown'))
 
 
 TOPICS = {
@@ -297,30 +252,26 @@ TOPICS = {
         'Overcurrent': 'overcurrent'}.items()}}
 
 
-def _wanted(
-    connections: list[Connection], path: Path, robot: str | None,
-) -> tuple[set[str], str]:
+def _wanted(files: BagFiles, path: Path, robot: str | None) -> tuple[set[Topic], str]:
     """Return the topics of one robot, and its namespace."""
-    found: dict[str, set[str]] = {}
-    diagnostics = {each.topic for each in connections
-                   if each.msgtype == 'diagnostic_msgs/msg/DiagnosticArray'}
-    for each in connections:
-        space, _, name = each.topic.rpartition('/')
-        if TOPICS.get(each.msgtype) == name:
-            found.setdefault(space.strip('/'), set()).add(each.topic)
-    robots = {space: topics for space, topics in found.items()
-              if {'odom', 'mode'} & {topic.rpartition('/')[2] for topic in topics}}
+    found: dict[str, set[Topic]] = {}
+    for topic in files.counts:
+        space, _, name = topic.name.rpartition('/')
+        if TOPICS.get(topic.type) == name:
+            found.setdefault(space.strip('/'), set()).add(topic)
+    robots = {space: topics for space, topics in found.items() if any(
+        TOPICS[topic.type] in ('odom', 'mode') for topic in topics)}
     if not robots:
-        topics = ', '.join(sorted(each.topic for each in connections)[:6]) or 'none'
+        names = ', '.join(sorted(topic.name for topic in files.counts)[:6])
         raise BagError(f'{path} has neither `odom` nor `mode` of this driver: its topics are '
-                       f'{topics}')
+                       f'{names}')
     if robot is None and len(robots) > 1:
         raise BagError(f'{path} holds several robots, name one with --robot: '
                        f'{_listed(robots)}')
     chosen = next(iter(robots)) if robot is None else robot.strip('/')
     if chosen not in robots:
         raise BagError(f'{path} has no robot {chosen or "/"}: it has {_listed(robots)}')
-    return robots[chosen] | diagnostics, chosen
+    return robots[chosen] | {topic for topic in files.counts if topic.type == DIAGNOSTICS}, chosen
 
 
 def _listed(robots: Iterable[str]) -> str:

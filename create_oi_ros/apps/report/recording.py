@@ -127,8 +127,15 @@ class Recording:
     """Topics with messages in the bag, without the robot's namespace."""
     settings: dict[str, str] = field(default_factory=dict)
     """Version and parameters of the driver."""
-    damage: str = ''
-    """Why the bag could not be read to its end; empty if it could."""
+    faults: list[str] = field(default_factory=list)
+    """What of the bag is not whole, in words."""
+    undefined: list[str] = field(default_factory=list)
+    """Topics whose types the bag does not define."""
+
+    @property
+    def damage(self) -> str:
+        """A sentence about what is not whole; empty if all is."""
+        return f'The bag is not whole: {"; ".join(self.faults)}.' if self.faults else ''
 
     def place(self, time: float) -> tuple[float, float] | None:
         """Return x and y by the odometry at a time, metres; None before the first."""

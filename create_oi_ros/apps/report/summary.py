@@ -92,8 +92,10 @@ def summary(recording: Recording) -> list[str]:
     if version:
         port = recording.settings.get('port', 'unknown')
         lines.append(f'Driver version {version}, port {port}.')
-    if recording.damage:
-        lines.append(f'The bag is damaged and was read in part: {recording.damage}.')
+    if recording.undefined:
+        lines.append('Topics that the bag does not define, so nothing can read them: '
+                     f'{", ".join(recording.undefined)}.')
+    lines.append(recording.damage)
     return [line for line in lines if line]
 
 
@@ -143,7 +145,7 @@ def _link(recording: Recording) -> str:
 
 def _gaps(recording: Recording) -> str:
     if not recording.gaps:
-        return 'The recording has no gap.'
+        return f'{"What could be read" if recording.faults else "The recording"} has no gap.'
     longest = max(recording.gaps, key=lambda span: span.end - span.start)
     return (f'Gaps in the recording: {len(recording.gaps)}, the longest at '
             f'{clock(longest.start)}{_duration(longest)}.')
