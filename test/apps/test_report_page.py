@@ -17,12 +17,10 @@ import pytest
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros import pages
-from create_oi_ros.apps.report import page_data
-from create_oi_ros.apps.report.page import write
-from create_oi_ros.apps.report.page_data import packed, steps
+from create_oi_ros.apps.report import page
+from create_oi_ros.apps.report.page import kept, packed, steps, write
 from create_oi_ros.apps.report.recording import Curve, Recording, Span, Spans
 from create_oi_ros.apps.report.summary import clock
-from create_oi_ros.apps.report.thinning import kept
 from create_oi_ros.pages.one_file import one_script
 
 EVIL = '</script><img id=evil src=x onerror=alert(1)>$style'
@@ -100,13 +98,13 @@ def test_a_recording_of_minutes_is_exact():
 def test_a_long_recording_is_thinned_as_far_as_its_size_demands(monkeypatch):
     made = recorded(20_000)
     whole = len(packed(made))
-    monkeypatch.setattr(page_data, 'LARGEST', whole // 3)
+    monkeypatch.setattr(page, 'LARGEST', whole // 3)
     text = packed(made)
     times = column(unpacked(text), 'odom', 't')
-    assert len(text) <= whole // 3 and page_data.FEWEST < len(times) < 20_000
+    assert len(text) <= whole // 3 and page.FEWEST < len(times) < 20_000
     assert times[-1] == pytest.approx(made.odom.times[-1])
-    monkeypatch.setattr(page_data, 'LARGEST', 1)
-    assert len(column(unpacked(packed(made)), 'odom', 't')) <= page_data.FEWEST
+    monkeypatch.setattr(page, 'LARGEST', 1)
+    assert len(column(unpacked(packed(made)), 'odom', 't')) <= page.FEWEST
 
 
 def test_an_empty_recording_has_a_page(tmp_path):
@@ -125,7 +123,7 @@ def test_a_time_never_has_sixty_seconds(seconds, text):
 
 def test_texts_of_a_bag_are_no_html(tmp_path):
     made = recorded(10)
-    made.name = made.damage = EVIL
+    made.name, made.faults, made.undefined = EVIL, [EVIL], [EVIL]
     made.settings = {EVIL: EVIL}
     made.spans['mode'].all.append(Span(0.0, EVIL, 0.1, EVIL))
     made.warnings[EVIL] = Spans()
