@@ -14,9 +14,7 @@ from contextlib import asynccontextmanager
 import json
 from pathlib import Path
 import re
-import socket
 from time import monotonic
-from typing import Any
 
 import aiohttp
 
@@ -34,21 +32,6 @@ TARGET, STOP_TARGET = 5.0, 0.3
 """% of a core with one viewer; seconds until the wheels are told to stand."""
 TOLD, STANDS = 'wait right=0 left=0', 'wait speed<0.001'
 SPEED = 0.2
-
-
-class Robot:
-    """The control socket of a simulated robot."""
-
-    def __init__(self, path: Path) -> None:
-        self._socket = socket.socket(socket.AF_UNIX)
-        self._socket.connect(str(path))
-        self._lines = self._socket.makefile('r')
-
-    def ask(self, line: str) -> Any:
-        """Send a line; return the answer."""
-        self._socket.sendall(line.encode() + b'\n')
-        answer = self._lines.readline().removeprefix('ok ')
-        return json.loads(answer)
 
 
 @asynccontextmanager
@@ -77,18 +60,20 @@ async def share_with_a_page(web: int, port: int) -> float:
         return (await measured)[0]
 
 
-async def stop_times(robot: Robot, port: int, *, closing: bool) -> tuple[float, float]:
+async def stop_times(
+    ask: Callable[[str], str], port: int, *, closing: bool,
+) -> tuple[float, float]:
     """Return the seconds from the last command until the wheels are told to stand, and stand."""
     async with page(port) as connection:
-        def moving() -> bool:
-            return bool(robot.ask('truth')['speed'] > SPEED / 2)
-        await held(connection, moving)
-        begun = float(robot.ask('truth')['time'])
+        def truth(line: str) -> dict[str, float]:
+            return dict(json.loads(ask(line)))
+        await held(connection, lambda: truth('truth')['speed'] > SPEED / 2)
+        begun = truth('truth')['time']
         if closing:
             await connection.close()
-        told = await asyncio.to_thread(robot.ask, TOLD)
-        stands = await asyncio.to_thread(robot.ask, STANDS)
-        return float(told['time']) - begun, float(stands['time']) - begun
+        told = await asyncio.to_thread(truth, TOLD)
+        stands = await asyncio.to_thread(truth, STANDS)
+        return told['time'] - begun, stands['time'] - begun
 
 
 def started(stage: Scene, control: Path) -> tuple[int, int]:
@@ -111,18 +96,16 @@ def measure() -> list[Figure]:
         asyncio.run(asyncio.sleep(SETTLE))
         alone, = processor_shares([web], WATCH)
         watched = asyncio.run(share_with_a_page(web, port))
-        robot = Robot(stage.control)
-        silent, closed = (zip(*(asyncio.run(stop_times(robot, port, closing=closing))
-                                for _ in range(STOPS))) for closing in (False, True))
-        silent_told, silent_stands = silent
-        closed_told, closed_stands = closed
+        with stage.control_socket() as ask:
+            (silent_told, silent_stands), (closed_told, _) = (
+                zip(*(asyncio.run(stop_times(ask, port, closing=closing)) for _ in range(STOPS)))
+                for closing in (False, True))
     return [
         Figure('create_web, no page open: processor', alone, '% of a core'),
         Figure('create_web, one page that drives: processor', watched, '% of a core', TARGET),
         repeated('last word of a page to wheels told to stand', silent_told, 's', STOP_TARGET),
         repeated('last word of a page to a robot that stands', silent_stands, 's'),
-        repeated('page closed to wheels told to stand', closed_told, 's', STOP_TARGET),
-        repeated('page closed to a robot that stands', closed_stands, 's')]
+        repeated('page closed to wheels told to stand', closed_told, 's', STOP_TARGET)]
 
 
 if __name__ == '__main__':

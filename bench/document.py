@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The measured numbers in the documents: `python bench/document.py PAGE.md ... [--check]`.
+The measured numbers in the documents: `python bench/document.py PAGE.md ...`.
 
 Between `<!-- bench NAME -->` and `<!-- end -->` stands the table of that program in
 `results.json`, and where and when it was measured.
@@ -23,7 +23,7 @@ def table(program: str, results: dict[str, Any]) -> str:
     where = results[program]['where']
     heading, *body = rows(figures_of(results, program))
     return (f'{markdown.table(heading, body)}\n'
-            f'`bench/{program}.py` on {where["date"][:10]}: {where["processor"]}, '
+            f'`{program}` on {where["date"][:10]}: {where["processor"]}, '
             f'{where["cores"]} cores, load {where["load before"]} before, '
             f'Python {where["python"]}.\n')
 
@@ -34,20 +34,12 @@ def documented(page: str, results: dict[str, Any]) -> str:
         page, LABEL, lambda label: table(label.removeprefix(PREFIX), results))
 
 
-def main() -> int:
-    """Write the pages, or tell which differ."""
-    pages = [Path(name) for name in sys.argv[1:] if name != '--check']
-    results, different = load(), 0
-    for path in pages:
-        before = path.read_text('utf-8')
-        after = documented(before, results)
-        if before != after:
-            different += 1
-            print(f'{path} is not what bench/results.json says')
-            if '--check' not in sys.argv:
-                path.write_text(after, 'utf-8')
-    return different if '--check' in sys.argv else 0
+def main() -> None:
+    """Write the pages."""
+    results = load()
+    for path in map(Path, sys.argv[1:]):
+        path.write_text(documented(path.read_text('utf-8'), results), 'utf-8')
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -5,7 +5,7 @@ Measured figures: printed as a table and saved in `bench/results.json`.
 
 Every bench program passes a function that returns its figures to `run`. The file has one entry for
 each program: its figures, and when and on what machine they were measured. A run replaces the
-entry of its program only. `compare.py` and `document.py` read the file.
+entry of its program only, one line for each figure. `document.py` reads the file.
 """
 
 from argparse import ArgumentParser
@@ -73,7 +73,7 @@ def machine() -> dict[str, Any]:
 
 
 def rows(figures: Sequence[Figure]) -> list[list[str]]:
-    """Return a table of figures, its heading first."""
+    """Return a table of figures, its heading first; columns that would be empty are left out."""
     table = [['what', 'value', 'worst', 'target', '', 'beside']]
     for figure in figures:
         worst = '' if figure.worst is None else f'{figure.worst:.4g}'
@@ -81,7 +81,8 @@ def rows(figures: Sequence[Figure]) -> list[list[str]]:
         target = '' if figure.target is None else f'{bound}{figure.target:g}'
         table.append([figure.what, f'{figure.value:.4g} {figure.unit}', worst, target,
                       figure.verdict, figure.beside])
-    return table
+    used = [any(row[place] for row in table[1:]) for place in range(len(table[0]))]
+    return [[cell for cell, kept in zip(row, used) if kept] for row in table]
 
 
 def load(path: Path = RESULTS) -> dict[str, Any]:
@@ -99,7 +100,16 @@ def keep(program: str, figures: Sequence[Figure], where: dict[str, Any],
     """Save the figures of a program in the file, in place of its older ones."""
     results = load(path)
     results[program] = {'where': where, 'figures': [figure._asdict() for figure in figures]}
-    path.write_text(json.dumps(results, indent=1) + '\n', 'utf-8')
+    path.write_text(written(results), 'utf-8')
+
+
+def written(results: dict[str, Any]) -> str:
+    """Return results as JSON with a line for each figure, so that git shows what has changed."""
+    programs = []
+    for program, each in results.items():
+        where, lines = json.dumps(each['where']), ',\n  '.join(map(json.dumps, each['figures']))
+        programs.append(f'"{program}": {{"where": {where}, "figures": [\n  {lines}]}}')
+    return '{' + ',\n'.join(programs) + '}\n'
 
 
 def run(program: str, measure: Callable[[], list[Figure]]) -> None:

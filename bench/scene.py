@@ -126,33 +126,28 @@ class Scene:
         return self.folder / 'control'
 
     @contextmanager
-    def control_socket(self) -> Iterator[Callable[[str], None]]:
-        """Connect to the control socket; yield a function that sends a line and checks it."""
+    def control_socket(self) -> Iterator[Callable[[str], str]]:
+        """Connect to the control socket; yield a function that sends a line; its answer."""
         with socket.socket(socket.AF_UNIX) as connection:
             connection.connect(str(self.control))
             with connection.makefile('r') as answers:
-                def send(line: str) -> None:
+                def send(line: str) -> str:
                     connection.sendall(line.encode() + b'\n')
                     answer = answers.readline()
                     if not answer.startswith('ok'):
                         raise RuntimeError(f'{line}: {answer}')
+                    return answer.removeprefix('ok ')
                 yield send
 
     def driver(self, *, floor: bool = False, imports: tuple[str, ...] = (),
-               events: bool = False, **parameters: float) -> Process:
-        """Start the node, or the floor (programs/floor.py); or the node on another executor."""
+               **parameters: float) -> Process:
+        """Start the node, or the floor (programs/floor.py)."""
         if floor:
             return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
                                 str(oi.DriveDirect.opcode), *imports)
         set_ = [word for name, value in parameters.items() for word in ('-p', f'{name}:={value}')]
-        arguments = '--ros-args', '-p', f'port:={self.port}', *set_
-        if events:
-            return self.program('events_node', *arguments)
-        return self.start('-c', PROGRAMS['create_node'], *arguments)
-
-    def variant(self, which: str) -> Process:
-        """Start the floor with one change (programs/variant.py)."""
-        return self.program('variant', which, str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT)
+        return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p',
+                          f'port:={self.port}', *set_)
 
     def listener(self, *topics: str) -> Process:
         """Start a subscriber to these topics; wait until it has subscribed."""

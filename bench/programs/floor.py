@@ -20,7 +20,6 @@ import threading
 
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from odom_message import odom_message
 import rclpy
 import serial
 
@@ -44,7 +43,13 @@ def read() -> None:
     """Publish an Odometry for each frame."""
     port.write(bytes.fromhex(sys.argv[2]))
     while True:
-        odom.publish(odom_message(node, *layout.unpack(port.read(layout.size))))
+        right, left = layout.unpack(port.read(layout.size))
+        message = Odometry()
+        message.header.stamp = node.get_clock().now().to_msg()
+        message.header.frame_id = 'odom'
+        message.child_frame_id = 'base_footprint'
+        message.twist.twist.linear.x = (right + left) / 2000
+        odom.publish(message)
 
 
 node.create_subscription(Twist, 'cmd_vel', drive, 1)

@@ -316,7 +316,7 @@ def test_frames_keep_to_the_clock(port: Path) -> None:
         receive(client, FRAME)
         begin = time.monotonic()
         receive(client, 200 * FRAME)
-        # Never early; bench_sim measures how late a busy computer makes them.
+        # Never early; late only as the computer is busy.
         assert time.monotonic() - begin > 200 * 0.015 - 0.02
 
 
