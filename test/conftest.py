@@ -30,8 +30,8 @@ PORTS_EACH, FIRST_PORT = 250, 7400
 MAY_LACK = ('no Chromium', 'no check_urdf', 'no `ros2 security`', 'with an installed ROS',
             'not a clone of git')
 """Words in the reasons for a skip that `make` cannot help; all else it installs."""
-MADE = Path(sys.prefix) / 'ready'
-"""Where this Python is that of `make`, it has this file."""
+MADE = Path(sys.prefix) / 'ready_for_tests'
+"""Where `make test` has installed what tests need, there is this file."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
