@@ -103,7 +103,8 @@ ACTIONS = (
             coasts.straight, coasts.turning),
         feedback=goal_messages.phase_left),
     Action(
-        name='dock', type=Dock, about='look for the Home Base and charge there',
+        name='dock', type=Dock, about='look for the Home Base and charge there; '
+        'the service `dock` only starts to',
         goal=lambda goal, coasts: goals.Dock(allowance(goal)),
         feedback=goal_messages.dock_seen),
     Action(

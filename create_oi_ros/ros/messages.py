@@ -43,6 +43,8 @@ from .rotation import of_yaw
 NANOSECONDS = 1_000_000_000
 NOT_MEASURED = 1e6
 """Variance of axes that are not measured: height, roll, pitch, and speeds along them."""
+SIDEWAYS = 1e-4
+"""Variance of the speed sideways, (m/s)²: wheels do not move sideways, but a robot slips."""
 POSE_AXES, TWIST_AXES = (0, 1, 5), (0, 5)
 """Indices of x, y, yaw, and of forward and turning speed, among the six axes of ROS."""
 POSE_COVARIANCE = tuple(
@@ -82,6 +84,7 @@ def empty_odometry(odom_frame: str, base_frame: str) -> Odometry:
     """Return a message to be filled with `odometry`; axes that are not measured are set."""
     message = Odometry(header=Header(frame_id=odom_frame), child_frame_id=base_frame)
     message.pose.covariance = message.twist.covariance = unmeasured()
+    message.twist.covariance[7] = SIDEWAYS
     return message
 
 

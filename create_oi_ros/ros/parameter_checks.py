@@ -128,13 +128,9 @@ def wrong_type(name: str, value: Any) -> str:
     takes = TAKES[type(default)]
     advice = f'write {written(default)}, for example'
     if isinstance(default, str) and isinstance(value, bool | int | float):
-        meant = str(value)
-        if isinstance(value, bool):
-            takes += ', and YAML reads on, off, yes and no as true and false'
-            meant = {True: 'on', False: 'off'}[value]
-            if meant not in DECLARED[name].metadata['choices']:
-                meant = default
-        advice = f"""write '{meant}' with its quotes (after -p: {name}:="'{meant}'")"""
+        choices = DECLARED[name].metadata['choices']
+        advice = (f'allowed: {listed(choices)}' if choices else
+                  f"""write '{value}' with its quotes (after -p: {name}:="'{value}'")""")
     elif isinstance(value, str) and _reads_as(type(default), value):
         advice = f'write {value} without quotes'
     elif isinstance(value, float) and value.is_integer() and isinstance(default, int):

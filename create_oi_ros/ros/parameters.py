@@ -17,7 +17,7 @@ from ..robot import TOP_SPEED
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
 ACTIONS = {action.value: action for action in LowBatteryAction}
-BUMP_STOPS = {'off': False, 'forward': True}
+BUMP_STOPS = {'none': False, 'forward': True}
 BAUDS = tuple(code.rate for code in BaudCode)
 
 
@@ -73,8 +73,8 @@ class Parameters:
         MotionLimits.commands_interrupt, 'Whether a velocity command that is not zero ends the '
         'goal of an action that runs; else it is ignored meanwhile')
     bump_stop: str = parameter(
-        'off', 'Whether a pressed bumper lets no velocity command drive forward; backing and '
-        'turning stay possible', choices=tuple(BUMP_STOPS))
+        'none', 'What a pressed bumper holds back of velocity commands: nothing, or all that '
+        'drives forward; backing and turning stay possible', choices=tuple(BUMP_STOPS))
     contact_persistence: float = parameter(
         2.0, 'Seconds for which `contacts` keeps what was felt, unless the robot moves away',
         low=0.0, high=60.0)

@@ -198,7 +198,8 @@ class Services:
             ended = self._ended(driver.demos.stop())
         return fill(response, await ended)
 
-    @service(Trigger, 'look for the Home Base and charge there')
+    @service(Trigger, 'start the demo that looks for the Home Base, and answer at once; the '
+             'action `dock` also says how it ends')
     async def dock(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Look for the Home Base."""
         with self._session.request() as (driver, _now):

@@ -83,7 +83,7 @@ def test_a_bump_stop_that_does_not_exist_is_refused(stage):
     robot = stage.robot()
     node = stage.node(robot.link, bump_stop='both')
     assert node.ended() == 2
-    assert "parameter bump_stop = 'both'; allowed: off, forward" in node.output
+    assert "parameter bump_stop = 'both'; allowed: none, forward" in node.output
 
 
 def test_a_cloud_has_the_stamp_of_its_frame_and_comes_when_it_is_due(stage):

@@ -5,6 +5,7 @@
 from dataclasses import fields, replace
 
 import pytest
+import yaml
 
 from create_oi_ros import __version__
 from create_oi_ros.ros import node_arguments
@@ -73,12 +74,18 @@ def test_a_frame_with_a_leading_slash_is_refused():
     ('publish_tf', 'true', 'write true without quotes'), ('publish_tf', 0, 'write true'),
     ('cmd_vel_timeout', '0.5', 'write 0.5 without quotes'),
     ('cmd_vel_timeout', True, 'it takes a number; write 0.5'),
-    ('bump_stop', False, "on, off, yes and no as true and false; write 'off' with its quotes"),
+    ('bump_stop', False, 'it takes text; allowed: none, forward'),
     ('port', 3, """write '3' with its quotes (after -p: port:="'3'")"""),
-    ('mode_on_start', True, "write 'safe' with its quotes"),
+    ('mode_on_start', True, 'allowed: passive, safe, full'),
 ])
 def test_a_value_of_the_wrong_type_says_how_to_write_it(name, value, words):
     assert words in wrong_type(name, value)
+
+
+def test_no_choice_is_what_yaml_reads_as_a_boolean_or_as_nothing():
+    for field in fields(Parameters):
+        for choice in field.metadata['choices']:
+            assert type(yaml.safe_load(str(choice))) is type(field.default), field.name
 
 
 def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(tmp_path):
