@@ -3,12 +3,10 @@
 """The control socket, faults and record of `create_sim`."""
 
 import csv
-import fcntl
 import os
 from pathlib import Path
 import subprocess
 import sys
-import termios
 import threading
 
 import pytest
@@ -27,10 +25,13 @@ from support.simulator import (
     taught,
 )
 
+Robot = tuple[Path, ControlClient]
+
 # The control socket.
 
-def test_it_sets_the_world_and_waits_for_what_happens(tmp_path: Path) -> None:
-    with taught(tmp_path, '--world', 'room') as (port, teacher), opened(port) as client:
+def test_it_sets_the_world_and_waits_for_what_happens(robot: Robot) -> None:
+    port, teacher = robot
+    with opened(port) as client:
         os.write(client, START + SAFE)
         teacher.tell('wait mode=SAFE')
         os.write(client, bytes([142, 7]))
@@ -46,52 +47,53 @@ def test_it_sets_the_world_and_waits_for_what_happens(tmp_path: Path) -> None:
         assert pose['yaw'] == pytest.approx(1.5708, abs=1e-4)
 
 
-def test_every_word_is_understood_or_refused_with_the_reason(tmp_path: Path) -> None:
-    with taught(tmp_path) as (_, teacher):
-        teacher.tell(
-            'help', 'truth', 'sense', 'room', 'wait time>=0 mode=OFF demo=none', 'after 0',
-            'bump both 0.1', 'button play 0.1', 'force wall=1 seconds=0.1', 'unforce wall',
-            'unforce', 'lift', 'down', 'drop right caster', 'drop', 'hold left', 'hold',
-            'push 0.1 0.5 0.2', 'slip 0.1 0.2 1', 'place 0 0 0', 'load ld0=0.3', 'charger off',
-            'dock off', 'dock on', 'battery charge=0.5 temperature=20 fault=0', 'power off',
-            'power on', 'power toggle', 'power toggle', 'power fail', 'cable cut', 'cable mend',
-            'fault flip:0.1 cut@100', 'fault off')
-        for line in ('', 'dance', 'bump', 'bump up', 'bump left x', 'force nose=1', 'force',
-                     'force wall=2', 'force wall=0.5', 'unforce nose', 'place 1 2', 'place 1 2 x',
-                     'push 1', 'charger', 'battery charge=x', 'fault burn', 'cable tie', 'wait x',
-                     'wait nose=1', 'wait mode>1', 'place nan 0 0', 'after', 'wait x=1 timeout=x',
-                     'drop nose', 'load ld9=1', '\xe4\xf6'):
-            assert teacher.ask(line).startswith('error '), line
-        assert teacher.ask('wait x>9 timeout=0.05').startswith('error timeout')
+def test_every_word_is_understood_or_refused_with_the_reason(robot: Robot) -> None:
+    _, teacher = robot
+    teacher.tell(
+        'help', 'truth', 'sense', 'room', 'wait time>=0 mode=OFF demo=none', 'after 0',
+        'bump both 0.1', 'button play 0.1', 'force wall=1 seconds=0.1', 'unforce wall',
+        'unforce', 'lift', 'down', 'drop right caster', 'drop', 'hold left', 'hold',
+        'push 0.1 0.5 0.2', 'slip 0.1 0.2 1', 'place 0 0 0', 'load ld0=0.3', 'charger off',
+        'dock off', 'dock on', 'battery charge=0.5 temperature=20 fault=0', 'power off',
+        'power on', 'power toggle', 'power toggle', 'power fail', 'cable cut', 'cable mend',
+        'fault flip:0.1 cut@100', 'fault off')
+    for line in ('', 'dance', 'bump', 'bump up', 'bump left x', 'force nose=1', 'force',
+                 'force wall=2', 'force wall=0.5', 'unforce nose', 'place 1 2', 'place 1 2 x',
+                 'push 1', 'charger', 'battery charge=x', 'fault burn', 'cable tie', 'wait x',
+                 'wait nose=1', 'wait mode>1', 'place nan 0 0', 'after', 'wait x=1 timeout=x',
+                 'drop nose', 'load ld9=1', '\xe4\xf6'):
+        assert teacher.ask(line).startswith('error '), line
+    assert teacher.ask('wait x>9 timeout=0.05').startswith('error timeout')
 
 
-def test_a_client_that_waits_does_not_block_the_others(tmp_path: Path) -> None:
-    with taught(tmp_path) as (_, teacher):
-        other = ControlClient(tmp_path / 'control')
-        answers: list[str] = []
-        waiting = threading.Thread(target=lambda: answers.append(other.ask('wait wall=1')))
-        waiting.start()
-        teacher.tell('truth', 'force wall=1')
-        waiting.join()
-        assert answers[0].startswith('ok ')
-        other.close()
+def test_a_client_that_waits_does_not_block_the_others(robot: Robot) -> None:
+    port, teacher = robot
+    other = ControlClient(port.parent / 'control')
+    answers: list[str] = []
+    waiting = threading.Thread(target=lambda: answers.append(other.ask('wait wall=1')))
+    waiting.start()
+    teacher.tell('truth', 'force wall=1')
+    waiting.join()
+    assert answers[0].startswith('ok ')
+    other.close()
 
 
-def test_a_pulled_cable_is_an_error_and_comes_back_under_the_same_name(tmp_path: Path) -> None:
-    with taught(tmp_path) as (port, teacher):
-        with opened(port) as client:
-            teacher.tell('cable unplug')
-            assert not os.path.lexists(port)
-            with pytest.raises(OSError, match='Input/output'):
-                os.write(client, START)
-        teacher.tell('cable plug', 'cable plug')
-        with opened(port) as client:
-            os.write(client, START + bytes([142, 35]))
-            assert receive(client, 1) == b'\x01'
+def test_a_pulled_cable_is_an_error_and_comes_back_under_the_same_name(robot: Robot) -> None:
+    port, teacher = robot
+    with opened(port) as client:
+        teacher.tell('cable unplug')
+        assert not os.path.lexists(port)
+        with pytest.raises(OSError, match='Input/output'):
+            os.write(client, START)
+    teacher.tell('cable plug', 'cable plug')
+    with opened(port) as client:
+        os.write(client, START + bytes([142, 35]))
+        assert receive(client, 1) == b'\x01'
 
 
-def test_a_cut_cable_loses_all_bytes_and_the_port_stays(tmp_path: Path) -> None:
-    with taught(tmp_path) as (port, teacher), opened(port) as client:
+def test_a_cut_cable_loses_all_bytes_and_the_port_stays(robot: Robot) -> None:
+    port, teacher = robot
+    with opened(port) as client:
         os.write(client, START + STREAM)
         receive(client, FRAME)
         teacher.tell('cable cut')
@@ -122,8 +124,9 @@ def test_quit_ends_it(port: Path, tmp_path: Path) -> None:
 
 # Faults, record, drawing.
 
-def test_fault_off_ends_all_faults(tmp_path: Path) -> None:
-    with taught(tmp_path) as (port, teacher), opened(port) as client:
+def test_fault_off_ends_all_faults(robot: Robot) -> None:
+    port, teacher = robot
+    with opened(port) as client:
         teacher.tell('fault silence@0+1000 unplug@1000', 'after 0.05', 'fault off', 'after 0.05')
         os.write(client, START + bytes([142, 35]))
         assert receive(client, 1) == b'\x01'
@@ -180,13 +183,3 @@ def test_it_needs_neither_ros_nor_pyserial() -> None:
         'import sys, create_oi_ros.sim.server; '
         'sys.exit(any(name in sys.modules for name in ("rclpy", "serial", "numpy")))')
     assert subprocess.run([sys.executable, '-c', program], check=False).returncode == 0
-
-
-def test_the_terminal_survives_a_client_that_hangs_it_up(port: Path) -> None:
-    with simulator('--link', port):
-        for _ in range(2):
-            with opened(port) as client:
-                fcntl.ioctl(client, termios.TIOCEXCL)
-                os.write(client, START + bytes([142, 35]))
-                assert receive(client, 1) == b'\x01'
-                termios.tcflush(client, termios.TCIOFLUSH)

@@ -119,24 +119,3 @@ def test_the_program_writes_walls_for_gazebo(tmp_path: Path):
         assert sim.ended() == (0, '', '')
     assert sim.said == f'{path}: walls for Gazebo\n'
     assert path.read_text() == sdf_of(shipped('room'))
-
-
-@pytest.mark.parametrize(('name', 'says'), [
-    ('map.png', 'allowed: a file that ends with .yaml'), ('none/map.yaml', 'No such file')])
-def test_a_file_that_cannot_be_written_is_named(tmp_path: Path, name: str, says: str):
-    with simulator('--export', tmp_path / name) as sim:
-        code, _, errors = sim.ended()
-    assert code == 2
-    assert says in errors and name in errors
-    assert 'Traceback' not in errors
-
-
-@pytest.mark.parametrize('name', ['map.yaml', 'map.pgm', 'map.sdf'])
-def test_nothing_is_overwritten(tmp_path: Path, name: str):
-    (tmp_path / name).write_text('precious')
-    wanted = 'map.sdf' if name.endswith('sdf') else 'map.yaml'
-    with simulator('--export', tmp_path / wanted) as sim:
-        code, _, errors = sim.ended()
-    assert code == 2
-    assert f'{name}: exists already' in errors
-    assert [path.read_text() for path in tmp_path.iterdir()] == ['precious']

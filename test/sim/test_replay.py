@@ -126,13 +126,6 @@ def test_a_file_that_cannot_be_replayed_is_refused_in_one_line(
     assert errors.count('\n') == 1
 
 
-@pytest.mark.parametrize('option', ['--world=room', '--fault=cut:1'])
-def test_an_option_of_the_simulation_is_refused(tmp_path: Path, option: str) -> None:
-    with simulator('--replay', tmp_path / 'c', option) as sim:
-        code, _, errors = sim.ended()
-    assert code == 2 and f'{option.partition("=")[0]} does not work with --replay' in errors
-
-
 # The node.
 
 @pytest.fixture

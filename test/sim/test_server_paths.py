@@ -2,44 +2,52 @@
 # SPDX-License-Identifier: Apache-2.0
 """Paths, addresses and files that `create_sim` cannot use: each gets one sentence."""
 
+from collections.abc import Callable, Iterator
 import os
 from pathlib import Path
+import signal
 import socket
 
 import pytest
 
+from create_oi_ros.sim.server import main
 from support.simulator import simulator, taught
+
+Refused = Callable[..., str]
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Path:
-    """Return the path of the simulator's link."""
-    return tmp_path / 'create'
+def refused(capsys: pytest.CaptureFixture[str]) -> Iterator[Refused]:
+    """Run `create_sim` with arguments that it must refuse by one sentence; return that."""
+    handlers = {number: signal.getsignal(number) for number in signal.valid_signals()}
+
+    def run(*arguments: str | Path) -> str:
+        assert main([*map(str, arguments)]) == 2
+        said, errors = capsys.readouterr()
+        assert said == ''
+        assert errors.startswith('create_sim: ') and errors.count('\n') == 1
+        return errors.removeprefix('create_sim: ').removesuffix('\n')
+    yield run
+    for number, handler in handlers.items():
+        if number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, handler)
 
 
-def refused(*arguments: str | Path) -> str:
-    """Run `create_sim`, which must end with exit code 2 and one sentence; return that."""
-    with simulator(*arguments) as sim:
-        code, said, errors = sim.ended()
-    assert (code, sim.said, said) == (2, '', '')
-    assert errors.startswith('create_sim: ') and errors.count('\n') == 1
-    return errors.removeprefix('create_sim: ').removesuffix('\n')
-
-
-def test_a_file_in_the_place_of_the_link_is_left_alone(port: Path) -> None:
+def test_a_file_in_the_place_of_the_link_is_left_alone(port: Path, refused: Refused) -> None:
     port.write_text('precious')
     assert refused('--link', port) == f'{port}: is no symbolic link, so it is kept'
     assert port.read_text() == 'precious'
 
 
-def test_a_link_to_something_else_is_left_alone(port: Path) -> None:
+def test_a_link_to_something_else_is_left_alone(port: Path, refused: Refused) -> None:
     port.symlink_to('ttyUSB0')
     assert refused('--link', port) == (
         f'{port}: leads to ttyUSB0, which is no pseudo terminal, so it is kept')
     assert os.readlink(port) == 'ttyUSB0'
 
 
-def test_a_file_in_the_place_of_the_control_socket_is_left_alone(tmp_path: Path) -> None:
+def test_a_file_in_the_place_of_the_control_socket_is_left_alone(
+        tmp_path: Path, refused: Refused) -> None:
     control = tmp_path / 'control'
     control.write_text('precious')
     assert refused('--control', control) == f'{control}: is no socket, so it is kept'
@@ -48,7 +56,7 @@ def test_a_file_in_the_place_of_the_control_socket_is_left_alone(tmp_path: Path)
 
 @pytest.mark.parametrize('option', ['--link', '--control'])
 def test_the_path_of_a_live_simulator_is_refused_with_its_process(
-        tmp_path: Path, option: str) -> None:
+        tmp_path: Path, option: str, refused: Refused) -> None:
     """The second path is the same by another name."""
     path, same = tmp_path / 'path', tmp_path / '..' / tmp_path.name / 'path'
     with taught(tmp_path) as (_, teacher), simulator(option, path) as first:
@@ -62,7 +70,8 @@ def test_the_path_of_a_live_simulator_is_refused_with_its_process(
         teacher.tell('truth')
 
 
-def test_the_link_of_a_simulator_whose_cable_is_out_is_refused(tmp_path: Path) -> None:
+def test_the_link_of_a_simulator_whose_cable_is_out_is_refused(
+        tmp_path: Path, refused: Refused) -> None:
     with taught(tmp_path) as (port, teacher):
         teacher.tell('cable unplug')
         assert 'belongs to a running create_sim' in refused('--link', port)
@@ -81,11 +90,11 @@ def test_a_socket_left_by_a_killed_simulator_is_taken_over(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize('option', ['--link', '--control', '--record', '--replay'])
-def test_a_path_that_cannot_be_used_is_named(option: str) -> None:
+def test_a_path_that_cannot_be_used_is_named(option: str, refused: Refused) -> None:
     assert refused(option, '/nodir/y') == '/nodir/y: No such file or directory'
 
 
-def test_a_socket_whose_path_is_too_long_is_named(tmp_path: Path) -> None:
+def test_a_socket_whose_path_is_too_long_is_named(tmp_path: Path, refused: Refused) -> None:
     path = tmp_path / ('x' * 108)
     assert refused('--control', path) == f'{path}: AF_UNIX path too long'
 
@@ -96,31 +105,46 @@ def test_a_full_disk_ends_a_recording_with_the_name_of_the_file() -> None:
     assert (code, errors) == (2, 'create_sim: /dev/full: No space left on device\n')
 
 
-def test_an_address_that_is_in_use_is_named() -> None:
+def test_an_address_that_is_in_use_is_named(refused: Refused) -> None:
     with socket.create_server(('127.0.0.1', 0)) as server:
         port = server.getsockname()[1]
         assert refused('--tcp', f':{port}').startswith(
             f'socket://127.0.0.1:{port}: Address already in use')
 
 
-def test_a_host_that_is_not_known_is_named() -> None:
+def test_a_host_that_is_not_known_is_named(refused: Refused) -> None:
     assert refused('--tcp', 'no.such.host.invalid:4567').startswith(
         'socket://no.such.host.invalid:4567: ')
 
 
-@pytest.mark.parametrize('content, reason', [
-    (b'\x7fELF\x80\xff', "'WORLD' is no world file: it is not text"),
-    (b'PK\3\4' + bytes(5000), "WORLD, line 1: unknown 'PK\\x03\\x04"),
-    (None, "'WORLD': Is a directory")], ids=['binary', 'zeros', 'folder'])
-def test_a_file_that_is_no_world_is_named(
-        tmp_path: Path, content: bytes | None, reason: str) -> None:
-    path = tmp_path / 'world'
-    if content is None:
-        path.mkdir()
-    else:
-        path.write_bytes(content)
-    with simulator('--world', path) as sim:
-        code, _, errors = sim.ended()
-    assert code == 2
-    assert reason.replace('WORLD', str(path)) in errors
-    assert len(errors.splitlines()[-1]) < 400
+@pytest.mark.parametrize('name', ['map.yaml', 'map.pgm', 'map.sdf'])
+def test_an_export_overwrites_nothing(tmp_path: Path, name: str, refused: Refused) -> None:
+    (tmp_path / name).write_text('precious')
+    wanted = 'map.sdf' if name.endswith('sdf') else 'map.yaml'
+    assert refused('--export', tmp_path / wanted).startswith(f'{tmp_path / name}: exists already')
+    assert [path.read_text() for path in tmp_path.iterdir()] == ['precious']
+
+
+@pytest.mark.parametrize(('arguments', 'reason'), [
+    (['--world', 'nowhere'], 'one of apartment, empty, room, table'),
+    (['--world', 'FOLDER'], 'Is a directory'),
+    (['--world', 'FOLDER/binary'], 'is no world file: it is not text'),
+    (['--world', 'FOLDER/zeros'], "FOLDER/zeros, line 1: unknown 'PK"),
+    (['--fault', 'burn'], 'with KIND one of flip'), (['--guess', 'boot=1'], "no guess 'boot'"),
+    (['--speed', '0'], 'allowed: 0.001 to 1000'), (['--tcp', 'nonsense'], 'allowed: HOST:PORT'),
+    (['--odometry', 'best'], 'invalid choice'), (['--linger', 'x'], 'allowed: 0 to 60'),
+    (['--tcp', ':0', '--link', 'x'], 'not allowed with argument'),
+    (['--export', 'map.png'], 'allowed: a file that ends with .yaml'),
+    (['--replay', 'c', '--world=room'], '--world does not work with --replay'),
+    (['--replay', 'c', '--fault=cut:1'], '--fault does not work with --replay')])
+def test_a_wrong_option_is_refused_with_the_reason(
+        tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str],
+        reason: str) -> None:
+    (tmp_path / 'binary').write_bytes(b'\x7fELF\x80\xff')
+    (tmp_path / 'zeros').write_bytes(b'PK\3\4' + bytes(5000))
+    with pytest.raises(SystemExit) as ended:
+        main([each.replace('FOLDER', str(tmp_path)) for each in arguments])
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert ended.value.code == 2
+    assert error.startswith('create_sim: error: ') and len(error) < 700
+    assert reason.replace('FOLDER', str(tmp_path)) in error
