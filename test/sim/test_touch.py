@@ -48,23 +48,6 @@ def test_the_bumper_tells_the_side_by_where_it_touched(degrees, left, right):
     assert not body.sense().bump_left
 
 
-def test_turning_in_place_against_a_wall_is_free():
-    body = Body(WALL_AHEAD)
-    body.place(Pose(1 - 0.165, 0, 0))
-    body.drive(right=0.1, left=-0.1)
-    run(body, 2)
-    assert body.truth().turned == pytest.approx(body.truth().measured_turned)
-
-
-def test_backing_off_releases_the_bumper():
-    body = Body(WALL_AHEAD)
-    body.place(Pose(1 - 0.165, 0, 0))
-    assert body.sense().bump_left
-    body.drive(right=-0.1, left=-0.1)
-    run(body, 0.3)
-    assert not body.sense().bump_left
-
-
 def test_in_a_wedge_the_robot_stays_where_it_is():
     body = Body(parse('wall 0 -1 2 0.05 \n wall 0 1 2 -0.05', 'wedge'))
     body.drive(right=0.5, left=0.5)
@@ -82,12 +65,6 @@ def test_no_drive_leaves_the_walls(seed, name):
         run(body, 1.5)
         x, y, _ = body.truth().pose
         assert all(each.gap(x, y) >= 0.165 - 1e-3 for each in world.obstacles)
-
-
-def test_placed_inside_a_wall_the_robot_is_pushed_out():
-    body = Body(WALL_AHEAD)
-    body.place(Pose(0.95, 0, 0))
-    assert body.truth().pose.x == pytest.approx(1 - 0.165)
 
 
 # By hand.

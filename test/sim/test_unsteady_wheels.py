@@ -46,7 +46,7 @@ def test_jitter_is_what_the_mean_speed_of_a_second_strays_by():
 
 
 def test_wander_comes_within_half_a_minute():
-    found = [ways(60, seed=seed, speed_wander=0.05) for seed in range(40)]
+    found = [ways(31, seed=seed, cuts=2, speed_wander=0.05) for seed in range(40)]
     assert pstdev(each[0] for each in found) * 2 ** 0.5 == pytest.approx(0.05, rel=0.35)
     soon = [abs(each[1] - each[0]) for each in found]
     late = [abs(each[30] - each[0]) for each in found]
@@ -58,10 +58,6 @@ def test_the_same_seed_is_the_same_robot_however_time_is_cut():
                     for cuts in (67, 4))
     assert fine == pytest.approx(coarse, abs=1e-6)
     assert fine != pytest.approx(ways(20, seed=2, speed_jitter=0.02, speed_wander=0.05), abs=1e-3)
-
-
-def test_a_wheel_that_is_asked_for_nothing_stands():
-    assert ways(5, asked=1e-9, speed_jitter=0.1, speed_wander=0.1) == [0.0] * 5
 
 
 def test_a_pushed_wheel_has_the_speed_of_the_floor():
