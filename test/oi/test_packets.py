@@ -60,17 +60,6 @@ def test_every_packet_has_a_vector_that_shows_sign_and_order() -> None:
     assert untested(oi.PACKETS, vectors.PACKETS) == []
 
 
-def test_a_packet_without_a_vector_is_found() -> None:
-    chosen = {number: oi.PACKETS[number] for number in (7, 15, 19, 22, 24)}
-    some = [
-        vectors.PacketVector(7, b'\1', oi.BumpsAndWheelDrops.BUMP_RIGHT),
-        vectors.PacketVector(15, b'\0', 0), vectors.PacketVector(19, b'\1\1', 257)]
-    assert untested(chosen, some) == [
-        'Bumps and Wheel Drops: bits', 'Unused: no sign', 'Distance: sign',
-        'Distance: byte order', 'Voltage', 'Voltage: no sign', 'Voltage: byte order',
-        'Battery Temperature', 'Battery Temperature: sign']
-
-
 def test_sizes_are_the_manuals() -> None:
     assert {number: oi.size_of(number) for number in oi.PACKETS} == vectors.SIZES
 
@@ -89,23 +78,10 @@ def test_groups_are_the_manuals() -> None:
     assert set(vectors.GROUPS) == set(oi.GROUPS)
 
 
-def test_there_are_43_packets() -> None:
-    assert sorted(oi.PACKET_IDS) == list(range(43))
-    with pytest.raises(KeyError):
-        oi.size_of(43)
-    with pytest.raises(KeyError):
-        oi.singles(43)
-
-
 def test_a_group_contains_its_single_packets() -> None:
     data = bytes(range(1, 53))
     assert oi.PacketList([6]).unpack_reply(data) == EVERYTHING.unpack_reply(data)
     assert len(EVERYTHING.names) == 36
-
-
-def test_two_sensors_in_the_order_asked_for() -> None:
-    reply = oi.PacketList([13, 9]).unpack_reply(b'\0\1')
-    assert reply.virtual_wall is False and reply.cliff_left is True
 
 
 def test_a_reply_of_another_length_is_refused() -> None:
@@ -134,11 +110,6 @@ def test_the_stream_budget() -> None:
     assert EVERYTHING.budget(115200).fits
     just = oi.PacketList([*range(7, 15), *range(17, 42)])
     assert just.budget(57600).spare >= 0 and not just.budget(19200).fits
-
-
-@pytest.mark.parametrize('baud', oi.BaudCode, ids=lambda code: code.name)
-def test_capacity_is_whole_bytes_in_15_ms(baud: oi.BaudCode) -> None:
-    assert oi.frame_capacity(baud.rate) == 15 * baud.rate // 10000
 
 
 def test_a_list_with_an_unknown_packet_is_refused() -> None:
@@ -172,22 +143,6 @@ def test_readings_hold_only_what_arrived() -> None:
         oi.PacketList.named('angle', 'oi_mode').unpack_reply(b'\0\1\2'))
     assert repr(readings) == 'Readings(distance=-200, angle=1, oi_mode=<Mode.SAFE: 2>)'
     assert readings != oi.Readings() and readings != 'readings'
-
-
-def test_newer_readings_replace_older_ones() -> None:
-    older = oi.Readings({'distance': 5, 'wall': 1, 'oi_mode': 1})
-    for newer, both in (
-        ({}, {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.PASSIVE}),
-        ({'oi_mode': 2}, {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.SAFE}),
-        ({'angle': 7, 'distance': -1},
-         {'distance': -1, 'wall': True, 'oi_mode': oi.Mode.PASSIVE, 'angle': 7}),
-        ({'wall': 0, 'oi_mode': 3, 'distance': 0, 'angle': 1},
-         {'wall': False, 'oi_mode': oi.Mode.FULL, 'distance': 0, 'angle': 1}),
-    ):
-        updated = older.updated(oi.Readings(newer))
-        assert dict(updated.items()) == both
-        assert updated == oi.Readings(both)
-    assert dict(older.items()) == {'distance': 5, 'wall': True, 'oi_mode': oi.Mode.PASSIVE}
 
 
 def test_of_a_packet_requested_twice_the_last_value_counts() -> None:
@@ -254,17 +209,6 @@ def test_readings_agree_with_their_declared_ranges() -> None:
 
 
 ANY_LIST = st.lists(st.sampled_from(oi.PACKET_IDS), max_size=20)
-
-
-@given(ANY_LIST, st.data())
-def test_encode_of_decode_is_identity(ids: list[int], data: st.DataObject) -> None:
-    packets = oi.PacketList(ids)
-    size = packets.reply_size
-    reply = data.draw(st.binary(min_size=size, max_size=size))
-    readings = packets.unpack_reply(reply)
-    assert readings.has(*packets.names)
-    if len(set(packets.names)) == len(packets.names):
-        assert packets.pack_reply([getattr(readings, name) for name in packets.names]) == reply
 
 
 @given(ANY_LIST, st.data(), st.booleans())

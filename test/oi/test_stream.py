@@ -54,11 +54,6 @@ def test_the_manuals_frame_is_read() -> None:
     assert frame.readings == oi.Readings(vectors.STREAM_VALUES)
 
 
-def test_the_frame_of_real_robots_is_read() -> None:
-    frame, = events(bytewise(vectors.STREAM_FRAME_OF_REAL_ROBOTS), CLIFF)
-    assert frame == (CLIFF, vectors.STREAM_FRAME_OF_REAL_ROBOTS, oi.Checksum.HARDWARE)
-
-
 def test_noise_before_between_and_after_is_garbage() -> None:
     data = b'\1\2' + GOOD + b'\3' + GOOD + b'\x13'
     assert events([data], CLIFF) == [
@@ -100,13 +95,6 @@ def test_a_false_length_does_not_make_it_wait(length: int) -> None:
     reader = oi.StreamReader([CLIFF])
     reader.feed(bytes([19, length, 29]) + GOOD)
     assert kinds(list(reader)) == 'gF'
-
-
-def test_a_header_in_the_values_is_a_value() -> None:
-    frame = CLIFF.pack_frame([0x1305, 0x13])
-    found, = events([frame], CLIFF)
-    assert isinstance(found, oi.Frame)
-    assert found.readings.cliff_front_left_signal == 0x1305
 
 
 def test_only_frames_that_were_asked_for_are_frames() -> None:
@@ -161,13 +149,6 @@ def test_finish_finds_a_frame_that_begins_at_the_second_byte_of_an_incomplete_on
         oi.Garbage(b'\x13'), oi.Frame(shorter, frame, oi.Checksum.HARDWARE)]
 
 
-def test_flush_returns_the_bytes_of_no_event() -> None:
-    reader = oi.StreamReader([CLIFF])
-    reader.feed(b'\7' + GOOD[:5])
-    assert reader.next_event() is None and reader.flush() == oi.Garbage(b'\7' + GOOD[:5])
-    assert events([GOOD], reader=reader) == [oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE)]
-
-
 def test_a_list_too_long_for_a_frame_is_ignored() -> None:
     packets = oi.PacketList([6] * 5)
     assert packets.length == (5 * 53) & 0xff
@@ -205,11 +186,6 @@ def test_the_boot_banner_is_reported() -> None:
         assert isinstance(garbage, oi.Garbage)
         assert garbage.data == BANNER and garbage.text == BANNER.decode().strip()
         assert isinstance(frame, oi.Frame)
-
-
-def test_the_boot_banner_is_readable_after_half_a_frame() -> None:
-    garbage, frame = events([GOOD[:5] + bytes(60) + BANNER + GOOD], CLIFF)
-    assert isinstance(garbage, oi.Garbage) and garbage.text == BANNER.decode().strip()
 
 
 def test_the_boot_banner_is_readable_in_two_pieces() -> None:
@@ -296,11 +272,6 @@ def test_frames_in_order_come_out_in_order(
     assert [event.data for event in events([b''.join(sent)], packets)] == sent
 
 
-@given(st.lists(st.binary(max_size=40)), st.lists(packet_lists(4), max_size=3))
-def test_no_bytes_raise(chunks: list[bytes], lists: list[oi.PacketList]) -> None:
-    assert joined(events(chunks, *lists)) == b''.join(chunks)
-
-
 def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOpcode], bytes]:
     reader = oi.CommandReader()
     found = []
@@ -361,12 +332,3 @@ def test_a_reader_refuses_what_is_no_list_of_packet_lists(lists: Any, message: s
     reader = oi.StreamReader([CLIFF])
     with pytest.raises(TypeError, match=message):
         reader.expect(lists)
-
-
-def test_a_reader_yields_what_is_ready_and_goes_on_later() -> None:
-    robot = oi.CommandReader()
-    robot.feed(bytes([128, 131, 137, 0]))
-    assert list(robot) == [oi.Start(), oi.Safe()]
-    robot.feed(bytes([0, 0, 0]))
-    assert list(robot) == [oi.Drive(velocity=0, radius=0)]
-    assert list(robot) == []

@@ -98,11 +98,6 @@ def test_bytes_that_are_not_commands_are_refused(script: bytes, message: str) ->
     assert str(refused.value) == message
 
 
-def test_a_reply_to_show_script_of_the_wrong_length_is_refused() -> None:
-    with pytest.raises(ValueError):
-        script_of_reply(b'\2\x80')
-
-
 def test_notes_are_the_manuals() -> None:
     for number, (letter, frequency) in vectors.NOTES.items():
         name = note_name(number)
