@@ -84,6 +84,11 @@ def test_a_group_contains_its_single_packets() -> None:
     assert len(EVERYTHING.names) == 36
 
 
+def test_two_sensors_in_the_order_asked_for() -> None:
+    reply = oi.PacketList([13, 9]).unpack_reply(b'\0\1')
+    assert reply.virtual_wall is False and reply.cliff_left is True
+
+
 def test_a_reply_of_another_length_is_refused() -> None:
     with pytest.raises(ValueError, match=r'1 bytes for packets \(9, 13\); expected 2'):
         oi.PacketList([9, 13]).unpack_reply(b'\0')
