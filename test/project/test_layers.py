@@ -30,7 +30,7 @@ class Rule:
 
 MESSAGES = r'(builtin_interfaces|rcl_interfaces|std_srvs|\w+_msgs)\.(msg|srv|action)'
 ROS = rf'rclpy|ament_index_python|{MESSAGES}'
-BAGS = r'rosbags|mcap|zstandard'
+BAGS = 'rosbags'
 
 # A module is in the room with the longest name here that is the module or a package around it.
 RULES = {

@@ -24,7 +24,7 @@ ROSDEP_KEYS = {name: f'python3-{name}' for name in (
     'aiohttp', 'hypothesis', 'matplotlib', 'numpy', 'pytest', 'segno', 'serial', 'yaml')} | {
         'PIL': 'python3-pil'}
 """Modules whose rosdep key has another name."""
-NO_KEY = {'mcap': 'docs/recording.md', 'rosbags': 'docs/recording.md',
+NO_KEY = {'mcap': 'CONTRIBUTING.md', 'rosbags': 'docs/recording.md',
           'playwright': 'CONTRIBUTING.md'}
 """Optional modules that no Debian package has, and the page that says how to install them."""
 NOT_IMPORTED = {

@@ -16,6 +16,7 @@ from rosbags.rosbag2 import Reader
 
 from create_oi_ros.ros.recorder import Recorder
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from support.pages import blocks, ROOT
 from support.ros import scene
 
 LATCHING = {f'/{topic.name}' for topic in PUBLISHED if topic.qos is LATCHED}
@@ -102,3 +103,14 @@ def test_types_and_qos_in_the_bag_are_those_that_the_driver_offers(walk):
         wanted, = topics[name]['offered_qos_profiles']
         assert offered.qos_profile.durability.name.lower() == wanted['durability']
         assert offered.qos_profile.reliability.name.lower() == wanted['reliability']
+
+
+def test_the_program_in_the_documentation_reads_the_bag_and_draws_its_track(walk, monkeypatch):
+    program, = (block.text for block in blocks(ROOT / 'docs/recording.md')
+                if block.language == 'python')
+    monkeypatch.setenv('MPLBACKEND', 'agg')
+    monkeypatch.chdir(walk.bag.parent)
+    space: dict[str, Any] = {}
+    exec(program, space)
+    assert len(space['track']) > 100
+    assert (walk.bag.parent / 'track.png').read_bytes().startswith(b'\x89PNG')
