@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from create_oi_ros.sim.firmware.guesses import Guesses, LIKELY
+from create_oi_ros.sim.firmware.guesses import DEFAULT_GUESSES, Guesses
 from create_oi_ros.sim.server.control import WORDS
 from create_oi_ros.sim.server.faults import FaultKind
 
@@ -28,7 +28,7 @@ def test_every_kind_of_fault_is_there(kind: FaultKind) -> None:
 
 @pytest.mark.parametrize('name', [field.name for field in fields(Guesses)])
 def test_every_guess_is_there_with_its_default(name: str) -> None:
-    value = getattr(LIKELY, name)
+    value = getattr(DEFAULT_GUESSES, name)
     shown = (str(value).lower() if isinstance(value, bool) else
              value.value if isinstance(value, Enum) else f'{value:g}')
     assert f'`--guess {name}={shown}`' in DOCS

@@ -9,7 +9,7 @@ from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import BodyConfig, IDEAL
 from create_oi_ros.sim.firmware import Create
-from create_oi_ros.sim.firmware.guesses import Guesses, LIKELY
+from create_oi_ros.sim.firmware.guesses import DEFAULT_GUESSES, Guesses
 from create_oi_ros.sim.world import World
 
 MODES = {oi.Mode.PASSIVE: oi.Start(), oi.Mode.SAFE: oi.Safe(), oi.Mode.FULL: oi.Full()}
@@ -20,7 +20,7 @@ class Robot:
     """One robot, switched on long ago. Seconds since the start of the test."""
 
     def __init__(self, mode: oi.Mode = oi.Mode.OFF, *, world: World | None = None,
-                 guesses: Guesses = LIKELY, rounding: Rounding = Rounding.CARRY,
+                 guesses: Guesses = DEFAULT_GUESSES, rounding: Rounding = Rounding.CARRY,
                  checksum: oi.Checksum = oi.Checksum.HARDWARE, seed: int = 0,
                  config: BodyConfig = IDEAL) -> None:
         self.body = Body(world or World(), rounding=rounding, seed=seed, config=config)

@@ -36,7 +36,7 @@ from .mechanics import Mechanics, Truth
 from .sensed import clamped, ForcedValues, Sensed
 from .surroundings import CLIFF_BELOW, WALL_SEEN
 
-MOMENT = 1e-9
+TIME_TOLERANCE = 1e-9
 """Seconds by which a sum of times may miss a deadline."""
 
 
@@ -95,7 +95,7 @@ class Body:
     def sense(self) -> Sensed:
         """Return all sensors as they are now, forced values included; cached until a change."""
         if self._sensed is None:
-            self._sensed = self._forced.put_over(self._look())
+            self._sensed = self._forced.put_over(self._read_sensors())
         return self._sensed
 
     def take_distance(self) -> int:
@@ -134,7 +134,7 @@ class Body:
         Examples: force(bump_left=True), force(seconds=0.2, play=True), force(infrared=130).
         ValueError names an unknown field or a value out of range; nothing is held then.
         """
-        self._forced.force(values, _after(self._time, seconds))
+        self._forced.force(values, _end_of(self._time, seconds))
         self._set_deadline()
         self._sensed = None
 
@@ -154,14 +154,14 @@ class Body:
     def push(self, *, speed: float, rate: float, seconds: float) -> None:
         """Roll the robot by hand at m/s and rad/s for some seconds; its wheels turn too."""
         _finite('push', speed, rate, seconds)
-        self._push_end = _after(self._time, seconds)
+        self._push_end = _end_of(self._time, seconds)
         self._mechanics.pushed = (speed, rate)
         self._set_deadline()
 
     def slip(self, *, right: float, left: float, seconds: float) -> None:
         """Let the wheels lose these parts, 0 to 1, of their travel for some seconds."""
         _finite('slip', right, left, seconds)
-        self._slip_end = _after(self._time, seconds)
+        self._slip_end = _end_of(self._time, seconds)
         wheels = self._mechanics.wheels
         wheels.right.slip, wheels.left.slip = _fraction(right), _fraction(left)
         self._set_deadline()
@@ -174,7 +174,7 @@ class Body:
     def drop(self, *, right: bool = False, left: bool = False, caster: bool = False) -> None:
         """Set which wheels hang down; a drive wheel that hangs down has no grip."""
         self._mechanics.dropped = (right, left, caster)
-        self._mechanics.stand()
+        self._mechanics.update_support()
         self._sensed = None
 
     def hold(self, *, right: bool = False, left: bool = False) -> None:
@@ -219,7 +219,7 @@ class Body:
         """Advance by the longest time with constant accelerations and no deadline; return it."""
         left = self._deadline - self._time
         h = longest if longest < left else left
-        if h > MOMENT or h == longest:
+        if h > TIME_TOLERANCE or h == longest:
             mechanics = self._mechanics
             h = mechanics.horizon(h)
             mechanics.advance(h)
@@ -227,7 +227,7 @@ class Body:
             self._electrics.step(h, mechanics.drawn())
             self._time += h
             self._sensed = None
-        if self._time >= self._deadline - MOMENT:
+        if self._time >= self._deadline - TIME_TOLERANCE:
             self._expire()
         return h if h > 0 else 0.0
 
@@ -236,7 +236,7 @@ class Body:
 
     def _expire(self) -> None:
         """End the pushes, slips and forced values whose time is over."""
-        now = self._time + MOMENT
+        now = self._time + TIME_TOLERANCE
         if self._push_end <= now:
             self._push_end = math.inf
             self._mechanics.pushed = None
@@ -251,12 +251,12 @@ class Body:
 
     # Sensors.
 
-    def _look(self) -> Sensed:
+    def _read_sensors(self) -> Sensed:
         """Return the sensors as the physics has them."""
         mechanics, electrics, battery = self._mechanics, self._electrics, self._electrics.battery
-        bumps, wall, floors = mechanics.feel()
+        bumps, wall, floors = mechanics.contacts_and_floor()
         signals = self._noisy(floors)
-        virtual_wall, infrared = mechanics.near.beams(
+        virtual_wall, infrared = mechanics.surroundings.beams(
             mechanics.pose, electrics.base_powered)
         overloads = electrics.overloads
         right, left = mechanics.wheels.right, mechanics.wheels.left
@@ -298,7 +298,7 @@ def _finite(what: str, *values: float) -> None:
             raise ValueError(f'{what} of {value}; allowed: finite numbers')
 
 
-def _after(now: float, seconds: float) -> float:
+def _end_of(now: float, seconds: float) -> float:
     if not seconds >= 0:
         raise ValueError(f'{seconds} seconds; allowed: 0 or more')
     return now + seconds

@@ -14,7 +14,7 @@ from enum import Enum
 import math
 
 from ...robot import FIRMWARE_SEPARATION, WHEEL_SEPARATION
-from .wheels import MOST_UNSTEADY, Response, TimeConstant
+from .wheels import MAX_UNSTEADINESS, Response, TimeConstant
 
 
 class EncoderSign(Enum):
@@ -98,7 +98,7 @@ RANGES = {
     **dict.fromkeys(('wheel_separation', 'encoder_separation', 'wheel_acceleration', 'braking',
                      'time_constant'), (SMALLEST, math.inf)),
     **dict.fromkeys(('dead_time', 'dead_band', 'encoder_tick'), (0.0, math.inf)),
-    **dict.fromkeys(('speed_jitter', 'speed_wander'), (0.0, MOST_UNSTEADY)),
+    **dict.fromkeys(('speed_jitter', 'speed_wander'), (0.0, MAX_UNSTEADINESS)),
     **dict.fromkeys(('right_slip', 'left_slip'), (0.0, 1.0)), 'overshoot': (0.0, 0.99),
 }
 """Lowest and highest value of a constant; any finite number where it is not here."""

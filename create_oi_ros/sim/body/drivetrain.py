@@ -21,9 +21,9 @@ from .wheels import Follower, Lag, Ramp, Response, Spring, Unsteady
 
 GAUSS_NODE = 0.5 - 0.5 / math.sqrt(3)
 """Part of a piece of time at which a two-point Gauss sum looks first."""
-TIME_SLACK = 1e-9
+TIME_TOLERANCE = 1e-9
 """Seconds by which a sum of times may miss the moment at which a request takes effect."""
-TICK_SLACK = 1e-9
+TICK_TOLERANCE = 1e-9
 """Ticks by which a sum of floats may miss a whole number of them."""
 
 
@@ -59,7 +59,7 @@ class Wheel:
         if self._config.encoder_sign is not EncoderSign.DRIVE:
             self._take_sign(speed)
         if self._config.dead_time <= 0:
-            self._obey(speed)
+            self._execute(speed)
         elif speed != (self._requests[-1][1] if self._requests else self.target):
             self._requests.append((self._config.dead_time, speed))
 
@@ -70,7 +70,7 @@ class Wheel:
         elif sign is EncoderSign.COMMAND or (sign is EncoderSign.UNTIL_REST and self.speed == 0):
             self._counts_up = True
 
-    def _obey(self, speed: float) -> None:
+    def _execute(self, speed: float) -> None:
         """Let a request take effect."""
         self.target = speed
         if self._config.encoder_sign is EncoderSign.DRIVE:
@@ -117,7 +117,7 @@ class Wheel:
     def horizon(self, longest: float) -> float:
         """Return the seconds, at most `longest`, for which one `roll` is exact."""
         if self._requests:
-            longest = min(longest, max(self._requests[0][0], TIME_SLACK))
+            longest = min(longest, max(self._requests[0][0], TIME_TOLERANCE))
         return self._follower.horizon(longest)
 
     def roll(self, h: float) -> float:
@@ -135,15 +135,15 @@ class Wheel:
         sign, counted = self._config.encoder_sign, travel
         if sign is not EncoderSign.TRUE:
             counted = abs(travel) if self._counts_up else -abs(travel)
-        while self._requests and self._requests[0][0] <= TIME_SLACK:
-            self._obey(self._requests.popleft()[1])
+        while self._requests and self._requests[0][0] <= TIME_TOLERANCE:
+            self._execute(self._requests.popleft()[1])
         if sign is EncoderSign.UNTIL_REST and self.at_rest and self.target == 0:
             self._counts_up = True
         tick = self._config.encoder_tick
         if not tick:
             return counted
         self._between += counted
-        ticks = math.trunc(self._between / tick + math.copysign(TICK_SLACK, self._between))
+        ticks = math.trunc(self._between / tick + math.copysign(TICK_TOLERANCE, self._between))
         self._between -= ticks * tick
         return ticks * tick
 

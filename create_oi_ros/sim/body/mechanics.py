@@ -15,7 +15,7 @@ from .surroundings import Surroundings
 
 LONGEST_PIECE = SLOT
 """Seconds. At top speed this is 7.5 mm, so the robot jumps over no wall."""
-BLOCKED = 0.5
+BLOCKED_SHARE = 0.5
 """Part of the way lost to an obstacle from which the motors labour (guess)."""
 WHEEL_IDLE, WHEEL_PER_SPEED = 0.08, 0.3
 """Amperes of a motor whose wheel turns slowly, and that each m/s adds (guesses)."""
@@ -27,7 +27,7 @@ WHEEL_LATERAL = WHEEL_SEPARATION / 2
 CASTER_FORWARD = 0.13
 """Metres of the front caster ahead of the centre (guess)."""
 LOWEST, HIGHEST = -32768, 32767
-UNIT_SLACK = 1e-6
+UNIT_TOLERANCE = 1e-6
 """Units by which a sum of floats may miss a whole number that it means to be."""
 
 
@@ -53,13 +53,13 @@ class Truth(NamedTuple):
 class Mechanics:
     """A round body on two driven wheels and a caster."""
 
-    __slots__ = ('wheels', 'near', 'pose', 'distance', 'angle', 'pushed', 'lifted', 'dropped',
-                 'caster_grounded', 'docked', '_encoder_separation', '_travelled', '_turned',
-                 '_lost')
+    __slots__ = ('wheels', 'surroundings', 'pose', 'distance', 'angle', 'pushed', 'lifted',
+                 'dropped', 'caster_grounded', 'docked', '_encoder_separation', '_travelled',
+                 '_turned', '_lost')
 
     def __init__(self, world: World, config: BodyConfig, rounding: Rounding, seed: int) -> None:
         self.wheels = Drivetrain(config, seed)
-        self.near = Surroundings(world)
+        self.surroundings = Surroundings(world)
         self.pose = world.start
         self.distance = Accumulator(rounding)
         """Millimetres."""
@@ -87,25 +87,25 @@ class Mechanics:
     def place(self, pose: Pose) -> None:
         """Be put elsewhere without a turn of the wheels; obstacles push the body out."""
         x, y = pose.x, pose.y
-        self.near.move_to(x, y)
+        self.surroundings.move_to(x, y)
         if not self.lifted:
-            x, y = self.near.push_out(x, y, (x, y)) or (x, y)
-            self.near.move_to(x, y)
+            x, y = self.surroundings.push_out(x, y, (x, y)) or (x, y)
+            self.surroundings.move_to(x, y)
         self.pose = Pose(x, y, math.remainder(pose.yaw, math.tau))
         self._lost = 0.0
-        self.stand()
+        self.update_support()
 
-    def stand(self) -> None:
+    def update_support(self) -> None:
         """Work out which wheels have floor below them and whether the robot is docked."""
         right, left, caster = self.dropped
         self.wheels.right.grounded = not right and self._floor_at(0, -WHEEL_LATERAL)
         self.wheels.left.grounded = not left and self._floor_at(0, WHEEL_LATERAL)
         self.caster_grounded = not caster and self._floor_at(CASTER_FORWARD, 0)
-        self.docked = not self.lifted and self.near.docked(self.pose)
+        self.docked = not self.lifted and self.surroundings.docked(self.pose)
 
     def _floor_at(self, forward: float, left: float) -> bool:
         """Return whether a point of the robot stands on floor."""
-        return not self.lifted and (self.near.floor_everywhere or self.near.floor(
+        return not self.lifted and (self.surroundings.floor_everywhere or self.surroundings.floor(
             self.pose.ahead(forward, left)) is not None)
 
     def horizon(self, longest: float) -> float:
@@ -127,7 +127,7 @@ class Mechanics:
 
     def _move(self, motion: Motion) -> None:
         """Take the motion as far as obstacles allow, and count it."""
-        (x, y, yaw), near = self.pose, self.near
+        (x, y, yaw), near = self.pose, self.surroundings
         travel = motion.travel
         to_x, to_y = x + motion.dx, y + motion.dy
         self._lost = 0.0
@@ -147,7 +147,7 @@ class Mechanics:
         self._travelled += travel
         self._turned += motion.turn
         self._count(self.wheels.right.count(motion.right), self.wheels.left.count(motion.left))
-        self.stand()
+        self.update_support()
 
     def _count(self, right: float, left: float) -> None:
         """Add what the encoders counted, metres, to what packets 19 and 20 will say."""
@@ -164,20 +164,20 @@ class Mechanics:
         for wheel in (self.wheels.right, self.wheels.left):
             if self.overloaded(wheel):
                 drawn += WHEEL_HELD
-            elif wheel.target and self._lost > BLOCKED:
+            elif wheel.target and self._lost > BLOCKED_SHARE:
                 drawn += WHEEL_BLOCKED
             elif wheel.target or wheel.speed:
                 drawn += WHEEL_IDLE + WHEEL_PER_SPEED * abs(wheel.speed)
         return drawn
 
-    def feel(self) -> tuple[tuple[bool, bool], int, tuple[int, ...]]:
+    def contacts_and_floor(self) -> tuple[tuple[bool, bool], int, tuple[int, ...]]:
         """Return bumps left and right, the wall sensor's signal, the cliff sensors' four."""
         if self.lifted:
             return (False, False), 0, (0, 0, 0, 0)
-        floors = self.near.cliff_signals(self.pose)
-        if not self.near.obstacles:
+        floors = self.surroundings.cliff_signals(self.pose)
+        if not self.surroundings.obstacles:
             return (False, False), 0, floors
-        return self.near.bumps(self.pose), self.near.wall_signal(self.pose), floors
+        return self.surroundings.bumps(self.pose), self.surroundings.wall_signal(self.pose), floors
 
 
 class Accumulator:
@@ -202,7 +202,7 @@ class Accumulator:
     def take(self) -> int:
         """Read and reset: -32768 to 32767."""
         pending = self._pending
-        nudge = 0.5 if self._rounding is Rounding.ROUND else UNIT_SLACK
+        nudge = 0.5 if self._rounding is Rounding.ROUND else UNIT_TOLERANCE
         whole = int(pending + math.copysign(nudge, pending))
         self._pending = pending - whole if self._rounding is Rounding.CARRY else 0.0
         return whole

@@ -48,9 +48,9 @@ RECEIVER_FORWARD = 0.13
 DOCK_GAP, DOCK_ASIDE, DOCK_ASKEW = 0.01, 0.03, math.radians(15)
 """Largest errors of the docked pose at which the contacts touch: metres, metres, radians."""
 
-MARGIN = 0.25
+SEARCH_DISTANCE = 0.25
 """Metres that the robot may move before the nearby obstacles are searched again."""
-ROUNDS = 6
+MAX_PUSHES = 6
 """Attempts to push the robot out of obstacles before it counts as stuck between them."""
 
 
@@ -72,10 +72,10 @@ class Surroundings:
     def move_to(self, x: float, y: float) -> None:
         """Search again if the robot has moved too far since the last search."""
         # `<`, because the first time `_x` is NaN.
-        if (x - self._x) ** 2 + (y - self._y) ** 2 < MARGIN ** 2:
+        if (x - self._x) ** 2 + (y - self._y) ** 2 < SEARCH_DISTANCE ** 2:
             return
         self._x, self._y = x, y
-        world, near = self._world, BODY_RADIUS + MARGIN
+        world, near = self._world, BODY_RADIUS + SEARCH_DISTANCE
         self.obstacles = tuple(
             each for each in world.obstacles if each.gap(x, y) < near + WALL_REACH)
         self._edge_near = any(each.edge_gap(x, y) <= near for each in world.borders)
@@ -93,7 +93,7 @@ class Surroundings:
         Where obstacles leave no room (a wedge), return `back`.
         """
         free = True
-        for _ in range(ROUNDS):
+        for _ in range(MAX_PUSHES):
             depth, nx, ny = self._deepest(x, y)
             if depth <= 1e-9:
                 return None if free else (x, y)

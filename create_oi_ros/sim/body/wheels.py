@@ -60,16 +60,16 @@ class TimeConstant(NamedTuple):
 
 REFERENCE_SPEED = 0.0665
 """m/s: there the Create that was filmed had 0.2 s (0.265 s at 0.05, 0.175 s at 0.076)."""
-ARRIVED = 1e-6
+SPEED_TOLERANCE = 1e-6
 """m/s by which a lag may miss its goal and count as there."""
-FINE = 0.004
+LONGEST_STEP = 0.004
 """Seconds within which an oscillating wheel may change the sign of its speed unseen."""
-BEAT, DRIFTING = 0.1, 20.0
+JITTER_PERIOD, WANDER_TIME = 0.1, 20.0
 """Seconds of motion for which an unsteady wheel keeps its factor, and in which its drift forgets
 where it was."""
-MOST_UNSTEADY, LEAST_FACTOR = 0.1, 0.1
+MAX_UNSTEADINESS, MIN_FACTOR = 0.1, 0.1
 """The most that may be asked of such a wheel, and the least factor that it ever has."""
-MOMENT = 1e-9
+TIME_TOLERANCE = 1e-9
 """Seconds by which a sum of times may miss the end of a beat."""
 
 
@@ -79,20 +79,20 @@ class Lag:
     def __init__(self, constant: TimeConstant, braking: float) -> None:
         self.speed = self._goal = 0.0
         self._constant, self._braking = constant, braking
-        self._steady_tau = constant.at(0.0)
+        self._tau_of_goal = constant.at(0.0)
         """Seconds while it does not brake."""
 
     def aim(self, goal: float) -> None:
         self._goal = goal
-        self._steady_tau = self._constant.at(max(abs(goal), abs(self.speed)))
+        self._tau_of_goal = self._constant.at(max(abs(goal), abs(self.speed)))
 
     def horizon(self, longest: float) -> float:
         if self.speed == self._goal:
             return longest
         if self.speed * self._goal >= 0:
-            return min(longest, FINE * 2)
+            return min(longest, LONGEST_STEP * 2)
         crossing = self._tau() * math.log1p(abs(self.speed / self._goal))
-        return max(min(longest, crossing, FINE * 2), 1e-6)
+        return max(min(longest, crossing, LONGEST_STEP * 2), 1e-6)
 
     def roll(self, h: float) -> float:
         if self.speed == self._goal:
@@ -101,14 +101,14 @@ class Lag:
         kept = math.exp(-h / tau)
         travel = self._goal * h + rest * tau * (1 - kept)
         self.speed = self._goal + rest * kept
-        if abs(rest * kept) < ARRIVED:
+        if abs(rest * kept) < SPEED_TOLERANCE:
             self.speed = self._goal
-        elif self._goal and abs(self.speed) < ARRIVED:
+        elif self._goal and abs(self.speed) < SPEED_TOLERANCE:
             self.speed = math.copysign(1e-12, self._goal)
         return travel
 
     def _tau(self) -> float:
-        tau = self._steady_tau
+        tau = self._tau_of_goal
         return tau / self._braking if brakes(self.speed, self._goal) else tau
 
 
@@ -118,21 +118,21 @@ class Spring:
     def __init__(self, constant: TimeConstant, overshoot: float, braking: float) -> None:
         self.speed = self._goal = self._rate = 0.0
         self._constant, self._braking = constant, braking
-        self._steady_omega = 1 / constant.at(0.0)
+        self._omega_of_goal = 1 / constant.at(0.0)
         """Natural frequency while it does not brake, rad/s."""
         log = math.log(max(1e-4, overshoot))
         self._damping = -log / math.hypot(math.pi, log)
 
     def aim(self, goal: float) -> None:
         self._goal = goal
-        self._steady_omega = 1 / self._constant.at(max(abs(goal), abs(self.speed)))
+        self._omega_of_goal = 1 / self._constant.at(max(abs(goal), abs(self.speed)))
 
     def horizon(self, longest: float) -> float:
         still = self.speed == self._goal and not self._rate
-        return longest if still else min(longest, FINE)
+        return longest if still else min(longest, LONGEST_STEP)
 
     def roll(self, h: float) -> float:
-        omega = self._steady_omega
+        omega = self._omega_of_goal
         if brakes(self.speed, self._goal):
             omega *= self._braking
         decay = self._damping * omega
@@ -144,7 +144,7 @@ class Spring:
         rate_after = -decay * after + shrunk * swing * (b * cos - a * sin)
         travel = -((rate_after - rate) + 2 * decay * (after - x)) / omega ** 2
         self.speed, self._rate = self._goal + after, rate_after
-        if abs(after) < ARRIVED and abs(rate_after) < ARRIVED / FINE:
+        if abs(after) < SPEED_TOLERANCE and abs(rate_after) < SPEED_TOLERANCE / LONGEST_STEP:
             self.speed, self._rate = self._goal, 0.0
         return travel + self._goal * h
 
@@ -186,17 +186,17 @@ class Unsteady:
 
     def __init__(self, wheel: Follower, jitter: float, wander: float, random: Random) -> None:
         self._wheel, self._random = wheel, random
-        self._jitter, self._wander = jitter / math.sqrt(BEAT), wander
+        self._jitter, self._wander = jitter / math.sqrt(JITTER_PERIOD), wander
         self._drift = random.gauss(0.0, wander)
         self._draw()
 
     def _draw(self) -> None:
-        self._left = BEAT
-        kept = math.exp(-BEAT / DRIFTING)
+        self._left = JITTER_PERIOD
+        kept = math.exp(-JITTER_PERIOD / WANDER_TIME)
         self._drift = (kept * self._drift
                        + self._random.gauss(0.0, self._wander * math.sqrt(1 - kept ** 2)))
         self._factor = max(
-            LEAST_FACTOR, 1 + self._drift + self._random.gauss(0.0, self._jitter))
+            MIN_FACTOR, 1 + self._drift + self._random.gauss(0.0, self._jitter))
 
     @property
     def speed(self) -> float:
@@ -215,7 +215,7 @@ class Unsteady:
     def roll(self, h: float) -> float:
         travel = self._wheel.roll(h) * self._factor
         self._left -= h
-        if self._left < MOMENT:
+        if self._left < TIME_TOLERANCE:
             self._draw()
         return travel
 

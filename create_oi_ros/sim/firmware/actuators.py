@@ -48,7 +48,7 @@ class ActuatorState:
         self.turn_wheels(STANDING)
         self.switch_drivers(0, 0, 0)
 
-    def obey(self, command: oi.Command) -> None:
+    def execute(self, command: oi.Command) -> None:
         """Carry out a command if it is for the actuators; its values are in range."""
         match command:
             case oi.Drive(velocity=velocity, radius=radius):

@@ -28,7 +28,7 @@ from . import script_waits as scripts
 from . import sensing
 from .actuators import ActuatorState, DARK, Lights, STANDING
 from .demo_behaviors import Controls, DemoPlayer
-from .guesses import Guesses, LIKELY, obeyable
+from .guesses import accepted_command, DEFAULT_GUESSES, Guesses
 from .songs import BEEP, DESCENDING, Speaker
 from .uart import BANNER, DEFAULT_BAUD, Power, SLOW_BAUD, Uart
 
@@ -44,7 +44,7 @@ class Create:
     """A Create's electronics: switched on, boot loader finished, Open Interface off."""
 
     def __init__(self, body: Body, *, checksum: oi.Checksum = oi.Checksum.HARDWARE,
-                 guesses: Guesses = LIKELY, seed: int = 0) -> None:
+                 guesses: Guesses = DEFAULT_GUESSES, seed: int = 0) -> None:
         self.body = body
         self.guesses = guesses
         self.period = guesses.frame_period
@@ -71,7 +71,7 @@ class Create:
         self.script = b''
         self._queue = oi.CommandReader()
         """What the host sent."""
-        self._rest = oi.CommandReader()
+        self._script_rest = oi.CommandReader()
         """What is left of the script that plays."""
         self._next_round: int | None = None
         """The slot in which a script that has played itself starts again."""
@@ -114,19 +114,19 @@ class Create:
         if not self._running:
             return
         data = self._uart.receive(data, self.time)
-        if self._holds:
-            self._keep(data)
+        if self._input_waits:
+            self._enqueue(data)
         else:
             self._queue.feed(data)
-            self._obey_queue()
+            self._execute_queue()
 
     @property
-    def _holds(self) -> bool:
+    def _input_waits(self) -> bool:
         """Whether bytes wait: for a wait command, or for the end of a script that has none."""
         return self._wait is not None or (
             self._next_round is not None and not self.guesses.loop_listens)
 
-    def _keep(self, data: bytes) -> None:
+    def _enqueue(self, data: bytes) -> None:
         """Queue bytes until the wait is over, as many as fit; the others are lost."""
         if self.guesses.wait_answers:
             data = self._without_requests(data)
@@ -143,7 +143,7 @@ class Create:
             if event is None:
                 return others
             if isinstance(event, oi.Sensors | oi.QueryList):
-                self._obey(event)
+                self._execute(event)
             else:
                 others += self._unread[:len(self._unread) - len(reader.pending)]
 
@@ -156,10 +156,10 @@ class Create:
     def _running(self) -> bool:
         return self._power.on and not self._power.booting(self.time)
 
-    def _obey_queue(self) -> None:
+    def _execute_queue(self) -> None:
         """Obey what is left of the script, then what the host sent, up to a wait."""
         while self._wait is None and self._running:
-            scripted = self._rest.next_event()
+            scripted = self._script_rest.next_event()
             match self._next_of_line() if scripted is None else scripted:
                 case None:
                     if not self._begin_round():
@@ -169,26 +169,27 @@ class Create:
                         self._boot()
                 case oi.PlayScript() if self.mode in oi.PlayScript.modes and self.script:
                     if scripted is None:
-                        self._rest.feed(self.script)
+                        self._script_rest.feed(self.script)
                     else:
                         # A script that plays itself takes at least one slot for each round.
                         self._next_round = self._slots + 1
                 case oi.Command() as command:
-                    self._obey(command)
+                    self._execute(command)
 
     def _next_of_line(self) -> oi.Command | oi.UnknownOpcode | None:
         """Return the host's next command, behind the script."""
-        if left := self._rest.clear():  # of a command that takes the host's bytes for its data
+        # A script's last command may take the host's bytes for its data.
+        if left := self._script_rest.clear():
             behind = self._queue.clear()
             self._queue.feed(left + behind)
-        return None if self._holds else self._queue.next_event()
+        return None if self._input_waits else self._queue.next_event()
 
     def _begin_round(self) -> bool:
         """Play the script again if it has played itself, and its time has come."""
         if self._next_round is None or self._slots < self._next_round:
             return False
         self._next_round = None
-        self._rest.feed(self.script)
+        self._script_rest.feed(self.script)
         return True
 
     # Time.
@@ -215,26 +216,26 @@ class Create:
         self._watch_baud(sensed)
         if not self._running:
             return
-        self._stay_safe(sensed)
+        self._check_safety(sensed)
         if self._wait is None:
             self._demos.watch_buttons(sensed, enabled=self.mode not in oi.ACTUATE)
-        self._go_on()
+        self._advance()
         if self._telemetry.streaming and (
                 self._wait is None or self.guesses.stream_while_waiting):
             self._uart.stream(self._telemetry.frame(self._own_values()), self.time)
 
-    def _go_on(self) -> None:
+    def _advance(self) -> None:
         """Advance the demo and the script by a slot."""
         self._demos.step()
         if self._wait is not None and self._wait():
             self._wait = None
             unread, self._unread = self._unread, b''
             self._queue.feed(unread)
-            self._obey_queue()
+            self._execute_queue()
         elif self._next_round is not None:
-            self._obey_queue()
+            self._execute_queue()
 
-    def _stay_safe(self, sensed: Sensed) -> None:
+    def _check_safety(self, sensed: Sensed) -> None:
         """Stop for hazards in Safe mode (manual); drop and charger end a demo too (guess)."""
         guarded = self.mode is Mode.SAFE or self.demo is not None
         if not guarded:
@@ -294,10 +295,10 @@ class Create:
             self._uart.reply(BANNER, self.time)
 
     def _watch_baud(self, sensed: Sensed) -> None:
-        if self._power.play_held(sensed.play, self.time):
+        if self._power.update_play(sensed.play, self.time):
             self._uart.baud = SLOW_BAUD
             self._sound(DESCENDING)
-        if self._power.pin_pulsed(sensed.device_detect, self.time):
+        if self._power.update_pin(sensed.device_detect, self.time):
             self._uart.baud = SLOW_BAUD
 
     # Modes and demos.
@@ -345,11 +346,11 @@ class Create:
 
     # Commands.
 
-    def _obey(self, command: oi.Command) -> None:
+    def _execute(self, command: oi.Command) -> None:
         self.commands += 1
         if self.mode not in command.modes:
             return
-        accepted = obeyable(command, self.guesses)
+        accepted = accepted_command(command, self.guesses)
         if accepted is None:
             return
         if accepted.enters is not None:
@@ -357,18 +358,18 @@ class Create:
                 self._sound(BEEP)
             self._enter(accepted.enters)
         if accepted.section == ACTUATORS:
-            self.actuators.obey(accepted)
+            self.actuators.execute(accepted)
             if self._held_by_dock():
                 self.actuators.turn_wheels(STANDING)
-            self.speaker.obey(accepted, self.time)
+            self.speaker.execute(accepted, self.time)
         elif accepted.section == INPUTS:
             self._uart.reply(self._telemetry.answer(accepted, self._own_values()), self.time)
         elif accepted.section == WAITS:
             self._begin_wait(accepted)
         else:
-            self._obey_other(accepted)
+            self._execute_other(accepted)
 
-    def _obey_other(self, command: oi.Command) -> None:
+    def _execute_other(self, command: oi.Command) -> None:
         match command:
             case oi.Baud(code=code):
                 self._change_baud(oi.BaudCode(code).rate)
@@ -399,7 +400,7 @@ class Create:
         if over():
             return
         self._wait = over
-        self._keep(self._queue.clear())
+        self._enqueue(self._queue.clear())
 
     def _own_values(self) -> dict[str, int]:
         """Return the values of the packets that do not come from the body."""

@@ -31,9 +31,9 @@ PACHELBEL = (78, 76, 74, 73, 71, 69, 71, 73, 74, 73, 71, 69, 67, 66, 67, 64)
 """The Canon's first violin, its first sixteen notes (MIDI numbers)."""
 G_MAJOR, D_MAJOR_7, C_MAJOR = (55, 59, 62, 67), (62, 66, 69, 73), (60, 64, 67, 72)
 """Banjo's chords, one note for each cliff sensor from left to right."""
-LOST_AFTER = 400
+SEARCH_SLOTS = 400
 """Slots without a beam after which the search for a Home Base ends."""
-ASKEW = 4.0
+SEAM_TOLERANCE = 4.0
 """Degrees off the seam that are not corrected."""
 NOTE_LENGTH = 20
 """64ths of a second."""
@@ -188,7 +188,7 @@ def dock(controls: Controls) -> Demo:
     The direction of the seam is the mean of the headings at which a circle leaves and meets it.
     """
     lost, left_at = 0, controls.angle
-    while lost < LOST_AFTER and not controls.sense.home_base:
+    while lost < SEARCH_SLOTS and not controls.sense.home_base:
         beams = controls.beams
         lost = 0 if beams else lost + 1
         if _bumped(controls):
@@ -197,7 +197,7 @@ def dock(controls: Controls) -> Demo:
                 yield from back_off(controls, 60, 170)
                 yield from roll(controls, 300)
         elif beams == SEAM:
-            if abs(left_at - controls.angle) > ASKEW:
+            if abs(left_at - controls.angle) > SEAM_TOLERANCE:
                 yield from turn(controls, (left_at - controls.angle) / 2, CREEP)
             left_at = controls.angle
             controls.drive(CREEP, CREEP)

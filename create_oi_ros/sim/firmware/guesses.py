@@ -4,7 +4,7 @@
 What the manual leaves open about the firmware, each with the switch that turns the guess.
 
 `Create(body, guesses=Guesses(boot_seconds=0.0))`, or `create_sim --guess boot_seconds=0`.
-`obeyable` says which values of a command the robot accepts; hosts may send any.
+`accepted_command` says which values of a command the robot accepts; hosts may send any.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Guesses:
                 raise ValueError(f'{each.name} is {value}; allowed: {low:g} to {high:g}')
 
 
-LIKELY = Guesses()
+DEFAULT_GUESSES = Guesses()
 
 
 TIME_CONSTANT = {
@@ -102,7 +102,7 @@ def parse_guesses(texts: Sequence[str]) -> tuple[BodyConfig, Guesses]:
     return BodyConfig(time_constant=constant, **body), Guesses(**firmware)
 
 
-def obeyable(command: Command, guesses: Guesses) -> Command | None:
+def accepted_command(command: Command, guesses: Guesses) -> Command | None:
     """
     Return the command with values that the robot accepts; None if it ignores the command.
 

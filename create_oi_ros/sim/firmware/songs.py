@@ -26,7 +26,7 @@ class Speaker:
         self._begun = self._end = 0.0
         self._is_song = False
 
-    def obey(self, command: Command, time: float) -> None:
+    def execute(self, command: Command, time: float) -> None:
         """Carry out a command if it is for the speaker; its values are in range."""
         match command:
             case Song(number=number, notes=notes):

@@ -132,7 +132,7 @@ class BaudPin:
     """Seconds in which pulses do not count."""
     GAP = 2.0
     """Seconds high after which the count starts again (guess)."""
-    SLACK = SLOT - TOLERANCE
+    TOLERATED = SLOT - TOLERANCE
     """Error of a measured pulse, seconds: the pin is read once in a slot."""
 
     __slots__ = ('_count', '_high', '_since', '_ignored_until')
@@ -143,8 +143,8 @@ class BaudPin:
         self._since = power_on
         self._ignored_until = power_on + self.AFTER_POWER_ON
 
-    def see(self, high: bool, time: float) -> bool:
-        """Look at the pin; True when the third pulse has just ended."""
+    def update(self, high: bool, time: float) -> bool:
+        """Take the level of the pin; return True when the third pulse has just ended."""
         if high == self._high:
             return False
         lasted = time - self._since
@@ -153,7 +153,7 @@ class BaudPin:
             if lasted > self.GAP:
                 self._count = 0
             return False
-        right = self.SHORTEST - self.SLACK <= lasted <= self.LONGEST + self.SLACK
+        right = self.SHORTEST - self.TOLERATED <= lasted <= self.LONGEST + self.TOLERATED
         begun = time - lasted >= self._ignored_until
         self._count = self._count + 1 if right and begun else 0
         if self._count < self.PULSES:
@@ -198,8 +198,8 @@ class Power:
         """Return whether the boot loader still runs."""
         return time < self._boot_end - TOLERANCE
 
-    def play_held(self, play: bool, time: float) -> bool:
-        """Look at the Play button; True once, after it was held for 4 s from power-on."""
+    def update_play(self, play: bool, time: float) -> bool:
+        """Take the Play button; return True once, after it was held for 4 s from power-on."""
         if not play:
             self._play_since = None
         if self._play_since is None or time < self._play_since + PLAY_HELD - TOLERANCE:
@@ -207,14 +207,14 @@ class Power:
         self._play_since = None
         return True
 
-    def pin_pulsed(self, high: bool, time: float) -> bool:
+    def update_pin(self, high: bool, time: float) -> bool:
         """
-        Look at the baud rate change pin; True when it has asked for 19200.
+        Take the level of the baud rate change pin; return True when it has asked for 19200.
 
         The rate at power-on changes too: 19200 stays through the power button, until the battery
         fails or the Baud command sets another rate (manual: Method 2).
         """
-        if not self._pin.see(high, time):
+        if not self._pin.update(high, time):
             return False
         self.default_baud = SLOW_BAUD
         return True

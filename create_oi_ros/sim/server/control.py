@@ -25,9 +25,9 @@ from ..numbers import number, TOLERANCE
 from ..world import Pose
 from ..world.floor_plan import outlines
 from .faults import Fault, Faults
-from .lines import Claim, Line, naming
+from .lines import Line, naming, PathLock
 
-PRESS = 0.2
+BUTTON_PRESS = 0.2
 """Default of how long a button is pressed, seconds."""
 WAIT_TIMEOUT = 10.0
 """Default of the timeout of `wait`, seconds."""
@@ -67,7 +67,7 @@ class Waiting(NamedTuple):
 class ControlWord(NamedTuple):
     """What a word does, its form and its meaning."""
 
-    obey: Callable[..., str | Waiting | None]
+    execute: Callable[..., str | Waiting | None]
     form: str
     meaning: str
 
@@ -93,7 +93,7 @@ class Interpreter:
         self._line, self._faults, self._stop = line, faults, stop
         self._now = 0.0
 
-    def obey(self, text: str, now: float) -> str | Waiting:
+    def execute(self, text: str, now: float) -> str | Waiting:
         """Run a line; return the answer or what waits for it. No text raises."""
         self._now = now
         name, *words = text.split() or ['']
@@ -101,7 +101,7 @@ class Interpreter:
             return f'error unknown word {name!r}: try help' if name else (
                 'error empty line: try help')
         try:
-            answer = WORDS[name].obey(self, words)
+            answer = WORDS[name].execute(self, words)
         except (ValueError, OSError) as error:
             return f'error {name}: {error}'.replace('\n', ' ')
         return 'ok' if answer is None else answer
@@ -194,7 +194,7 @@ class Interpreter:
     @word('play|advance [SECONDS]', 'press a button')
     def do_button(self, words: list[str]) -> None:
         name = _choice(words, 'play', 'advance')
-        self._body.force(seconds=_seconds(words, PRESS), **{name: 1})
+        self._body.force(seconds=_seconds(words, BUTTON_PRESS), **{name: 1})
 
     @word('NAME=VALUE ... [seconds=S]', 'hold sensors (the names of sense) at values')
     def do_force(self, words: list[str]) -> None:
@@ -354,7 +354,7 @@ class ControlPort:
             exists = path.exists() or path.is_symlink()
             if exists and not stat.S_ISSOCK(os.lstat(path).st_mode):
                 raise FileExistsError(errno.EEXIST, 'is no socket, so it is kept')
-            self._claim = Claim(path)
+            self._lock = PathLock(path)
             path.unlink(missing_ok=True)
             self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             self._listener.bind(str(path))
@@ -409,7 +409,7 @@ class ControlPort:
             if not end:
                 return
             client.received = rest
-            result = self._control.obey(line.decode('utf-8', 'replace'), time)
+            result = self._control.execute(line.decode('utf-8', 'replace'), time)
             if isinstance(result, Waiting):
                 client.waiting = result
             else:
@@ -429,4 +429,4 @@ class ControlPort:
         with suppress(OSError):
             if os.stat(self._path).st_ino == self._inode:
                 self._path.unlink()
-        self._claim.release()
+        self._lock.release()

@@ -116,14 +116,14 @@ class Faults:
         """Advance to `time`, a slot at a time; return the kinds that started in this slot."""
         before = self._active
         self._active = {fault.kind for fault in self.faults
-                        if fault.kind not in DAMAGE and self._goes_on(fault, time)}
+                        if fault.kind not in DAMAGE and self._lasts(fault, time)}
         return self._active - before
 
     def active(self, kind: FaultKind) -> bool:
         """Return whether a fault of this kind lasts now; never true for flip, drop, garbage."""
         return kind in self._active
 
-    def _goes_on(self, fault: Fault, time: float) -> bool:
+    def _lasts(self, fault: Fault, time: float) -> bool:
         if fault.rate is None:
             return fault.within(time)
         if fault.within(time) and self._random.random() < fault.rate * SLOT:

@@ -23,7 +23,7 @@ from typing import Protocol
 
 from ..firmware.uart import DEFAULT_BAUD
 
-AT_ONCE = 4096
+READ_SIZE = 4096
 """Bytes that are read at once."""
 TERMINALS = '/dev/pts/'
 TCGETS2 = 0x802C542A
@@ -37,7 +37,7 @@ CALLERS = 64
 """Refused processes that can still ask for the owner's process id."""
 
 
-class Claim:
+class PathLock:
     """
     Holds a path, for one process at a time, until `release`.
 
@@ -47,7 +47,7 @@ class Claim:
     """
 
     def __init__(self, path: Path) -> None:
-        """Claim a path; FileExistsError says which live process has it."""
+        """PathLock a path; FileExistsError says which live process has it."""
         whole = os.path.join(os.path.realpath(path.parent), path.name)
         name = '\0create_sim ' + hashlib.sha256(os.fsencode(whole)).hexdigest()
         self._socket = socket.socket(socket.AF_UNIX)
@@ -140,7 +140,7 @@ class PtyLine:
         FileExistsError: it is something else, or belongs to a live simulator.
         """
         self._link = link
-        self._claim = None if link is None else Claim(link)
+        self._lock = None if link is None else PathLock(link)
         self._master = -1
         self._slave_name = ''
         self._present = False
@@ -197,8 +197,8 @@ class PtyLine:
     def close(self) -> None:
         """Remove the terminal and the link, and leave the link's name to others."""
         self.unplug()
-        if self._claim is not None:
-            self._claim.release()
+        if self._lock is not None:
+            self._lock.release()
 
     def watched(self) -> list[int]:
         """Return the terminal while a host has it open; without one it is always readable."""
@@ -215,7 +215,7 @@ class PtyLine:
         if not self.connected():
             return b''
         try:
-            return os.read(self._master, AT_ONCE)
+            return os.read(self._master, READ_SIZE)
         except BlockingIOError:
             return b''
         except OSError as error:
@@ -293,7 +293,7 @@ class TcpLine:
         if self._client is None:
             return b''
         try:
-            data = self._client.recv(AT_ONCE)
+            data = self._client.recv(READ_SIZE)
         except BlockingIOError:
             return b''
         except OSError:

@@ -32,7 +32,7 @@ from .lines import Line
 BEFORE_THE_HOST = (RecordKind.FROM_ROBOT, RecordKind.OPENED, RecordKind.BAUD, RecordKind.NOTE)
 LINGER = 1.0
 """Seconds for which the port stays open at the end: closing it would drop unread bytes."""
-AT_ONCE = 4096
+READ_SIZE = 4096
 """Bytes that are read from the file at once."""
 
 
@@ -154,7 +154,7 @@ def _read(path: Path) -> tuple[dict[str, str], Iterator[Record]]:
     def records() -> Iterator[Record]:
         with path.open('rb') as file:
             try:
-                yield from records_of(iter(lambda: file.read(AT_ONCE), b''), reader)
+                yield from records_of(iter(lambda: file.read(READ_SIZE), b''), reader)
             except CaptureError as error:
                 raise CaptureError(f'{path}: {error}') from error
     found = records()
