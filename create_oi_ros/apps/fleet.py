@@ -15,8 +15,8 @@ from typing import NamedTuple
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from ..ros.children import Children
 from ..ros.node import CreateNode, run
+from ..ros.process import Children
 from ..ros.simulated_run import run_domain, run_folder
 
 NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)

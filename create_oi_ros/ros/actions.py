@@ -32,16 +32,16 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from ..driver import goals
-from ..driver.goals import Code, Ending, Goal, Malformed, Progress, Running
+from ..driver.goals import Code, Ending, Goal, Malformed, Phase, Progress, Running
 from ..driver.goals.approach import Learned
 from ..driver.goals.motions import Circle, TargetPose
 from ..link.session import Session
-from . import goal_messages, messages
-from .awaiting import future_of
+from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
+from . import messages
+from .messages import of_yaw, yaw_of
 from .parameters import Parameters
 from .publishing import StampClock
-from .rotation import yaw_of
-from .services import QUEUE
+from .services import future_of, QUEUE
 
 FEEDBACK_EVERY = 7
 """Frames from one feedback to the next: ten a second."""
@@ -49,6 +49,15 @@ RESULT_KEPT = 60
 """Seconds for which a client can still ask for the result of a goal that has ended."""
 GONE = 2
 """Looks at the graph, one a second, without a client after which that of a goal has gone."""
+PHASES = {
+    Phase.TURNING_TO_PLACE: NavigateToPosition.Feedback.ROTATING_TO_GOAL_POSITION,
+    Phase.DRIVING: NavigateToPosition.Feedback.DRIVING_TO_GOAL_POSITION,
+    Phase.TURNING_TO_HEADING: NavigateToPosition.Feedback.ROTATING_TO_GOAL_ORIENTATION,
+}
+SEARCH = {
+    Phase.LOOKING: Dock.Feedback.LOOKING, Phase.SEES_DOCK: Dock.Feedback.SEES_DOCK,
+    Phase.DOCKED: Dock.Feedback.DOCKED, Phase.CHARGING: Dock.Feedback.CHARGING,
+}
 
 
 class Coasts(Protocol):
@@ -63,6 +72,39 @@ class Newcomer:
 
     def __init__(self) -> None:
         self.straight, self.turning = Learned(), Learned()
+
+
+def distance_left(feedback: Any, progress: Progress) -> None:
+    """Fill in the distance that is left."""
+    feedback.remaining_travel_distance = progress.distance
+
+
+def angle_left(feedback: Any, progress: Progress) -> None:
+    """Fill in the angle that is left."""
+    feedback.remaining_angle_travel = progress.angle
+
+
+def phase_left(feedback: Any, progress: Progress) -> None:
+    """Fill in the phase, and what is left of it."""
+    if progress.phase is not None:
+        feedback.navigate_state = PHASES[progress.phase]
+    feedback.remaining_angle_travel = progress.angle
+    feedback.remaining_travel_distance = progress.distance
+
+
+def dock_seen(feedback: Any, progress: Progress) -> None:
+    """Fill in how far the search for the dock is, and what of it is seen."""
+    beams = max(0, progress.infrared - BEAMS)
+    feedback.state = SEARCH.get(progress.phase or Phase.LOOKING, Dock.Feedback.LOOKING)
+    feedback.sees_dock = bool(beams)
+    feedback.red_buoy = bool(beams & RED_BUOY)
+    feedback.green_buoy = bool(beams & GREEN_BUOY)
+    feedback.force_field = bool(beams & FORCE_FIELD)
+
+
+def wall_engaged(feedback: Any, progress: Progress) -> None:
+    """Fill in whether a wall is followed."""
+    feedback.engaged = progress.phase is Phase.ENGAGED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,39 +125,39 @@ ACTIONS = (
         name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
         goal=lambda goal, coasts: goals.DriveDistance(
             goal.distance, goal.max_translation_speed, allowance(goal), coasts.straight),
-        feedback=goal_messages.distance_left),
+        feedback=distance_left),
     Action(
         name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
         goal=lambda goal, coasts: goals.RotateAngle(
             goal.angle, goal.max_rotation_speed, allowance(goal), coasts.turning),
-        feedback=goal_messages.angle_left),
+        feedback=angle_left),
     Action(
         name='drive_arc', type=DriveArc, about='drive on a circle',
         goal=lambda goal, coasts: goals.DriveArc(
             Circle(goal.angle, goal.radius, goal.translate_direction),
             goal.max_translation_speed, allowance(goal), coasts.turning),
-        feedback=goal_messages.angle_left),
+        feedback=angle_left),
     Action(
         name='navigate_to_position', type=NavigateToPosition,
         about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
         goal=lambda goal, coasts: goals.NavigateToPosition(
             place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
             coasts.straight, coasts.turning),
-        feedback=goal_messages.phase_left),
+        feedback=phase_left),
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there; '
         'the service `dock` only starts to',
         goal=lambda goal, coasts: goals.Dock(allowance(goal)),
-        feedback=goal_messages.dock_seen),
+        feedback=dock_seen),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
         goal=lambda goal, coasts: goals.Undock(allowance(goal), coasts.straight),
-        feedback=goal_messages.distance_left),
+        feedback=distance_left),
     Action(
         name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
         goal=lambda goal, coasts: goals.WallFollow(
-            goal.follow_side, goal_messages.seconds(goal.max_runtime), allowance(goal)),
-        feedback=goal_messages.wall_engaged),
+            goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
+        feedback=wall_engaged),
 )
 """All actions."""
 
@@ -132,7 +174,7 @@ def malformed(name: str, request: Any) -> str:
 
 def allowance(goal: Any) -> float:
     """Return the seconds that a goal may take; 0 leaves that to the goal."""
-    return goal_messages.seconds(goal.time_allowance)
+    return messages.seconds(goal.time_allowance)
 
 
 def place(goal: Any) -> TargetPose:
@@ -140,6 +182,21 @@ def place(goal: Any) -> TargetPose:
     pose = goal.goal_pose.pose
     heading = yaw_of(pose.orientation) if goal.achieve_goal_heading else None
     return TargetPose(pose.position.x, pose.position.y, heading)
+
+
+def fill_result(result: Any, ending: Ending) -> None:
+    """Fill in how a goal ended; the header of its pose is filled already."""
+    result.success = ending.code is Code.NONE
+    result.error_code = ending.code
+    result.message = ending.text
+    position = result.pose.pose.position
+    position.x, position.y = ending.estimate.x, ending.estimate.y
+    turned = result.pose.pose.orientation
+    turned.z, turned.w = of_yaw(ending.estimate.yaw)
+    if hasattr(result, 'is_docked'):
+        result.is_docked = ending.docked
+    if hasattr(result, 'runtime'):
+        result.runtime = messages.duration(ending.seconds)
 
 
 @dataclass
@@ -230,7 +287,7 @@ class Actions:
         result = action.type.Result()
         stamp = messages.time(self._stamps.newest or 0)  # the frame's, so that tf2 knows it
         result.pose = PoseStamped(header=messages.header(self._odom_frame, stamp))
-        goal_messages.fill_result(result, ending)
+        fill_result(result, ending)
         return result
 
     def check_client(self) -> None:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
 
-from .user_errors import installing
+from .programs import installing
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

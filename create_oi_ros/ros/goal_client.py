@@ -23,7 +23,7 @@ from rclpy.task import Future
 
 from .actions import ACTIONS, malformed
 from .process import end_in_time
-from .user_errors import INTERRUPTED
+from .programs import INTERRUPTED
 from .waiting import waits_for
 
 DISCOVERY_TIMEOUT = 10.0

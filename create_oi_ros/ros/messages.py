@@ -7,10 +7,10 @@ Units are SI here; nowhere else are they converted. A message that is published 
 by `empty...`; a function returns the values of its fields that change, by their paths in it.
 """
 
-from math import nan
+from math import atan2, cos, nan, remainder, sin, tau
 from typing import Any
 
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -38,7 +38,6 @@ from ..oi import (
 from ..oi.script import commands_of
 from ..oi.tools.text import format_commands, parse_script
 from ..robot import MILLI, MOST_CHARGE
-from .rotation import of_yaw
 
 NANOSECONDS = 1_000_000_000
 NOT_MEASURED = 1e6
@@ -63,6 +62,17 @@ def time(nanoseconds: int) -> Time:
     """Return a ROS time from nanoseconds since the epoch."""
     seconds, rest = divmod(nanoseconds, NANOSECONDS)
     return Time(sec=seconds, nanosec=rest)
+
+
+def seconds(duration: Duration) -> float:
+    """Return a duration in seconds."""
+    return float(duration.sec + duration.nanosec / NANOSECONDS)
+
+
+def duration(length: float) -> Duration:
+    """Return a duration from seconds."""
+    sec, nanosec = divmod(round(length * NANOSECONDS), NANOSECONDS)
+    return Duration(sec=sec, nanosec=nanosec)
 
 
 def header(frame: str, stamp: Time) -> Header:
@@ -306,3 +316,13 @@ def script_text(code: bytes) -> str:
         return format_commands(commands_of(Script(script=code)))
     except ValueError:
         return ''
+
+
+def of_yaw(yaw: float) -> tuple[float, float]:
+    """Return z and w of the quaternion that turns by `yaw` radians; its x and y are 0."""
+    return sin(yaw / 2), cos(yaw / 2)
+
+
+def yaw_of(rotation: Any) -> float:
+    """Return the yaw of a quaternion, -pi to pi."""
+    return remainder(2 * atan2(rotation.z, rotation.w), tau)

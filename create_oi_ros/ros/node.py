@@ -32,13 +32,12 @@ from ..link.capture import begin, Capture, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
-from . import diagnostics, messages, node_arguments, parameter_checks, topics
+from . import diagnostics, messages, node_arguments, parameters, topics
 from .actions import ACTIONS, Actions
-from .contact_cloud import ContactCloud
 from .graph_watch import GraphWatch
 from .model_keeper import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
-from .publishing import CLOCK_WARNING_INTERVAL, FramePublisher, publisher
+from .publishing import CLOCK_WARNING_INTERVAL, ContactCloud, FramePublisher, publisher
 from .services import SERVICES, Services
 from .velocity_input import VelocityInput
 from .waiting import announce
@@ -69,10 +68,10 @@ class CreateNode(Node):
         """
         super().__init__(
             node_arguments.NODE, automatically_declare_parameters_from_overrides=True, **options)
-        self.parameters = parameter_checks.declare(self)
+        self.parameters = parameters.declare(self)
         self._periods = self.parameters.periods()
-        self.add_pre_set_parameters_callback(parameter_checks.as_declared)
-        self.add_on_set_parameters_callback(parameter_checks.check)
+        self.add_pre_set_parameters_callback(parameters.as_declared)
+        self.add_on_set_parameters_callback(parameters.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
         self.model = ModelKeeper(self, self.parameters.odometry_model)
         self.capture = self._start_capture()
@@ -156,7 +155,7 @@ class CreateNode(Node):
             throttle_duration_sec=STALE_WARNING_INTERVAL)
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
-        self.parameters = parameter_checks.changed(self.parameters, changed)
+        self.parameters = parameters.changed(self.parameters, changed)
         self._periods = self.parameters.periods()
         with self.session.request() as (driver, _now):
             driver.set_limits(self.parameters.limits())

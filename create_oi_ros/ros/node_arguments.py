@@ -14,8 +14,7 @@ from rclpy.utilities import remove_ros_args
 import yaml
 
 from .. import __version__
-from .parameter_checks import listed, suggestion
-from .parameters import Parameters
+from .parameters import listed, Parameters, suggestion
 
 WIDTH = 96
 NODE = 'create'

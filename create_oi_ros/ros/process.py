@@ -12,10 +12,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import ctypes
 import faulthandler
+from functools import partial
 import os
 from pathlib import Path
 import signal
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -25,7 +27,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor, TimeoutException
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from .user_errors import check_environment, UserError
+from .programs import check_environment, PROGRAMS, UserError
 
 PR_SET_PDEATHSIG = 1
 """Linux, prctl(2)."""
@@ -177,3 +179,43 @@ def spin_ready(executor: SingleThreadedExecutor) -> None:
             return
         callback()
         callback.result()
+
+
+GRACE = 1.5
+"""Seconds that a child has to end by itself after SIGTERM, before it is killed."""
+
+
+def start(program: str, *arguments: str, stdout: int | None = None) -> subprocess.Popen[bytes]:
+    """Start a program that ends with this process; the terminal's Ctrl-C does not reach it."""
+    return subprocess.Popen(
+        [sys.executable, '-c', PROGRAMS[program], *arguments], stdout=stdout,
+        start_new_session=True, preexec_fn=partial(end_with_parent, os.getpid()))
+
+
+class Children:
+    """Child processes, ended in the reverse order of their start."""
+
+    def __init__(self) -> None:
+        self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
+
+    def start(self, program: str, *arguments: str) -> None:
+        """Start a program."""
+        self._processes.insert(0, (program, start(program, *arguments)))
+
+    def ended(self) -> str | None:
+        """Return a sentence about a child that has ended by itself; None while all run."""
+        for program, process in self._processes:
+            if process.poll() is not None:
+                return f'{program} has ended with exit code {process.returncode}'
+        return None
+
+    def end(self) -> None:
+        """End all children, the newest first: start the node last, it has to stop the robot."""
+        for _, process in self._processes:
+            if process.poll() is None:
+                process.terminate()  # SIGINT while Python starts would print a traceback
+            try:
+                process.wait(GRACE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()

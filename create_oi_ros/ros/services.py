@@ -32,9 +32,9 @@ from std_srvs.srv import Trigger
 
 from .. import oi
 from ..driver import Outcome, Pending
+from ..driver.pending import Awaited
 from ..link.session import Session
 from . import messages
-from .awaiting import future_of
 from .model_keeper import ModelKeeper
 
 QUEUE = QoSProfile(depth=200)
@@ -250,3 +250,18 @@ def fill(response: Any, outcome: Outcome) -> Any:
 def refuse(response: Any, why: str) -> Any:
     """Refuse a request that never reaches the driver."""
     return fill(response, Outcome(False, why))
+
+
+Result = TypeVar('Result')
+
+
+def future_of(awaited: Awaited[Result], node: Node) -> Future:
+    """Return a future of a result; the thread that brings it wakes the node."""
+    ended = Future()
+
+    def end(result: Result) -> None:
+        ended.set_result(result)
+        if node.executor is not None:
+            node.executor.wake()
+    awaited.then(end)
+    return ended

@@ -11,7 +11,7 @@ import shutil
 import socket
 import tempfile
 
-from .user_errors import UserError
+from .programs import UserError
 
 DOMAINS = range(215, 233)
 """Few people choose these; their UDP ports lie above those that Linux gives to other programs."""

@@ -23,7 +23,7 @@ from create_oi_ros.apps.calibrate.listen import Tally
 from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.user_errors import explained
+from create_oi_ros.ros.programs import explained
 from support.loop import Loop
 from support.ros import scene
 from support.source import ROOT

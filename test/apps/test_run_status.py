@@ -13,7 +13,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.apps.run.status import RobotStatus, WIDTH
-from create_oi_ros.ros.rotation import of_yaw
+from create_oi_ros.ros.messages import of_yaw
 
 PORT = '/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0'
 ANY = st.floats(-1e9, 1e9) | st.just(nan)

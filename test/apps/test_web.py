@@ -16,7 +16,7 @@ from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros import programs
-from create_oi_ros.ros.user_errors import UserError
+from create_oi_ros.ros.programs import UserError
 from create_oi_ros.sim.world import shipped
 from support.ros import scene
 from support.simulator import taught

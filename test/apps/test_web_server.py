@@ -15,7 +15,7 @@ import pytest
 
 from create_oi_ros.apps.web.create_web import encryption, kept_token
 from create_oi_ros.apps.web.web_server import MOST_OF_ADDRESS
-from create_oi_ros.ros.user_errors import UserError
+from create_oi_ros.ros.programs import UserError
 from support.ros import scene
 from support.web import free_port, served
 

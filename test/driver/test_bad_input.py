@@ -29,8 +29,7 @@ from create_oi_ros.driver.stopping import WAKE_UP
 from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.model_keeper import ModelKeeper
 from create_oi_ros.ros.node import CreateNode
-from create_oi_ros.ros.parameter_checks import declare
-from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.parameters import declare, Parameters
 from create_oi_ros.ros.services import SERVICES, Services
 from support.anything import anything
 from support.loop import Loop

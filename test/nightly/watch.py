@@ -12,7 +12,7 @@ from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 
-from create_oi_ros.ros.rotation import yaw_of
+from create_oi_ros.ros.messages import yaw_of
 from create_oi_ros.ros.topics import LATCHED, SENSOR_TOPICS
 from support.ros import Listener
 

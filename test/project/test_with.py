@@ -30,8 +30,8 @@ import yaml
 from create_oi_ros.driver.contacts import AWAY, OUTSIDE
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import diagnostics
-from create_oi_ros.ros.contact_cloud import HEIGHT
 from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.publishing import HEIGHT
 from create_oi_ros.ros.topics import CONTACTS, ODOM, PUBLISHED
 from support.pages import blocks, check_ros2, commands, OURS, ROOT
 from support.ros import scene

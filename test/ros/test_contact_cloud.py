@@ -18,8 +18,8 @@ from create_oi_ros.driver.contacts import OUTSIDE
 from create_oi_ros.driver.stream_plan import ALL
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import BODY_RADIUS, SLOT
-from create_oi_ros.ros.contact_cloud import ContactCloud
 from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.publishing import ContactCloud
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import scene
 

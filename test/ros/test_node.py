@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
 from create_oi_ros.ros import messages
-from create_oi_ros.ros.rotation import yaw_of
+from create_oi_ros.ros.messages import yaw_of
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.loop import turn_difference
 from support.ros import Scene, scene

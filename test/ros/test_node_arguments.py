@@ -11,8 +11,7 @@ from create_oi_ros import __version__
 from create_oi_ros.ros import node_arguments
 from create_oi_ros.ros.node import NAMES
 from create_oi_ros.ros.node_arguments import unused_remaps
-from create_oi_ros.ros.parameter_checks import contradiction, refusal, wrong_type
-from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.parameters import contradiction, Parameters, refusal, wrong_type
 from support.ros import scene
 
 

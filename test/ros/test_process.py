@@ -10,8 +10,7 @@ import threading
 import pytest
 
 from create_oi_ros.ros import process
-from create_oi_ros.ros.programs import PROGRAMS
-from create_oi_ros.ros.user_errors import UserError
+from create_oi_ros.ros.programs import PROGRAMS, UserError
 from support.ros import own_domain, TIMEOUT
 
 READY = 2

@@ -13,8 +13,8 @@ import rclpy
 from rclpy.context import Context
 
 from create_oi_ros.ros import simulated_run
+from create_oi_ros.ros.programs import UserError
 from create_oi_ros.ros.simulated_run import run_domain, run_folder
-from create_oi_ros.ros.user_errors import UserError
 
 
 @pytest.fixture(autouse=True)

@@ -13,8 +13,7 @@ import pytest
 
 from create_oi_ros import __version__
 from create_oi_ros.ros import programs
-from create_oi_ros.ros.programs import MODULES, PROGRAMS
-from create_oi_ros.ros.user_errors import check_environment, explained, UserError
+from create_oi_ros.ros.programs import check_environment, explained, MODULES, PROGRAMS, UserError
 
 ROS_PROGRAMS = {
     'create_node': [], 'create_run': ['--world', 'empty'], 'create_record': ['-o', 'new'],

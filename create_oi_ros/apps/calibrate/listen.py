@@ -9,8 +9,8 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.task import Future
 
+from ...ros.messages import yaw_of
 from ...ros.process import call_on_signal, ros_executor, spin_until
-from ...ros.rotation import yaw_of
 
 PERIOD = 0.5
 """Seconds between two lines."""

@@ -19,7 +19,7 @@ from ... import oi
 from ...driver import Health
 from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
-from ...ros.user_errors import INTERRUPTED, UserError
+from ...ros.programs import INTERRUPTED, UserError
 from .conclusion import conclude
 from .dead_band_search import DeadBandSearch
 from .moves import CheckStep, CREEPING, duration, Move, Reads, Segment, STEPS

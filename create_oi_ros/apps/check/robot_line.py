@@ -13,7 +13,7 @@ from ...driver import Driver, DriverEvent, Health, Notice, Outcome, Settings, Se
 from ...link.capture import begin, Capture, CapturedPort
 from ...link.session import Session
 from ...oi.tools.capture_format import RecordKind
-from ...ros.user_errors import UserError
+from ...ros.programs import UserError
 from .moves import Move
 from .notebook import Notebook, Page
 from .runner import Runner

@@ -18,13 +18,12 @@ import rclpy
 from rclpy.node import Node
 
 from ...ros.bags import missing
-from ...ros.children import Children, start
 from ...ros.graph_watch import names_of_publishers
-from ...ros.process import call_on_signal, ros_executor
+from ...ros.process import call_on_signal, Children, ros_executor, start
+from ...ros.programs import check_environment, INTERRUPTED
 from ...ros.recorder import Recorder
 from ...ros.simulated_run import run_domain, run_folder
 from ...ros.topics import CMD_VEL
-from ...ros.user_errors import check_environment, INTERRUPTED
 from .pilot import Pilot, Stopped, TourError
 from .tour import SHORT, TOUR, TourStep, WORLD
 

@@ -19,7 +19,7 @@ from rclpy.node import Node
 
 from ...driver import MotionLimits
 from ...ros.actions import ACTIONS
-from ...ros.rotation import yaw_of
+from ...ros.messages import yaw_of
 from ...ros.topics import CMD_VEL, LATCHED
 
 PERIOD = 0.05

@@ -19,8 +19,7 @@ from ...oi import ChargingState, Mode
 from ...robot import TOP_SPEED
 from ...ros.bags import BagError, DamageError, definitions, reading
 from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
-from ...ros.messages import charging_name, mode_name
-from ...ros.rotation import yaw_of
+from ...ros.messages import charging_name, mode_name, yaw_of
 from .bag_files import BagFiles, Topic
 from .recording import Curve, Recording, Span, Spans
 

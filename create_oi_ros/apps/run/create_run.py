@@ -23,13 +23,12 @@ from rclpy.node import Node
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
-from ...ros.children import Children
 from ...ros.diagnostics import of_driver
 from ...ros.node_arguments import names_only, refusal, split
-from ...ros.process import call_on_signal, ros_executor, spin_until
+from ...ros.process import call_on_signal, Children, ros_executor, spin_until
+from ...ros.programs import check_environment
 from ...ros.simulated_run import run_domain, run_folder
 from ...ros.topics import LATCHED
-from ...ros.user_errors import check_environment
 from ...ros.waiting import announce
 from ...sim.world_files import read_world, shipped_names, WorldError
 from .status import RobotStatus, show, status_line

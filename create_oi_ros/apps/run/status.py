@@ -15,8 +15,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
 from ...ros.diagnostics import LINK
-from ...ros.messages import mode_name
-from ...ros.rotation import yaw_of
+from ...ros.messages import mode_name, yaw_of
 
 WIDTH = 80
 """Columns of the line at most."""

@@ -24,7 +24,7 @@ from rclpy.utilities import remove_ros_args
 
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.process import call_on_signal, ros_executor, spin_ready
-from ...ros.user_errors import installing, UserError
+from ...ros.programs import installing, UserError
 from ...ros.waiting import say_if_waiting
 from .access import Access, is_loopback
 from .live_robot import LiveRobot

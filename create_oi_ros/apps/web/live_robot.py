@@ -19,8 +19,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
-from ...ros.messages import charging_name, mode_name, UNKNOWN_SIGNAL
-from ...ros.rotation import yaw_of
+from ...ros.messages import charging_name, mode_name, UNKNOWN_SIGNAL, yaw_of
 from .battery_time import BatteryTime
 from .past import (
     CHART_SECONDS,

@@ -13,8 +13,7 @@ from create_oi_msgs import action
 from ...driver.goals.goal import LONGEST, MOST_TURN
 from ...driver.goals.wall_following import RIGHT
 from ...robot import TOP_SPEED
-from ...ros.goal_messages import duration
-from ...ros.rotation import of_yaw
+from ...ros.messages import duration, of_yaw
 from .driver_seat import TOP_TURN
 from .page_checks import FieldCheck, FLAG, number, number_or_null
 
