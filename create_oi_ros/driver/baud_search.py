@@ -41,13 +41,15 @@ class BaudSearch:
 
     def __init__(self, baud: int) -> None:
         """Call at one rate; 0 searches for the robot's."""
-        self._searching = baud == 0
+        self.searching = baud == 0
+        """Whether the robot's rate is not known."""
         self.baud = baud or START_BAUDS[0]
         """Bits per second, now."""
         self._next = _rates(self.baud)
         self.raised_from: int | None = None
         """Rate of the call before, if it told the robot to change to START_BAUDS[0]."""
-        self._calls = 0
+        self.calls = 0
+        """Calls since the robot answered, or since the port was opened."""
         self._garbage = bytearray()
         self.problem: str | None = None
         """What the user was told of a robot that does not answer."""
@@ -55,19 +57,19 @@ class BaudSearch:
     def restart(self) -> None:
         """Start anew: the robot answered until now, or the port has just been opened."""
         self._next = _rates(START_BAUDS[0] if self.raises else self.baud)
-        self._calls, self.problem, self.raised_from = 0, None, None
+        self.calls, self.problem, self.raised_from = 0, None, None
         self._garbage.clear()
 
     @property
     def raises(self) -> bool:
         """Whether this call is for a robot that is to change to START_BAUDS[0]."""
-        return self._searching and self.baud < SLOWEST_BAUD
+        return self.searching and self.baud < SLOWEST_BAUD
 
     def next_baud(self) -> int:
         """Return the rate of the next call."""
-        self._calls += 1
+        self.calls += 1
         self.raised_from = self.baud if self.raises else None
-        if self._searching:
+        if self.searching:
             self.baud = next(self._next)
         return self.baud
 
@@ -78,18 +80,18 @@ class BaudSearch:
 
     def notice(self) -> Notice | None:
         """Say what may be wrong, once, after some calls without an answer."""
-        if self.problem is not None or self._calls < CALLS_BEFORE_NOTICE:
+        if self.problem is not None or self.calls < CALLS_BEFORE_NOTICE:
             return None
-        at = ' and '.join(map(str, START_BAUDS)) if self._searching else str(self.baud)
-        calls = f'The driver keeps calling{", at every rate" if self._searching else ""}'
+        at = ' and '.join(map(str, START_BAUDS)) if self.searching else str(self.baud)
+        calls = f'The driver keeps calling{", at every rate" if self.searching else ""}'
         if len(self._garbage) >= GARBAGE_LIMIT:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])
-            rate = '' if self._searching else ', or another baud rate (`baud: 0` tries all)'
+            rate = '' if self.searching else ', or another baud rate (`baud: 0` tries all)'
             self.problem = (
                 f'something sends on the port, but not like a Create at {at} baud (it sent '
                 f'{shown} ...): is it another device{rate}? {calls}')
         else:
-            hint = '' if self._searching else '; the parameter `baud: 0` tries other rates'
+            hint = '' if self.searching else '; the parameter `baud: 0` tries other rates'
             self.problem = (
                 f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
                 f'serial cable, plugged in all the way{hint}? {calls}')

@@ -3,30 +3,46 @@
 """
 Whether the robot takes the commands that it is sent.
 
-The line to the robot has no checksum and no acknowledgement, and a Wait (a damaged byte may
-become one) makes the robot ignore commands while its stream goes on. Two things show that it took
-them: it streams another list of packets when asked to, and it reports the speeds that it was sent.
+The line to the robot has no checksum and no acknowledgement. Two things show that it took them: it
+streams another list of packets when asked to, and it reports the speeds that it was sent. A robot
+that takes nothing, though its stream goes on, is in the middle of a command, or it waits: for a
+script that another program has started, or for damaged bytes that read as a Wait. What it is sent
+meanwhile may be lost, in part even, or be obeyed afterwards until its queue is full. So it is sent
+next to nothing, and nothing whose loss in part can do harm.
 """
 
 from enum import auto, Enum
 
-from ..robot import SLOT
+from .. import oi
+from .outbox import Outbox
 
-MISSES_SUSPECTED, MISSES_REPORTED = 4, 14
-"""Speeds in a row that the robot did not take: after 0.6 s and after 2 s."""
-UNSEEN_SUSPECTED, UNSEEN_REPORTED = 0.6, 1.5
-"""Seconds without frames of the list that was asked for."""
+SUSPECTED, WOKEN, REPORTED = 0.3, 0.9, 1.5
+"""Seconds without a sign that commands are taken until the driver holds them back, sends what ends
+a command that was cut short, and tells the user."""
 IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told it to wait; '
            'lift it, switch it off and on')
+POLL_INTERVAL, POLL_PART = 0.2, 0.2
+"""Seconds between two polls of a robot that may wait; at least this part of the time for which it
+was polled, so that a long wait gets few."""
+PAUSED, LOOK_AFTER = 0.075, 0.105
+"""Seconds without a frame by which the stream has paused, and after a poll to look for that."""
+PAUSE = oi.PauseResumeStream(state=oi.StreamState.PAUSE)
+RESUME = oi.PauseResumeStream(state=oi.StreamState.RESUME)
 
 
 class CommandNews(Enum):
     """News about whether the robot takes commands."""
 
     SUSPECT = auto()
-    """It may be in the middle of a command."""
+    """It may wait, or be in the middle of a command."""
+    WAKE = auto()
+    """It may need what ends a command."""
     IGNORES = auto()
     OBEYS_AGAIN = auto()
+
+
+STAGES = ((CommandNews.IGNORES, REPORTED), (CommandNews.WAKE, WOKEN),
+          (CommandNews.SUSPECT, SUSPECTED))
 
 
 class CommandWatch:
@@ -36,16 +52,21 @@ class CommandWatch:
         self._list: tuple[int, ...] | None = None
         """The packets of the newest frame."""
         self._unseen_since: float | None = None
-        self._last: CommandNews | None = None
+        self._stage: CommandNews | None = None
+
+    @property
+    def suspects(self) -> bool:
+        """Whether the robot may not take commands."""
+        return self._stage is not None
 
     @property
     def ignores(self) -> bool:
         """Whether the robot ignores commands, and the user was told."""
-        return self._last is CommandNews.IGNORES
+        return self._stage is CommandNews.IGNORES
 
     def restart(self) -> None:
-        """Start again: the robot was away, or cannot take commands now."""
-        self._list = self._unseen_since = self._last = None
+        """Start again: the robot was away, takes commands, or cannot take them now."""
+        self._list = self._unseen_since = self._stage = None
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
         """Note that the robot was asked for frames with these packets."""
@@ -57,19 +78,51 @@ class CommandWatch:
         if packets != self._list:
             self._list, self._unseen_since = packets, None
 
-    def check(self, missed: int, now: float) -> CommandNews | None:
-        """Return what is new; `missed` is how many speeds in a row the robot did not take."""
-        if not missed and self._unseen_since is None and self._last is None:
-            return None  # as in most frames
-        unseen = 0.0 if self._unseen_since is None else now - self._unseen_since
-        before = self._last
-        if missed >= MISSES_REPORTED or unseen > UNSEEN_REPORTED:
-            self._last = CommandNews.IGNORES
-        elif before is not CommandNews.IGNORES and (
-                missed >= MISSES_SUSPECTED or unseen > UNSEEN_SUSPECTED):
-            self._last = CommandNews.SUSPECT
-        elif not missed and unseen <= 2 * SLOT:
-            self._last = None
-        if self._last is before:
+    def check(self, missed_since: float | None, now: float) -> CommandNews | None:
+        """Return what is new; `missed_since`: when speeds were sent that it has not taken."""
+        times = [since for since in (missed_since, self._unseen_since) if since is not None]
+        if not times:
+            obeys = CommandNews.OBEYS_AGAIN if self.suspects else None
+            self._stage = None
+            return obeys
+        stage = next((stage for stage, after in STAGES if now - min(times) > after), None)
+        if stage is None or self._stage is not None and stage.value <= self._stage.value:
             return None
-        return self._last or CommandNews.OBEYS_AGAIN
+        self._stage = stage
+        return stage
+
+
+class Probe:
+    """
+    Finds out, by two bytes at a time, when a robot that streams takes commands again.
+
+    It is told to pause its stream, and soon to resume it: harmless even if some of that is lost.
+    When frames cease in between, the robot listens.
+    """
+
+    def __init__(self, outbox: Outbox) -> None:
+        self._outbox = outbox
+        self._since = 0.0
+        self._sent_at: float | None = None
+        """When the last poll was sent; None once its effect was looked for."""
+        self.due = 0.0
+        """When to poll or look next."""
+
+    def begin(self, due: float) -> None:
+        """Poll from a moment on, ever more seldom."""
+        self._since = self.due = due
+        self._sent_at = None
+
+    def poll(self, now: float, heard_at: float) -> bool:
+        """Poll or look, when it is time; True: the stream has paused, ask for it anew."""
+        silent, sent_at = now - heard_at > PAUSED, self._sent_at
+        if sent_at is None:
+            if not silent:  # else it sends nothing while it waits, or is gone: `Connection` calls
+                self._outbox.send(PAUSE)
+                self._sent_at, self.due = now, now + LOOK_AFTER
+            return False
+        self._sent_at, self.due = None, sent_at + max(
+            POLL_INTERVAL, POLL_PART * (now - self._since))
+        if not silent:
+            self._outbox.send(RESUME)
+        return silent

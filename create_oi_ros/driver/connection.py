@@ -13,7 +13,7 @@ from math import inf
 from .. import oi
 from ..oi.codes import START_BAUDS
 from .baud_search import ANSWER_TIME, BaudSearch, CALL_INTERVAL
-from .command_watch import CommandNews, CommandWatch, IGNORES
+from .command_watch import CommandNews, CommandWatch, IGNORES, Probe
 from .events import EventQueue, LinkCounts, Severity
 from .frame_budget import FrameBudget, too_slow
 from .outbox import Outbox
@@ -28,6 +28,9 @@ MOST_ABSENCE = 2.0
 changes its mode, and commands must pause before it follows them again."""
 STANDSTILL = 1.0
 """Seconds between two calls of the driver after which its process must have been stopped."""
+WAKE_UP_FIRST, WAKE_UP_EVERY = 3, 10
+"""Calls of a robot that has fallen silent among which these end a command that was cut short: the
+others leave room in the queue of a robot that only waits."""
 STALE = 0.05
 """Seconds after a standstill in which the system still delivers old bytes."""
 
@@ -47,6 +50,7 @@ class Connection:
         self._handle = handle
         self._search = BaudSearch(baud)
         self._watch = CommandWatch()
+        self._probe = Probe(outbox)
         self.frame_budget = FrameBudget()
         self.plan = StreamPlan(self._search.baud)
         self.reader = oi.StreamReader(self.plan.lists)
@@ -78,6 +82,11 @@ class Connection:
     def ignores_commands(self) -> bool:
         """Whether the robot ignores commands, and the user was told."""
         return self._watch.ignores
+
+    @property
+    def suspects(self) -> bool:
+        """Whether the robot may not take commands: it is sent next to nothing then."""
+        return self._watch.suspects
 
     def opened(self, now: float) -> None:
         """Start to call: the port has been opened."""
@@ -168,7 +177,7 @@ class Connection:
         self._stale_until = now + STALE
         self.heard_at = self._stale_until - self._call_interval
 
-    def check_line(self, missed_speeds: int, now: float) -> bool:
+    def check_line(self, missed_since: float | None, now: float) -> bool:
         """
         React to a robot that ignores commands, and report a line that carries too little.
 
@@ -178,8 +187,10 @@ class Connection:
             self._watch.restart()
             self.frame_budget.restart()
             return False
-        news = self._watch.check(missed_speeds, now)
+        news = self._watch.check(missed_since, now)
         if news is CommandNews.SUSPECT:
+            self._probe.begin(now)
+        elif news is CommandNews.WAKE:
             self._outbox.send_raw(WAKE_UP)
         elif news is CommandNews.IGNORES:
             self._events.notice(Severity.ERROR, IGNORES)
@@ -190,6 +201,16 @@ class Connection:
                                 problem or 'frames arrive in time again')
         return news is CommandNews.OBEYS_AGAIN
 
+    def probe(self, now: float) -> bool:
+        """Poll a robot that may not take commands; True when it has just shown that it does."""
+        if not self._watch.suspects or now < self._probe.due or self._outbox.busy:
+            return False
+        listens = self._probe.poll(now, self.heard_at)
+        if listens:
+            self._watch.restart()
+            self.plan.restart()
+        return listens
+
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""
         self._outbox.clear()
@@ -197,25 +218,38 @@ class Connection:
         assert self._state.activity is Activity.CALLING
         self.heard_at = now
         baud = self._search.next_baud()
-        ask: oi.Command | None
+        ask: oi.Command = oi.Stream(packets=self.plan.knock.ids)
         if self._search.raises:
-            ask, answer = oi.Baud(code=oi.BaudCode.of_rate(START_BAUDS[0])), 0
-        else:
-            if baud != self.plan.baud:
-                self.plan.tune(baud)
-                self.reader.expect(self.plan.lists)
-            ask, answer = self.plan.next_stream(now, motion_due=True), self.plan.full.frame_size
-            assert ask is not None, 'nothing has been asked for yet'
-        byte_time = oi.BITS_PER_BYTE / baud
-        # What has not left would delay a stop, or go out at the next rate.
-        wake_up = WAKE_UP if len(WAKE_UP) * byte_time < CALL_INTERVAL else 2 * HALT.encode()
+            ask = oi.Baud(code=oi.BaudCode.of_rate(START_BAUDS[0]))
+        elif baud != self.plan.baud:
+            self.plan.tune(baud)
+            self.reader.expect(self.plan.lists)
         start = [] if self._counts.frames and not self.was_away(now) else [oi.Start()]
-        call = b''.join((wake_up, *(each.encode() for each in (*start, ask))))
-        self._call_interval = max(
-            CALL_INTERVAL, (len(call) + answer) * byte_time + ANSWER_TIME)
-        self._outbox.send_raw(wake_up)
+        stop = self._stop(event, baud)
+        size = len(stop) + sum(len(each.encode()) for each in (*start, ask))
+        self._call_interval = max(CALL_INTERVAL, ANSWER_TIME + (
+            size + self.plan.full.frame_size) * oi.BITS_PER_BYTE / baud)
+        self._outbox.send_raw(stop)
         for each in (*start, ask):
             self._outbox.send(each)
+
+    def _stop(self, event: StateEvent, baud: int) -> bytes:
+        """Return what a call begins with: next to nothing for a robot that may only wait."""
+        calls = self._search.calls
+        if (event is StateEvent.OPENED or self._search.searching
+                or calls % WAKE_UP_EVERY == WAKE_UP_FIRST):
+            # What has not left would delay a stop, or go out at the next rate.
+            seconds = len(WAKE_UP) * oi.BITS_PER_BYTE / baud
+            return WAKE_UP if seconds < CALL_INTERVAL else 2 * HALT.encode()
+        return HALT.encode() if calls == 1 else b''
+
+    def heard_knock(self, now: float) -> None:
+        """Stop a robot that has answered a call, and ask it for all packets."""
+        stream = None if self._state.answered else self.plan.next_stream(now, motion_due=True)
+        if stream is not None:
+            self.heard_at = now
+            self._outbox.send(HALT)
+            self._outbox.send(stream)
 
     def _check_rate(self) -> None:
         slow = too_slow(self.plan.budget, self.plan.baud)

@@ -39,6 +39,8 @@ class Health:
     """The checksum convention of the robot, once it is known."""
     ignores_commands: bool
     """Whether the robot ignores commands, stop included."""
+    suspects_commands: bool
+    """Whether it may ignore commands: it shows no sign that it takes them."""
     angle_stuck: bool
     """Whether the angle does not change though the robot is told to turn."""
     frame_period: Known

@@ -39,7 +39,7 @@ from .script_control import ScriptControl
 from .script_speeds import requested_speeds
 from .settings import Settings
 from .state import Activity, Owner, State, StateEvent
-from .stopping import END_DEMO, farewell, HALT
+from .stopping import END_DEMO, farewell
 from .stream_plan import StreamPlan
 from .supervision import causes_in, ModeStatus, Supervision
 from .tracking import Taken, Tracking
@@ -121,6 +121,7 @@ class Driver:
             self._connection.forget()
             self._tracking.restart()
             self._supervision.lost()
+            self._wheels.hold(False)
             self.scripts.forget()
             self._unchecked.clear()
         self.goals.handled(event)
@@ -175,7 +176,10 @@ class Driver:
         """Take frames and garbage from the bytes that came."""
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
-                self._take_frame(event, now)
+                if event.packets is self.plan.knock:
+                    self._connection.heard_knock(now)
+                else:
+                    self._take_frame(event, now)
             else:
                 self._connection.add_garbage(event.data)
                 self._tracking.clock.suspect(len(event.data) / self.plan.short.frame_size)
@@ -200,7 +204,10 @@ class Driver:
         if self.goals.active:
             self.goals.poll(now)
         self._velocity.poll(now)
-        if self.state.takes_commands:
+        if self._connection.probe(now):
+            self._send_again()
+        if (self.state.takes_commands and not self._connection.suspects
+                and not self._outbox.busy):
             stream = self._connection.plan.next_stream(
                 now, motion_due=self._tracking.reading_due)
             if stream is not None:
@@ -258,7 +265,8 @@ class Driver:
             line_problem=connection.problem,
             frame_age=now - connection.heard_at if self.counts.frames else None,
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
-            ignores_commands=connection.ignores_commands, angle_stuck=self._turn_check.stuck,
+            ignores_commands=connection.ignores_commands,
+            suspects_commands=connection.suspects, angle_stuck=self._turn_check.stuck,
             frame_period=self._tracking.clock.known_period, robot=self._tracking.robot,
             battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
 
@@ -275,8 +283,9 @@ class Driver:
         activity = self.state.activity
         sends = activity is not Activity.CLOSED and (
             activity is not Activity.SCRIPT or self.scripts.may_stop())
-        if sends:
-            self._outbox.send_at_once(HALT, now)
+        halt = self._wheels.halt(now) if sends else None
+        if halt is not None:
+            self._outbox.send_at_once(halt, now)
             if self._may_play_demo:
                 self._outbox.send_at_once(END_DEMO, now)
         if self._outbox.call_off_motion() and self.scripts.playing:
@@ -390,9 +399,13 @@ class Driver:
         seen = (drives or status.unknown) and None not in (right, left)
         if seen and self.state.takes_commands:
             self._wheels.reported(right, left, now)
-        if self._connection.check_line(self._wheels.missed if seen else 0, now):
+        else:
+            self._wheels.missed_since = None
+        if self._connection.check_line(self._wheels.missed_since, now):
             self._send_again()
-        if status.actual is not status.wanted:
+        elif self._connection.suspects is not self._wheels.held:
+            self._wheels.hold(self._connection.suspects)
+        if status.actual is not status.wanted and not self._connection.suspects:
             self._modes.retry(now)
         if self._turn_check.observe(taken.readings, taken.dt, drives=drives):
             self._events.notice(Severity.WARNING, ANGLE_STUCK)
@@ -424,7 +437,7 @@ class Driver:
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
-        self._wheels.forget_sent()
+        self._wheels.hold(False)
         self.outputs.restore_songs()
         if self.status.actual in oi.ACTUATE:
             self.outputs.restore()

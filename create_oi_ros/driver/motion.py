@@ -9,6 +9,7 @@ from typing import NamedTuple
 from .. import oi
 from ..oi.steering import WheelSpeeds
 from ..robot import MM_PER_M, SLOT, TOP_SPEED, WHEEL_SEPARATION
+from .stopping import HALT
 
 
 class Velocity(NamedTuple):
@@ -126,8 +127,10 @@ class WheelCommands:
         """What the robot reports."""
         self.blocked = False
         """Whether the bumper is pressed."""
-        self.missed = 0
-        """How many times in a row the robot did not take the speeds that it was sent."""
+        self.missed_since: float | None = None
+        """When the first of the speeds was sent that the robot has not taken; None: none was."""
+        self.held = False
+        """Whether the robot may not obey: then only a stop is sent, and once."""
 
     def command(self, linear: float, angular: float, now: float) -> bool:
         """Take a command, m/s and rad/s; True when it asks for motion."""
@@ -164,23 +167,41 @@ class WheelCommands:
 
     def forget_sent(self) -> None:
         """Forget which speeds were sent last, so that they are sent again."""
-        self._sent = self._rounded = None
+        if not self.held:
+            self._sent = self._rounded = None
+
+    def hold(self, held: bool) -> None:
+        """Hold speeds back, or send them again, on from those that the robot reports."""
+        if self.held and not held:
+            self._speeds = WheelSpeeds(*(self._taken or STOPPED))
+            self.missed_since = None
+        self.held = held
+        self.forget_sent()
+
+    def halt(self, now: float) -> oi.DriveDirect | None:
+        """Return a stop to send at once; None where the robot was sent one and may not obey."""
+        if self.held and self._sent == (0, 0):
+            return None
+        self._sent, self._sent_at = (0, 0), now
+        return HALT
 
     def reported(self, right: int, left: int, now: float) -> None:
         """
         Note the requested speeds that the robot reports, mm/s; what it missed is sent again.
 
         A robot that stopped without being told, for somebody pressed a button or another program
-        did it, starts from rest.
+        did it, starts from rest. While speeds are held back, only a change shows that it obeys.
         """
-        self._taken = right, left
+        changed, self._taken = (right, left) != self._taken, (right, left)
         if self._sent == self._taken:
-            self.missed = 0
+            if changed or not self.held:
+                self.missed_since = None
         elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
-            if (right, left) == (0, 0) and not self.missed:
-                self._speeds = STOPPED
+            if self.missed_since is None:
+                self.missed_since = self._sent_at
+                if self._taken == (0, 0):
+                    self._speeds = STOPPED
             self.forget_sent()
-            self.missed += 1
 
     def next_drive(self, now: float) -> oi.DriveDirect | None:
         """
@@ -190,6 +211,8 @@ class WheelCommands:
         """
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
         blocked = self.blocked and self.limits.bump_stop
+        if self.held:
+            return self.halt(now) if blocked or self._wanted == STOPPED else None
         if self._wanted == self._speeds == self._rounded and not blocked:
             return None  # as in most frames
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)

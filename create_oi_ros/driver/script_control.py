@@ -7,10 +7,8 @@ While a script waits, the robot obeys nothing, a stop included, and it does not 
 Whether it loses what it is sent meanwhile or obeys it afterwards is not known, nor how much it can
 keep. So the driver sends, once, a stop and a request for a list of packets that it uses for
 nothing else: a frame with that list shows that the robot listens again and that the wheels stand.
-A robot that keeps what it is sent needs no more. For one that loses it the driver then sends, from
-when the script should have ended and ever more seldom, two bytes that pause the stream, and soon
-two that resume it: harmless even if some of them are lost. When frames cease in between, the robot
-listens, and is sent stop and request again.
+A robot that keeps what it is sent needs no more. One that loses it is polled by `Probe` from when
+the script should have ended, and is sent stop and request again when it listens.
 
 A stored script is read back as bare bytes between frames. So the stream is paused, the line falls
 silent, and everything that arrives then is the script.
@@ -23,6 +21,7 @@ from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_o
 from ..oi.script_motion import duration, endless_wait
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M
+from .command_watch import PAUSE, POLL_INTERVAL, Probe
 from .outbox import Outbox
 from .pending import done, Pending, refused
 from .requests import Requests
@@ -31,15 +30,8 @@ from .state import Activity, State, StateEvent
 from .stopping import HALT
 from .stream_plan import StreamPlan
 
-POLL_INTERVAL, POLL_PART = 0.2, 0.1
-"""Seconds between two polls of a robot that plays a script; at least this part of the time since
-the script began or should have ended, so that a long wait gets few."""
-PAUSED, LOOK_AFTER = 0.075, 0.105
-"""Seconds without a frame by which the stream has paused, and after a poll to look for that."""
 LATE, LATE_PART = 0.1, 0.04
 """Seconds, and part of its time, by which a script may end later than it should."""
-PAUSE = oi.PauseResumeStream(state=oi.StreamState.PAUSE)
-RESUME = oi.PauseResumeStream(state=oi.StreamState.RESUME)
 SILENCE = 0.1
 """Seconds after which the line is silent once the stream was paused."""
 REPLY_TIMEOUT = 0.5
@@ -66,12 +58,9 @@ class ScriptControl:
         self._stored: oi.Script | None = None
         self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
         self._due = 0.0
-        self._polled_since = 0.0
-        """When the script began, or should have ended."""
+        self._probe = Probe(outbox)
         self._asked = False
         """Whether the list that shows the end was asked for."""
-        self._polled_at: float | None = None
-        """When the last poll was sent; None once its effect was looked for."""
         self._stop_sent = False
         """Whether the user's stop has been sent to the robot that plays."""
         self._ends_at: float | None = None
@@ -127,10 +116,11 @@ class ScriptControl:
         self._speeds = ScriptSpeeds(
             self._stored, self._wheel_separation,
             cleared=self._requests.refusal(oi.Drive) is None)
-        self._due, self._polled_since = now + POLL_INTERVAL, now
-        self._asked, self._polled_at, self._stop_sent = False, None, False
-        takes = self._duration()
+        self._due, self._asked, self._stop_sent = now + POLL_INTERVAL, False, False
+        takes, begin = self._duration(), self._due + POLL_INTERVAL
         self._ends_at = None if takes is None else now + takes
+        self._probe.begin(begin if takes is None else max(
+            begin, now + takes + LATE + LATE_PART * takes))
         self._handle(StateEvent.SCRIPT_STARTED)
         return request
 
@@ -179,24 +169,11 @@ class ScriptControl:
 
     def _poll_playing(self, now: float, heard_at: float) -> None:
         """Ask for the list that shows the end: at first, and when the stream could be paused."""
-        silent, polled_at = now - heard_at > PAUSED, self._polled_at
-        if not self._asked or polled_at is not None and silent:
+        if not self._asked or self._probe.poll(now, heard_at):
             self._outbox.send(HALT)
             self._outbox.send(oi.Stream(packets=self._plan.marker.ids))
-            self._due = now + POLL_INTERVAL
-            if not self._asked and self._ends_at is not None:
-                self._polled_since = max(
-                    now, self._ends_at + LATE + LATE_PART * (self._ends_at - self._polled_since))
-                self._due = max(self._due, self._polled_since)
             self._asked = True
-        elif polled_at is None:
-            if not silent:  # else it sends nothing while it waits, or is gone: `Connection` calls
-                self._outbox.send(PAUSE)
-                self._polled_at, self._due = now, now + LOOK_AFTER
-        else:
-            self._outbox.send(RESUME)
-            self._polled_at = None
-            self._due = polled_at + max(POLL_INTERVAL, POLL_PART * (now - self._polled_since))
+        self._due = self._probe.due
 
     def _ask_for_script(self, now: float) -> None:
         self._reply.clear()

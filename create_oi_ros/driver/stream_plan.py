@@ -64,6 +64,9 @@ class StreamPlan:
         """Plan for another baud rate, from the start."""
         self.restart()
         self.short, self._parts, self.full = _lists(baud)
+        self.knock = oi.PacketList.named('oi_mode')
+        """Asked for to see whether a robot listens: no part of this Stream can do harm, while
+        packet 7, read as an opcode, restarts the robot."""
         self.marker = oi.PacketList.named(*ESSENTIAL)
         """Asked for only to see whether the robot takes commands."""
         self.script = oi.PacketList.named(*ESSENTIAL, *DRIVE_REQUEST)
@@ -79,7 +82,7 @@ class StreamPlan:
     @property
     def lists(self) -> tuple[oi.PacketList, ...]:
         """All lists whose frames may arrive."""
-        return (self.short, self.full, *self._parts, self.marker, self.script)
+        return (self.short, self.full, *self._parts, self.marker, self.script, self.knock)
 
     @property
     def is_at_rest(self) -> bool:

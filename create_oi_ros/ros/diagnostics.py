@@ -186,6 +186,8 @@ def driver(
     level, message = OK, health.activity.value
     if health.ignores_commands:
         level, message = ERROR, 'the robot ignores commands: switch it off and on'
+    elif health.suspects_commands:
+        level, message = WARN, 'the robot shows no sign that it obeys: does it wait (a script)?'
     elif health.answered and health.busy is not None:
         level, message = WARN, health.busy
     elif health.angle_stuck:

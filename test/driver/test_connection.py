@@ -6,14 +6,20 @@ import pytest
 
 from create_oi_ros.driver import Activity, Driver, MotionLimits, Settings, Severity
 from create_oi_ros.driver.stopping import HALT, WAKE_UP
+from create_oi_ros.oi import Start, Stream
 from support.typed_frames import answered, BEGIN, called, heard, LAST, notices, polled
+
+KNOCK = Stream(packets=['oi_mode']).encode()
+"""What a robot is sent that may only wait."""
 
 
 def test_a_robot_that_does_not_answer_is_called_every_three_tenths_of_a_second():
     driver = called()
-    assert WAKE_UP not in polled(driver, BEGIN + 0.1, BEGIN + 0.2, BEGIN + 0.29)
-    assert polled(driver, BEGIN + 0.31).startswith(WAKE_UP)
-    assert WAKE_UP not in polled(driver, BEGIN + 0.4, BEGIN + 0.6)
+    polled(driver, BEGIN + 0.1)
+    assert not any(polled(driver, BEGIN + after) for after in (0.2, 0.29))
+    assert polled(driver, BEGIN + 0.31) == Start().encode()
+    assert polled(driver, BEGIN + 0.34) == KNOCK
+    assert not any(polled(driver, BEGIN + after) for after in (0.4, 0.6))
     assert notices(driver) == []
     assert polled(driver, BEGIN + 0.62).startswith(WAKE_UP)
     polled(driver, BEGIN + 0.93)
@@ -24,9 +30,9 @@ def test_a_robot_that_does_not_answer_is_called_every_three_tenths_of_a_second()
 
 def test_half_a_second_without_a_frame_is_silence():
     driver = answered()
-    assert WAKE_UP not in polled(driver, LAST + 0.25, LAST + 0.49)
+    polled(driver, LAST + 0.25, LAST + 0.49)
     assert driver.state.answered
-    assert polled(driver, LAST + 0.51).startswith(WAKE_UP)
+    assert polled(driver, LAST + 0.51) == HALT.encode() + KNOCK
     assert driver.state.activity is Activity.CALLING
     assert driver.counts.silences == 1
     (severity, text), = notices(driver)
@@ -55,7 +61,7 @@ def test_after_a_standstill_the_wheels_are_stopped_and_the_robot_is_called():
     heard(driver, now + 0.049)  # an old frame
     assert polled(driver, now + 0.049) == b''
     assert driver.state.activity is Activity.CALLING
-    assert polled(driver, now + 0.051).startswith(WAKE_UP)
+    assert polled(driver, now + 0.051) == HALT.encode() + KNOCK
     heard(driver, now + 0.06)
     assert driver.state.answered
 
