@@ -44,14 +44,11 @@ from .stream_plan import StreamPlan
 from .supervision import causes_in, ModeStatus, Supervision
 from .tracking import Taken, Tracking
 from .velocity_control import VelocityControl
-from .waiting_frames import WaitingFrames
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
 LOOK_INTERVAL = 0.1
 """Seconds between two looks at what changes within seconds."""
-RESTFUL = (Activity.IDLE, Activity.DRIVING)
-"""Activities in which frames may wait that say nothing new."""
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 
@@ -66,9 +63,6 @@ class Driver:
         self.settings = settings = settings or Settings()
         self.state = State()
         self.counts = LinkCounts()
-        self.wait_until = -inf
-        """Moment, by the stamps of `Moved`, until which nobody needs a frame that says nothing
-        new: `may_wait` keeps such frames."""
         self._events = EventQueue()
         self._outbox = Outbox()
         self._wheels = WheelCommands(settings.limits)
@@ -98,8 +92,6 @@ class Driver:
             self._events, self._handle)
         self._unchecked: deque[tuple[Taken, Moved]] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
-        self._waiting = WaitingFrames()
-        self._newest: oi.Frame | None = None
         self._look_at = -inf
         self._mistakes: set[str] = set()
         self._reported_status = self.status
@@ -142,30 +134,13 @@ class Driver:
 
     def disconnected(self, why: str) -> None:
         """Stop talking: the port is gone."""
-        self.catch_up()
         self._connection.reader.flush()
         self._outbox.clear()
         self._handle(StateEvent.PORT_CLOSED)
         self._modes.fail(f'port lost: {why}')
 
-    def may_wait(self, data: bytes, now: float) -> bool:
-        """Keep bytes that say nothing new until any other call; False: `receive` them."""
-        waits = self._waiting.keep(data, now)
-        if waits:
-            self._wheels.held_speed(now)
-        return waits
-
-    def catch_up(self) -> None:
-        """Receive the frames that were kept, before something else is done."""
-        for data, came in self._waiting.take():
-            self._receive(data, came)
-
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
-        self.catch_up()
-        self._receive(data, now)
-
-    def _receive(self, data: bytes, now: float) -> None:
         self._connection.check_standstill(now)
         if self.state.activity is Activity.READING:
             self.scripts.receive(data)
@@ -187,7 +162,6 @@ class Driver:
 
     def poll(self, now: float) -> None:
         """Check new frames, advance timers, and make ready what is to be sent."""
-        self.catch_up()
         self._outbox.confirm()
         if self.state.activity is Activity.CLOSED:
             return
@@ -213,8 +187,6 @@ class Driver:
             if stream is not None:
                 self._connection.ask(stream, now)
         self._outbox.release(now)
-        if self.wait_until > now:
-            self._let_frames_wait()
 
     def data_to_send(self) -> bytes:
         """Return the bytes to write now; the next `poll` takes them as written."""
@@ -254,7 +226,6 @@ class Driver:
 
     def health(self, now: float) -> Health:
         """Return what is known of driver, line and robot."""
-        self.catch_up()
         readings, connection = self._tracking.readings, self._connection
         return Health(
             activity=self.state.activity, answered=self.state.answered,
@@ -275,8 +246,6 @@ class Driver:
     def drive(self, linear: float, angular: float, now: float) -> None:
         """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
         self._velocity.command(linear, angular, now)
-        if not self._wheels.steady:
-            self._waiting.forbid()
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
@@ -323,7 +292,6 @@ class Driver:
         try:
             mode = oi.Mode.PASSIVE if self._may_play_demo else self.status.actual
             self._outbox.clear(*farewell(mode, self.settings.mode_on_exit))
-            self.catch_up()
             self._modes.fail('driver is shutting down')
             script = self.scripts.status(now)
             if script is not None:
@@ -343,7 +311,6 @@ class Driver:
         self._connection.heard_at = now
         if taken is None:
             return
-        self._newest = frame
         for text in self._tracking.odd.news:
             self._events.notice(Severity.WARNING, text)
         self._tracking.odd.news.clear()
@@ -412,21 +379,6 @@ class Driver:
         if now >= self._look_at:
             self._look_at = now + LOOK_INTERVAL
             self._look(readings, now)
-
-    def _let_frames_wait(self) -> None:
-        """Let frames wait that say what the newest said, if nothing would follow from them."""
-        frame, until = self._newest, self.wait_until
-        if (frame is None or self.state.activity not in RESTFUL or not self._supervision.settled
-                or not self._wheels.steady or not self._outbox.idle or self._modes.awaited
-                or self.outputs.awaited
-                or not self._connection.plan.is_at_rest or frame.packets is not self.plan.short):
-            return
-        room = self._tracking.quiet_frames
-        if room > 0:
-            until += frame.packets.wire_time(self._connection.baud)
-            if self.state.moving:
-                until = min(until, self._wheels.expires_at)
-            self._waiting.let(frame, self._connection.reader.pending, room, until)
 
     def _look(self, readings: oi.Readings, now: float) -> None:
         """Look at what changes within seconds: battery, charger, what is known of the robot."""

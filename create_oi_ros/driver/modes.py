@@ -60,11 +60,6 @@ class Modes:
         self.enter(mode, now)
         return self._request
 
-    @property
-    def awaited(self) -> bool:
-        """Whether a requested mode has not been reported yet."""
-        return self._requested is not None
-
     def fail(self, why: str) -> None:
         """End a request that has not been answered."""
         self._end(False, why)

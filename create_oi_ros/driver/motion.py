@@ -147,23 +147,9 @@ class WheelCommands:
         """Whether the wheels stand, or are to stand at once."""
         return self._wanted == self._speeds == STOPPED
 
-    @property
-    def steady(self) -> bool:
-        """Whether the robot has been told the wanted speeds, and has taken them."""
-        return self._wanted == self._speeds == self._rounded and self._sent == self._taken
-
-    def held_speed(self, now: float) -> None:
-        """Note that steady wheels had nothing to do: the next change of speed starts from now."""
-        self._ramped_at = now
-
-    @property
-    def expires_at(self) -> float:
-        """Until when the newest command holds."""
-        return self._commanded_at + self.limits.timeout
-
     def expired(self, now: float) -> bool:
         """Tell whether the newest command is too old to hold."""
-        return now > self.expires_at
+        return now > self._commanded_at + self.limits.timeout
 
     def forget_sent(self) -> None:
         """Forget which speeds were sent last, so that they are sent again."""

@@ -69,11 +69,6 @@ class Outbox:
         """Whether commands are queued."""
         return bool(self._queue)
 
-    @property
-    def idle(self) -> bool:
-        """Whether nothing is queued, and every request has ended."""
-        return not self._queue and not self._unconfirmed
-
     def clear(self, *instead: oi.Command) -> None:
         """Drop all that has not been written, and release commands instead; requests are lost."""
         lost = [queued.request for queued in self._queue if queued.request is not None]

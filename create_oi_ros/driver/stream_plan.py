@@ -84,11 +84,6 @@ class StreamPlan:
         """All lists whose frames may arrive."""
         return (self.short, self.full, *self._parts, self.marker, self.script, self.knock)
 
-    @property
-    def is_at_rest(self) -> bool:
-        """Whether the robot is asked for one list all the time, but for readings."""
-        return self._asked is self.short and not self._parts
-
     def restart(self) -> None:
         """Forget what was asked for: the robot may have been switched off."""
         self._asked = None

@@ -126,11 +126,6 @@ class Supervision:
         self.docked = False
         """Whether the robot was on the contacts of a Home Base in the newest frame."""
 
-    @property
-    def settled(self) -> bool:
-        """Whether the robot is in the wanted mode, and the newest frame says that it is safe."""
-        return self._settled is not None
-
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; why the robot left the last one no longer matters."""
         self._settled = None

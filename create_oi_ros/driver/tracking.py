@@ -67,11 +67,6 @@ class Tracking:
         return self._due or self.odometry.reading_due
 
     @property
-    def quiet_frames(self) -> int:
-        """Frames like the last one for which the robot will be asked nothing."""
-        return 0 if self._held is not None or self.reading_due else self.odometry.quiet_frames
-
-    @property
     def robot(self) -> Knowledge | None:
         """What was learned of the robot; None before anything was."""
         known = self.odometry.knowledge

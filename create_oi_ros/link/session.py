@@ -92,7 +92,6 @@ class Session:
     def request(self) -> Iterator[tuple[Driver, float]]:
         """Lend the driver, with the time; what it decides to send is written."""
         with self._use_driver() as now:
-            self.driver.catch_up()
             yield self.driver, now
             self._send()  # first: a command must not wait for the rest
             self._exchange(now)
@@ -121,7 +120,6 @@ class Session:
     def counts(self) -> LinkCounts:
         """Return what the line has carried so far."""
         with self._use_driver():
-            self.driver.catch_up()
             return copy(self.driver.counts)
 
     @property
@@ -254,8 +252,6 @@ class Session:
                 return
             if isinstance(received, PortError):
                 self._lose(received)
-                return
-            if received and self.driver.may_wait(received, now):
                 return
             if received:
                 self.driver.receive(received, now)

@@ -146,13 +146,6 @@ class PacketList:
         """Return the seconds that a frame takes on the wire at a baud rate."""
         return self.frame_size * BITS_PER_BYTE / baud
 
-    def bits_without(self, *names: str) -> int:
-        """Return the bits of a frame that hold neither its checksum nor one of these packets."""
-        every = (packet.wire.every_bit for packet in self.packets)
-        mask = int.from_bytes(bytes(0xff * (at in self._places) for at in range(self.frame_size)))
-        return mask | int.from_bytes(self._frame.pack(*(
-            0 if name in names else bits for name, bits in zip(self.names, every))))
-
     def unpack_reply(self, reply: bytes) -> Readings:
         """Decode the reply to Query List (or Sensors); ValueError if its length is wrong."""
         if len(reply) != self.reply_size:

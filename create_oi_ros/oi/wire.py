@@ -61,12 +61,6 @@ class Wire:
         numbers = 1 << 8 * self.size
         return (-numbers // 2, numbers // 2 - 1) if self.format.islower() else (0, numbers - 1)
 
-    @property
-    def every_bit(self) -> int:
-        """The number of which all bits are set."""
-        low, high = self.limits
-        return -1 if low < 0 else high
-
     def fits(self, value: object) -> bool:
         """Tell whether its bytes can hold a value, allowed or not."""
         low, high = self.limits

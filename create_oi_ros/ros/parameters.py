@@ -107,8 +107,7 @@ class Parameters:
         low=0.1, high=66.0)
     odom_rate: float = parameter(
         0.0, 'Highest rate of `odom`, `/tf` and `joint_states`, Hz; 0: with every frame (66.7). '
-        'The odometry uses every frame at any rate; frames that say nothing new may wait until '
-        'something is due', low=0.0, high=66.0)
+        'The odometry uses every frame at any rate', low=0.0, high=66.0)
     battery_technology: str = parameter(
         'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
         choices=('nimh', 'alkaline'), fixed=True)

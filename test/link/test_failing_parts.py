@@ -174,7 +174,7 @@ def test_a_robot_stands_after_any_part_has_raised_and_the_error_comes_once(name,
     ids=['drive', 'request', 'health', 'counts'])
 def test_an_error_in_another_thread_stops_the_robot_and_ends_the_session(use, monkeypatch):
     ride = Ride(monkeypatch)
-    for method in ('drive', 'stop', 'health', 'catch_up'):
+    for method in ('drive', 'stop', 'health'):
         monkeypatch.setattr(Driver, method, fail)
     ride.use(use)
     ride.use(Session.close)
