@@ -39,7 +39,7 @@ from .script_control import ScriptControl
 from .script_speeds import requested_speeds
 from .settings import Settings
 from .state import Activity, Owner, State, StateEvent
-from .stopping import END_DEMO, farewell
+from .stopping import END_DEMO, farewell, HALT
 from .stream_plan import StreamPlan
 from .supervision import causes_in, ModeStatus, Supervision
 from .tracking import Taken, Tracking
@@ -252,9 +252,8 @@ class Driver:
         activity = self.state.activity
         sends = activity is not Activity.CLOSED and (
             activity is not Activity.SCRIPT or self.scripts.may_stop())
-        halt = self._wheels.halt(now) if sends else None
-        if halt is not None:
-            self._outbox.send_at_once(halt, now)
+        if sends and not (self._wheels.held and self._wheels.told_to_stand):
+            self._outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self._outbox.send_at_once(END_DEMO, now)
         if self._outbox.call_off_motion() and self.scripts.playing:

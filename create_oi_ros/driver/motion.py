@@ -164,12 +164,10 @@ class WheelCommands:
         self.held = held
         self.forget_sent()
 
-    def halt(self, now: float) -> oi.DriveDirect | None:
-        """Return a stop to send at once; None where the robot was sent one and may not obey."""
-        if self.held and self._sent == (0, 0):
-            return None
-        self._sent, self._sent_at = (0, 0), now
-        return HALT
+    @property
+    def told_to_stand(self) -> bool:
+        """Whether a stop was sent last."""
+        return self._sent == (0, 0)
 
     def reported(self, right: int, left: int, now: float) -> None:
         """
@@ -198,7 +196,10 @@ class WheelCommands:
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
         blocked = self.blocked and self.limits.bump_stop
         if self.held:
-            return self.halt(now) if blocked or self._wanted == STOPPED else None
+            if self.told_to_stand or not blocked and self._wanted != STOPPED:
+                return None
+            self._sent, self._sent_at = (0, 0), now
+            return HALT
         if self._wanted == self._speeds == self._rounded and not blocked:
             return None  # as in most frames
         self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)

@@ -56,7 +56,8 @@ class StreamPlan:
 
     def __init__(self, baud: int) -> None:
         """Plan for a baud rate."""
-        self._asked: oi.PacketList | None = None
+        self.asked: oi.PacketList | None = None
+        """The list that was asked for last; None where the robot must be asked anew."""
         self._asked_at = 0.0
         self.tune(baud)
 
@@ -86,7 +87,7 @@ class StreamPlan:
 
     def restart(self) -> None:
         """Forget what was asked for: the robot may have been switched off."""
-        self._asked = None
+        self.asked = None
 
     def next_stream(self, now: float, *, motion_due: bool) -> oi.Stream | None:
         """
@@ -95,16 +96,16 @@ class StreamPlan:
         The list with motion is replaced after one slot, without waiting for its frame, so that
         normally one frame carries it, however slow the line is.
         """
-        if self._asked is None:
+        if self.asked is None:
             return self._ask(self.full, now)
         if now - self._asked_at < SLOT:
             return None
-        if motion_due and self._asked is not self.full:
+        if motion_due and self.asked is not self.full:
             return self._ask(self.full, now)
-        if self._parts or self._asked is self.full and not motion_due:
+        if self._parts or self.asked is self.full and not motion_due:
             return self._ask(next(self._rotation), now)
         return None
 
     def _ask(self, packets: oi.PacketList, now: float) -> oi.Stream:
-        self._asked, self._asked_at = packets, now
+        self.asked, self._asked_at = packets, now
         return oi.Stream(packets=packets.ids)

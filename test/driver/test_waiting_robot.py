@@ -84,7 +84,7 @@ def test_no_part_of_what_is_sent_does_harm(queue, tenths):
 
 
 @pytest.mark.parametrize('queue', [0, 256])
-def test_a_stop_while_the_robot_waits_is_sent_once_and_holds_after_it(queue):
+def test_of_stops_while_the_robot_waits_two_are_sent_and_hold_after_it(queue):
     loop = waiting(20, wait_queue=queue)
     loop.drive(0.3, 0.0, 0.5)
     assert loop.driver.health(loop.now).suspects_commands
@@ -92,7 +92,7 @@ def test_a_stop_while_the_robot_waits_is_sent_once_and_holds_after_it(queue):
     for _ in range(20):
         loop.driver.stop(loop.now)
         loop.turn()
-    assert bytes(loop.heard[len(before):]).count(b'\x91') == 1
+    assert bytes(loop.heard[len(before):]).count(b'\x91') == 2
     loop.run(3.0)
     assert not loop.robot.waiting
     assert loop.body.truth().speed == 0

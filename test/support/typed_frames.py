@@ -25,8 +25,8 @@ def polled(driver: Driver, *times: float) -> bytes:
 
 def heard(driver: Driver, now: float, packets: oi.PacketList | None = None,
           mode: oi.Mode = oi.Mode.SAFE) -> None:
-    """Let a frame come, of a robot that stands; by default in Safe, with all packets."""
-    packets = packets or driver.plan.full
+    """Let a frame come, of a robot that stands; by default in Safe, as it was asked for."""
+    packets = packets or driver.plan.asked or driver.plan.full
     values = [int(name == 'oi_mode') * int(mode) for name in packets.names]
     driver.receive(packets.pack_frame(values), now)
 
