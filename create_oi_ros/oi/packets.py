@@ -68,10 +68,18 @@ class Budget(NamedTuple):
 
     size: int
     """Bytes of the whole frame, including header, length, ids and checksum."""
-    capacity: int
-    """Bytes that fit in 15 ms at this baud rate."""
-    seconds: float
-    """Time that the frame takes on the wire."""
+    baud: int
+    """Bits per second."""
+
+    @property
+    def seconds(self) -> float:
+        """Time that the frame takes on the wire."""
+        return self.size * BITS_PER_BYTE / self.baud
+
+    @property
+    def capacity(self) -> int:
+        """Bytes that fit in 15 ms at this baud rate."""
+        return frame_capacity(self.baud)
 
     @property
     def spare(self) -> int:
@@ -140,11 +148,11 @@ class PacketList:
 
     def budget(self, baud: int) -> Budget:
         """Return what a frame costs at a baud rate (manual: Stream)."""
-        return Budget(self.frame_size, frame_capacity(baud), self.wire_time(baud))
+        return Budget(self.frame_size, baud)
 
     def wire_time(self, baud: int) -> float:
         """Return the seconds that a frame takes on the wire at a baud rate."""
-        return self.frame_size * BITS_PER_BYTE / baud
+        return self.budget(baud).seconds
 
     def unpack_reply(self, reply: bytes) -> Readings:
         """Decode the reply to Query List (or Sensors); ValueError if its length is wrong."""
