@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import pi
+from math import dist, pi
 from typing import NamedTuple
 
 from create_oi_msgs.msg import Mode
@@ -27,6 +27,8 @@ DOORS = ((0.4, -1.05), (2.85, -1.05), (2.85, -3.25))
 EDGE_SPEED = 0.05
 """m/s towards the stairs: from faster the robot comes to rest with its caster over the edge, and
 cannot go back to Safe."""
+BACK_SPEED = 0.1
+"""m/s away from them."""
 EDGE_TIMEOUT = 40.0
 """Seconds in which it reaches them."""
 
@@ -97,9 +99,14 @@ def cliff(pilot: Pilot) -> None:
     pilot.until(lambda: pilot.standing, 'the robot stands at the edge')
     pilot.until(lambda: any('PASSIVE instead of SAFE' in each for each in pilot.warnings),
                 'the diagnostics warn of Passive')
-    # The robot rolls on a little: where a wheel hangs over the edge, it refuses Safe.
+    # The robot rolls on a little: where a wheel hangs over the edge, it refuses Safe, and the
+    # driver refuses goals, but not velocities.
     pilot.call(SetMode, 'set_mode', mode=Mode.FULL)
-    pilot.back(0.4)
+    edge = pilot.place
+    pilot.command(-BACK_SPEED, 0.0)
+    pilot.until(lambda: dist(edge, pilot.place) > 0.4, 'the robot backs off', EDGE_TIMEOUT)
+    pilot.stop()
+    pilot.release()
     pilot.call(SetMode, 'set_mode', mode=Mode.SAFE)
     if pilot.mode.mode != Mode.SAFE:
         raise TourError('the robot did not stay in Safe')
