@@ -107,6 +107,7 @@ def test_the_wheels_of_the_likeliest_robot_are_found(found):
     assert known.certain
 
 
+@pytest.mark.nightly
 def test_wheels_that_overshoot_are_found():
     config = replace(LAGGING, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
                      overshoot=0.3)
@@ -125,6 +126,7 @@ SHORT = (ahead(200, 1.0, Reads.OFTEN), ahead(-200, 1.0, Reads.OFTEN), ahead(100,
 """Moves that tell a little about wheels."""
 
 
+@pytest.mark.nightly
 def test_wheels_that_are_not_near_a_usual_start_are_looked_for(monkeypatch):
     monkeypatch.setattr(fits, 'TAU_FACTORS', (0.5,))
     monkeypatch.setattr(fits, 'OVERSHOOTS', fits.OVERSHOOTS[1:])

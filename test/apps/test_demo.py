@@ -135,17 +135,24 @@ def test_a_short_demo_ends_with_a_bag_and_its_report(tmp_path):
         assert f'name: /{name.lstrip("/")}\n' in metadata
 
 
-def test_ctrl_c_leaves_no_process_and_a_readable_bag(tmp_path):
-    with scene(tmp_path) as made:
-        shown = demo(tmp_path / 'demo', made.domain)
-        assert shown.stdout is not None
-        for line in shown.stdout:
-            if 'a square' in line:
-                break
-        children = children_of(shown.pid)
-        assert len(children) == 2
-        shown.send_signal(signal.SIGINT)
-        printed, _ = shown.communicate(timeout=20)
+def test_a_demo_takes_its_own_domain_and_ctrl_c_leaves_no_process_and_a_readable_bag(tmp_path):
+    environment = {**os.environ, 'PYTHONUNBUFFERED': '1'}
+    environment.pop('ROS_DOMAIN_ID', None)
+    shown = subprocess.Popen(
+        [sys.executable, '-c', PROGRAMS['create_demo'], '-o', str(tmp_path / 'demo')],
+        env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert shown.stdout is not None
+    domain = next(line for line in shown.stdout if 'ROS_DOMAIN_ID' in line).rpartition('=')[2]
+    with closing(Listener(int(domain))) as joined:
+        odom = joined.listen(Odometry, 'odom')
+        joined.until(lambda: odom)
+    for line in shown.stdout:
+        if 'a square' in line:
+            break
+    children = children_of(shown.pid)
+    assert len(children) == 2
+    shown.send_signal(signal.SIGINT)
+    printed, _ = shown.communicate(timeout=20)
     assert shown.returncode == 130
     assert 'stopped' in printed and 'Traceback' not in printed
     assert not any(Path(f'/proc/{child}').exists() for child in children)
@@ -177,6 +184,7 @@ def test_beside_another_driver_the_demo_ends_and_says_so(tmp_path):
     assert '`unset ROS_DOMAIN_ID` gives the demo a domain of its own' in printed
 
 
+@pytest.mark.nightly
 def test_a_demo_that_another_node_drives_ends_and_names_it(tmp_path):
     with scene(tmp_path) as made:
         velocity = made.ros.node.create_publisher(Twist, 'cmd_vel', 1)
@@ -195,22 +203,6 @@ def test_a_demo_that_another_node_drives_ends_and_names_it(tmp_path):
         printed, _ = shown.communicate()
     assert shown.returncode == 1, printed
     assert 'is also /listener, which drives' in printed, printed
-
-
-def test_a_demo_takes_its_own_domain(tmp_path):
-    environment = {**os.environ, 'PYTHONUNBUFFERED': '1'}
-    environment.pop('ROS_DOMAIN_ID', None)
-    shown = subprocess.Popen(
-        [sys.executable, '-c', PROGRAMS['create_demo'], '-o', str(tmp_path / 'demo')],
-        env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    assert shown.stdout is not None
-    said = next(line for line in shown.stdout if 'ROS_DOMAIN_ID' in line)
-    with closing(Listener(int(said.rpartition('=')[2]))) as joined:
-        odom = joined.listen(Odometry, 'odom')
-        joined.until(lambda: odom)
-    shown.send_signal(signal.SIGINT)
-    shown.communicate(timeout=20)
-    assert shown.returncode == 130
 
 
 def test_an_existing_folder_is_left_alone(tmp_path):

@@ -11,7 +11,7 @@ from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
 
-pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
+pytest.importorskip('rosbags')
 
 from rosbags.rosbag2 import Reader
 
@@ -45,25 +45,6 @@ def amount(recorder) -> tuple[int, int]:
 
 
 def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, start_recorder, tmp_path):
-    stage.node(stage.robot().link)
-    recorder = start_recorder('-o', str(tmp_path / 'walk'))
-    recorder.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
-    recorder.type(CTRL_C)
-    assert recorder.ended() == 0
-    assert 'records /odom, /tf, /joint_states, /bumper' in recorder.output
-    assert recorder.output.rstrip().endswith(f'MB are in {tmp_path / "walk"}')
-    with Reader(tmp_path / 'walk') as bag:
-        counts = {each.topic: each.msgcount for each in bag.connections}
-    assert sum(counts.values()) == amount(recorder)[0] > 50
-    for topic in PUBLISHED:
-        assert counts[f'/{topic.name.lstrip("/")}'] > 0
-    assert {topic for topic, count in counts.items() if not count} == {
-        '/cmd_vel', '/robot_description', '/tf_static'}
-    recording = read(tmp_path / 'walk', lambda part: None)
-    assert recording.spans['mode'].all and len(recording.odom) > 10
-
-
-def test_a_robot_in_a_namespace_with_stamped_commands(stage, start_recorder, tmp_path):
     stage.node(stage.robot().link, '__ns:=/robot1', cmd_vel_type='stamped')
     recorder = start_recorder(
         '-o', str(tmp_path / 'walk'), '--stamped', '--ros-args', '-r', '__ns:=/robot1')
@@ -75,12 +56,22 @@ def test_a_robot_in_a_namespace_with_stamped_commands(stage, start_recorder, tmp
         publisher.publish(TwistStamped())
         return amount(recorder)[1] == len(PUBLISHED) + 1
     recorder.until(commanded, 'a command')
-    recorder.send(signal.SIGTERM)
+    recorder.type(CTRL_C)
     assert recorder.ended() == 0
+    assert recorder.output.rstrip().endswith(f'MB are in {tmp_path / "walk"}')
     with Reader(tmp_path / 'walk') as bag:
-        commands, = (each for each in bag.connections if each.topic == '/robot1/cmd_vel')
-    assert commands.msgtype == 'geometry_msgs/msg/TwistStamped' and commands.msgcount >= 1
-    assert read(tmp_path / 'walk', lambda part: None).robot == 'robot1'
+        counts = {each.topic: each.msgcount for each in bag.connections}
+        types = {each.topic: each.msgtype for each in bag.connections}
+    assert sum(counts.values()) == amount(recorder)[0] > 50
+    for topic in PUBLISHED:
+        absolute = topic.name.startswith('/')
+        assert counts[topic.name if absolute else f'/robot1/{topic.name}'] > 0
+    assert types['/robot1/cmd_vel'] == 'geometry_msgs/msg/TwistStamped'
+    recording = read(tmp_path / 'walk', lambda part: None)
+    assert recording.robot == 'robot1'
+    assert recording.spans['mode'].all and len(recording.odom) > 10
+    file, = (tmp_path / 'walk').glob('*.mcap')
+    assert f', {file.stat().st_size / 1e6:.1f} MB are in' in recorder.output
 
 
 def test_an_empty_recording_is_reported(stage, tmp_path):
@@ -94,28 +85,10 @@ def test_an_empty_recording_is_reported(stage, tmp_path):
         f'create_record: nothing was heard in ROS domain {stage.domain}\n')
 
 
-def test_a_full_disk_gets_a_sentence(unmeasured, stage, tmp_path):
-    recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
-    stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
-    resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (1024, 1024))
-    recorder.send(signal.SIGINT)
-    assert recorder.ended() == 1
-    last = recorder.printed[-1]
-    assert last == 'create_record: recording has ended: [Errno 27] File too large\n'
-    assert len(recorder.printed) == 2
-
-
 def test_an_existing_folder_is_left_alone(stage, tmp_path):
     recorder = stage.program('create_record', '-o', str(tmp_path))
     assert recorder.ended() == 2
     assert recorder.output.endswith(f'create_record: error: {tmp_path} is there already\n')
-
-
-def test_a_wrong_folder_gets_a_sentence(stage, tmp_path):
-    (tmp_path / 'file').touch()
-    recorder = stage.program('create_record', '-o', str(tmp_path / 'file' / 'walk'))
-    assert recorder.ended() == 1
-    assert 'Not a directory' in recorder.output and 'Traceback' not in recorder.output
 
 
 def test_a_missing_library_is_named_with_how_to_install_it(stage, tmp_path):
@@ -166,13 +139,3 @@ def test_all_but_the_last_second_survives_a_full_disk(unmeasured, stage, tmp_pat
     recording = read(file.parent, lambda part: None)
     assert recording.messages == int(saved[1])
     assert recording.odom.times[-1] > 2.0
-
-
-def test_the_size_is_that_of_the_file(stage, tmp_path):
-    stage.node(stage.robot().link)
-    recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
-    stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
-    file = recorded(recorder, stage)
-    recorder.send(signal.SIGINT)
-    assert recorder.ended() == 0
-    assert f', {file.stat().st_size / 1e6:.1f} MB are in' in recorder.output

@@ -33,7 +33,8 @@ def stage(tmp_path):
 
 
 def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
-    run = stage.program('create_run', '--world', 'empty')
+    path = stage.folder / 'walk.capture'
+    run = stage.program('create_run', '--world', 'empty', '--capture', str(path))
     odom = stage.ros.listen(Odometry, 'odom')
     modes = stage.ros.listen(Mode, 'mode', LATCHED)
     stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE and odom)
@@ -46,12 +47,17 @@ def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
     assert example.ended() == 0
     assert 'Point(x=' in example.output
     assert all(len(line) <= 81 for line in run.printed if 'frames/s' in line)
+    stage.ros.until(lambda: ADDRESS.search(run.output))
+    assert re.fullmatch(r'http://127\.0\.0\.1:\d+/', ADDRESS.search(run.output)[1])
+    assert 'for telephones in your network, too, add --host 0.0.0.0\n' in run.output
     children = children_of(run.pid)
     assert len(children) == 3
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
     assert not any(Path(f'/proc/{child}').exists() for child in children)
+    *_, last = records_of([path.read_bytes()], CaptureReader())
+    assert last.kind is RecordKind.END
 
 
 def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
@@ -59,16 +65,6 @@ def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
     text = create_run.introduction('/tmp/port', simulated=True)
     assert "source '/home/me/my clone/env.sh'" in text
     assert "python '/home/me/my clone/examples/drive.py'\n" in text
-
-
-def test_capture_is_passed_on_to_the_node(stage):
-    path = stage.folder / 'walk.capture'
-    run = stage.program('create_run', '--world', 'empty', '--capture', str(path))
-    stage.ros.until(lambda: 'robot answers' in run.output)
-    run.send(signal.SIGINT)
-    assert run.ended() == 0
-    *_, last = records_of([path.read_bytes()], CaptureReader())
-    assert last.kind is RecordKind.END
 
 
 def test_what_follows_ros_args_is_for_the_node_and_all_follow_its_namespace(stage):
@@ -89,9 +85,10 @@ def test_what_follows_ros_args_is_for_the_node_and_all_follow_its_namespace(stag
 
 
 def test_a_missing_port_is_reported_and_run_continues(stage):
-    run = stage.program('create_run', '--port', str(stage.folder / 'nothing'))
+    port = stage.folder / "[it's"  # any name is taken as a name
+    run = stage.program('create_run', '--port', str(port))
     stage.ros.until(lambda: 'NO ROBOT  port does not exist; ' in run.output)
-    assert f'starts node /create for the robot on {stage.folder}/nothing' in run.output
+    assert f'starts node /create for the robot on {port}' in run.output
     assert 'drives' not in run.output
     # The page of a real robot is for this computer only, if nothing else is asked for.
     stage.ros.until(lambda: ADDRESS.search(run.output))
@@ -99,23 +96,6 @@ def test_a_missing_port_is_reported_and_run_continues(stage):
     assert 'token' not in run.output
     run.send(signal.SIGINT)
     assert run.ended() == 0
-
-
-@pytest.mark.parametrize('port', ['5', '[1', "it's", 'true'])
-def test_a_port_of_any_name_is_taken_as_a_name(stage, port):
-    run = stage.program('create_run', '--port', port)
-    stage.ros.until(lambda: f'{port} does not exist' in run.output)
-    run.send(signal.SIGINT)
-    assert run.ended() == 0
-
-
-def test_children_end_with_it_even_when_it_is_killed(stage):
-    run = stage.program('create_run', '--world', 'empty')
-    modes = stage.ros.listen(Mode, 'mode', LATCHED)
-    stage.ros.until(lambda: modes and modes[-1].mode == Mode.SAFE)
-    children = children_of(run.pid)
-    run.send(signal.SIGKILL)
-    stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
 
 
 def test_a_child_whose_parent_died_before_it_could_ask_ends():
@@ -182,14 +162,15 @@ def domain_of(run: Program) -> int:
     return int(found[1])
 
 
-def test_what_a_killed_run_leaves_is_removed_by_the_next(stage):
+def test_children_end_with_a_run_that_is_killed_and_the_next_one_removes_what_it_left(stage):
     run = stage.program('create_run', '--world', 'empty')
-    stage.ros.until(lambda: 'create_node --ros-args' in run.output)
+    stage.ros.until(lambda: 'robot answers' in run.output)
     folder = Path(re.search(r'Create on (/\S+)/create,', run.output)[1])
-    run.send(signal.SIGQUIT)
-    assert run.ended() == -signal.SIGQUIT
-    assert folder.exists()
-    assert folder.name.startswith(f'create-{run.pid}-')
+    children = children_of(run.pid)
+    run.send(signal.SIGKILL)
+    assert run.ended() == -signal.SIGKILL
+    stage.ros.until(lambda: not any(Path(f'/proc/{child}').exists() for child in children))
+    assert folder.exists() and folder.name.startswith(f'create-{run.pid}-')
     after = stage.program('create_run', '--world', 'empty')
     stage.ros.until(lambda: 'Ctrl-C stops' in after.output)
     assert not folder.exists()
@@ -225,12 +206,3 @@ def test_a_telephone_sees_and_drives_the_robot_in_its_apartment(stage):
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
-
-
-def test_its_page_is_for_this_computer_only_and_says_how_to_open_it_to_others(stage):
-    run = stage.program('create_run', '--world', 'empty')
-    stage.ros.until(lambda: ADDRESS.search(run.output))
-    assert re.fullmatch(r'http://127\.0\.0\.1:\d+/', ADDRESS.search(run.output)[1])
-    assert 'for telephones in your network, too, add --host 0.0.0.0\n' in run.output
-    run.send(signal.SIGINT)
-    assert run.ended() == 0
