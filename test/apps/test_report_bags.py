@@ -188,3 +188,15 @@ def test_reset_odometry_and_reset_pose_are_events(tmp_path, monkeypatch):
     assert [each.time for each in jumps] == pytest.approx([4.0, 8.0], abs=0.03)
     assert 'reset_odometry' in jumps[0].text and 'jumps by 3.00 m' in jumps[1].text
     assert travelled(recording) == pytest.approx(2.4, abs=0.02)
+
+
+def test_messages_that_are_recorded_late_are_no_jump(tmp_path, monkeypatch):
+    """A recorder that was held up writes an old message and the newest one after another."""
+    honest = bags.messages
+
+    def held_up(*arguments):
+        for time, topic, message in honest(*arguments):
+            if not 5.0 <= time < 6.0:
+                yield (5.99 if 4.98 < time < 5.0 else time), topic, message
+    monkeypatch.setattr(bags, 'messages', held_up)
+    assert not shown(bags.write(tmp_path / 'walk')).jumps

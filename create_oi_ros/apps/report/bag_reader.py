@@ -52,6 +52,7 @@ class RecordingBuilder:
         self.recording = recording
         self._last_message: float | None = None
         self._last_odom: float | None = None
+        self._stamp = 0.0
         self.adders: dict[str, Callable[[float, Any], None]] = {
             'nav_msgs/msg/Odometry': self._add_odom,
             'geometry_msgs/msg/Twist': self._add_twist,
@@ -100,17 +101,22 @@ class RecordingBuilder:
     def _add_odom(self, time: float, message: Any) -> None:
         pose, twist = message.pose.pose, message.twist.twist
         x, y, yaw = pose.position.x, pose.position.y, yaw_of(pose.orientation)
-        self._look_for_jump(time, x, y)
+        stamp = message.header.stamp
+        self._look_for_jump(time, stamp.sec + stamp.nanosec / 1e9, x, y)
         self.recording.odom.add(time, x, y, yaw, twist.linear.x, twist.angular.z)
 
-    def _look_for_jump(self, time: float, x: float, y: float) -> None:
-        """Note that the odometry goes on elsewhere: farther off than the robot can drive."""
-        odom = self.recording.odom
+    def _look_for_jump(self, time: float, stamp: float, x: float, y: float) -> None:
+        """
+        Note that the odometry goes on elsewhere: farther off than the robot can drive.
+
+        A recorder that was held up gets several messages at once: their stamps are apart.
+        """
+        odom, before, self._stamp = self.recording.odom, self._stamp, stamp
         if not odom:
             return
         far = hypot(x - odom['x'][-1], y - odom['y'][-1])
         anew = x == y == 0 != far
-        if anew or far > NEAR + 2 * TOP_SPEED * (time - odom.times[-1]):
+        if anew or far > NEAR + 2 * TOP_SPEED * max(time - odom.times[-1], stamp - before):
             text = ('Odometry begins anew (reset_odometry, or the driver was restarted)'
                     if hypot(x, y) < NEAR else f'Odometry jumps by {far:.2f} m (reset_pose)')
             self.recording.jumps.append(Span(time, text, time))
