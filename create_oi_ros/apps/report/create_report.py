@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog='create_report', description='Show on one page what a robot did, from a bag.')
     parser.add_argument('bag', type=Path, metavar='BAG',
-                        help='folder of a bag, or its .mcap or .db3 file')
+                        help='folder of a bag, or one of its files')
     parser.add_argument('-o', dest='target', type=_target, default=Path('report.html'),
                         metavar='FILE.html', help='the page (default: %(default)s)')
     parser.add_argument('--robot', metavar='NAMESPACE',
