@@ -78,7 +78,7 @@ def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], s
 def test_a_page_is_told_of_the_robot_and_drives_it(stage, pages):
     robot, page = driving(stage, pages)
     assert page.known['seat'] == {
-        'driver': page.known['you'], 'viewers': 1, 'stopped': False}
+        'driver': page.known['you'], 'device': 'computer', 'viewers': 1, 'stopped': False}
     assert page.known['top_speed'] == 0.5
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
     page.send('release')
@@ -175,7 +175,7 @@ def test_one_page_drives_and_others_watch_until_they_take_over(stage, pages):
     other.send('take_over')
     stage.ros.until(lambda: standing(robot))
     other.until(lambda: other.known['seat'] == {
-        'driver': other.known['you'], 'viewers': 2, 'stopped': False})
+        'driver': other.known['you'], 'device': 'computer', 'viewers': 2, 'stopped': False})
     other.drive(-0.1, 0.0, lambda: not standing(robot))
     page.send('drive', linear=0.1, angular=0.0, seen=page.known['at'])
     assert not page.reply()['ok']
@@ -216,6 +216,18 @@ def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages
     assert page.reply()['text'] == 'no driver is running: nobody listens to cmd_vel'
     page.send('dock')
     assert page.reply()['text'] == 'nobody offers /dock: no driver is running'
+
+
+def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(stage, pages):
+    robot, address = started(stage, cmd_vel_timeout=LONG)
+    page = ready(pages(address, name='telephone-1'))
+    page.drive(0.2, 0.0, lambda: not standing(robot))
+    again = pages(address, name='telephone-1')
+    stage.ros.until(lambda: standing(robot))
+    again.until(lambda: again.known['seat']['viewers'] == 1)
+    again.drive(0.2, 0.0, lambda: not standing(robot))
+    again.send('ping')
+    assert again.reply() == {'type': 'reply', 'to': 'ping', 'ok': True, 'text': ''}
 
 
 # Doing.

@@ -1,25 +1,43 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The page of `create_web` in a real browser: it drives, lights up, stops, and asks for tokens."""
+"""
+The page of `create_web` in a real browser: it drives, says why not, stops, and asks for tokens.
+
+All tests share one browser, one robot, one driver and one server; each begins with the robot at
+the origin, in Safe, with nothing around it but a wall 1.5 m ahead.
+"""
 
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
+from contextlib import chdir, closing
 import signal
 
+from create_oi_msgs.srv import SetMode
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from nav_msgs.msg import Odometry
 import pytest
+from sensor_msgs.msg import BatteryState
+from std_srvs.srv import Trigger
 
-from create_oi_ros.oi import LedBits
-from create_oi_ros.sim.world import shipped
+from create_oi_ros.oi import LedBits, Mode
+from create_oi_ros.sim.world import parse, Pose
 from support.browser import browsers, OpenPage
 from support.ros import scene
-from support.web import free_port, PageClient, served, standing
+from support.web import free_port, PageClient, Relay, served, standing
 
-SIZES = {'telephone': (360, 740), 'tablet': (768, 1024), 'desktop': (1920, 1080),
-         'wall': (2560, 1440), 'notebook': (1280, 720)}
-DRIVEN = ('telephone', 'tablet', 'desktop')
+SIZES = {'telephone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
+         'desktop': (1920, 1080), 'wall': (2560, 1440), 'notebook': (1280, 720)}
 LONG = 10.0
 """`cmd_vel_timeout`, s: only page and server stop the wheels in time, not the driver."""
+GAMEPAD = """
+window.pad = null;
+navigator.getGamepads = () => [window.pad];
+window.push = (x, y, button = false, age = 0) => {
+  window.pad = { connected: true, axes: [x, y], buttons: [{ pressed: button }] };
+  Object.defineProperty(window.pad, 'timestamp', { get: () => performance.now() - age });
+};
+window.buzzes = [];
+navigator.vibrate = pattern => window.buzzes.push(pattern);
+"""
 
 
 @pytest.fixture(scope='module')
@@ -29,11 +47,34 @@ def browser():
         yield made
 
 
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
+@pytest.fixture(scope='module')
+def stage(tmp_path_factory):
+    """Return a scene with a robot, a driver and a server."""
+    with scene(tmp_path_factory.mktemp('browser')) as made:
+        made.made = made.robot(world=parse('wall 1.5 -1 1.5 1', 'room'))
+        made.node(made.made.link, cmd_vel_timeout=LONG)
+        with chdir(made.folder):  # recordings go there
+            made.address = served(made, '--control', str(made.made.open_control()))[1]
         yield made
+
+
+@pytest.fixture
+def robot(stage):
+    """Return the robot, as every test finds it."""
+    made = stage.made
+    stage.ros.call(Trigger, 'stop')
+
+    def begin() -> None:
+        made.body.unforce()
+        made.body.lift(False)
+        made.body.hold()
+        made.body.place(Pose())
+    stage.ros.until(lambda: standing(made) and made.body.truth().speed == 0)
+    made.soon(begin)
+    stage.ros.until(lambda: max(map(abs, made.body.truth().pose)) < 0.01)
+    stage.ros.until(lambda: stage.ros.call(SetMode, 'set_mode', mode=Mode.SAFE).success)
+    assert stage.ros.call(Trigger, 'reset_odometry').success
+    return made
 
 
 @pytest.fixture
@@ -42,7 +83,7 @@ def pages(browser):
     opened = []
 
     def open_page(address, size='desktop'):
-        opened.append(OpenPage(browser, address, *SIZES[size]))
+        opened.append(OpenPage(browser, address, *SIZES[size], script=GAMEPAD))
         return opened[-1]
     yield open_page
     for page in opened:
@@ -51,53 +92,40 @@ def pages(browser):
 
 
 @pytest.fixture
-def robot(stage):
-    """Return a simulated robot with a driver."""
-    made = stage.robot(world=shipped('empty'))
-    stage.node(made.link, cmd_vel_timeout=LONG)
-    return made
-
-
-@pytest.fixture
 def shown(stage, robot, pages):
     """Return a function that opens a page that shows the robot, in some size."""
-    address = served(stage)[1]
-
-    def show(size='desktop'):
+    def show(size='desktop', address=stage.address):
         page = pages(address, size)
         page.live()
         return page
     return show
 
 
-@pytest.mark.parametrize('size', DRIVEN)
+@pytest.fixture
+def relay(stage):
+    """Return a bad network to the server."""
+    with closing(Relay(int(stage.address.rstrip('/').rpartition(':')[2]))) as made:
+        yield made
+
+
+def why(words: str) -> str:
+    """Return an expression: the page says at the stick why the robot does not move."""
+    return f"""!document.getElementById('why').hidden
+        && document.getElementById('why-text').textContent.includes({words!r})"""
+
+
+# Driving.
+
+@pytest.mark.parametrize('size', ['telephone', 'sideways', 'tablet', 'desktop'])
 def test_dragging_the_stick_moves_the_robot_and_letting_go_stops_it(stage, robot, shown, size):
     page = shown(size)
     page.grab(0.0, 0.7)
     stage.ros.until(lambda: robot.body.truth().pose.x > 0.05)
     page.until('parseFloat(document.getElementById("speed").textContent) > 0.1')
-    assert page.text('#chip-seat') == 'you drive'
+    assert page.text('#chip-seat') == 'you drive' and not page.page.locator('#why').is_visible()
     page.page.mouse.up()
     stage.ros.until(lambda: standing(robot))
     assert abs(robot.body.truth().pose.y) < 0.05
-
-
-def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(shown):
-    for size, (_, height) in SIZES.items():
-        page = shown(size).page
-        assert page.evaluate('document.documentElement.scrollWidth <= innerWidth'), size
-        for place in (0, 1e6):
-            page.evaluate(f'scrollTo(0, {place})')
-            box = page.locator('#stop').bounding_box()
-            assert box['y'] >= 0 and box['y'] + box['height'] <= height, size
-            # Nothing lies over it.
-            assert page.evaluate("""() => {
-                const box = document.getElementById('stop').getBoundingClientRect();
-                return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2).id;
-            }""") == 'stop', size
-        small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
-            .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
-        assert small == [], f'{size}: a thumb must hit every button'
 
 
 @pytest.mark.parametrize('stop', ['button', 'Escape', 'space', 'keyboard'])
@@ -125,15 +153,24 @@ def test_stop_stops_while_the_stick_is_still_held(stage, robot, shown, stop):
 
 
 @pytest.mark.parametrize('end', ['close', 'blur', 'hide'])
-def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, shown, end):
+@pytest.mark.parametrize('by', ['stick', 'gamepad'])
+def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, shown, by, end):
     page = shown('telephone')
-    page.grab(0.3, 0.5)
+    if by == 'stick':
+        page.grab(0.3, 0.5)
+    else:
+        page.page.evaluate('push(0, 0)')
+        page.page.wait_for_timeout(200)
+        page.page.evaluate('push(0, -0.5)')
     stage.ros.until(lambda: not standing(robot))
     match end:
         case 'close':
             page.close()
         case 'blur':
-            page.page.evaluate('dispatchEvent(new Event("blur"))')
+            page.page.evaluate("""() => {
+                document.hasFocus = () => false;
+                dispatchEvent(new Event('blur'));
+            }""")
         case 'hide':
             page.page.evaluate("""() => {
                 Object.defineProperty(document, 'hidden', {value: true});
@@ -142,81 +179,75 @@ def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, show
     stage.ros.until(lambda: standing(robot))
 
 
-def test_the_arrow_keys_drive_while_they_are_held(stage, robot, shown):
+@pytest.mark.parametrize('keys', [('ArrowUp', 'ArrowLeft'), ('w', 'a')])
+def test_keys_drive_while_they_are_held(stage, robot, shown, keys):
     page = shown().page
-    page.keyboard.down('ArrowUp')
-    page.keyboard.down('ArrowLeft')
-    stage.ros.until(lambda: robot.body.truth().pose.yaw > 0.2 < robot.body.truth().travelled)
-    page.keyboard.up('ArrowLeft')
-    page.keyboard.up('ArrowUp')
+    for key in keys:
+        page.keyboard.down(key)
+    stage.ros.until(lambda: robot.body.truth().pose.yaw > 0.2 < robot.body.truth().pose.x)
+    for key in reversed(keys):
+        page.keyboard.up(key)
     stage.ros.until(lambda: standing(robot))
 
 
-def test_the_speed_limit_limits(stage, robot, shown):
+def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage, robot, shown):
+    page = shown()
+
+    def push(*arguments):
+        page.page.evaluate(f'push({", ".join(map(str, arguments))})')
+
+    def drives():
+        push(0, -0.5)
+        stage.ros.until(lambda: not standing(robot))
+
+    def let_go():
+        push(0.05, 0.05)
+        stage.ros.until(lambda: standing(robot))
+        page.page.wait_for_timeout(200)
+
+    def must_be_let_go():
+        """Check that it stands, and drives only after the gamepad was let go."""
+        stage.ros.until(lambda: standing(robot))
+        push(0, -0.6)
+        page.page.wait_for_timeout(300)
+        assert standing(robot)
+        let_go()
+    push(0, -0.5)
+    must_be_let_go()
+    drives()
+    let_go()
+    drives()
+    push(0, -0.5, 'true')  # a button is STOP
+    must_be_let_go()
+    drives()
+    push(0, -0.5, 'false', 10_000)  # nothing new from it: its battery is empty
+    must_be_let_go()
+    drives()
+    page.page.evaluate('window.pad = null')  # unplugged
+    must_be_let_go()
+    drives()
+    page.page.evaluate('document.getElementById("stop").click()')
+    must_be_let_go()
+
+
+def test_the_speed_limit_limits_and_is_remembered(stage, robot, shown):
     page = shown()
     page.page.locator('#limit').focus()
     for _ in range(10):
         page.page.keyboard.press('ArrowLeft')
+    page.page.reload()
+    page.live()
     assert page.text('#limit-text') == '0.05 m/s'
     page.grab(0.0, 0.9)
     stage.ros.until(lambda: robot.create.actuators.wheels.left == 50)
     page.page.mouse.up()
 
 
-def test_what_is_touched_lights_up_and_is_said_in_words(robot, shown):
-    page = shown()
-    robot.soon(lambda: robot.body.force(bump_left=1))
-    page.page.wait_for_selector('#part-bump-left.lit')
-    assert page.text('#sensed') == 'bumper left'
-    robot.soon(lambda: robot.body.force(bump_left=0, cliff_front_right=1))
-    page.page.wait_for_selector('#part-cliff-front_right.lit')
-    page.until('document.getElementById("sensed").textContent === "cliff front right"')
-    robot.soon(lambda: robot.body.unforce())
-    page.until('document.getElementById("sensed").textContent === "nothing touched"')
-
-
-def test_modes_and_leds_are_set(stage, robot, shown):
-    page = shown().page
-    page.get_by_role('button', name='Full').click()
-    page.wait_for_selector('[data-mode=full][aria-pressed=true]')
-    page.locator('#led-advance').check()
-    stage.ros.until(lambda: robot.create.lights.bits & LedBits.ADVANCE)
-    page.get_by_role('button', name='Play a tune').click()
-    stage.ros.until(lambda: robot.create.note is not None)
-
-
-def test_a_place_is_tapped_on_the_map_and_the_robot_goes_there_until_it_is_cancelled(
-        stage, robot, shown):
-    opened = shown('telephone')
-    page = opened.page
-    page.locator('#goal-name').select_option('navigate_to_position')
-    box = page.locator('#map-canvas').bounding_box()
-    page.locator('#map-canvas').click(
-        position={'x': 0.7 * box['width'], 'y': 0.5 * box['height']})
-    assert float(page.locator('#goal-x').input_value()) > 0.5
-    page.locator('#goal-x').fill('4')
-    page.get_by_role('button', name='Go', exact=True).click()
-    stage.ros.until(lambda: robot.body.truth().travelled > 0.1)
-    opened.until('document.getElementById("goal-text").textContent.includes("m left")')
-    page.locator('#goal-cancel').click()
-    stage.ros.until(lambda: standing(robot))
-    opened.until('document.getElementById("goal-text").textContent.includes("canceled")')
-    assert page.locator('#goal-cancel').is_disabled()
-
-
-def test_a_number_that_is_none_is_not_sent(stage, robot, shown):
-    page = shown().page
-    page.locator('#goal-distance').fill('')
-    page.get_by_role('button', name='Go', exact=True).click()
-    assert page.locator('#goal-distance:invalid').count() == 1
-    assert page.locator('#goal-text').inner_text() == '' and standing(robot)
-
-
 def test_another_page_watches_until_it_takes_over(stage, robot, shown):
     first, second = shown(), shown('telephone')
     first.grab(0.0, 0.7)
     stage.ros.until(lambda: not standing(robot))
-    second.until('document.getElementById("chip-seat").textContent.startsWith("another page")')
+    second.until(why('the computer drives'))
     second.page.get_by_role('button', name='Take over').click()
     stage.ros.until(lambda: standing(robot))
     first.until('document.getElementById("chip-seat").textContent.startsWith("another page")')
@@ -244,6 +275,143 @@ def test_stop_on_another_page_lets_the_stick_go(stage, robot, shown):
     page.page.mouse.up()
 
 
+# It never pretends.
+
+def test_a_dead_network_does_not_look_live_and_stop_waits_for_its_answer(stage, shown, relay):
+    page = shown(address=f'http://127.0.0.1:{relay.port}/')
+    relay.freeze()
+    page.page.locator('#stop').click()
+    page.until("""document.getElementById('chip-link').textContent.startsWith('no news for')
+        && document.getElementById('chip-link').dataset.level === 'error'""")
+    assert page.text('#stop').split('\n')[-1] == 'not confirmed'
+    assert page.evaluate("getComputedStyle(document.getElementById('mode-text')).opacity") < '0.5'
+    page.until(why('no connection'))
+    relay.abandon()  # the old connection stays dead: the page makes a new one, and says STOP again
+    page.live()
+    page.until("document.getElementById('stop-text').hidden")
+    assert page.text('#chip-seat') in ('nobody drives', 'you drive'), 'it is one page, not two'
+
+
+def test_a_network_that_is_too_slow_to_drive_is_said(stage, robot, shown, relay):
+    page = shown(address=f'http://127.0.0.1:{relay.port}/')
+    page.until(r"/live, \d+ ms/.test(document.getElementById('chip-link').textContent)")
+    relay.delay = 0.4
+    page.until(why('connection too slow to drive (0.'))
+    page.grab(0.0, 0.7)
+    page.page.wait_for_timeout(300)
+    assert standing(robot)
+    page.page.mouse.up()
+
+
+def test_values_that_are_old_for_their_topic_are_dimmed(stage, pages):
+    page = pages(served(stage, '--ros-args', '-r', '__ns:=/other')[1])
+    odom = stage.ros.node.create_publisher(Odometry, '/other/odom', 1)
+    battery = stage.ros.node.create_publisher(BatteryState, '/other/battery_state', 1)
+
+    def old() -> list[str]:
+        odom.publish(Odometry())
+        return page.evaluate("[...document.querySelectorAll('.old')].map(each => each.id)")
+
+    def known() -> bool:
+        battery.publish(BatteryState(percentage=0.5))
+        return old() == [] and '50 %' in page.text('#battery-text')
+    stage.ros.until(known)
+    stage.ros.until(lambda: old() == ['chip-battery', 'battery-text'])
+
+
+def test_the_page_says_why_the_robot_does_not_move_and_what_helps(stage, robot, shown):
+    page = shown('telephone')
+    assert stage.ros.call(SetMode, 'set_mode', mode=Mode.PASSIVE).success
+    page.until(why('Passive'))
+    page.page.locator('#why-button').click()
+    page.live()
+    robot.soon(lambda: robot.body.drop(left=True))
+    page.until(why('left wheel hangs in the air: put the robot down'))
+    robot.soon(lambda: robot.body.drop())
+    page.until(why('left wheel hung; it stands again'))
+    page.page.locator('#why-button').click()
+    page.until("document.getElementById('why').hidden")
+    robot.soon(lambda: robot.body.force(bump_left=1))
+    page.grab(0.0, 0.6)
+    page.until(why('bumper pressed: back off'))
+    page.page.mouse.up()
+    page.until("document.getElementById('why').hidden")
+    robot.soon(lambda: robot.body.unforce())
+    robot.soon(lambda: robot.body.hold(left=True, right=True))
+    page.grab(0.0, 0.6)
+    page.until(f"{why('blocked')} || {why('the wheels stand')}")
+    page.page.mouse.up()
+    robot.soon(lambda: robot.body.hold())
+
+
+def test_what_is_touched_lights_up_trembles_and_is_listed(robot, shown):
+    page = shown()
+    page.page.mouse.click(2, 2)  # browsers let only pages tremble that were touched
+    robot.soon(lambda: robot.body.force(bump_left=1))
+    page.page.wait_for_selector('#part-bump-left.lit')
+    assert page.text('#sensed') == 'bumper left'
+    robot.soon(lambda: robot.body.force(bump_left=0, cliff_front_right=1))
+    page.page.wait_for_selector('#part-cliff-front_right.lit')
+    page.until('document.getElementById("sensed").textContent === "cliff front right"')
+    robot.soon(lambda: robot.body.unforce())
+    page.until('document.getElementById("sensed").textContent === "nothing touched"')
+    assert page.evaluate('window.buzzes') == [80, [80, 60, 80]]
+    logged = page.text('#log-list').splitlines()
+    assert logged.index('▲ bumper left') > logged.index('▲ cliff front right')
+
+
+# Layout.
+
+def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(shown):
+    for size, (_, height) in SIZES.items():
+        page = shown(size).page
+        assert page.evaluate('document.documentElement.scrollWidth <= innerWidth'), size
+        for place in (0, 1e6):
+            page.evaluate(f'scrollTo(0, {place})')
+            box = page.locator('#stop').bounding_box()
+            assert box['y'] >= 0 and box['y'] + box['height'] <= height, size
+            # Nothing lies over it.
+            assert page.evaluate("""() => {
+                const box = document.getElementById('stop').getBoundingClientRect();
+                return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2).id;
+            }""") == 'stop', size
+        small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
+            .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
+        assert small == [], f'{size}: a thumb must hit every button'
+
+
+def test_on_its_side_a_telephone_has_the_map_between_stick_and_stop(shown):
+    page = shown('sideways').page
+    stick, canvas, stop = (page.locator(each).bounding_box()
+                           for each in ('#stick', '#map-canvas', '#stop'))
+    assert stick['x'] + stick['width'] <= canvas['x']
+    assert canvas['x'] + canvas['width'] <= stop['x'] and canvas['height'] > 300
+
+
+def touch(page, kind, *points):
+    """Touch the screen with fingers at these places."""
+    page.touches.send('Input.dispatchTouchEvent', {
+        'type': kind, 'touchPoints': [
+            {'x': x, 'y': y, 'id': number} for number, (x, y) in enumerate(points)]})
+
+
+def test_one_finger_scrolls_the_page_and_two_move_the_map(shown):
+    page = shown('telephone')
+    for at in range(6):
+        touch(page, 'touchMove' if at else 'touchStart', (150, 350 - 40 * at))
+    touch(page, 'touchEnd')
+    page.until('scrollY > 50')
+    assert page.page.locator('#follow[aria-pressed=true]').count() == 1
+    page = shown('telephone')
+    touch(page, 'touchStart', (150, 250))
+    for at in range(4):
+        kind = 'touchMove' if at else 'touchStart'
+        touch(page, kind, (150 - 20 * at, 250), (230 - 20 * at, 250))
+    touch(page, 'touchEnd')
+    page.page.wait_for_selector('#follow[aria-pressed=false]')
+    assert page.evaluate('scrollY') == 0
+
+
 def test_dragging_the_map_ends_following_and_a_button_begins_it(shown):
     page = shown().page
     box = page.locator('#map-canvas').bounding_box()
@@ -257,49 +425,175 @@ def test_dragging_the_map_ends_following_and_a_button_begins_it(shown):
     page.wait_for_selector('#follow[aria-pressed=true]')
 
 
-def test_the_token_is_asked_for(stage, robot, pages):
-    address = served(stage, '--host', '0.0.0.0')[1]
-    base, _, token = address.partition('?token=')
-    here = f'http://127.0.0.1:{base.rstrip("/").rpartition(":")[2]}/'
-    page = pages(here, 'telephone')
-    assert 'Which token?' in page.text('h1')
-    page.page.get_by_label('Token').fill('guessed')
-    page.page.get_by_role('button', name='Open').click()
-    assert 'Which token?' in page.text('h1')
-    page.page.get_by_label('Token').fill(token)
-    page.page.get_by_role('button', name='Open').click()
-    page.live()
-    assert 'token' not in page.page.url
-    # The browser says that the first two answers were refusals.
-    assert all('40' in error for error in page.errors)
-    page.errors.clear()
+def test_the_page_can_live_on_a_home_screen(shown):
+    page = shown('telephone')
+    manifest = page.evaluate("""fetch(document.querySelector('link[rel=manifest]').href)
+        .then(answer => answer.json())""")
+    assert manifest['name'] == 'Create'
+    types = page.evaluate("""Promise.all(['icon.svg', 'icon.png'].map(name => fetch(name).then(
+        answer => answer.headers.get('Content-Type').split(';')[0])))""")
+    assert types == ['image/svg+xml', 'image/png']
+    assert {each['type'] for each in manifest['icons']} == set(types)
+    black = page.evaluate("document.querySelector('#piano .black').offsetWidth")
+    assert black >= 28, 'a finger hits it'
 
+
+# Doing.
+
+def test_modes_and_leds_are_set_and_full_only_when_its_button_is_held(stage, robot, shown):
+    page = shown().page
+    full = page.get_by_role('button', name='Full')
+    full.click()
+    page.wait_for_selector('#toast:not([hidden])')
+    assert page.locator('#toast').inner_text() == 'Hold it: Drives off tables, too'
+    assert robot.create.mode is Mode.SAFE
+    full.click(delay=1000)
+    page.wait_for_selector('[data-mode=full][aria-pressed=true]')
+    page.locator('#led-advance').check()
+    stage.ros.until(lambda: robot.create.lights.bits & LedBits.ADVANCE)
+
+
+def test_notes_that_are_pressed_while_a_song_plays_are_played_after_it(stage, robot, shown):
+    page, heard = shown('telephone').page, []
+
+    def listen() -> None:
+        if robot.create.note and heard[-1:] != [robot.create.note]:
+            heard.append(robot.create.note)
+    robot.soon(lambda: robot.watch(listen))
+    for name in ('C 5', 'E 5', 'G 5'):
+        page.get_by_role('button', name=name, exact=True).click()
+    stage.ros.until(lambda: heard == [72, 76, 79])
+    page.wait_for_timeout(300)
+    page.get_by_role('button', name='Play a tune').click()
+    stage.ros.until(lambda: heard[3:] == [67, 72, 76, 79])
+
+
+def tap(page, right: float, up: float) -> None:
+    """Tap the map this far from its middle, in metres."""
+    box = page.page.locator('#map-canvas').bounding_box()
+    page.page.touchscreen.tap(box['x'] + box['width'] / 2 + 90 * right,
+                              box['y'] + box['height'] / 2 - 90 * up)
+
+
+def test_places_are_tapped_on_the_map_and_the_robot_goes_from_one_to_the_next(
+        stage, robot, shown):
+    page = shown('telephone')
+    tap(page, 0.2, 0.0)
+    page.until("document.getElementById('here-go').textContent === 'Go here'")
+    tap(page, 0.2, 0.2)
+    assert page.text('#here-text') == ''
+    page.page.get_by_role('button', name='Go to 2 places').click()
+    page.until("document.getElementById('here-text').textContent.includes('m left')")
+    stage.ros.until(lambda: robot.body.truth().pose.y > 0.12)
+    page.until("document.getElementById('here').hidden")
+    assert page.text('#goal-text') == '✓ Go to a place: reached'
+
+
+def test_a_way_through_a_wall_is_red_and_a_cancel_is_no_error(stage, robot, shown):
+    page = shown('telephone')
+    page.page.locator('#zoom-out').click()
+    page.page.locator('#zoom-out').click()
+    scale = 1.35 ** -2
+    tap(page, 1.65 * scale, -0.9 * scale)
+    page.until("document.getElementById('here-text').textContent.includes('through a wall')")
+    page.until(f"""(() => {{
+        const canvas = document.getElementById('map-canvas');
+        const metre = {90 * scale} * devicePixelRatio;
+        const [red, green] = canvas.getContext('2d').getImageData(
+            canvas.width / 2 + 0.825 * metre, canvas.height / 2 + 0.45 * metre, 1, 1).data;
+        return red > 150 && green < 80;
+    }})()""")
+    page.page.get_by_role('button', name='Clear').click()
+    assert not page.page.locator('#here').is_visible()
+    tap(page, 1.1 * scale, 0.0)
+    page.until("document.getElementById('here-text').textContent === ''")
+    page.page.get_by_role('button', name='Go here').click()
+    stage.ros.until(lambda: robot.body.truth().pose.x > 0.1)
+    page.page.locator('#here-cancel').click()
+    stage.ros.until(lambda: standing(robot))
+    page.until("document.getElementById('goal-text').textContent === 'Go to a place: cancelled'")
+    assert page.page.locator('#goal-cancel').is_disabled()
+    assert page.evaluate("document.getElementById('toast').dataset.level") == 'good'
+    page.page.get_by_role('button', name='Clear').click()
+    page.page.get_by_role('button', name='Dock').click()
+    stage.ros.until(lambda: robot.create.demo is not None)
+    page.page.locator('#stop').click()
+    stage.ros.until(lambda: robot.create.demo is None)
+
+
+def test_a_number_that_is_none_is_not_sent(stage, robot, shown):
+    page = shown().page
+    before = page.locator('#goal-text').inner_text()
+    page.locator('#goal-distance').fill('')
+    page.get_by_role('button', name='Go', exact=True).click()
+    assert page.locator('#goal-distance:invalid').count() == 1
+    assert page.locator('#goal-text').inner_text() == before and standing(robot)
+
+
+def test_a_recording_is_made_and_its_report_is_offered(stage, robot, shown):
+    page = shown()
+    page.page.get_by_role('button', name='Record').click()
+    page.until("document.getElementById('record').getAttribute('aria-pressed') === 'true'")
+    page.until("document.getElementById('log-list').textContent.includes('recording on')")
+    folder = page.text('#record-text').removeprefix('Records to ')
+    stage.ros.until(lambda: 'create_record' in [
+        each.node_name for each in stage.ros.node.get_subscriptions_info_by_topic('odom')])
+    page.grab(0.0, 0.5)
+    stage.ros.until(lambda: robot.body.truth().pose.x > 0.3)
+    page.page.mouse.up()
+    page.page.get_by_role('button', name='End the recording').click()
+    with page.page.expect_popup() as opened:
+        page.page.get_by_role('link', name='Open the report').click()
+    opened.value.wait_for_selector('#map-canvas')
+    assert page.text('#record-text') == folder
+
+
+# Texts, tokens, other servers.
 
 def test_texts_of_others_are_no_html(stage, pages):
-    page = pages(served(stage)[1])
+    page = pages(served(stage, '--ros-args', '-r', '__ns:=/third')[1])
     publisher = stage.ros.node.create_publisher(DiagnosticArray, '/diagnostics', 10)
     evil = '<img id=evil src=x onerror=alert(1)>'
 
     def said():
         publisher.publish(DiagnosticArray(status=[
-            DiagnosticStatus(name='create: serial link', message=evil, level=b'\x01'),
-            DiagnosticStatus(name='create: driver', message=evil, level=b'\x01')]))
+            DiagnosticStatus(name=f'third/create: {name}', message=evil, level=b'\x01',
+                             hardware_id='iRobot Create at x (/third)')
+            for name in ('serial link', 'driver')]))
         return evil in page.text('#driver-text')
     stage.ros.until(said)
-    assert evil in page.text('#link-text')
+    assert evil in page.text('#link-text') and evil in page.text('#log-list')
     assert page.page.locator('#evil').count() == 0
 
 
-def test_the_page_comes_back_when_the_server_does(stage, robot, pages):
+def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, robot, pages):
     port = str(free_port())
-    web, address = served(stage, '--port', port)
-    page = pages(address)
+    here = f'http://127.0.0.1:{port}/'
+
+    def server():
+        web, address = served(stage, '--port', port, '--host', '0.0.0.0')
+        return web, address.partition('?token=')[2]
+    web, token = server()
+    page = pages(here, 'telephone')
+    assert 'Which token?' in page.text('h1')
+    assert not page.page.locator('#wrong').is_visible()
+    page.page.get_by_label('Token').fill('guessed')
+    page.page.get_by_role('button', name='Open').click()
+    page.page.wait_for_selector('#wrong')
+    assert 'guessed' not in page.page.url
+    page.page.get_by_label('Token').fill(token)
+    page.page.get_by_role('button', name='Open').click()
     page.live()
+    assert 'token' not in page.page.url
     web.send(signal.SIGKILL)
-    page.until('document.getElementById("chip-link").textContent === "no connection"')
-    served(stage, '--port', port)
+    page.until("document.getElementById('chip-link').dataset.level === 'error'")
+    _, token = server()
+    page.until("document.getElementById('banner-text').textContent.includes('another token')")
+    assert page.page.locator('#banner-token').is_visible()
+    page.other(f'{here}?token={token}')  # as a telephone does that reads the new QR code
     page.live()
-    assert all('WebSocket' in error for error in page.errors)
+    # The browser says that the first answers were refusals, and of connections that failed.
+    assert all('40' in error or 'WebSocket' in error or 'ERR_' in error for error in page.errors)
     page.errors.clear()
 
 

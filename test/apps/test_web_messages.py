@@ -19,7 +19,7 @@ from create_oi_ros.ros.actions import ACTIONS
 GOOD = {
     'drive': {'linear': 0.1, 'angular': -1, 'seen': 12.5},
     'release': {}, 'stop': {}, 'take_over': {}, 'leave': {}, 'reset_odometry': {},
-    'cancel': {},
+    'cancel': {}, 'ping': {}, 'record': {'on': True},
     'mode': {'mode': 'safe'},
     'song': {'notes': [[60, 0.5], [127, 0]]},
     'leds': {'play': True, 'advance': False, 'color': 0, 'intensity': 255},

@@ -6,6 +6,7 @@ import json
 from math import inf, nan, pi
 
 from create_oi_msgs.msg import Bumper, Cliff, IrOmni, Mode, Wall
+from diagnostic_msgs.msg import DiagnosticStatus
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -13,7 +14,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.apps.web.battery_time import BatteryTime
-from create_oi_ros.apps.web.live_robot import Cursor, LiveRobot, SILENT
+from create_oi_ros.apps.web.live_robot import Cursor, LiveRobot, OLD, SILENT
 from create_oi_ros.apps.web.past import MOST_OLD, NewestLog, OLD_STEP, RECENT, STEP, TrackLog
 from create_oi_ros.apps.web.world_frame import FlatPose, WorldFrame
 from create_oi_ros.ros import topics
@@ -113,6 +114,42 @@ def test_samples_come_five_times_a_second_while_the_driver_speaks():
     assert told['samples'][0] == [0.0, 0.2, 0.0, None, None, None, None, None, 0]
     robot.sample(1.0 + SILENT)
     assert news(robot, cursor)[0]['silent'] is True
+
+
+def test_a_value_that_comes_again_is_old_when_it_does_not():
+    robot = LiveRobot()
+    for now in (0.0, 1.0, 2.0):
+        robot.update(BatteryState(), now)
+        robot.update(odom(), now)
+    robot.update(Mode(), 2.0)
+    robot.sample(2.0 + OLD)
+    assert news(robot)[0]['old'] == []
+    robot.update(odom(), 2.0 + OLD)
+    robot.sample(2.1 + OLD)
+    assert news(robot)[0]['old'] == ['battery'], 'the mode comes only when it changes'
+    slow = LiveRobot()
+    for now in (0.0, 10.0):  # sensor_rate: 0.1
+        slow.update(Wall(), now)
+    slow.sample(25.0)
+    assert news(slow)[0]['old'] == []
+    slow.sample(41.0)
+    assert news(slow)[0]['old'] == ['wall']
+
+
+def test_what_happened_is_told_with_its_time_and_once():
+    robot = LiveRobot()
+    robot.update(Mode(mode=Mode.SAFE, wanted=Mode.SAFE), 1.0)
+    robot.update(Mode(mode=Mode.PASSIVE, wanted=Mode.SAFE, reason='cliff left'), 2.0)
+    robot.update(Bumper(left=True), 3.0)
+    robot.update(Bumper(left=True, right=True), 3.1)
+    for now in (4.0, 5.0):
+        robot.diagnose({'battery': DiagnosticStatus(level=b'\x01', message='low')}, now)
+    robot.diagnose({'battery': DiagnosticStatus(message='fine')}, 6.0)
+    told, cursor = news(robot)
+    assert told['log'] == [
+        [1.0, '', 'mode SAFE'], [2.0, 'warn', 'mode PASSIVE: cliff left'],
+        [3.0, 'warn', 'bumper left'], [4.0, 'warn', 'battery: low'], [6.0, '', 'battery: fine']]
+    assert 'log' not in news(robot, cursor)[0]
 
 
 @given(st.data())

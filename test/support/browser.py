@@ -39,11 +39,14 @@ class OpenPage:
     """A page, and what its console complains about."""
 
     def __init__(self, browser: Any, address: str, width: int, height: int, *,
-                 offline: bool = False) -> None:
+                 offline: bool = False, script: str = '') -> None:
+        """Open an address; `script` runs before those of the page."""
         self._context = browser.new_context(
             viewport={'width': width, 'height': height}, has_touch=width < 800, offline=offline)
         self._context.set_default_timeout(TIMEOUT_MS)
+        self._context.add_init_script(script)
         self.page = self._context.new_page()
+        self._touches: Any = None
         self.errors: list[str] = []
         self.page.on('pageerror', lambda error: self.errors.append(str(error)))
         self.page.on('console', lambda message: message.type == 'error' and self.errors.append(
@@ -79,6 +82,23 @@ class OpenPage:
     def text(self, selector: str) -> str:
         """Return the text of an element."""
         return str(self.page.locator(selector).inner_text())
+
+    def evaluate(self, expression: str) -> Any:
+        """Return the value of an expression, or of a function, in the page."""
+        return self.page.evaluate(expression)
+
+    @property
+    def touches(self) -> Any:
+        """What fingers are dispatched to."""
+        if self._touches is None:
+            self._touches = self._context.new_cdp_session(self.page)
+        return self._touches
+
+    def other(self, address: str) -> None:
+        """Open another page of the same browser, with the same cookies, for a moment."""
+        page = self._context.new_page()
+        page.goto(address)
+        page.close()
 
     def close(self) -> None:
         """Close the page at once."""

@@ -25,6 +25,7 @@ from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.server import Server
+from create_oi_ros.sim.server.control import ControlPort
 from create_oi_ros.sim.server.faults import Faults
 from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped, World
@@ -54,6 +55,16 @@ class Robot:
             action()
         self._server.watchers.append(once)
 
+    def open_control(self) -> Path:
+        """Open the control socket; return its path."""
+        path = self.link.with_suffix('.control')
+        self._server.control_port = ControlPort(path, self._server.control)
+        return path
+
+    def watch(self, watcher: Callable[[], object]) -> None:
+        """Call a function after every slot, on the robot's thread."""
+        self._server.watchers.append(watcher)
+
     def unplug(self) -> None:
         """Pull the cable."""
         self.soon(self._line.unplug)
@@ -67,6 +78,8 @@ class Robot:
         self._server.stop()
         self._thread.join(TIMEOUT)
         assert not self._thread.is_alive(), 'the simulated robot does not end'
+        if self._server.control_port is not None:
+            self._server.control_port.close()
         self._line.close()
 
 

@@ -7,9 +7,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 import json
+import queue
 import re
 import socket
 import threading
+import time
 from typing import Any
 
 import aiohttp
@@ -38,7 +40,8 @@ def free_port() -> int:
 class PageClient:
     """Speaks with the server as the page does; what it is told is merged into `known`."""
 
-    def __init__(self, address: str, *, origin: str | None = None, token: str = '') -> None:
+    def __init__(self, address: str, *, origin: str | None = None, token: str = '',
+                 name: str = '') -> None:
         """Connect, and wait for the first news; aiohttp.WSServerHandshakeError: refused."""
         self._loop = asyncio.new_event_loop()
         self.address = address
@@ -52,7 +55,8 @@ class PageClient:
         cookies = {'Cookie': f'create_web_{port}={token}'} if token else {}
         try:
             self._socket = self._run(self._session.ws_connect(
-                f'{base}/live', origin=base if origin is None else origin, headers=cookies))
+                f'{base}/live', params={'page': name} if name else {},
+                origin=base if origin is None else origin, headers=cookies))
         except aiohttp.WSServerHandshakeError:
             self._run(self._session.close())
             self._loop.close()
@@ -143,13 +147,15 @@ def standing(robot: Robot) -> bool:
 
 
 class Relay:
-    """Passes TCP bytes on, until it is frozen: then none move, and nobody is told."""
+    """A bad network: passes TCP bytes on, late; or none any more, and nobody is told."""
 
     def __init__(self, port: int) -> None:
         """Listen on `self.port`, and connect whoever comes with `port`."""
         self._listener = socket.create_server(('127.0.0.1', 0))
         self.port = int(self._listener.getsockname()[1])
         self._target = port
+        self.delay = 0.0
+        """Seconds for which bytes are on their way, in each direction."""
         self._moving = threading.Event()
         self._moving.set()
         self._sockets = [self._listener]
@@ -166,21 +172,42 @@ class Relay:
                 return
             far = socket.create_connection(('127.0.0.1', self._target))
             self._sockets += [near, far]
-            self._begin(self._pass, near, far)
-            self._begin(self._pass, far, near)
+            for source, target in ((near, far), (far, near)):
+                way: queue.Queue[tuple[float, bytes]] = queue.Queue()
+                self._begin(self._take, source, way)
+                self._begin(self._deliver, way, target, self._moving)
 
-    def _pass(self, source: socket.socket, target: socket.socket) -> None:
-        try:
-            while data := source.recv(65536):
-                self._moving.wait()
+    def _take(self, source: socket.socket, way: queue.Queue[tuple[float, bytes]]) -> None:
+        data = b' '
+        while data:
+            try:
+                data = source.recv(65536)
+            except OSError:
+                data = b''
+            way.put((time.monotonic() + self.delay, data))
+
+    def _deliver(self, way: queue.Queue[tuple[float, bytes]], target: socket.socket,
+                 moving: threading.Event) -> None:
+        while True:
+            due, data = way.get()
+            time.sleep(max(0.0, due - time.monotonic()))
+            moving.wait()
+            try:
                 target.sendall(data)
-            target.shutdown(socket.SHUT_WR)
-        except OSError:
-            return
+                if not data:
+                    target.shutdown(socket.SHUT_WR)
+                    return
+            except OSError:
+                return
 
     def freeze(self) -> None:
         """Pass nothing on any more."""
         self._moving.clear()
+
+    def abandon(self) -> None:
+        """Let new connections through; those of before stay frozen."""
+        self._moving = threading.Event()
+        self._moving.set()
 
     def thaw(self) -> None:
         """Pass on what has arrived meanwhile, all at once, and all that follows."""

@@ -20,13 +20,14 @@ import sys
 import time
 
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.utilities import remove_ros_args
 
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
+from ...ros.node_arguments import split
 from ...ros.process import call_on_signal, ros_executor, spin_ready
 from ...ros.programs import installing, UserError
 from ...ros.waiting import say_if_waiting
 from .access import Access, is_loopback
+from .bag_recording import BagRecording
 from .live_robot import LiveRobot
 from .simulated_truth import SimulatedTruth
 from .viewers import Viewers
@@ -121,7 +122,8 @@ def encryption(cert: Path | None, key: Path | None) -> ssl.SSLContext | None:
 
 
 async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobot,
-                viewers: Viewers, truth: SimulatedTruth | None) -> None:
+                viewers: Viewers, recording: BagRecording,
+                truth: SimulatedTruth | None) -> None:
     """Take what ROS brings, and tell the pages."""
     spin_at = 0.0
     while True:
@@ -132,6 +134,7 @@ async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobo
         if node.waits or now >= spin_at:
             spin_at = now + OTHERWISE
             spin_ready(executor)
+        recording.look()
         robot.sample(time.monotonic())
         viewers.tell()
         if truth is not None:
@@ -152,14 +155,15 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
         robot.forget()
         if truth is not None:
             truth.reset()
-    viewers = Viewers(node, robot, GREETING, on_reset)
+    recording = BagRecording(node, robot, options.ros)
+    viewers = Viewers(node, robot, recording, GREETING, on_reset)
     port = listener.getsockname()[1]
-    server = WebServer(Access(token), viewers, port, secure=tls is not None)
+    server = WebServer(Access(token), viewers, recording, port, secure=tls is not None)
     runner = await server.serve(listener, tls, node.get_logger().warning)
     _announce(node, f'http{"s" if tls else ""}://{own_address(options.host)}:{port}/', token)
     say_if_waiting(node, 'a driver', lambda: not node.velocity.driver_listens,
                    node.get_logger().warning)
-    tasks = [asyncio.create_task(_look(node, executor, robot, viewers, truth)),
+    tasks = [asyncio.create_task(_look(node, executor, robot, viewers, recording, truth)),
              asyncio.create_task(ended.wait())]
     if truth is not None:
         tasks.append(asyncio.create_task(truth.run()))
@@ -204,7 +208,9 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--cert', type=Path, metavar='FILE', help=(
         'encrypt (https) with this certificate, a PEM file, and --key'))
     parser.add_argument('--key', type=Path, metavar='FILE', help='key of the certificate')
-    options = parser.parse_args(remove_ros_args(['create_web', *given])[1:])
+    plain, ros = split(given)
+    options = parser.parse_args(plain)
+    options.ros = ros
     if not options.host:
         parser.error('--host is empty: give an address, or leave it out')
     if (options.cert is None) != (options.key is None):

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Mapping
+import time
 from typing import Any
 
 from rclpy.action.client import ClientGoalHandle
 from rclpy.task import Future
 
-from .live_robot import Parts
+from .live_robot import LiveRobot
 from .page_goals import feedback_part, GOALS
 from .web_node import awaited, Reply, WebNode
 
@@ -30,6 +31,8 @@ class SentGoal:
         self.handle: ClientGoalHandle | None = None
         """Set when the driver has accepted it."""
         self.canceling = False
+        self.code = 0
+        """`error_code` of its result; 0 also while there is none."""
         self.unanswered = False
         """Whether the driver has not said in time if it accepts it; it may do so later."""
         self.ended: asyncio.Future[Reply] = asyncio.get_running_loop().create_future()
@@ -43,9 +46,9 @@ class SentGoal:
 class GoalSender:
     """Sends goals one after the other; the driver lets a new one take over."""
 
-    def __init__(self, node: WebNode, parts: Parts) -> None:
-        """Show the newest goal in these parts."""
-        self._node, self._parts = node, parts
+    def __init__(self, node: WebNode, robot: LiveRobot) -> None:
+        """Show the newest goal in the parts of this robot."""
+        self._node, self._robot = node, robot
         self._newest: SentGoal | None = None
 
     def pursue(self, viewer: int, name: str, fields: Mapping[str, Any]) -> Awaitable[Reply]:
@@ -73,7 +76,10 @@ class GoalSender:
         running = self._running
         if not goal.unanswered and (running is None or running.name != goal.name):
             self._node.heed(goal.name, heeded=False)
-        self._show(goal, 'reached' if reply.ok else 'ended', reply.text)
+        state = 'reached' if reply.ok else 'canceled' if goal.canceling else 'ended'
+        self._show(goal, state, reply.text)
+        self._robot.happened('error' if state == 'ended' else '', f'{goal.name.replace("_", " ")}'
+                             f' {state}: {reply.text}', time.monotonic())
         return reply
 
     async def _send(self, goal: SentGoal, sent: Future) -> None:
@@ -97,6 +103,7 @@ class GoalSender:
 
         def on_result(done: Any) -> None:
             result = done.result().result
+            goal.code = int(result.error_code)
             goal.end(Reply(bool(result.success), str(result.message)))
         handle.get_result_async().add_done_callback(on_result)
 
@@ -107,9 +114,9 @@ class GoalSender:
     def _show(self, goal: SentGoal, state: str, text: str = '', *,
               feedback: Mapping[str, Any] | None = None) -> None:
         if goal is self._newest:
-            self._parts.put('goal', {
+            self._robot.parts.put('goal', {
                 'name': goal.name, 'viewer': goal.viewer, 'state': state, 'text': text,
-                'feedback': feedback})
+                'code': goal.code, 'feedback': feedback})
 
     @property
     def _running(self) -> SentGoal | None:

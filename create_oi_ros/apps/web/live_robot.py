@@ -24,6 +24,7 @@ from .battery_time import BatteryTime
 from .past import (
     CHART_SECONDS,
     MOST_EVENTS,
+    MOST_LOGGED,
     NewestLog,
     SAMPLE_PERIOD,
     TrackLog,
@@ -40,6 +41,14 @@ FARTHEST = 1e6
 """Metres from the origin beyond which a place is wrong and is not shown."""
 SILENT = 1.5
 """Seconds without odometry after which the driver counts as silent."""
+OLD, OLDEST = 3.5, 30.0
+"""Seconds after which a value is old that should come again: at least, and at most, where three
+times its last interval lies between."""
+REPEATED = {Odometry: 'pose', BatteryState: 'battery', msg.Wall: 'wall', **HAZARDS}
+"""Messages that come again without a change, and the parts that are made from them."""
+TOUCHED = {'bump': 'bumper', 'cliff': 'cliff', 'drop': 'wheel drop'}
+REPORTED_OTHERWISE = ('mode', 'safety')
+"""Statuses that repeat what topics say, and are no news of their own."""
 
 
 def finite(value: float, digits: int) -> float | None:
@@ -65,12 +74,14 @@ class Parts:
         self.changes = 0
         """Number of the last change."""
 
-    def put(self, name: str, value: Json) -> None:
-        """Store a part; it counts as changed if it differs."""
+    def put(self, name: str, value: Json) -> bool:
+        """Store a part; return whether it differs, and so counts as changed."""
         text = json.dumps(value, allow_nan=False, separators=(',', ':'))
-        if self._parts.get(name, (0, ''))[1] != text:
+        differs = self._parts.get(name, (0, ''))[1] != text
+        if differs:
             self.changes += 1
             self._parts[name] = self.changes, text
+        return differs
 
     def since(self, changes: int) -> dict[str, str]:
         """Return the parts that have changed since that number of changes."""
@@ -85,6 +96,7 @@ class Cursor(NamedTuple):
     track: int = 0
     events: int = 0
     samples: int = 0
+    log: int = 0
 
 
 class LiveRobot:
@@ -95,31 +107,48 @@ class LiveRobot:
         self.track = TrackLog()
         self.events = NewestLog(MOST_EVENTS)
         self.samples = NewestLog(round(CHART_SECONDS / SAMPLE_PERIOD))
+        self.log = NewestLog(MOST_LOGGED)
+        """What happened: when, how bad ('', warn or error), and what."""
         self._battery = BatteryTime()
         self._newest: dict[type, Any] = {}
         self._touched: dict[str, bool] = {}
+        self._levels: dict[str, int] = {}
+        self._seen: dict[str, tuple[float, float]] = {}
+        """When a part that comes again came last, and until when it is not old."""
         self.pose: FlatPose | None = None
         """The newest pose by the odometry."""
         self._heard_at, self._sampled_at = -inf, -inf
 
+    def happened(self, level: str, text: str, now: float) -> None:
+        """Add an entry to what happened."""
+        self.log.add([round(now, 2), level, text])
+
+    def _see(self, part: str, now: float) -> None:
+        last, _ = self._seen.get(part, (now, now))
+        self._seen[part] = now, now + min(OLDEST, max(OLD, 3 * (now - last)))
+
     def update(self, message: Any, now: float) -> None:
         """Take a message of the driver."""
         self._newest[type(message)] = message
+        if type(message) in REPEATED:
+            self._see(REPEATED[type(message)], now)
         match message:
             case Odometry():
                 self._heard_at = now
                 self._move(message, now)
             case msg.Bumper() | msg.Cliff() | msg.WheelDrop():
                 self.parts.put(HAZARDS[type(message)], flags(message))
-                self._remember(HAZARDS[type(message)], flags(message))
+                self._remember(HAZARDS[type(message)], flags(message), now)
             case msg.Wall() | msg.Buttons() | msg.Overcurrent():
                 self.parts.put(type(message).__name__.lower(), flags(message))
             case BatteryState():
                 self.parts.put('battery', self._battery_part(message, now))
             case msg.Mode():
-                self.parts.put('mode', {
-                    'actual': mode_name(message.mode, message.reason),
-                    'wanted': mode_name(message.wanted), 'reason': message.reason})
+                actual, wanted = mode_name(message.mode, message.reason), mode_name(message.wanted)
+                if self.parts.put('mode', {
+                        'actual': actual, 'wanted': wanted, 'reason': message.reason}):
+                    why = f': {message.reason}' if message.reason else ''
+                    self.happened('' if actual == wanted else 'warn', f'mode {actual}{why}', now)
             case msg.Charging():
                 self.parts.put('charging', {
                     'state': charging_name(message.state), 'home_base': message.home_base,
@@ -129,8 +158,15 @@ class LiveRobot:
             case msg.IrOmni():
                 self.parts.put('infrared', {'code': message.character, 'name': message.name})
 
-    def diagnose(self, statuses: Mapping[str, DiagnosticStatus]) -> None:
+    def diagnose(self, statuses: Mapping[str, DiagnosticStatus], now: float) -> None:
         """Take the statuses of the driver, by their names without the node's name."""
+        self._see('diagnostics', now)
+        for name, status in statuses.items():
+            level = int.from_bytes(status.level, 'little')
+            if level != self._levels.get(name, 0) and name not in REPORTED_OTHERWISE:
+                self.happened(('', 'warn')[level] if level < 2 else 'error',
+                              f'{name}: {status.message}', now)
+            self._levels[name] = level
         self.parts.put('diagnostics', {name: {
             'level': int.from_bytes(status.level, 'little'), 'message': status.message,
             'values': {each.key: each.value for each in status.values}}
@@ -152,12 +188,13 @@ class LiveRobot:
             # Variances of x and y and what they share, and of the heading.
             'covariance': [finite(known[place], 9) for place in (0, 1, 7, 35)]})
 
-    def _remember(self, kind: str, sides: Mapping[str, bool]) -> None:
+    def _remember(self, kind: str, sides: Mapping[str, bool], now: float) -> None:
         """Add an event where something is touched that was free before."""
-        touched = [side for side, on in sides.items() if on]
-        if touched and not self._touched.get(kind) and self.pose is not None:
-            self.events.add([kind, round(self.pose.x, 3), round(self.pose.y, 3),
-                             ' and '.join(touched).replace('_', ' ')])
+        touched = ' and '.join(side for side, on in sides.items() if on).replace('_', ' ')
+        if touched and not self._touched.get(kind):
+            self.happened('warn', f'{TOUCHED[kind]} {touched}', now)
+            if self.pose is not None:
+                self.events.add([kind, round(self.pose.x, 3), round(self.pose.y, 3), touched])
         self._touched[kind] = bool(touched)
 
     def _battery_part(self, message: BatteryState, now: float) -> Json:
@@ -167,9 +204,12 @@ class LiveRobot:
                 'temperature': finite(message.temperature, 0)}
 
     def sample(self, now: float) -> None:
-        """Add a sample to the charts when it is due, and say whether the driver is silent."""
+        """Add a sample to the charts when it is due; say what is old, and who is silent."""
+        self.parts.put('old', [part for part, (_, until) in self._seen.items() if now > until])
         silent = now - self._heard_at > SILENT
-        self.parts.put('silent', silent)
+        if self.parts.put('silent', silent) and self._seen:
+            self.happened('error' if silent else '', 'the driver sends nothing' if silent
+                          else 'the driver sends', now)
         if silent or now - self._sampled_at < SAMPLE_PERIOD:
             return
         self._sampled_at = now
@@ -197,10 +237,10 @@ class LiveRobot:
         if anew:
             pieces.append(f'"anew":{json.dumps(self.track.whole())}')
         logs = {'events': self.events.since(0 if anew else cursor.events),
-                'samples': self.samples.since(cursor.samples)}
+                'samples': self.samples.since(cursor.samples), 'log': self.log.since(cursor.log)}
         if not anew:
             logs['track'] = self.track.since(cursor.track)
         pieces += [f'"{name}":{json.dumps(entries)}' for name, entries in logs.items() if entries]
         told = Cursor(self.parts.changes, self.track.epoch, self.track.count, self.events.count,
-                      self.samples.count)
+                      self.samples.count, self.log.count)
         return f'{{"type":"news",{",".join(pieces)}}}', told

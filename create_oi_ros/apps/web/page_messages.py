@@ -47,6 +47,8 @@ MESSAGES: Mapping[str, Mapping[str, FieldCheck]] = {
     'leds': {'play': FLAG, 'advance': FLAG, 'color': whole(0, 255), 'intensity': whole(0, 255)},
     'reset_odometry': {},
     'cancel': {},
+    'ping': {},
+    'record': {'on': FLAG},
     **{name: goal.checks for name, goal in GOALS.items()},
 }
 """Each message by its `type`, with the checks of its fields."""

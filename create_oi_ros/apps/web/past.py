@@ -17,7 +17,7 @@ STEP, OLD_STEP = 0.02, 0.2
 """Metres between two points of the track, and between two that are older than RECENT."""
 MOST_RECENT, MOST_OLD = 20000, 5000
 """Points; of older ones every second is dropped when there are more."""
-MOST_EVENTS = 500
+MOST_EVENTS, MOST_LOGGED = 500, 200
 CHART_SECONDS, SAMPLE_PERIOD = 60.0, 0.2
 """Seconds that the charts show, and between two of their samples."""
 

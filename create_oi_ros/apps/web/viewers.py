@@ -17,7 +17,8 @@ from ...driver.motion import Velocity
 from ...oi import Mode
 from ...oi.commands import SONG_NUMBER
 from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
-from .driver_seat import DriverSeat, Refused, TOP_TURN
+from .bag_recording import BagRecording
+from .driver_seat import DriverSeat, OLDEST_VIEW, Refused, TOP_TURN
 from .goal_sender import GoalSender
 from .live_robot import Cursor, LiveRobot
 from .page_messages import MessageError, PageMessage, read
@@ -33,11 +34,21 @@ SONG = SONG_NUMBER.high
 """Song number of what the page plays: the last one, which others use least."""
 
 
+def device_of(agent: str) -> str:
+    """Return what a browser runs on, by its User-Agent header."""
+    if 'iPad' in agent or ('Android' in agent and 'Mobile' not in agent):
+        return 'tablet'
+    return 'telephone' if 'Mobi' in agent else 'computer'
+
+
 class Viewer:
     """One connected page."""
 
-    def __init__(self, number: int, socket: web.WebSocketResponse) -> None:
+    def __init__(self, number: int, socket: web.WebSocketResponse, request: web.Request) -> None:
         self.number, self.socket = number, socket
+        self.page = request.query.get('page')
+        """A name that a page gives itself, so that it is known when it connects again."""
+        self.device = device_of(request.headers.get('User-Agent', ''))
         self.budget = MessageBudget(time.monotonic())
         self.cursor = Cursor()
         self.replies: deque[str] = deque(maxlen=MOST_REPLIES)
@@ -55,15 +66,16 @@ class Viewer:
 class Viewers:
     """Serves all pages; everything here runs on the event loop's thread."""
 
-    def __init__(self, node: WebNode, robot: LiveRobot, greeting: dict[str, Any],
-                 on_reset: Callable[[], None]) -> None:
+    def __init__(self, node: WebNode, robot: LiveRobot, recording: BagRecording,
+                 greeting: dict[str, Any], on_reset: Callable[[], None]) -> None:
         """`greeting` is sent first to each page; call `on_reset` after the odometry was reset."""
+        self._recording = recording
         self._node, self._robot, self._greeting = node, robot, greeting
         self._on_reset = on_reset
         self._viewers: dict[int, Viewer] = {}
         self._tasks: set[asyncio.Task[object]] = set()
         self._seat = DriverSeat()
-        self._goals = GoalSender(node, robot.parts)
+        self._goals = GoalSender(node, robot)
         self._expiry: asyncio.TimerHandle | None = None
         self._last_number = 0
         self._show_seat()
@@ -77,23 +89,31 @@ class Viewers:
         socket = web.WebSocketResponse(
             max_msg_size=LONGEST_MESSAGE, heartbeat=HEARTBEAT, compress=False, timeout=1.0)
         await socket.prepare(request)
+        for before in list(self._viewers.values()):
+            if before.page is not None and before.page == request.query.get('page'):
+                self._leave(before)  # its connection is dead, and only we do not know
+                self._keep(before.socket.close())
         if len(self._viewers) >= MOST_VIEWERS:
             await socket.close(code=WSCloseCode.TRY_AGAIN_LATER,
                                message=f'{MOST_VIEWERS} pages are open already'.encode())
             return socket
         self._last_number += 1
-        viewer = self._viewers[self._last_number] = Viewer(self._last_number, socket)
+        viewer = self._viewers[self._last_number] = Viewer(
+            self._last_number, socket, request)
         self._show_seat()
         sender = asyncio.create_task(self._send(viewer))
         try:
             await self._receive(viewer)
         finally:
             sender.cancel()
-            del self._viewers[viewer.number]
+            self._leave(viewer)
+        return socket
+
+    def _leave(self, viewer: Viewer) -> None:
+        if self._viewers.pop(viewer.number, None) is not None:
             self._brake_if(self._seat.leave(viewer.number))
             self._goals.check(self._seat.viewer)
             self._show_seat()
-        return socket
 
     async def close(self) -> None:
         """Stop the wheels if a page drives, cancel its goal, and disconnect all pages."""
@@ -110,7 +130,8 @@ class Viewers:
         self._goals.check(self._seat.viewer)
 
     async def _send(self, viewer: Viewer) -> None:
-        greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': TOP_TURN}
+        greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': TOP_TURN,
+                    'oldest_view': OLDEST_VIEW}
         try:
             await viewer.socket.send_json({**greeting, **self._greeting})
             while True:
@@ -150,6 +171,12 @@ class Viewers:
         """Do what a page asks for; Refused says why not."""
         number, fields = viewer.number, message.fields
         match message.type:
+            case 'ping':
+                viewer.reply(message.type, True, '')
+                return
+            case 'record':
+                self._recording.switch(on=fields['on'])
+                return
             case 'drive':
                 self._drive(number, **fields)
             case 'release':
@@ -165,6 +192,7 @@ class Viewers:
                 self._seat.stop()
                 self._stop_if(True)
                 self._goals.cancel()
+                self._robot.happened('warn', 'STOP was pressed', time.monotonic())
                 self._call(viewer, message.type, lambda: self._node.call('stop'))
             case _:
                 self._seat.sit(number)
@@ -205,8 +233,10 @@ class Viewers:
             self._keep(self._node.call('stop'))
 
     def _show_seat(self) -> None:
+        driver = self._viewers.get(self._seat.viewer or 0)
         self._robot.parts.put('seat', {
-            'driver': self._seat.viewer, 'viewers': len(self), 'stopped': self._seat.latched})
+            'driver': self._seat.viewer, 'device': driver.device if driver else '',
+            'viewers': len(self), 'stopped': self._seat.latched})
 
     # Services and goals.
 

@@ -99,7 +99,7 @@ class WebNode(Node):
         if found is not None:
             _, statuses = found
             self._robot.diagnose({name: status for name, status in statuses.items()
-                                  if name != PARAMETERS})
+                                  if name != PARAMETERS}, time.monotonic())
 
     def heed(self, action: str, *, heeded: bool) -> None:
         """Begin, or end, to take what the server of an action answers."""

@@ -23,16 +23,18 @@ from aiohttp.http import HttpProcessingError
 
 from ... import pages
 from .access import Access
+from .bag_recording import BagRecording
 from .viewers import Viewers
 
 NAME = 'create_web'
 TYPES = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript',
-         '.svg': 'image/svg+xml'}
+         '.svg': 'image/svg+xml', '.png': 'image/png', '.webmanifest': 'application/manifest+json'}
 HEADERS = {
     # Nothing but our own files runs here, and no other site shows this page inside of its own.
     'Content-Security-Policy': (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
-        "connect-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'"),
+        "connect-src 'self'; manifest-src 'self'; base-uri 'none'; form-action 'self'; "
+        "frame-ancestors 'none'"),
     'X-Content-Type-Options': 'nosniff',
     'Referrer-Policy': 'no-referrer',
     'Cache-Control': 'no-store',
@@ -53,8 +55,12 @@ WRONG_TOKEN = 0.5
 COMPLAINT = 60.0
 """Seconds between two lines about bad HTTP."""
 ASK, PAGE = 'token.html', 'index.html'
-OPEN = ('token.html', 'base.css', 'style.css', 'icon.svg')
-"""Files that the question for the token needs."""
+OPEN = ('token.html', 'base.css', 'style.css', 'icon.svg', 'icon.png', 'page.webmanifest')
+"""Files that the question for the token needs, or a home screen."""
+REPORT = 'report.html'
+REPORT_POLICY = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; " \
+                "style-src 'unsafe-inline'; img-src data:"
+"""A report shows texts of a bag: its scripts run, but as those of another site."""
 
 
 def files() -> dict[str, tuple[bytes, str]]:
@@ -145,9 +151,11 @@ class Connection(web.RequestHandler):
 class WebServer:
     """The routes, and who may use them."""
 
-    def __init__(self, access: Access, viewers: Viewers, port: int, *, secure: bool) -> None:
+    def __init__(self, access: Access, viewers: Viewers, recording: BagRecording, port: int, *,
+                 secure: bool) -> None:
         """Serve these viewers; `port` keeps the cookies of several servers apart."""
         self._access, self._viewers, self._secure = access, viewers, secure
+        self._recording = recording
         self._cookie = f'create_web_{port}'
         self._files = files()
         self._wrong = asyncio.Lock()
@@ -197,7 +205,7 @@ class WebServer:
             error.headers.update(HEADERS)
             raise
         if not response.prepared:
-            response.headers.update(HEADERS)
+            response.headers.update({**HEADERS, **response.headers})
         return response
 
     async def _page(self, request: web.Request) -> web.StreamResponse:
@@ -216,6 +224,10 @@ class WebServer:
 
     async def _file(self, request: web.Request) -> web.StreamResponse:
         name = request.match_info['name']
+        if name == REPORT and self._recording.report and await self._known(request):
+            body = await asyncio.to_thread(self._recording.report.read_bytes)
+            return web.Response(body=body, content_type='text/html', charset='utf-8',
+                                headers={'Content-Security-Policy': REPORT_POLICY})
         if name not in self._files:
             raise web.HTTPNotFound(text='no such file\n')
         if name not in OPEN and not await self._known(request):

@@ -4,13 +4,14 @@
 
 import { StillLayer } from './map_layer.js';
 import { drawEllipse, drawRing, drawRobot } from './map_robot.js';
-import { cornersOf, drawRoom } from './map_room.js';
+import { cornersOf, crosses, drawRoom } from './map_room.js';
 import { fillKey, sign, SIGNS } from './map_signs.js';
 import { box, Track } from './map_track.js';
 
 const LEAST_SCALE = 4, MOST_SCALE = 1200, FIRST_SCALE = 90;  // pixels for a metre
 const TAP = 6;              // pixels that a finger may move while it taps
 const EASE = 60;            // ms in which the robot drawn follows the one measured
+const NARROW = 0.8;         // of the robot's radius: one that touches a wall can drive along it
 
 export class Map2D {
   // `signs` are the names that the key explains; all, if they are left out.
@@ -28,7 +29,7 @@ export class Map2D {
     this.changes = 0;           // of what stands still, besides the track
     this.events = [];
     this.pose = this.drawn = this.truth = this.room = this.origin = null;
-    this.target = null;         // where a goal leads: x, y, and a heading or null
+    this.targets = [];          // where goals lead, one after the other: x, y, a heading or null
     this.radius = 0.165;
     this.lit = {};
     this.pointers = new Map();
@@ -90,6 +91,10 @@ export class Map2D {
 
   listen() {
     const canvas = this.canvas;
+    // A finger scrolls the page, two move the map.
+    canvas.addEventListener('touchstart', event => {
+      if (event.touches.length > 1) event.preventDefault();
+    }, { passive: false });
     canvas.addEventListener('wheel', event => {
       if (this.scrolls && !event.ctrlKey && !event.metaKey) return;
       event.preventDefault();
@@ -114,17 +119,22 @@ export class Map2D {
     const here = [event.offsetX, event.offsetY];
     if (this.tapped && apart(here, this.tapped) < TAP) return;
     this.tapped = null;
-    if (this.pointers.size === 1) {
-      this.setFollow(false);
-      this.center.x -= (here[0] - before[0]) / this.scale;
-      this.center.y += (here[1] - before[1]) / this.scale;
-    } else {
+    if (this.pointers.size > 1) {
       const other = [...this.pointers].find(([id]) => id !== event.pointerId)[1];
       const factor = (apart(here, other) || 1) / (apart(before, other) || 1);
       this.zoom(factor, (here[0] + other[0]) / 2, (here[1] + other[1]) / 2);
+      this.shift((here[0] - before[0]) / 2, (here[1] - before[1]) / 2);
+    } else if (event.pointerType !== 'touch') {
+      this.shift(here[0] - before[0], here[1] - before[1]);
     }
     this.pointers.set(event.pointerId, here);
     this.touch();
+  }
+
+  shift(right, down) {
+    this.setFollow(false);
+    this.center.x -= right / this.scale;
+    this.center.y += down / this.scale;
   }
 
   // Zoom so that the place under a pixel stays there; while following, around the robot.
@@ -220,7 +230,7 @@ export class Map2D {
     c.lineCap = c.lineJoin = 'round';
     const { color, pixel, radius } = this;
     this.drawTrack(c, () => this.track.drawNew(c, this.view(), this.drawn));
-    if (this.target) drawRing(c, this.target, radius, color('--accent'), pixel);
+    this.drawWay(c);
     if (this.pose) {
       drawRobot(c, this.drawn, radius, this.lit.bump || {}, color, pixel);
       if (this.pose.covariance) drawEllipse(c, this.drawn, this.pose.covariance, color, pixel);
@@ -264,6 +274,31 @@ export class Map2D {
     c.strokeStyle = this.color('--track');
     c.lineWidth = 2.5 * this.pixel;
     draw();
+  }
+
+  // The straight ways from the robot to its targets, as pairs of places.
+  ways() {
+    const places = [...(this.pose ? [[this.pose.x, this.pose.y]] : []), ...this.targets];
+    return places.slice(1).map((place, at) => [places[at], place]);
+  }
+
+  wayIsBlocked() {
+    return this.ways().some(([from, to]) => this.blocks(from, to));
+  }
+
+  blocks(from, to) {
+    return Boolean(this.room && this.origin) && crosses(this.room, this.origin, from, to, NARROW * this.radius);
+  }
+
+  drawWay(c) {
+    const { color, pixel } = this;
+    for (const [from, to] of this.ways()) {
+      const blocked = this.blocks(from, to);
+      c.strokeStyle = color(blocked ? '--error' : '--accent');
+      c.lineWidth = (blocked ? 4 : 2) * pixel;
+      c.beginPath(); c.moveTo(from[0], from[1]); c.lineTo(to[0], to[1]); c.stroke();
+    }
+    for (const target of this.targets) drawRing(c, target, this.radius, color('--accent'), pixel);
   }
 
   drawSign([kind, x, y]) {

@@ -59,6 +59,29 @@ function trace(c, points) {
   c.closePath();
 }
 
+// Whether a robot of this radius, on its straight way between two places, would meet a wall or a post.
+export function crosses(room, [ox, oy, yaw], from, to, radius) {
+  const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
+  const [a, b] = [from, to].map(([x, y]) => [
+    (x - ox) * cos + (y - oy) * sin, (y - oy) * cos - (x - ox) * sin]);
+  return room.walls.some(([ax, ay, bx, by]) => gap(a, b, [ax, ay], [bx, by]) < radius)
+    || room.posts.some(([x, y, size]) => away([x, y], a, b) < radius + size);
+}
+
+// Metres from a place to a stretch, and between two stretches.
+function away([x, y], [ax, ay], [bx, by]) {
+  const [dx, dy] = [bx - ax, by - ay];
+  const part = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy || 1);
+  const at = Math.min(1, Math.max(0, part));
+  return Math.hypot(x - ax - at * dx, y - ay - at * dy);
+}
+
+function gap(a, b, c, d) {
+  const side = ([px, py], [qx, qy], [x, y]) => Math.sign((qx - px) * (y - py) - (qy - py) * (x - px));
+  const cross = side(a, b, c) !== side(a, b, d) && side(c, d, a) !== side(c, d, b);
+  return cross ? 0 : Math.min(away(a, c, d), away(b, c, d), away(c, a, b), away(d, a, b));
+}
+
 // The corners of a room, as the room's own x and y.
 export function cornersOf(room) {
   return [...room.walls.flatMap(pairs), ...room.grounds.flatMap(pairs)];

@@ -1,8 +1,9 @@
 // Copyright 2026 create_oi_ros contributors
 // SPDX-License-Identifier: Apache-2.0
-// Goals: motions with an end. A form for each, how the newest one fares, and a button that cancels.
+// Goals: motions with an end. A form for each, places that are tapped on the map, how the newest goal
+// fares, and buttons that cancel.
 
-import { byId, say } from './panels.js';
+import { byId, say, toast } from './panels.js';
 
 const METRES = { unit: 'm' };
 const DEGREES = { unit: '°', scale: Math.PI / 180 };
@@ -20,7 +21,7 @@ const GOALS = {
   navigate_to_position: ['Go to a place', {
     x: { label: 'x', ...METRES, value: 0 }, y: { label: 'y', ...METRES, value: 0 },
     heading: { label: 'Then', ...DEGREES, value: '', optional: true }, speed: SPEED },
-    'Or tap the place on the map. Then: the heading at the end.'],
+    'Or tap places on the map. Then: the heading at the end.'],
   dock: ['Go and dock', {}, 'It looks for the Home Base, in Passive.'],
   undock: ['Leave the dock', {}, 'Backwards; keep 30 cm behind the robot free.'],
   wall_follow: ['Follow a wall', {
@@ -32,22 +33,61 @@ const STEPS = {
 };
 const DRIVES = 2;  // a navigate_state
 const UNDER_WAY = ['sent', 'under way', 'canceling'];
+const PLACE = 'navigate_to_position';
+const ENDS = {  // by `error_code` of the result
+  1: 'took too long', 2: 'bumped into something', 3: 'there is a cliff', 4: 'a wheel hangs',
+  5: 'the wheels are blocked, or may not turn', 6: 'the robot is in no mode to drive: press Safe',
+  7: 'no robot answers', 8: 'the robot was lost', 9: 'found no Home Base',
+  10: 'something else took over', 11: 'it was stopped',
+};
 
 export class Goals {
-  constructor(form, map, send) {
-    Object.assign(this, { form, map, send });
+  // `speed` returns the speed, m/s, at which places that were tapped are driven to.
+  constructor(form, map, send, speed) {
+    Object.assign(this, { form, map, send, speed });
     this.name = byId('goal-name');
     this.inputs = {};
-    this.total = 0;     // what was left first
+    this.total = 0;      // what was left first
+    this.places = [];    // tapped, still to be driven to: x and y
+    this.tours = false;  // whether the robot is on its way to the first of them
+    this.busy = false;
     for (const [name, [title]] of Object.entries(GOALS)) this.name.add(new Option(title, name));
     this.name.addEventListener('change', () => this.choose());
     form.addEventListener('submit', event => {
       event.preventDefault();
-      this.send(this.name.value, this.fields());
+      this.begin(this.name.value, this.fields());
     });
-    byId('goal-cancel').addEventListener('click', () => this.send('cancel'));
-    map.onTap = (x, y) => this.aim(x, y);
+    for (const id of ['goal-cancel', 'here-cancel']) {
+      byId(id).addEventListener('click', () => this.send('cancel'));
+    }
+    byId('here-go').addEventListener('click', () => this.next());
+    byId('here-clear').addEventListener('click', () => this.setPlaces([]));
+    map.onTap = (x, y) => this.setPlaces([...this.places, [x, y]]);
     this.choose();
+  }
+
+  begin(name, fields = {}) {
+    this.tours = false;
+    this.asked = name;   // until it is under way
+    this.send(name, fields);
+  }
+
+  // Whether `show` tells what a reply is about: it does not when the goal was refused.
+  tells(to) {
+    const begun = this.asked !== to;
+    this.asked = null;
+    return to in GOALS && begun;
+  }
+
+  setPlaces(places) {
+    this.places = places;
+    this.showTarget();
+  }
+
+  next() {
+    const [x, y] = this.places[0];
+    this.begin(PLACE, { x, y, heading: null, speed: this.speed() });
+    this.tours = true;
   }
 
   choose() {
@@ -86,34 +126,49 @@ export class Goals {
     return found;
   }
 
-  // A place that is tapped is a goal only when its form is chosen.
-  aim(x, y) {
-    if (this.name.value !== 'navigate_to_position') return;
-    this.inputs.x.value = x.toFixed(2);
-    this.inputs.y.value = y.toFixed(2);
-    this.showTarget();
-  }
-
+  // Rings on the map, and what its buttons offer.
   showTarget() {
     const { x, y, heading } = this.fields();
-    const known = this.name.value === 'navigate_to_position' && x !== null && y !== null;
-    this.map.set('target', known ? [x, y, heading] : null);
+    const typed = this.name.value === PLACE && x !== null && y !== null && !this.busy;
+    const targets = this.places.length ? this.places.map(place => [...place, null])
+      : typed ? [[x, y, heading]] : [];
+    this.map.set('targets', targets);
+    const waits = this.places.length > 0 && !this.busy;
+    byId('here').hidden = !this.busy && !waits;
+    byId('here-go').hidden = byId('here-clear').hidden = !waits;
+    byId('here-cancel').hidden = !this.busy;
+    say('here-go', this.places.length > 1 ? `Go to ${this.places.length} places` : 'Go here');
+    const through = targets.length && !this.busy && this.map.wayIsBlocked();
+    say('here-text', this.busy ? byId('goal-text').textContent
+      : through ? '▲ A straight way leads through a wall' : '');
+    say('goal-way', through ? '▲ The straight way there leads through a wall' : '');
   }
 
-  show({ name, state, text, feedback }) {
-    const busy = UNDER_WAY.includes(state);
+  show({ name, state, text, code, feedback }) {
+    const ran = this.busy;
+    this.busy = UNDER_WAY.includes(state);
+    if (this.busy) this.asked = null;
     const { metres, angle } = feedback ? left(feedback) : {};
     const rest = feedback?.navigate_state === undefined ? metres ?? angle : metres;
     if (state === 'sent') this.total = 0;
     if (rest !== undefined) this.total = Math.max(this.total, rest);
     const progress = byId('goal-progress');
-    progress.hidden = !busy || rest === undefined || !this.total;
+    progress.hidden = !this.busy || rest === undefined || !this.total;
     if (!progress.hidden) progress.value = 1 - rest / this.total;
-    byId('goal-cancel').disabled = !busy || state === 'canceling';
+    byId('goal-cancel').disabled = !this.busy || state === 'canceling';
     const mark = { reached: '✓ ', ended: '▲ ' }[state] || '';
-    const words = feedback ? inWords(feedback) : text;
-    say('goal-text', `${mark}${GOALS[name][0]}: ${words || state}`);
+    const words = feedback ? inWords(feedback)
+      : { reached: 'reached', canceled: 'cancelled', ended: ENDS[code] || text }[state] || state;
+    say('goal-text', `${mark}${GOALS[name][0]}: ${words}`);
+    byId('goal-text').title = text;
     byId('goal-text').dataset.level = { reached: 'good', ended: 'error' }[state] || '';
+    if (ran && !this.busy) toast(byId('goal-text').textContent, state !== 'ended');
+    if (!this.busy && this.tours) {
+      this.tours = false;
+      if (state === 'reached') this.places = this.places.slice(1);
+      if (state === 'reached' && this.places.length) this.next();
+    }
+    this.showTarget();
   }
 }
 

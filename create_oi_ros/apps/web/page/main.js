@@ -10,29 +10,32 @@ import { Map2D } from './map.js';
 import * as panels from './panels.js';
 import { Piano } from './piano.js';
 import { Stick } from './stick.js';
+import { whyNot } from './why.js';
 
 const { byId, say, toast } = panels;
 const DONE = {
-  mode: 'Mode changed', song: 'Playing', leds: 'LEDs set',
-  reset_odometry: 'Odometry begins here', stop: 'Stopped',
+  mode: 'Mode changed', leds: 'LEDs set', reset_odometry: 'Odometry begins here', stop: 'Stopped',
 };
+const SAID_ELSEWHERE = ['drive', 'song'];  // at the stick; by the robot itself
 const LED_DELAY = 120;  // ms: a slider that is dragged sends no more often
+const HOLD = 800;       // ms that a button is held which could do harm
+const BUZZ = { bump: 80, cliff: [80, 60, 80], drop: [80, 60, 80], battery: [200, 100, 200] };  // ms
+const LOW = 0.2;        // of the battery
 
 const map = new Map2D(byId('map-canvas'), byId('map-key'));
 const body = new Body(byId('body'), byId('sensed'));
 const charts = new LastMinute(byId('chart-list'), byId('chart-pause'), name => map.color(name));
-const goals = new Goals(byId('goal-form'), map, (type, fields) => connection.send(type, fields));
-const known = { you: null, topTurn: 3.8, separation: 0.258, silent: true, found: false, any: false };
-let connected = false, trouble = '', problem = '';
+const goals = new Goals(byId('goal-form'), map, send, () => Number(byId('limit').value));
+const robot = { you: null, topTurn: 3.8, oldestView: 0.5, separation: 0.258, silent: true };
+let trouble = '', stopSent = false;
 
-const connection = new Connection(receive, (state, why) => {
-  connected = state;
-  problem = why;
-  if (!state) stick.letGo();
-  else known.any = false;
-  showState();
-});
-const stick = new Stick(byId('stick'), byId('knob'), byId('limit'), connection, () => known.topTurn);
+const connection = new Connection(receive, showState);
+const stick = new Stick(byId('stick'), byId('knob'), byId('limit'), connection, () => robot.topTurn, stop);
+const piano = new Piano(byId('piano'), byId('tune'), byId('replay'), notes => send('song', { notes }));
+
+function send(type, fields) {
+  return connection.send(type, fields);
+}
 
 function receive(message) {
   if (message.type === 'hello') greet(message);
@@ -40,15 +43,21 @@ function receive(message) {
   else if (message.type === 'news') tell(message);
 }
 
-function greet({ you, top_speed: topSpeed, top_turn: topTurn, radius, separation }) {
-  Object.assign(known, { you, topTurn, separation });
+function greet({ you, top_speed: topSpeed, top_turn: topTurn, radius, separation,
+                 oldest_view: oldestView }) {
+  Object.assign(robot, { you, topTurn, separation, oldestView, pose: undefined });
   byId('limit').max = topSpeed;
   map.set('radius', radius);
+  byId('log-list').replaceChildren();  // it is sent again, whole
+  if (stopSent) send('stop');  // it may have been lost
 }
 
 function reply({ to, ok, text }) {
-  if (to === 'drive' && !ok && stick.timer === null) return;  // it was let go meanwhile
-  toast(ok ? text || DONE[to] || to : text, ok);
+  if (to === 'stop') showStop(false);
+  if (to === 'song') piano.answered(ok);
+  if (SAID_ELSEWHERE.includes(to) && (ok || to === 'drive')) return;
+  if (goals.tells(to)) return;
+  toast(ok ? DONE[to] || to : text, ok);
 }
 
 const TELL = {
@@ -56,10 +65,10 @@ const TELL = {
   track: flat => map.extend(flat),
   events: events => map.mark(events),
   samples: samples => charts.add(samples),
+  log: entries => panels.addToLog(entries, connection.seen),
   pose: pose => {
-    known.any = true;
     map.move(pose);
-    panels.showPose(pose, known.separation);
+    panels.showPose(pose, robot.separation);
   },
   bump: sides => light('bump', sides),
   cliff: sides => light('cliff', sides),
@@ -74,49 +83,76 @@ const TELL = {
   room_origin: origin => map.set('origin', origin),
   true_pose: pose => map.set('truth', pose),
   mode: panels.showMode,
-  battery: panels.showBattery,
+  battery: battery => {
+    panels.showBattery(battery);
+    notice('battery', battery.part !== null && battery.part < LOW);
+  },
   charging: panels.showCharger,
   infrared: panels.showInfrared,
-  goal: goal => goals.show(goal),
-  diagnostics: statuses => { trouble = panels.showDiagnostics(statuses); showState(); },
+  song: song => piano.show(song),
+  goal: goal => {
+    goals.show(goal);
+    robot.goalRuns = goals.busy;
+  },
+  recording: panels.showRecording,
+  old: panels.showOld,
+  diagnostics: statuses => { trouble = panels.showDiagnostics(statuses); },
   seat: seat => {
-    panels.showSeat(seat, known.you);
+    panels.showSeat(seat, robot.you);
     if (seat.stopped && stick.timer !== null) {
       stick.letGo();
       toast('STOP was pressed', false);
     }
   },
-  silent: silent => { known.silent = silent; showState(); },
-  driver_found: found => { known.found = found; showState(); },
 };
 
 function tell(news) {
+  Object.assign(robot, news);
   // A new track begins before its events.
   for (const name of Object.keys(TELL)) {
     if (news[name] !== undefined) TELL[name](news[name]);
   }
+  showState();
 }
 
 function light(group, sides) {
   body.light(group, sides);
   map.light(group, sides);
+  notice(group, Object.values(sides).some(Boolean));
+}
+
+// A telephone in the hand trembles when something begins that its owner may not see.
+const noticed = {};
+function notice(name, on) {
+  const begins = on && noticed[name] === false;
+  noticed[name] = on;
+  if (begins && BUZZ[name] && navigator.userActivation?.hasBeenActive) navigator.vibrate?.(BUZZ[name]);
 }
 
 function showState() {
-  const hint = panels.showConnection(connected, known.silent, known.found, known.any);
-  const text = problem || hint || trouble;
-  say('banner', text);
+  if (!connection.live && stick.timer !== null) stick.letGo();
+  const hint = panels.showConnection(connection, robot);
+  const text = hint || trouble;
+  say('banner-text', text);
   byId('banner').hidden = !text;
-  byId('banner').dataset.level = problem || hint ? 'error' : 'warn';
+  byId('banner').dataset.level = hint ? 'error' : 'warn';
+  byId('banner-token').hidden = !connection.refused;
+  panels.showWhy(whyNot(robot, connection, stick), send);
 }
 
 // STOP.
 
 function stop() {
   stick.letGo();
-  if (!connection.send('stop')) toast('No connection: the robot stops by itself', false);
-  byId('stop').classList.add('pressed');
-  setTimeout(() => byId('stop').classList.remove('pressed'), 300);
+  send('stop');
+  showStop(true);
+}
+
+// Until the server has answered, nobody knows that it heard.
+function showStop(sent) {
+  stopSent = sent;
+  byId('stop').classList.toggle('pressed', sent);
+  byId('stop-text').hidden = !sent;
 }
 byId('stop').addEventListener('pointerdown', event => {
   if (event.button === 0) stop();
@@ -130,7 +166,7 @@ addEventListener('keydown', event => {
     event.preventDefault();
     stop();
   } else if (!inControl || event.target.closest('.map-buttons')) {
-    const act = { '+': zoomIn, '=': zoomIn, '-': zoomOut, f: follow, a: () => map.showAll() };
+    const act = { '+': zoomIn, '=': zoomIn, '-': zoomOut, f: follow, 0: () => map.showAll() };
     act[event.key]?.();
   }
 });
@@ -147,23 +183,52 @@ map.onFollow = state => byId('follow').setAttribute('aria-pressed', String(state
 
 // Who drives, and how fast.
 
-byId('take').addEventListener('click', () => connection.send('take_over'));
-byId('leave').addEventListener('click', () => connection.send('leave'));
+byId('leave').addEventListener('click', () => send('leave'));
 const showLimit = () => say('limit-text', `${Number(byId('limit').value).toFixed(2)} m/s`);
-byId('limit').addEventListener('input', showLimit);
+byId('limit').addEventListener('input', () => {
+  localStorage.setItem('limit', byId('limit').value);
+  showLimit();
+});
+byId('limit').value = localStorage.getItem('limit') || byId('limit').value;
 showLimit();
 
 // Doing.
 
+byId('dock').addEventListener('click', () => goals.begin('dock'));
 for (const button of byId('modes').children) {
-  button.addEventListener('click', () => connection.send('mode', { mode: button.dataset.mode }));
+  const { mode } = button.dataset;
+  if (mode === 'full') whenHeld(button, () => send('mode', { mode }));
+  else button.addEventListener('click', () => send('mode', { mode }));
 }
-new Piano(byId('piano'), byId('tune'), byId('replay'), notes => connection.send('song', { notes }));
+
+// Act only when a button is held for a while, by finger, mouse or key.
+function whenHeld(button, act) {
+  let timer = null;
+  const begin = event => {
+    if (event.repeat || (event.key && event.key !== 'Enter')) return;
+    timer ??= setTimeout(() => { timer = null; button.classList.remove('holding'); act(); }, HOLD);
+    button.classList.add('holding');
+  };
+  const end = () => {
+    if (timer !== null) toast(`Hold it: ${button.title}`, false);
+    clearTimeout(timer);
+    timer = null;
+    button.classList.remove('holding');
+  };
+  for (const name of ['pointerdown', 'keydown']) button.addEventListener(name, begin);
+  for (const name of ['pointerup', 'pointerleave', 'pointercancel', 'keyup', 'blur']) {
+    button.addEventListener(name, end);
+  }
+  button.addEventListener('contextmenu', event => event.preventDefault());
+}
+
+byId('record').addEventListener(
+  'click', () => send('record', { on: robot.recording?.state !== 'on' }));
 
 let ledTimer = null;
 function sendLeds() {
   ledTimer = null;
-  connection.send('leds', {
+  send('leds', {
     play: byId('led-play').checked, advance: byId('led-advance').checked,
     color: Number(byId('led-color').value), intensity: Number(byId('led-intensity').value),
   });
@@ -171,4 +236,4 @@ function sendLeds() {
 for (const id of ['led-play', 'led-advance', 'led-color', 'led-intensity']) {
   byId(id).addEventListener('input', () => { ledTimer ??= setTimeout(sendLeds, LED_DELAY); });
 }
-byId('reset').addEventListener('click', () => connection.send('reset_odometry'));
+byId('reset').addEventListener('click', () => send('reset_odometry'));

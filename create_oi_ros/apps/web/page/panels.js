@@ -3,6 +3,8 @@
 // What the page says in words. All text goes in as text, never as HTML.
 
 const WARN = 1, ERROR = 2;
+const SAID_AT_STICK = ['mode', 'safety'];
+const MOST_LOGGED = 200;
 
 export const byId = id => document.getElementById(id);
 
@@ -67,7 +69,7 @@ export function showDiagnostics(statuses) {
     say('publishers-text', `from ${driver.values['cmd_vel publishers']}`);
   }
   const troubles = Object.entries(statuses)
-    .filter(([name, status]) => status.level >= WARN && name !== 'mode')
+    .filter(([name, status]) => status.level >= WARN && !SAID_AT_STICK.includes(name))
     .map(([name, status]) => `${name}: ${status.message}`);
   return troubles.join(' · ');
 }
@@ -97,28 +99,77 @@ export function showSeat({ driver, viewers }, you) {
   const others = viewers > 1 ? `, ${viewers} pages open` : '';
   chip('chip-seat', mine ? `you drive${others}` : free ? `nobody drives${others}`
     : `another page drives${others}`, mine || free ? '' : 'warn');
-  byId('take').hidden = mine || free;
   byId('leave').hidden = !mine || viewers < 2;
   document.body.classList.toggle('watching', !mine && !free);
 }
 
-export function showConnection(connected, silent, found, known) {
-  const text = !connected ? 'no connection' : !found ? 'no driver' : silent ? 'driver silent'
-    : 'live';
-  chip('chip-link', text, text === 'live' ? 'good' : 'error');
-  document.body.classList.toggle('dead', text !== 'live');
-  const hint = !connected ? 'The connection is lost; trying again.'
-    : !known ? 'Waiting for the robot.'
+// What is wrong with connection or driver, in a sentence; the chip says it in a word.
+export function showConnection(link, { silent, driver_found: found, pose }) {
+  const quiet = Math.floor(link.quiet);
+  const text = quiet >= 1 ? `no news for ${quiet} s` : !link.live ? 'no connection'
+    : !found ? 'no driver' : silent ? 'driver silent' : '';
+  const trip = link.roundTrip === null ? '' : `, ${Math.round(link.roundTrip)} ms`;
+  chip('chip-link', text || `live${trip}`, text ? 'error' : 'good');
+  document.body.classList.toggle('dead', text !== '');
+  return link.trouble || (!link.live ? 'The connection is lost; trying again.'
+    : !pose ? 'Waiting for the robot.'
       : !found ? 'No driver listens to cmd_vel. Is create_node running, in this ROS domain and namespace?'
-        : silent ? 'The driver sends nothing. Does the robot answer?' : '';
-  return hint;
+        : silent ? 'The driver sends nothing. Does the robot answer?' : '');
 }
+
+// Dim what shows the parts that are old for their topic.
+export function showOld(parts) {
+  for (const element of document.querySelectorAll('[data-part]')) {
+    element.classList.toggle('old', element.dataset.part.split(' ').some(part => parts.includes(part)));
+  }
+}
+
+export function showWhy(why, act) {
+  byId('why').hidden = !why;
+  if (!why) return;
+  const [text, name, ...message] = why;
+  say('why-text', text);
+  byId('why-button').hidden = !name;
+  say('why-button', name || '');
+  byId('why-button').onclick = () => act(...message);
+}
+
+// What happened: [the server's time, '', warn or error, text]; `now` is the server's time.
+export function addToLog(entries, now) {
+  for (const [at, level, text] of entries) {
+    const item = document.createElement('li'), time = document.createElement('time');
+    time.textContent = new Date(Date.now() - 1000 * (now - at)).toLocaleTimeString();
+    const words = document.createElement('span');
+    words.textContent = `${level ? '▲ ' : ''}${text}`;
+    words.dataset.level = level;
+    item.append(time, words);
+    byId('log-list').prepend(item);
+  }
+  while (byId('log-list').children.length > MOST_LOGGED) byId('log-list').lastChild.remove();
+}
+
+export function showRecording({ state, folder }) {
+  const on = state === 'on', failed = state === 'failed';
+  say('record', on ? '■ End the recording' : '● Record');
+  byId('record').disabled = state === 'ending';
+  byId('record').setAttribute('aria-pressed', String(on));
+  say('record-text', { on: `Records to ${folder}`, ending: 'Its report is being made.',
+                       reported: folder, failed: `The recording failed: see the terminal of create_web.` }[state] || '');
+  byId('record-text').dataset.level = failed ? 'error' : '';
+  byId('report').hidden = state !== 'reported';
+}
+
+// The driver's words are for programs: say what a person can press.
+const FOR_PEOPLE = [
+  [/call set_mode with SAFE( first)?/g, 'press Safe'], [/call (stop_demo|stop)\b/g, 'press STOP'],
+  [/wait until the topic `song` says that it has ended/g, 'wait until it has ended'],
+];
 
 let toastTimer = null;
 
 export function toast(text, ok) {
   const element = byId('toast');
-  element.textContent = text;
+  element.textContent = FOR_PEOPLE.reduce((said, [from, to]) => said.replace(from, to), text);
   element.dataset.level = ok ? 'good' : 'error';
   element.hidden = false;
   clearTimeout(toastTimer);

@@ -1,6 +1,7 @@
 // Copyright 2026 create_oi_ros contributors
 // SPDX-License-Identifier: Apache-2.0
-// A small piano: each key plays one note on the robot, and the last ones can be played again.
+// A small piano: each key plays one note on the robot, and the last ones can be played again. Notes
+// that are pressed while a song plays wait for its end, and are the next song.
 
 const LOWEST = 67, KEYS = 17;  // G4 and up
 const BLACK = new Set([1, 3, 6, 8, 10]);
@@ -10,8 +11,13 @@ const MOST = 16;        // notes of a song
 const TUNE = [[67, 0.15], [72, 0.15], [76, 0.15], [79, 0.3]];
 
 export class Piano {
-  constructor(place, tune, replay, play) {
+  constructor(place, tune, replay, send) {
+    this.send = send;
     this.played = [];
+    this.waiting = [];     // notes
+    this.asked = false;    // whether the robot has not answered yet
+    this.until = 0;        // when the last song ends, ms
+    this.playing = false;  // whether the robot says that it plays
     this.keys = [];
     for (let note = LOWEST; note < LOWEST + KEYS; note += 1) {
       const key = document.createElement('button');
@@ -23,7 +29,7 @@ export class Piano {
       key.addEventListener('click', () => {
         this.played = [...this.played, [note, NOTE]].slice(-MOST);
         replay.disabled = false;
-        play([[note, NOTE]]);
+        this.play([[note, NOTE]]);
       });
       this.keys.push(key);
       place.append(key);
@@ -36,12 +42,38 @@ export class Piano {
         this.focus(at + step);
       }
     });
-    tune.addEventListener('click', () => play(TUNE));
+    tune.addEventListener('click', () => this.play(TUNE));
     replay.addEventListener('click', () => {
-      play(this.played);
+      this.play(this.played);
       this.played = [];
       replay.disabled = true;
     });
+  }
+
+  play(notes) {
+    this.waiting.push(...notes);
+    this.next();
+  }
+
+  next() {
+    const left = this.until - performance.now();
+    if (this.asked || this.playing || !this.waiting.length) return;
+    if (left > 0) { setTimeout(() => this.next(), left); return; }
+    this.sent = this.waiting.splice(0, MOST);
+    this.asked = this.send(this.sent);
+  }
+
+  answered(ok) {
+    this.asked = false;
+    const seconds = this.sent.reduce((sum, [, each]) => sum + each, 0);
+    if (ok) this.until = performance.now() + 1000 * seconds;
+    else this.waiting = [];
+    this.next();
+  }
+
+  show({ playing }) {
+    this.playing = playing;
+    this.next();
   }
 
   focus(at) {
