@@ -10,8 +10,8 @@ from pathlib import Path
 import subprocess
 import time
 
-from ...ros.children import start
 from ...ros.node_arguments import names_only
+from ...ros.process import start
 from ...ros.topics import CMD_VEL
 from .driver_seat import Refused
 from .live_robot import LiveRobot
