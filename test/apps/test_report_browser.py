@@ -190,6 +190,15 @@ def test_values_follow_the_pointer_and_a_drag_zooms(opened):
     page.wait(lambda: 0.4 < time(page) < 0.55, 'a click chooses')
 
 
+def test_a_finger_moves_the_cursor(opened):
+    page = opened('telephone')
+    chart = page.page.locator('.paper canvas').first
+    chart.scroll_into_view_if_needed()
+    box = chart.bounding_box()
+    page.page.touchscreen.tap(box['x'] + box['width'] / 2, box['y'] + 20)
+    page.wait(lambda: 0.3 < time(page) < 0.6, 'the time below the finger')
+
+
 def test_pointing_at_the_track_moves_the_cursor(opened):
     page = opened()
     end = page.text('#clock')
