@@ -40,7 +40,7 @@ FAULTS = (
 LIBRARY_FAULTS = {
     'backports.zstd': 'ZstdError', 'compression.zstd': 'ZstdError', 'sqlite3': 'Error',
     'rosbags.rosbag2': 'ReaderError', 'rosbags.serde': 'SerdeError',
-    'rosbags.typesys': 'TypesysError'}
+    'rosbags.typesys': 'TypesysError', 'yaml': 'YAMLError'}
 """Exceptions of libraries, by module."""
 
 

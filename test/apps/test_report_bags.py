@@ -116,6 +116,10 @@ def test_a_file_that_is_missing_is_named(bag, tmp_path):
     metadata.write_text(metadata.read_text().replace(
         'relative_file_paths:\n', 'relative_file_paths:\n  - walk_9.mcap\n'))
     assert 'walk_9.mcap is missing' in told(shown(tmp_path / 'walk'))
+    (tmp_path / 'walk' / 'walk_9.mcap').symlink_to('nowhere')
+    assert 'walk_9.mcap: ' in told(shown(tmp_path / 'walk'))
+    metadata.write_text('rosbag2: [')
+    assert shown(tmp_path / 'walk').odom
 
 
 def test_what_follows_a_damaged_chunk_is_read(bag, whole, tmp_path):

@@ -73,7 +73,7 @@ class BagFiles:
                 f'{"; ".join(self.faults)}')
 
     def messages(self, topics: Collection[Topic]) -> Iterator[Message]:
-        """Yield the messages of some topics, in the order of their times."""
+        """Yield the messages of some topics, in the order of their times; DamageError: no more."""
         waiting: list[tuple[int, int, Topic, bytes]] = []
         newest = 0
         for place, (topic, time, raw) in enumerate(self._stored()):
@@ -85,7 +85,8 @@ class BagFiles:
         yield from (self._whole(*each) for each in sorted(waiting))
 
     def _whole(self, time: int, _place: int, topic: Topic, raw: bytes) -> Message:
-        return topic, time, _zstd().decompress(raw) if raw.startswith(ZSTD) else raw
+        with reading():
+            return topic, time, _zstd().decompress(raw) if raw.startswith(ZSTD) else raw
 
     def _files(self, path: Path) -> list[Path]:
         """Return the files of a bag, the oldest first."""
@@ -113,8 +114,12 @@ class BagFiles:
 
     def _source(self, file: Path, folder: Path) -> Callable[[], Iterator[Message]]:
         """Return a function that reads a file."""
-        with file.open('rb') as stream:
-            first = stream.read(len(SQLITE))
+        try:
+            with reading(), file.open('rb') as stream:
+                first = stream.read(len(SQLITE))
+        except DamageError as error:
+            self.faults.append(f'{file.name}: {error}')
+            return lambda: iter(())
         if first.startswith(ZSTD):
             return self._source(self._unpacked(file, folder), folder)
         if first.startswith(MCAP):
