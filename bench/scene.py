@@ -20,7 +20,7 @@ import threading
 from typing import Any
 
 from create_oi_ros import oi
-from create_oi_ros.driver.stream_plan import ESSENTIAL
+from create_oi_ros.driver.stream import ESSENTIAL
 from create_oi_ros.ros.programs import PROGRAMS
 
 PROGRAM_FOLDER = Path(__file__).parent / 'programs'

@@ -11,7 +11,7 @@ import sys
 from hypothesis import settings
 import pytest
 
-from create_oi_ros.driver import Driver
+from create_oi_ros.driver.core import Core
 from create_oi_ros.driver.state import StateEvent
 
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
@@ -112,6 +112,6 @@ def unmeasured(monkeypatch):
 @pytest.fixture(autouse=True)
 def unexpected_events_fail(monkeypatch):
     """Fail where the driver's state gets an event that its tables do not list."""
-    def fail(driver: Driver, event: StateEvent) -> None:
-        raise AssertionError(f'{event} came in {driver.state.activity}')
-    monkeypatch.setattr(Driver, '_report_unknown', fail)
+    def fail(core: Core, event: StateEvent) -> None:
+        raise AssertionError(f'{event} came in {core.state.activity}')
+    monkeypatch.setattr(Core, '_report_unknown', fail)

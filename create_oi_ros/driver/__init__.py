@@ -2,15 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """The computer's side of the line: a state machine that decides what to send. Pure: no I/O."""
 
-from .battery_watch import BatteryLevel, BatteryLimits, LowBatteryAction
-from .events import DriverEvent, LinkCounts, ModeChanged, Moved, Notice, Severity
-from .health import Health
+from .events import (
+    BatteryLevel,
+    BatteryLimits,
+    DriverEvent,
+    Health,
+    LinkCounts,
+    LowBatteryAction,
+    ModeChanged,
+    Moved,
+    Notice,
+    Settings,
+    Severity,
+)
 from .machine import Driver
 from .motion import MotionLimits, wheel_speeds
-from .pending import Outcome, Pending
-from .settings import Settings
+from .outbox import LAST_WORDS, Outcome, Pending
 from .state import Activity
-from .stopping import LAST_WORDS
 from .supervision import Cause, ModeStatus
 
 __all__ = [

@@ -4,22 +4,107 @@
 Finds the robot on an open port, and notices when the line stops carrying what it should.
 
 The driver calls until frames come, and calls again when they stop, when the process itself stood
-still, or when the port was opened again.
+still, or when the port was opened again. The robot may be off, in the middle of a command that
+another program left unfinished, driving, or at another baud rate (that of Baud holds until power
+is cycled). At a rate that is too slow for the stream, the search tells it to change to the usual
+one.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from itertools import chain, cycle
 from math import inf
 
 from .. import oi
-from ..oi.codes import START_BAUDS
-from .baud_search import ANSWER_TIME, BaudSearch, CALL_INTERVAL
-from .command_watch import CommandNews, CommandWatch, IGNORES, Probe
-from .events import EventQueue, LinkCounts, Severity
-from .frame_budget import FrameBudget, too_slow
-from .outbox import Outbox
-from .state import Activity, State, StateEvent
-from .stopping import HALT, WAKE_UP
-from .stream_plan import StreamPlan
+from ..oi.codes import FAST_BAUD, START_BAUDS
+from .command_watch import CommandNews, IGNORES, Probe
+from .core import Core
+from .events import Notice, Severity
+from .outbox import HALT, WAKE_UP
+from .state import Activity, StateEvent
+from .stream import FrameBudget, StreamPlan, too_slow
+
+CALL_INTERVAL = 0.3
+"""Seconds between two calls; more at rates where a call and its answer take longer."""
+ANSWER_TIME = 0.1
+"""Seconds from the end of a call to its answer, or until Baud is done (manual: Baud)."""
+SLOWEST_BAUD = START_BAUDS[1]
+"""Bits per second below which the stream does not fit."""
+GARBAGE_LIMIT = 64
+"""Bytes without a frame after which something else must be on the line."""
+CALLS_BEFORE_NOTICE = 3
+"""Calls without an answer before the user is told; a robot that boots misses one or two."""
+
+
+def _rates(first: int) -> Iterator[int]:
+    """Yield all rates for ever; the likely ones come again before each of the others."""
+    usual = (first, *(rate for rate in START_BAUDS if rate != first))
+    # 14400 before 38400: a call at 38400 is a Wait to a robot at 14400, which then is deaf.
+    rest = sorted((code.rate for code in oi.BaudCode if code.rate not in usual),
+                  key=lambda rate: (rate != FAST_BAUD, rate > SLOWEST_BAUD, -rate))
+    return cycle(chain.from_iterable((*usual, other) for other in rest))
+
+
+class BaudSearch:
+    """Counts calls, and picks the baud rate of the next one."""
+
+    def __init__(self, baud: int) -> None:
+        """Call at one rate; 0 searches for the robot's."""
+        self.searching = baud == 0
+        """Whether the robot's rate is not known."""
+        self.baud = baud or START_BAUDS[0]
+        """Bits per second, now."""
+        self._next = _rates(self.baud)
+        self.raised_from: int | None = None
+        """Rate of the call before, if it told the robot to change to START_BAUDS[0]."""
+        self.calls = 0
+        """Calls since the robot answered, or since the port was opened."""
+        self._garbage = bytearray()
+        self.problem: str | None = None
+        """What the user was told of a robot that does not answer."""
+
+    def restart(self) -> None:
+        """Start anew: the robot answered until now, or the port has just been opened."""
+        self._next = _rates(START_BAUDS[0] if self.raises else self.baud)
+        self.calls, self.problem, self.raised_from = 0, None, None
+        self._garbage.clear()
+
+    @property
+    def raises(self) -> bool:
+        """Whether this call is for a robot that is to change to START_BAUDS[0]."""
+        return self.searching and self.baud < SLOWEST_BAUD
+
+    def next_baud(self) -> int:
+        """Return the rate of the next call."""
+        self.calls += 1
+        self.raised_from = self.baud if self.raises else None
+        if self.searching:
+            self.baud = next(self._next)
+        return self.baud
+
+    def add_garbage(self, garbage: bytes) -> None:
+        """Note bytes that are no frame."""
+        if len(self._garbage) < GARBAGE_LIMIT:
+            self._garbage += garbage[:GARBAGE_LIMIT]
+
+    def notice(self) -> Notice | None:
+        """Say what may be wrong, once, after some calls without an answer."""
+        if self.problem is not None or self.calls < CALLS_BEFORE_NOTICE:
+            return None
+        at = ' and '.join(map(str, START_BAUDS)) if self.searching else str(self.baud)
+        calls = f'The driver keeps calling{", at every rate" if self.searching else ""}'
+        if len(self._garbage) >= GARBAGE_LIMIT:
+            shown = ' '.join(str(byte) for byte in self._garbage[:12])
+            rate = '' if self.searching else ', or another baud rate (`baud: 0` tries all)'
+            self.problem = (
+                f'something sends on the port, but not like a Create at {at} baud (it sent '
+                f'{shown} ...): is it another device{rate}? {calls}')
+        else:
+            hint = '' if self.searching else '; the parameter `baud: 0` tries other rates'
+            self.problem = (
+                f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
+                f'serial cable, plugged in all the way{hint}? {calls}')
+        return Notice(Severity.ERROR, self.problem)
+
 
 SILENCE = 0.5
 """Seconds without a frame after which the robot is called again."""
@@ -38,19 +123,10 @@ STALE = 0.05
 class Connection:
     """The line to the robot: whether it answers, at which rate, and how well."""
 
-    def __init__(
-        self, baud: int, state: State, outbox: Outbox, events: EventQueue, counts: LinkCounts,
-        handle: Callable[[StateEvent], None],
-    ) -> None:
-        """`handle` passes an event to the driver's state."""
-        self._state = state
-        self._outbox = outbox
-        self._events = events
-        self._counts = counts
-        self._handle = handle
-        self._search = BaudSearch(baud)
-        self._watch = CommandWatch()
-        self._probe = Probe(outbox)
+    def __init__(self, core: Core) -> None:
+        self._core = core
+        self._search = BaudSearch(core.settings.baud)
+        self._probe = Probe(core.outbox)
         self.frame_budget = FrameBudget()
         self.plan = StreamPlan(self._search.baud)
         self.reader = oi.StreamReader(self.plan.lists)
@@ -74,19 +150,9 @@ class Connection:
     @property
     def problem(self) -> str | None:
         """What the user was told of the line; None while nothing is wrong with it."""
-        if self._state.answered:
+        if self._core.state.answered:
             return self.frame_budget.problem
         return self._search.problem or self._silence
-
-    @property
-    def ignores_commands(self) -> bool:
-        """Whether the robot ignores commands, and the user was told."""
-        return self._watch.ignores
-
-    @property
-    def suspects(self) -> bool:
-        """Whether the robot may not take commands: it is sent next to nothing then."""
-        return self._watch.suspects
 
     def opened(self, now: float) -> None:
         """Start to call: the port has been opened."""
@@ -104,7 +170,7 @@ class Connection:
     def forget(self) -> None:
         """Forget how well the line works: no robot answers."""
         self.plan.restart()
-        self._watch.restart()
+        self._core.watch.restart()
         self.frame_budget.restart()
 
     def feed(self, data: bytes, now: float) -> bool:
@@ -118,61 +184,61 @@ class Connection:
     def add_frame(self, packets: oi.PacketList) -> None:
         """Note a verified frame."""
         self.frame_budget.add_frame(packets.frame_size)
-        self._watch.seen(packets.ids)
+        self._core.watch.seen(packets.ids)
 
     def add_garbage(self, garbage: bytes) -> None:
         """Note bytes that are no frame."""
-        self._counts.garbage_bytes += len(garbage)
+        self._core.counts.garbage_bytes += len(garbage)
         self._search.add_garbage(garbage)
 
     def answered(self, event: StateEvent) -> None:
         """Note that the first frame has come; `event` is ANSWERED or RETURNED."""
         slow = self._search.raised_from
         if slow is not None:
-            self._events.notice(Severity.WARNING, (
+            self._core.events.notice(Severity.WARNING, (
                 f'the robot was at {slow} baud, too slow for its stream: it is at {self.baud} '
                 'now, until it is switched off'))
-        self._handle(event)
+        self._core.handle(event)
         self._check_rate()
 
     def ask(self, stream: oi.Stream, now: float) -> None:
         """Ask for another list of packets."""
-        self._outbox.send(stream)
-        self._watch.asked(tuple(stream.packets), now)
+        self._core.outbox.send(stream)
+        self._core.watch.asked(tuple(stream.packets), now)
 
     def check_silence(self, now: float) -> None:
         """Call the robot when no frame has come for too long."""
-        answered = self._state.answered
+        answered = self._core.state.answered
         if now - self.heard_at <= (SILENCE if answered else self._call_interval):
             return
         if answered:
-            self._counts.silences += 1
+            self._core.counts.silences += 1
             self._search.restart()
             why = self.frame_budget.why_silent(self.plan.budget, self.baud)
             self._silence = f'no frame for {SILENCE} s: {why}; calling it until it answers'
-            self._events.notice(Severity.ERROR, self._silence)
+            self._core.events.notice(Severity.ERROR, self._silence)
         rest = self.reader.flush()
         if rest is not None:
             self._search.add_garbage(rest.data)
         notice = self._search.notice()
         if notice is not None:
-            self._events.append(notice)
+            self._core.events.append(notice)
         self._call(now, StateEvent.NO_ANSWER)
 
     def check_standstill(self, now: float) -> None:
         """Call the robot again after this process stood still: the dead-man may have acted."""
         before, self._ran_at = self._ran_at, now
-        if now - before > STANDSTILL and self._state.answered:
+        if now - before > STANDSTILL and self._core.state.answered:
             self._stood_still(now - before, now)
 
     def _stood_still(self, seconds: float, now: float) -> None:
-        self._events.notice(
+        self._core.events.notice(
             Severity.WARNING, f'the driver stood still for {seconds:.1f} s (Ctrl-Z, a debugger, a '
             'computer that slept or was too busy); calling the robot again')
-        self._outbox.clear(HALT)
+        self._core.outbox.clear(HALT)
         self.reader.flush()
         self._search.restart()
-        self._handle(StateEvent.NO_ANSWER)
+        self._core.handle(StateEvent.NO_ANSWER)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self._stale_until = now + STALE
         self.heard_at = self._stale_until - self._call_interval
@@ -183,39 +249,40 @@ class Connection:
 
         True when the robot obeys again: then what it may have missed must be sent again.
         """
-        if not self._state.takes_commands:
-            self._watch.restart()
+        if not self._core.state.takes_commands:
+            self._core.watch.restart()
             self.frame_budget.restart()
             return False
-        news = self._watch.check(missed_since, now)
+        news = self._core.watch.check(missed_since, now)
         if news is CommandNews.SUSPECT:
             self._probe.begin(now)
         elif news is CommandNews.WAKE:
-            self._outbox.send_raw(WAKE_UP)
+            self._core.outbox.send_raw(WAKE_UP)
         elif news is CommandNews.IGNORES:
-            self._events.notice(Severity.ERROR, IGNORES)
+            self._core.events.notice(Severity.ERROR, IGNORES)
         if now >= self.frame_budget.check_at and self.frame_budget.check(
                 self.baud, now, fits=self.plan.budget.fits):
             problem = self.frame_budget.problem
-            self._events.notice(Severity.WARNING if problem else Severity.INFO,
-                                problem or 'frames arrive in time again')
+            self._core.events.notice(
+                Severity.WARNING if problem else Severity.INFO,
+                problem or 'frames arrive in time again')
         return news is CommandNews.OBEYS_AGAIN
 
     def probe(self, now: float) -> bool:
         """Poll a robot that may not take commands; True when it has just shown that it does."""
-        if not self._watch.suspects or now < self._probe.due or self._outbox.busy:
+        if not self._core.watch.suspects or now < self._probe.due or self._core.outbox.busy:
             return False
         listens = self._probe.poll(now, self.heard_at)
         if listens:
-            self._watch.restart()
+            self._core.watch.restart()
             self.plan.restart()
         return listens
 
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""
-        self._outbox.clear()
-        self._handle(event)
-        assert self._state.activity is Activity.CALLING
+        self._core.outbox.clear()
+        self._core.handle(event)
+        assert self._core.state.activity is Activity.CALLING
         self.heard_at = now
         baud = self._search.next_baud()
         ask: oi.Command = oi.Stream(packets=self.plan.knock.ids)
@@ -224,14 +291,14 @@ class Connection:
         elif baud != self.plan.baud:
             self.plan.tune(baud)
             self.reader.expect(self.plan.lists)
-        start = [] if self._counts.frames and not self.was_away(now) else [oi.Start()]
+        start = [] if self._core.counts.frames and not self.was_away(now) else [oi.Start()]
         stop = self._stop(event, baud)
         size = len(stop) + sum(len(each.encode()) for each in (*start, ask))
         self._call_interval = max(CALL_INTERVAL, ANSWER_TIME + (
             size + self.plan.full.frame_size) * oi.BITS_PER_BYTE / baud)
-        self._outbox.send_raw(stop)
+        self._core.outbox.send_raw(stop)
         for each in (*start, ask):
-            self._outbox.send(each)
+            self._core.outbox.send(each)
 
     def _stop(self, event: StateEvent, baud: int) -> bytes:
         """Return what a call begins with: next to nothing for a robot that may only wait."""
@@ -245,14 +312,14 @@ class Connection:
 
     def heard_knock(self, now: float) -> None:
         """Stop a robot that has answered a call, and ask it for all packets."""
-        stream = None if self._state.answered else self.plan.next_stream(now, motion_due=True)
+        stream = None if self._core.state.answered else self.plan.next_stream(now, motion_due=True)
         if stream is not None:
             self.heard_at = now
-            self._outbox.send(HALT)
-            self._outbox.send(stream)
+            self._core.outbox.send(HALT)
+            self._core.outbox.send(stream)
 
     def _check_rate(self) -> None:
         slow = too_slow(self.plan.budget, self.plan.baud)
         if slow is not None and slow != self._slow_notice:
-            self._events.notice(Severity.ERROR, slow)
+            self._core.events.notice(Severity.ERROR, slow)
         self._slow_notice = slow

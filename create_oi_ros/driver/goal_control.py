@@ -7,22 +7,20 @@ One goal runs at a time; a new one takes over. Whether one runs is the driver's 
 DOCKING: an event that leads out of these ends the goal, with the code that belongs to the event.
 """
 
-from collections.abc import Callable
 from math import inf
 
 from .. import oi
-from .demos import Demos
-from .events import EventQueue, Moved, Severity
+from .core import Core
+from .events import Moved, Severity
 from .goals import Code, Ending, Goal, Running
 from .goals.approach import Learned
 from .goals.goal import DockDemo, docked, Enter, Order, Over, View
 from .goals.hazards import AGAIN, FROM_CLIFF, TO_FLOOR
-from .modes import Modes
+from .modes import Demos, Modes
 from .motion import Velocity, WheelCommands
-from .outbox import Outbox
-from .state import Activity, Owner, REFUSALS, State, StateEvent
-from .stopping import END_DEMO, HALT
-from .supervision import Cause, Supervision
+from .outbox import END_DEMO, HALT
+from .state import Activity, Owner, REFUSALS, StateEvent
+from .supervision import Cause
 from .tracking import Tracking
 
 MODE_WAIT = 1.0
@@ -60,21 +58,14 @@ class GoalControl:
     """Pursues the goal that was started last."""
 
     def __init__(
-        self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
-        demos: Demos, outbox: Outbox, events: EventQueue, tracking: Tracking,
-        handle: Callable[[StateEvent], None],
+        self, core: Core, wheels: WheelCommands, modes: Modes, demos: Demos, tracking: Tracking,
     ) -> None:
-        """`handle` passes an event to the driver's state."""
+        self._core = core
         self._tracking = tracking
         self._odometry = tracking.odometry
         self._wheels = wheels
-        self._state = state
-        self._supervision = supervision
         self._modes = modes
         self._demos = demos
-        self._outbox = outbox
-        self._events = events
-        self._handle = handle
         self.straight, self.turning = Learned(), Learned()
         """How the robot coasts, straight and turning."""
         self._goal: Goal | None = None
@@ -93,14 +84,15 @@ class GoalControl:
             return running
         if self._goal is not None:
             self._finish(ANOTHER_GOAL, now)
-        if self._state.activity is Activity.HOLDING:  # a goal is as good as a pause of commands
-            self._handle(StateEvent.HALTED)
+        if self._core.state.activity is Activity.HOLDING:
+            # A goal is as good as a pause of commands.
+            self._core.handle(StateEvent.HALTED)
         self._goal, self._running = goal, running
         self._begun, self._started_at = False, now
-        self._mode_before = self._supervision.status.wanted
-        self._handle(StateEvent.GOAL_STARTED)
+        self._mode_before = self._core.status.wanted
+        self._core.handle(StateEvent.GOAL_STARTED)
         if goal.hint:
-            self._events.notice(Severity.WARNING, goal.hint)
+            self._core.events.notice(Severity.WARNING, goal.hint)
         return running
 
     @property
@@ -135,7 +127,7 @@ class GoalControl:
 
     def handled(self, event: StateEvent) -> None:
         """End the goal after an event that has led out of its activities."""
-        if self._goal is None or self._state.pursues or event is StateEvent.GOAL_ENDED:
+        if self._goal is None or self._core.state.pursues or event is StateEvent.GOAL_ENDED:
             return
         if event is StateEvent.MODE_LEFT:
             over = self._left_mode()
@@ -152,7 +144,7 @@ class GoalControl:
             self._odometry.marked, self._odometry.seeks_rounding)
         if not self._begun and not self._begin(self._goal, view):
             return
-        if self._goal.needs_driving and not self._supervision.status.can_drive:
+        if self._goal.needs_driving and not self._core.status.can_drive:
             self._finish(self._wrong_mode(), now)
             return
         order = self._goal.step(view)
@@ -171,7 +163,7 @@ class GoalControl:
 
     def _refusal(self, goal: Goal, now: float) -> Over | None:
         """Say why a goal cannot be pursued now; None where it can."""
-        state = self._state
+        state = self._core.state
         if state.owner is Owner.NOBODY:
             return Over(Code.NO_ROBOT, REFUSALS[state.activity])
         if state.pursues and self._goal is not None:
@@ -184,7 +176,7 @@ class GoalControl:
 
     def _begin(self, goal: Goal, view: View) -> bool:
         """Let a goal begin once the robot follows velocities; False where it has not yet."""
-        if goal.needs_driving and not self._supervision.status.can_drive:
+        if goal.needs_driving and not self._core.status.can_drive:
             return False
         self._started_at = view.now
         self._odometry.mark(sparing=goal.turns_only)
@@ -195,19 +187,19 @@ class GoalControl:
         return self._begun
 
     def _wrong_mode(self) -> Over:
-        name = self._supervision.status.name
+        name = self._core.status.name
         return Over(Code.MODE, f'robot is in {name}: {self._advice()}')
 
     def _left_mode(self) -> Over:
         """Say what took the robot out of its mode."""
-        status = self._supervision.status
+        status = self._core.status
         code = Code.CLIFF if self._blames(CLIFFS) else Code.MODE
         return Over(
             code, f'robot left {status.wanted.name} ({status.reason}): {self._advice()}')
 
     def _blames(self, causes: tuple[Cause, ...]) -> bool:
         """Tell whether one of these took the robot out of its mode."""
-        return any(cause in causes for cause in self._supervision.status.causes)
+        return any(cause in causes for cause in self._core.status.causes)
 
     def _advice(self) -> str:
         """Say how a robot that is in no mode to drive is brought to pursue a goal."""
@@ -230,23 +222,23 @@ class GoalControl:
 
     def _enter(self, mode: oi.Mode, why: str, now: float) -> None:
         if why:
-            self._events.notice(Severity.WARNING, why)
+            self._core.events.notice(Severity.WARNING, why)
         self._wheels.command(0.0, 0.0, now)
-        self._supervision.want(mode)
+        self._core.supervision.want(mode)
         self._modes.enter(mode, now)
 
     # How a goal ends.
 
     def _finish(self, over: Over, now: float) -> None:
         """End the goal, and stop what it set in motion."""
-        gives_up = self._state.activity is Activity.DOCKING and over.code is not Code.NONE
-        self._outbox.send_at_once(HALT, now)
+        gives_up = self._core.state.activity is Activity.DOCKING and over.code is not Code.NONE
+        self._core.outbox.send_at_once(HALT, now)
         if gives_up:
-            self._outbox.send_at_once(END_DEMO, now)
+            self._core.outbox.send_at_once(END_DEMO, now)
         self._conclude(over)
-        self._handle(StateEvent.GOAL_ENDED)
+        self._core.handle(StateEvent.GOAL_ENDED)
         if gives_up:
-            self._supervision.want(self._mode_before)
+            self._core.supervision.want(self._mode_before)
             self._modes.enter(self._mode_before, now)
 
     def _conclude(self, over: Over) -> None:

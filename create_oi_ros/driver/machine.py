@@ -7,8 +7,8 @@ It mirrors the robot's: `receive(bytes, now)`, `poll(now)`, `data_to_send()`. Ca
 bytes have come, `poll` whenever time has passed, and write what `data_to_send` returns; fetch
 what happened with `next_event`. `now` is in seconds on any clock that does not go backwards.
 
-What the driver is doing is one value, `state`. `_handle` is the only place where it changes, and
-where the wheels and the other parts are told. A request (set_mode, outputs.set_leds, ...) returns
+What the driver is doing is one value, `state`: `Core.handle` changes it, and `_follow` tells the
+parts what follows. A request (set_mode, outputs.set_leds, ...) returns
 a `Pending`; `poll` sends.
 """
 
@@ -19,30 +19,21 @@ from math import inf
 from .. import oi
 from ..odometry import Odometry
 from .acquaintance import Acquaintance
-from .battery_guard import BatteryGuard
-from .charge_watch import ChargeWatch
-from .command_watch import IGNORES
+from .battery import BatteryGuard, ChargeWatch
 from .connection import Connection
-from .demos import Demos
-from .events import DriverEvent, EventQueue, LinkCounts, ModeChanged, Moved, Severity
+from .core import Core
+from .events import DriverEvent, Health, ModeChanged, Moved, Settings, Severity
 from .goal_control import GoalControl
 from .goals.hazards import BUMPS
-from .health import Health
-from .modes import Modes
+from .modes import Demos, Modes
 from .motion import MotionLimits, WheelCommands
-from .outbox import LOST, Outbox
+from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
-from .pending import done, Pending, refused
-from .plausibility import ANGLE_STUCK, TurnCheck
-from .requests import Requests
-from .script_control import ScriptControl
-from .script_speeds import requested_speeds
-from .settings import Settings
-from .state import Activity, Owner, State, StateEvent
-from .stopping import END_DEMO, farewell, HALT
-from .stream_plan import StreamPlan
-from .supervision import causes_in, ModeStatus, Supervision
-from .tracking import Taken, Tracking
+from .script import requested_speeds, ScriptControl
+from .state import Activity, Owner, StateEvent
+from .stream import StreamPlan
+from .supervision import causes_in, ModeStatus
+from .tracking import ANGLE_STUCK, Taken, Tracking, TurnCheck
 from .velocity_control import VelocityControl
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
@@ -61,70 +52,44 @@ class Driver:
     ) -> None:
         """Drive by these settings; `odometry` replaces the usual one."""
         self.settings = settings = settings or Settings()
-        self.state = State()
-        self.counts = LinkCounts()
-        self._events = EventQueue()
-        self._outbox = Outbox()
+        self.core = core = Core(settings, self._follow)
+        self.state = core.state
+        self.counts = core.counts
         self._wheels = WheelCommands(settings.limits)
-        self._supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
         self._tracking = Tracking(settings, self.counts, odometry)
-        self._acquaintance = Acquaintance(settings.robot, self._events)
+        self._acquaintance = Acquaintance(settings.robot, self.core.events)
         self._turn_check = TurnCheck(settings.limits.wheel_separation)
-        self._connection = Connection(
-            settings.baud, self.state, self._outbox, self._events, self.counts, self._handle)
-        self._requests = requests = Requests(self._outbox, self.state, self._supervision)
-        self.outputs = Outputs(self._outbox, requests, self._tracking)
-        self.demos = Demos(
-            self._outbox, requests, self.state, self._supervision, self._handle)
-        self.scripts = ScriptControl(
-            self._outbox, requests, self.state, self._connection.plan,
-            settings.limits.wheel_separation, self._handle)
-        self._modes = Modes(self._supervision, self.state, self._outbox, requests, self.outputs,
-                            self._events, self._handle)
-        self._battery = BatteryGuard(settings.battery, self.demos, self._modes, self._events)
-        self._charging = ChargeWatch(
-            self._supervision, self._outbox, self._events, reset=settings.reset_when_not_charging)
-        self.goals = GoalControl(
-            self._wheels, self.state, self._supervision, self._modes, self.demos, self._outbox,
-            self._events, self._tracking, self._handle)
-        self._velocity = VelocityControl(
-            self._wheels, self.state, self._supervision, self._modes, self.goals, self._outbox,
-            self._events, self._handle)
+        self._connection = Connection(core)
+        self.outputs = Outputs(core, self._tracking)
+        self.demos = Demos(core)
+        self.scripts = ScriptControl(core, self._connection.plan)
+        self._modes = Modes(core, self.outputs)
+        self._battery = BatteryGuard(core, self.demos, self._modes)
+        self._charging = ChargeWatch(core)
+        self.goals = GoalControl(core, self._wheels, self._modes, self.demos, self._tracking)
+        self._velocity = VelocityControl(core, self._wheels, self._modes, self.goals)
         self._unchecked: deque[tuple[Taken, Moved]] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
         self._look_at = -inf
-        self._mistakes: set[str] = set()
         self._reported_status = self.status
 
-    def _handle(self, event: StateEvent) -> None:
-        """Let an event change the state; tell the wheels and the other parts what follows."""
-        if not self.state.knows(event):
-            self._report_unknown(event)
-            return
-        self.state.handle(event)
+    def _follow(self, event: StateEvent) -> None:
+        """Tell the wheels and the other parts what follows from an event."""
         if not self.state.moving:
             self._wheels.stop()
         if self.state.owner is not Owner.ROBOT:
-            self._outbox.call_off_motion()
+            self.core.outbox.call_off_motion()
         if event not in SPEEDS_HOLD:
             self._wheels.forget_sent()
         if event in ROBOT_UNKNOWN:
             self.outputs.fail(LOST)
             self._connection.forget()
             self._tracking.restart()
-            self._supervision.lost()
+            self.core.supervision.lost()
             self._wheels.hold(False)
             self.scripts.forget()
             self._unchecked.clear()
         self.goals.handled(event)
-
-    def _report_unknown(self, event: StateEvent) -> None:
-        """Log once a mistake of the driver: an event where no table lists it."""
-        mistake = (f'{event.name} came in {self.state.activity.name}, where the driver does not '
-                   'expect it, and is ignored: please report this')
-        if mistake not in self._mistakes:
-            self._mistakes.add(mistake)
-            self._events.notice(Severity.WARNING, mistake)
 
     # What arrives and leaves, and what happened.
 
@@ -135,8 +100,8 @@ class Driver:
     def disconnected(self, why: str) -> None:
         """Stop talking: the port is gone."""
         self._connection.reader.flush()
-        self._outbox.clear()
-        self._handle(StateEvent.PORT_CLOSED)
+        self.core.outbox.clear()
+        self.core.handle(StateEvent.PORT_CLOSED)
         self._modes.fail(f'port lost: {why}')
 
     def receive(self, data: bytes, now: float) -> None:
@@ -162,7 +127,7 @@ class Driver:
 
     def poll(self, now: float) -> None:
         """Check new frames, advance timers, and make ready what is to be sent."""
-        self._outbox.confirm()
+        self.core.outbox.confirm()
         if self.state.activity is Activity.CLOSED:
             return
         self._connection.check_standstill(now)
@@ -180,23 +145,23 @@ class Driver:
         self._velocity.poll(now)
         if self._connection.probe(now):
             self._send_again()
-        if (self.state.takes_commands and not self._connection.suspects
-                and not self._outbox.busy):
+        if (self.state.takes_commands and not self.core.watch.suspects
+                and not self.core.outbox.busy):
             stream = self._connection.plan.next_stream(
                 now, motion_due=self._tracking.reading_due)
             if stream is not None:
                 self._connection.ask(stream, now)
-        self._outbox.release(now)
+        self.core.outbox.release(now)
 
     def data_to_send(self) -> bytes:
         """Return the bytes to write now; the next `poll` takes them as written."""
-        return self._outbox.take_ready()
+        return self.core.outbox.take_ready()
 
     def next_event(self) -> DriverEvent | None:
         """Remove and return what has happened, oldest first."""
-        if self._events:
-            return self._events.popleft()
-        before, status = self._reported_status, self._supervision.status
+        if self.core.events:
+            return self.core.events.popleft()
+        before, status = self._reported_status, self.core.supervision.status
         if status is before:
             return None
         self._reported_status = status
@@ -207,7 +172,7 @@ class Driver:
     @property
     def status(self) -> ModeStatus:
         """The wanted mode, the actual one, and why they differ."""
-        return self._supervision.status
+        return self.core.supervision.status
 
     @property
     def baud(self) -> int:
@@ -217,7 +182,7 @@ class Driver:
     @property
     def busy(self) -> bool:
         """Whether commands wait to be made ready by `poll`."""
-        return self._outbox.busy
+        return self.core.outbox.busy
 
     @property
     def plan(self) -> StreamPlan:
@@ -236,8 +201,8 @@ class Driver:
             line_problem=connection.problem,
             frame_age=now - connection.heard_at if self.counts.frames else None,
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
-            ignores_commands=connection.ignores_commands,
-            suspects_commands=connection.suspects, angle_stuck=self._turn_check.stuck,
+            ignores_commands=self.core.watch.ignores,
+            suspects_commands=self.core.watch.suspects, angle_stuck=self._turn_check.stuck,
             frame_period=self._tracking.clock.known_period, robot=self._tracking.robot,
             battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
 
@@ -253,14 +218,13 @@ class Driver:
         sends = activity is not Activity.CLOSED and (
             activity is not Activity.SCRIPT or self.scripts.may_stop())
         if sends and not (self._wheels.held and self._wheels.told_to_stand):
-            self._outbox.send_at_once(HALT, now)
+            self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
-                self._outbox.send_at_once(END_DEMO, now)
-        if self._outbox.call_off_motion() and self.scripts.playing:
+                self.core.outbox.send_at_once(END_DEMO, now)
+        if self.core.outbox.call_off_motion() and self.scripts.playing:
             self.scripts.call_off()
-        self._handle(StateEvent.STOPPED)
-        why = IGNORES if self._connection.ignores_commands else (
-            self.scripts.status(now) or self._requests.refusal(oi.Demo))
+        self.core.handle(StateEvent.STOPPED)
+        why = self.scripts.status(now) or self.core.refusal(oi.Demo)
         return done('stop sent') if why is None else refused(why)
 
     @property
@@ -290,15 +254,15 @@ class Driver:
             return
         try:
             mode = oi.Mode.PASSIVE if self._may_play_demo else self.status.actual
-            self._outbox.clear(*farewell(mode, self.settings.mode_on_exit))
+            self.core.outbox.clear(*farewell(mode, self.settings.mode_on_exit))
             self._modes.fail('driver is shutting down')
             script = self.scripts.status(now)
             if script is not None:
-                self._events.notice(
+                self.core.events.notice(
                     Severity.ERROR, f'the driver ends, but {script}; the script moves the wheels')
             self.goals.driver_ends()
         finally:
-            self._handle(StateEvent.PORT_CLOSED)
+            self.core.handle(StateEvent.PORT_CLOSED)
 
     # How frames are handled.
 
@@ -311,7 +275,7 @@ class Driver:
         if taken is None:
             return
         for text in self._tracking.odd.news:
-            self._events.notice(Severity.WARNING, text)
+            self.core.events.notice(Severity.WARNING, text)
         self._tracking.odd.news.clear()
         activity = self.state.activity
         if activity is Activity.CALLING:
@@ -320,7 +284,7 @@ class Driver:
             self._after_script()
         self._connection.present_at = now
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
-        self._events.append(moved)
+        self.core.events.append(moved)
         self._unchecked.append((taken, moved))
 
     def _found(self, before: oi.Readings, now: float) -> None:
@@ -332,21 +296,21 @@ class Driver:
         self._connection.answered(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         self._velocity.report_next_refusal()
         wanted = self.status.wanted
-        self._events.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
+        self.core.events.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
         self.outputs.restore_songs()
         self._modes.enter(wanted, now)
 
     def _after_script(self) -> None:
         if self.scripts.resets_accumulators:
             self._tracking.odometry.recounted()
-        self._events.notice(Severity.INFO, (
+        self.core.events.notice(Severity.INFO, (
             'the robot obeys between the rounds of its script, which may go on: an empty script '
             '(define_script) ends it' if self.scripts.goes_on else
             'the script has ended; wheels stopped'))
         if self._tracking.readings.oi_mode in oi.ACTUATE:
             self.outputs.restore()
         else:
-            self._handle(StateEvent.MODE_LEFT)
+            self.core.handle(StateEvent.MODE_LEFT)
 
     def _check_frame(self, taken: Taken, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line, angle and battery."""
@@ -369,12 +333,12 @@ class Driver:
             self._wheels.missed_since = None
         if self._connection.check_line(self._wheels.missed_since, now):
             self._send_again()
-        elif self._connection.suspects is not self._wheels.held:
-            self._wheels.hold(self._connection.suspects)
-        if status.actual is not status.wanted and not self._connection.suspects:
+        elif self.core.watch.suspects is not self._wheels.held:
+            self._wheels.hold(self.core.watch.suspects)
+        if status.actual is not status.wanted and not self.core.watch.suspects:
             self._modes.retry(now)
         if self._turn_check.observe(taken.readings, taken.dt, drives=drives):
-            self._events.notice(Severity.WARNING, ANGLE_STUCK)
+            self.core.events.notice(Severity.WARNING, ANGLE_STUCK)
         if now >= self._look_at:
             self._look_at = now + LOOK_INTERVAL
             self._look(readings, now)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from .. import oi
 from ..oi.steering import WheelSpeeds
 from ..robot import MM_PER_M, SLOT, TOP_SPEED, WHEEL_SEPARATION
-from .stopping import HALT
+from .outbox import HALT
 
 
 class Velocity(NamedTuple):

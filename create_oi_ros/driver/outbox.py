@@ -1,14 +1,114 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The queue of bytes to the robot, with the pauses that it needs between commands."""
+"""
+The queue of bytes to the robot, with the pauses that it needs between commands; what stops it.
+
+Who asks for a command gets a `Pending`: its outcome is known at once, when the bytes are written,
+or when the robot has answered.
+"""
 
 from collections import deque
+from collections.abc import Callable
 from math import inf
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from .. import oi
-from .pending import Pending
-from .stopping import END_DEMO
+from .supervision import MODE_COMMANDS
+
+HALT = oi.DriveDirect(right=0, left=0)
+DRAIN = bytes(2 * HALT.opcode)
+"""Ends any command that was cut short after a `HALT` (manual: "waiting" state).
+
+Zero is no opcode. The longest such command is a Song that takes the opcode for its count of
+notes, of two bytes each.
+"""
+WAKE_UP = 2 * HALT.encode() + DRAIN + HALT.encode()
+"""Stops a robot that may wait for the rest of a command, and has it listen again.
+
+The first `HALT` may be taken as that rest, even as a speed; then the second one stops the wheels.
+docs/reliability.md shows what becomes of each command.
+"""
+END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
+LAST_WORDS = b''.join((
+    HALT.encode(), oi.Start().encode(), DRAIN, HALT.encode(), oi.Start().encode()))
+"""Stops a robot whose driver has died, even in the middle of a command."""
+
+
+def farewell(mode: oi.Mode | None, mode_on_exit: oi.Mode) -> list[oi.Command]:
+    """Return the last commands of a driver that ends, to a robot in this mode."""
+    demo = [END_DEMO] if mode is oi.Mode.PASSIVE else []
+    return [
+        HALT, oi.PwmLowSideDrivers(driver_0=0, driver_1=0, driver_2=0), *demo,
+        oi.PauseResumeStream(state=oi.StreamState.PAUSE), MODE_COMMANDS[mode_on_exit]()]
+
+
+class Outcome(NamedTuple):
+    """How a request ended."""
+
+    ok: bool
+    text: str
+    """For people: what was done; or why it was not done, and what to do."""
+    payload: bytes = b''
+    """The bytes that were asked for: a script."""
+
+
+Result = TypeVar('Result')
+
+
+class Awaited(Generic[Result]):
+    """A result that may not be known yet. Only the first one counts."""
+
+    __slots__ = ('result', '_callbacks')
+
+    def __init__(self) -> None:
+        self.result: Result | None = None
+        """None until it is known."""
+        self._callbacks: list[Callable[[Result], None]] = []
+
+    def settle(self, result: Result) -> None:
+        """Say what the result is."""
+        if self.result is None:
+            self.result = result
+            for callback in self._callbacks:
+                callback(result)
+            self._callbacks.clear()
+
+    def then(self, callback: Callable[[Result], None]) -> None:
+        """Call back with the result: now if it is known, else as soon as it is."""
+        if self.result is None:
+            self._callbacks.append(callback)
+        else:
+            callback(self.result)
+
+
+class Pending(Awaited[Outcome]):
+    """A request whose outcome may not be known yet."""
+
+    __slots__ = ()
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How it ended; None until it has."""
+        return self.result
+
+    def end(self, ok: bool, text: str, payload: bytes = b'') -> None:
+        """End the request."""
+        self.settle(Outcome(ok, text, payload))
+
+
+def done(text: str) -> Pending:
+    """Return a request that has succeeded."""
+    pending = Pending()
+    pending.end(True, text)
+    return pending
+
+
+def refused(text: str) -> Pending:
+    """Return a request that is refused; the text says why, and what to do."""
+    pending = Pending()
+    pending.end(False, text)
+    return pending
+
 
 MODE_PAUSE = 0.02
 """Seconds to leave after a command that changes the mode, before the next one."""

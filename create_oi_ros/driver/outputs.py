@@ -14,9 +14,8 @@ from collections.abc import Sequence
 from .. import oi
 from ..oi.commands import DUTY, NOTE_TIME
 from ..robot import MILLI
-from .outbox import Outbox
-from .pending import done, Outcome, Pending, refused
-from .requests import Requests
+from .core import Core
+from .outbox import done, Outcome, Pending, refused
 from .tracking import Tracking
 
 LONGEST_NOTE = NOTE_TIME.high / oi.NOTES_PER_SECOND
@@ -36,9 +35,8 @@ WAIT = 'wait until the topic `song` says that it has ended'
 class Outputs:
     """Everything that a request can set, except mode, wheels, demos and scripts."""
 
-    def __init__(self, outbox: Outbox, requests: Requests, tracking: Tracking) -> None:
-        self._outbox = outbox
-        self._requests = requests
+    def __init__(self, core: Core, tracking: Tracking) -> None:
+        self._core = core
         self._tracking = tracking
         self.songs: dict[int, oi.Song] = {}
         """The songs that were defined, by number."""
@@ -63,13 +61,13 @@ class Outputs:
             if not 0 <= duty <= 1:
                 return refused(f'driver_{number} = {duty:g}; allowed: 0.0 (off) to 1.0 (on)')
         zero, one, two = (round(duty * FULL_DUTY) for duty in duties)
-        return self._requests.send(
+        return self._core.request(
             oi.PwmLowSideDrivers(driver_0=zero, driver_1=one, driver_2=two),
             f'low side drivers 0, 1, 2 sent: {zero}, {one}, {two} of {FULL_DUTY}')
 
     def send_ir(self, character: int) -> Pending:
         """Send an infrared character, 0 to 255."""
-        return self._requests.send(oi.SendIr(byte=character), f'character {character} sent')
+        return self._core.request(oi.SendIr(byte=character), f'character {character} sent')
 
     def define_song(
         self, number: int, pitches: Sequence[int], seconds: Sequence[float],
@@ -79,7 +77,7 @@ class Outputs:
             song = _song(number, pitches, seconds)
         except ValueError as error:
             return refused(str(error))
-        request = self._requests.send(song, _stored(number, seconds))
+        request = self._core.request(song, _stored(number, seconds))
         if request.outcome is None:
             self.songs[number] = song
         return request
@@ -110,9 +108,9 @@ class Outputs:
         """Play a song; the request ends when the robot reports it, or does not in time."""
         length = sum(note.duration for note in self.songs[number].notes) / oi.NOTES_PER_SECOND
         if length < SHORTEST_SEEN:
-            return self._requests.send(oi.PlaySong(number=number), (
+            return self._core.request(oi.PlaySong(number=number), (
                 f'{stored}song {number} sent to play; it is too short to be seen playing'))
-        self._outbox.send(oi.PlaySong(number=number))
+        self._core.outbox.send(oi.PlaySong(number=number))
         self._play_request, self._playing = Pending(), number
         self._played = Outcome(True, f'{stored}song {number} plays')
         self._deadline = now + SONG_TIMEOUT
@@ -142,12 +140,12 @@ class Outputs:
     def restore_songs(self) -> None:
         """Store the songs again: the robot may have been switched off."""
         for song in self.songs.values():
-            self._outbox.send(song)
+            self._core.outbox.send(song)
 
     def restore(self) -> None:
         """Set LEDs and outputs again: the mode has changed, or the robot was switched off."""
         for command in self._to_restore.values():
-            self._outbox.send(command)
+            self._core.outbox.send(command)
 
     def _cannot_play(self) -> str | None:
         readings = self._tracking.readings
@@ -155,10 +153,10 @@ class Outputs:
             return f'a song plays: {WAIT}'
         if self.awaited:
             return f'song {self._playing} is about to play: {WAIT}'
-        return self._requests.refusal(oi.PlaySong)
+        return self._core.refusal(oi.PlaySong)
 
     def _set(self, command: oi.Command, done: str) -> Pending:
-        request = self._requests.send(command, done)
+        request = self._core.request(command, done)
         if request.outcome is None:
             self._to_restore[type(command)] = command
         return request

@@ -3,19 +3,161 @@
 """
 What must happen with a frame before it is published: check, time stamp, odometry.
 
+What cannot be true is found here: values, jumps, and an angle that stays while the robot turns.
 What else follows from a frame is worked out afterwards, in `machine`.
 """
 
+from collections import Counter
 from dataclasses import replace
+from math import degrees, inf
 from typing import NamedTuple
 
 from .. import oi
 from ..odometry import Estimate, Increment, Knowledge, Odometry
-from .events import LinkCounts, Moved
+from ..oi.readings import ALLOWED
+from ..robot import (
+    BATTERY_DEGREES,
+    BATTERY_MILLIAMPS,
+    BATTERY_MILLIVOLTS,
+    MM_PER_M,
+    MOST_CAPACITY,
+    MOST_CHARGE,
+)
+from .events import LinkCounts, Moved, Settings
 from .frame_clock import FrameClock, LEAST_STEP
-from .plausibility import JumpCheck, OddValues
-from .script_speeds import Speeds
-from .settings import Settings
+from .script import requested_speeds, Speeds
+
+BATTERY = {
+    'voltage': BATTERY_MILLIVOLTS, 'current': BATTERY_MILLIAMPS,
+    'battery_temperature': BATTERY_DEGREES,
+    'battery_charge': range(int(MOST_CHARGE * MOST_CAPACITY) + 1),
+    'battery_capacity': range(MOST_CAPACITY + 1)}
+"""What the hardware can have, where the manual allows all numbers."""
+POSSIBLE = ALLOWED | BATTERY
+RUNNING = 3
+"""Odd frames in a row that are no accident: this robot sends such values."""
+
+FASTEST, FASTEST_TURN = 1.0, 450.0
+"""m/s and deg/s: twice what the wheels can do, for a robot that is pushed."""
+SLACK, TURN_SLACK = 50, 20
+"""mm and degrees that are allowed beyond that, for whole units and late frames."""
+TURN_LIMIT, TURN_READINGS = 360.0, 3
+"""Degrees of requested turning, and readings on the way, after which the angle should have
+changed: a long turn may be in a reading that was lost."""
+ANGLE_STUCK = (
+    'the angle does not change though the robot was told to turn: are the wheels blocked, or does '
+    'odometry_window: 0 hide slow turns? Some firmware before 3.4.1 is reported to send a '
+    'constant 0')
+
+
+class OddValues:
+    """
+    Decides what becomes of values that no Create should have.
+
+    One frame with a value that the manual rules out is dropped: damage can have a correct
+    checksum. In the third frame in a row it is no damage. From then on the robot may have
+    anything in that packet: bits without a meaning are cleared, numbers and codes become None.
+    """
+
+    def __init__(self, counts: LinkCounts) -> None:
+        self._counts = counts
+        self.newest: dict[str, int] = {}
+        """Odd values in the newest frames that had their packets, by field."""
+        self.news: list[str] = []
+        """What the user should be told: remove it then."""
+        self._running: Counter[str] = Counter()
+        """Frames in a row in which a field was odd."""
+        self._known: set[str] = set()
+        self._dropped = 0
+        """Frames in a row that were dropped."""
+
+    def corrected(self, readings: oi.Readings) -> oi.Readings | None:
+        """Return a verified frame's readings without what cannot be; None: drop the frame."""
+        odd = readings.implausible(POSSIBLE)
+        if not odd and not self._running:
+            return readings  # as in most frames
+        for name in [name for name in self._running if readings.has(name) and name not in odd]:
+            del self._running[name]
+            self.newest.pop(name, None)
+        self._running.update(odd)
+        ruled_out = set(readings.implausible()) - self._known
+        if (self._dropped < RUNNING - 1
+                and any(self._running[name] < RUNNING for name in ruled_out)):
+            self._dropped += 1
+            self._counts.implausible_frames += 1
+            return None
+        self._dropped = 0
+        self._counts.odd_values += len(odd)
+        for name in odd:
+            self.newest[name] = readings.number(name, 0)
+            if name not in self._known and (name in ruled_out or self._running[name] >= RUNNING):
+                self._known.add(name)
+                self.news.append(_unlike_the_manual(name, self.newest[name]))
+        return readings.corrected(odd)
+
+
+def _unlike_the_manual(name: str, value: int) -> str:
+    """Tell the user of a packet with a value that no Create should have."""
+    number, title, wire = oi.PACKETS[oi.NUMBERS[name]]
+    allowed = wire.describe()
+    if name in BATTERY:
+        allowed = f'{BATTERY[name][0]} to {BATTERY[name][-1]} {wire.unit}'
+    meant = wire.without_spare_bits(value)
+    return (f'the robot sends {title} (packet {number}) = {value}, which no Create should have '
+            f'(allowed: {allowed}): the driver takes it as '
+            f'{"not known" if meant is None else meant} and goes on; please report it')
+
+
+class JumpCheck:
+    """Refuses a distance or an angle that nothing could have made in the time."""
+
+    def __init__(self) -> None:
+        self._since: float | None = None
+
+    def restart(self) -> None:
+        """Forget when the last reading was: the next spans an unknown time."""
+        self._since = None
+
+    def possible(self, readings: oi.Readings, stamp: float, gap: float = 0.0) -> bool:
+        """Tell whether a reading can be true that left at `stamp`, or so many seconds later."""
+        elapsed = inf if self._since is None else stamp + gap - self._since
+        self._since = stamp
+        return (abs(readings.distance) <= FASTEST * elapsed * MM_PER_M + SLACK
+                and abs(readings.angle) <= FASTEST_TURN * elapsed + TURN_SLACK)
+
+
+class TurnCheck:
+    """Notices an angle that never changes though the robot is told to turn."""
+
+    def __init__(self, wheel_separation: float) -> None:
+        """Take the wheel separation in metres."""
+        self._separation = wheel_separation
+        self._requested = 0.0
+        self._readings = 0
+        self.stuck = False
+        """Whether the angle should have changed long ago."""
+
+    def observe(self, readings: oi.Readings, dt: float, *, drives: bool) -> bool:
+        """
+        Take a frame in, `dt` seconds after the last; True when it has just become stuck.
+
+        `drives`: whether the robot follows the speeds that are asked of it.
+        """
+        right, left = requested_speeds(readings)
+        if right == left and not self._requested:
+            return False  # as in most frames
+        if readings.number('angle', 0):
+            self._requested, self._readings, self.stuck = 0.0, 0, False
+            return False
+        if drives and None not in (right, left):
+            self._requested += degrees((right - left) / MM_PER_M / self._separation) * dt
+        if not readings.has('angle'):
+            return False
+        self._readings += 1
+        before = self.stuck
+        self.stuck = self._readings >= TURN_READINGS and abs(self._requested) > TURN_LIMIT
+        return self.stuck and not before
+
 
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""

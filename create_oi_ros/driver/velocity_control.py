@@ -7,16 +7,14 @@ The Open Interface has no timeout: the robot keeps the last speeds for ever. So 
 only for `MotionLimits.timeout`. Then the wheels stop.
 """
 
-from collections.abc import Callable
 from math import isfinite
 
-from .events import EventQueue, Severity
+from .core import Core
+from .events import Severity
 from .goal_control import GoalControl
 from .modes import Modes, PAUSE
 from .motion import WheelCommands
-from .outbox import Outbox
-from .state import Activity, Owner, State, StateEvent
-from .supervision import Supervision
+from .state import Activity, Owner, StateEvent
 
 ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
 """Activities that end when no command comes for the timeout."""
@@ -31,19 +29,12 @@ class VelocityControl:
     """Decides for each command whether the robot follows it, and sends the wheel speeds."""
 
     def __init__(
-        self, wheels: WheelCommands, state: State, supervision: Supervision, modes: Modes,
-        goals: GoalControl, outbox: Outbox, events: EventQueue,
-        handle: Callable[[StateEvent], None],
+        self, core: Core, wheels: WheelCommands, modes: Modes, goals: GoalControl,
     ) -> None:
-        """`handle` passes an event to the driver's state."""
+        self._core = core
         self._wheels = wheels
-        self._state = state
-        self._supervision = supervision
         self._modes = modes
         self._goals = goals
-        self._outbox = outbox
-        self._events = events
-        self._handle = handle
         self._refusal_reported = False
         self._hinted = False
         self._not_finite = 0
@@ -63,26 +54,26 @@ class VelocityControl:
             self._wheels.stop()
             linear = angular = 0.0
         if not self._wheels.command(linear, angular, now):
-            if self._state.activity is Activity.HOLDING:
-                self._handle(StateEvent.HALTED)
-        elif self._state.owner is Owner.NOBODY:
+            if self._core.state.activity is Activity.HOLDING:
+                self._core.handle(StateEvent.HALTED)
+        elif self._core.state.owner is Owner.NOBODY:
             self._wheels.stop()
         elif why := self._refusal(now):
             self._wheels.stop()
-            if self._state.activity is Activity.DRIVING:
-                self._handle(StateEvent.HALTED)
+            if self._core.state.activity is Activity.DRIVING:
+                self._core.handle(StateEvent.HALTED)
             self._report_refusal(why)
         else:
             self._refusal_reported = False
-            self._handle(StateEvent.VELOCITY)
+            self._core.handle(StateEvent.VELOCITY)
         self._send_speeds(now)
 
     def _refusal(self, now: float) -> str | None:
         """Say why a command is not followed, and what to do; None where it is."""
-        if self._state.drive_refusal is not None:
-            return self._state.drive_refusal
-        if self._state.activity is Activity.HOLDING:
-            if self._supervision.status.causes:
+        if self._core.state.drive_refusal is not None:
+            return self._core.state.drive_refusal
+        if self._core.state.activity is Activity.HOLDING:
+            if self._core.status.causes:
                 return f'{self._modes.wrong_mode()}; {self._modes.advice()}'
             return f'{AWAY}; {PAUSE}, or call set_mode with SAFE'
         why = self._modes.allow_driving(now)
@@ -92,14 +83,14 @@ class VelocityControl:
         """End the goal that runs if this command may and would; False where it is ignored."""
         if not self._wheels.limits.commands_interrupt or linear == angular == 0:
             return False
-        drives = self._state.owner is Owner.GOAL
+        drives = self._core.state.owner is Owner.GOAL
         self._goals.interrupt(now)
         return drives  # after a search for the dock the robot first has to enter its mode
 
     def poll(self, now: float) -> None:
         """Stop the wheels when the newest command is too old; send speeds that have changed."""
-        if self._wheels.expired(now) and self._state.activity in ENDED_BY_PAUSE:
-            self._handle(StateEvent.HALTED)
+        if self._wheels.expired(now) and self._core.state.activity in ENDED_BY_PAUSE:
+            self._core.handle(StateEvent.HALTED)
         self._send_speeds(now)
 
     def report_next_refusal(self) -> None:
@@ -107,25 +98,25 @@ class VelocityControl:
         self._refusal_reported = False
 
     def _send_speeds(self, now: float) -> None:
-        status = self._supervision.status
-        if self._state.takes_commands and (status.can_drive or status.unknown):
+        status = self._core.status
+        if self._core.state.takes_commands and (status.can_drive or status.unknown):
             drive = self._wheels.next_drive(now)
             if drive is not None:
-                self._outbox.send_at_once(drive, now)
-        if self._state.activity is Activity.DRIVING and self._wheels.at_rest:
-            self._handle(StateEvent.HALTED)
+                self._core.outbox.send_at_once(drive, now)
+        if self._core.state.activity is Activity.DRIVING and self._wheels.at_rest:
+            self._core.handle(StateEvent.HALTED)
 
     def _report_refusal(self, why: str) -> None:
         """Report the first of some refusals in a row, unless they end by themselves at once."""
-        if not self._refusal_reported and self._state.activity not in SHORT:
+        if not self._refusal_reported and self._core.state.activity not in SHORT:
             self._refusal_reported = True
-            self._events.notice(Severity.WARNING, f'not driving: {why}')
+            self._core.events.notice(Severity.WARNING, f'not driving: {why}')
 
     def _report_not_finite(self, linear: float, angular: float) -> None:
         """Report the first of several such commands in a row; count the others."""
         self._not_finite += 1
         if self._not_finite == 1:
-            self._events.notice(
+            self._core.events.notice(
                 Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
                 + ('ignored, since a goal runs' if self._goals.active else 'stopped')
                 + '; send finite numbers, and -1.0, not -1')
@@ -135,13 +126,13 @@ class VelocityControl:
         for speed in linear, angular:
             if 0 < abs(speed) < LEAST_SENSIBLE and not self._hinted:
                 self._hinted = True
-                self._events.notice(
+                self._core.events.notice(
                     Severity.WARNING, f'cmd_vel asks for a speed of {speed:.3g}, which moves '
                     'nothing: did the sender write 1 for 1.0?')
 
     def _report_finite(self) -> None:
         more, self._not_finite = self._not_finite - 1, 0
         if more > 0:
-            self._events.notice(
+            self._core.events.notice(
                 Severity.WARNING,
                 f'velocities are finite again; before, {more} more than the first were not')

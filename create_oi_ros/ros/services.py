@@ -32,7 +32,7 @@ from std_srvs.srv import Trigger
 
 from .. import oi
 from ..driver import Outcome, Pending
-from ..driver.pending import Awaited
+from ..driver.outbox import Awaited
 from ..link.session import Session
 from . import messages
 from .model_keeper import ModelKeeper

@@ -25,7 +25,7 @@ from rclpy.task import Future
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings
 from create_oi_ros.driver.goals import Code, Malformed
-from create_oi_ros.driver.stopping import WAKE_UP
+from create_oi_ros.driver.outbox import WAKE_UP
 from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.model_keeper import ModelKeeper
 from create_oi_ros.ros.node import CreateNode

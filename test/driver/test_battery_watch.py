@@ -5,12 +5,9 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import BatteryLevel, BatteryLimits
-from create_oi_ros.driver.battery_watch import BatteryWatch
-from create_oi_ros.driver.charge_watch import ChargeWatch
-from create_oi_ros.driver.events import EventQueue
-from create_oi_ros.driver.outbox import Outbox
-from create_oi_ros.driver.supervision import Supervision
+from create_oi_ros.driver import BatteryLevel, BatteryLimits, Settings
+from create_oi_ros.driver.battery import BatteryWatch, ChargeWatch
+from create_oi_ros.driver.core import Core
 from support.views import QUIET
 
 FINE, LOW, EMPTY = BatteryLevel
@@ -91,9 +88,9 @@ class Dock:
     """A robot on its dock, in Passive, and who watches it."""
 
     def __init__(self, *, reset: bool) -> None:
-        self.outbox, self.events = Outbox(), EventQueue()
-        self.supervision = Supervision(oi.Mode.PASSIVE, recover=False)
-        self.watch = ChargeWatch(self.supervision, self.outbox, self.events, reset=reset)
+        self.core = Core(Settings(
+            mode_on_start=oi.Mode.PASSIVE, reset_when_not_charging=reset), lambda _: None)
+        self.watch = ChargeWatch(self.core)
 
     def said(self, now: float, state: int = 0, *, docked: bool = True,
              mode: oi.Mode = oi.Mode.PASSIVE) -> str:
@@ -101,16 +98,16 @@ class Dock:
         frame = oi.Readings({
             **QUIET, 'oi_mode': int(mode), 'charging_state': state,
             'charging_sources': 2 if docked else 0})
-        self.supervision.observe(frame, now)
+        self.core.supervision.observe(frame, now)
         self.watch.observe(frame, now)
-        said = ' '.join(event.text for event in self.events)
-        self.events.clear()
+        said = ' '.join(event.text for event in self.core.events)
+        self.core.events.clear()
         return said
 
     def sent(self, now: float) -> bytes:
         """Return what is sent to the robot."""
-        self.outbox.release(now)
-        return self.outbox.take_ready()
+        self.core.outbox.release(now)
+        return self.core.outbox.take_ready()
 
 
 @pytest.mark.parametrize('state', [oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT])
@@ -137,9 +134,9 @@ def test_a_robot_that_charges_begins_anew(state):
 def test_only_passive_is_waited_in():
     dock = Dock(reset=False)
     assert dock.said(0.0) == dock.said(4.0, mode=oi.Mode.SAFE) == dock.said(6.0) == ''
-    dock.supervision.want(oi.Mode.SAFE)
+    dock.core.supervision.want(oi.Mode.SAFE)
     assert dock.said(50.0) == ''
-    dock.supervision.want(oi.Mode.PASSIVE)
+    dock.core.supervision.want(oi.Mode.PASSIVE)
     assert dock.said(60.0) == dock.said(64.9) == ''
     assert dock.said(65.0) != ''
 

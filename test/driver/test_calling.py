@@ -9,8 +9,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver, Settings, Severity
-from create_oi_ros.driver.baud_search import BaudSearch
-from create_oi_ros.driver.stopping import HALT
+from create_oi_ros.driver.connection import BaudSearch
+from create_oi_ros.driver.outbox import HALT
 from create_oi_ros.oi.codes import START_BAUDS
 from support.loop import Loop, said
 

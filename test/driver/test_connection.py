@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros.driver import Activity, Driver, MotionLimits, Settings, Severity
-from create_oi_ros.driver.stopping import HALT, WAKE_UP
+from create_oi_ros.driver.outbox import HALT, WAKE_UP
 from create_oi_ros.oi import Start, Stream
 from support.typed_frames import answered, BEGIN, called, heard, LAST, notices, polled
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.stopping import LAST_WORDS, WAKE_UP
+from create_oi_ros.driver.outbox import LAST_WORDS, WAKE_UP
 from support.robot import GENTLE, Robot
 
 BYTE = oi.PacketList((7,)).wire_time(57600) / oi.PacketList((7,)).frame_size

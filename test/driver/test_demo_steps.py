@@ -30,7 +30,7 @@ def test_a_robot_that_drives_rests_in_passive_for_a_second_before_it_looks_for_i
         mode, goal):
     driver = in_mode(mode)
     if goal:
-        driver._handle(StateEvent.GOAL_STARTED)
+        driver.core.handle(StateEvent.GOAL_STARTED)
         driver.demos.seek_dock()
     else:
         driver.demos.start(oi.DemoNumber.COVER_AND_DOCK)
@@ -45,7 +45,7 @@ def test_a_robot_that_drives_rests_in_passive_for_a_second_before_it_looks_for_i
 def test_a_robot_in_passive_looks_for_it_at_once(goal):
     driver = in_mode(oi.Mode.PASSIVE)
     if goal:
-        driver._handle(StateEvent.GOAL_STARTED)
+        driver.core.handle(StateEvent.GOAL_STARTED)
         driver.demos.seek_dock()
     else:
         driver.demos.start(oi.DemoNumber.COVER_AND_DOCK)

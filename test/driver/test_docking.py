@@ -6,7 +6,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
-from create_oi_ros.driver.charge_watch import WAIT
+from create_oi_ros.driver.battery import WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.state import Activity

@@ -8,7 +8,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings
-from create_oi_ros.driver.stopping import DRAIN
+from create_oi_ros.driver.outbox import DRAIN
 from support.loop import Loop, turn_difference
 
 # Connecting.

@@ -6,10 +6,10 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, MotionLimits, Settings
-from create_oi_ros.driver.demos import DOCK_PAUSE
 from create_oi_ros.driver.goal_control import MODE_WAIT
 from create_oi_ros.driver.goals import Code, Goal, Progress, Running
 from create_oi_ros.driver.goals.goal import DockDemo, Enter, Order, Over, View
+from create_oi_ros.driver.modes import DOCK_PAUSE
 from create_oi_ros.driver.motion import Velocity
 from support.goals import met, moving
 from support.loop import AT_ONCE, Loop, STEP

@@ -9,7 +9,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
-from create_oi_ros.driver.battery_watch import BatteryLimits, LowBatteryAction
+from create_oi_ros.driver.battery import BatteryLimits, LowBatteryAction
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.state import Activity
@@ -255,7 +255,7 @@ def test_an_empty_battery_ends_a_goal_with_that_reason():
 def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(action, monkeypatch):
     loop = Loop(Settings(battery=BatteryLimits(action=action)), config=CENTRE)
     loop.run(1.0)
-    monkeypatch.setattr(loop.driver._requests, 'refusal', lambda _: 'not now')
+    monkeypatch.setattr(loop.driver.core, 'refusal', lambda _: 'not now')
     loop.body.force(voltage=11000)
     loop.run(12.0)
     assert said(loop, Severity.ERROR, 'as soon as it can (not now)') == 1

@@ -6,10 +6,9 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Severity
-from create_oi_ros.driver.baud_search import BaudSearch, GARBAGE_LIMIT
 from create_oi_ros.driver.command_watch import CommandNews, CommandWatch
-from create_oi_ros.driver.frame_budget import FrameBudget, too_slow
-from create_oi_ros.driver.stream_plan import StreamPlan
+from create_oi_ros.driver.connection import BaudSearch, GARBAGE_LIMIT
+from create_oi_ros.driver.stream import FrameBudget, StreamPlan, too_slow
 
 ONE, OTHER = (7, 8), (7, 9)
 SUSPECT, WAKE, IGNORES, AGAIN = CommandNews

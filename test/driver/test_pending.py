@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Outcomes of requests: once, and to everybody who waits."""
 
-from create_oi_ros.driver.pending import done, Outcome, Pending, refused
+from create_oi_ros.driver.outbox import done, Outcome, Pending, refused
 
 
 def test_whoever_waits_is_called_back_once():

@@ -8,8 +8,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
-from create_oi_ros.driver.plausibility import JumpCheck, POSSIBLE, RUNNING, TurnCheck
-from create_oi_ros.driver.stream_plan import ALL, SLOW
+from create_oi_ros.driver.stream import ALL, SLOW
+from create_oi_ros.driver.tracking import JumpCheck, POSSIBLE, RUNNING, TurnCheck
 from create_oi_ros.robot import Rounding
 from support.loop import AT_ONCE, Loop, said, texts
 

@@ -9,11 +9,11 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, LowBatteryAction, Settings, Severity
-from create_oi_ros.driver.battery_watch import SETTLE
-from create_oi_ros.driver.plausibility import FASTEST, FASTEST_TURN, JumpCheck, SLACK
-from create_oi_ros.driver.stopping import LAST_WORDS
-from create_oi_ros.driver.stream_plan import ALL
+from create_oi_ros.driver.battery import SETTLE
+from create_oi_ros.driver.outbox import LAST_WORDS
+from create_oi_ros.driver.stream import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
+from create_oi_ros.driver.tracking import FASTEST, FASTEST_TURN, JumpCheck, SLACK
 from create_oi_ros.robot import Rounding
 from support.loop import Loop, said, texts
 

@@ -10,7 +10,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings
-from create_oi_ros.driver.stream_plan import StreamPlan
+from create_oi_ros.driver.stream import StreamPlan
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
 from support.loop import AT_ONCE, Loop

@@ -7,7 +7,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Pending, Severity
-from create_oi_ros.driver.script_control import SILENCE
+from create_oi_ros.driver.script import SILENCE
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.sim.firmware.guesses import Guesses

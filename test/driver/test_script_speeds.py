@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.script_speeds import CLEARED, ScriptSpeeds
+from create_oi_ros.driver.script import CLEARED, ScriptSpeeds
 from create_oi_ros.oi.script import build_script
 
 DIRECT = oi.DriveDirect(right=100, left=-100)

@@ -6,7 +6,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver
-from create_oi_ros.driver.stopping import HALT
+from create_oi_ros.driver.outbox import HALT
 from create_oi_ros.oi.script import build_script
 from support.typed_frames import answered, heard, LAST, notices, polled
 

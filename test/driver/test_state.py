@@ -9,7 +9,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.goals import Dock
-from create_oi_ros.driver.outbox import CALLED_OFF
+from create_oi_ros.driver.outbox import CALLED_OFF, HALT
 from create_oi_ros.driver.state import (
     Activity,
     Owner,
@@ -19,7 +19,6 @@ from create_oi_ros.driver.state import (
     STAYS,
     TRANSITIONS,
 )
-from create_oi_ros.driver.stopping import HALT
 from support.loop import Loop, said, STEP
 
 
@@ -129,7 +128,7 @@ def test_an_event_that_no_table_lists_is_logged_once_and_changes_nothing(monkeyp
     loop.run(0.5)
     monkeypatch.undo()  # what lets all other tests fail
     for _ in range(2):
-        loop.driver._handle(StateEvent.SCRIPT_ENDED)
+        loop.driver.core.handle(StateEvent.SCRIPT_ENDED)
     loop.run(0.1)
     assert loop.driver.state.activity is Activity.IDLE
     assert said(loop, Severity.WARNING, 'SCRIPT_ENDED came in IDLE') == 1
@@ -159,7 +158,7 @@ def test_a_demo_that_was_stopped_never_begins_later(demo, wait, stop):
     loop.run(wait)
     waits = started.outcome is None
     stop(loop.driver, loop.now)
-    assert not loop.driver._outbox.call_off_motion()
+    assert not loop.driver.core.outbox.call_off_motion()
     loop.run(0.05)
     for _ in range(600):
         loop.turn()

@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.stopping import END_DEMO, farewell, HALT, LAST_WORDS, WAKE_UP
+from create_oi_ros.driver.outbox import END_DEMO, farewell, HALT, LAST_WORDS, WAKE_UP
 
 STOP = bytes([145, 0, 0, 0, 0])
 LONGEST = 2 * 145

@@ -12,7 +12,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Severity
-from create_oi_ros.driver.stopping import DRAIN
+from create_oi_ros.driver.outbox import DRAIN
 from create_oi_ros.sim.firmware import Create
 from support.loop import Loop, said
 

@@ -11,7 +11,7 @@ import pytest
 
 from create_oi_ros.driver import Driver, MotionLimits, Settings
 from create_oi_ros.driver.goals import DriveDistance
-from create_oi_ros.driver.stopping import farewell, HALT
+from create_oi_ros.driver.outbox import farewell, HALT
 from create_oi_ros.link import session
 from create_oi_ros.link.session import Session
 from create_oi_ros.oi import Mode
@@ -20,13 +20,13 @@ from support.ros import TIMEOUT
 
 SETTINGS = Settings(limits=MotionLimits(timeout=1000.0))
 FAREWELL = b''.join(command.encode() for command in farewell(Mode.SAFE, Mode.PASSIVE))
-CARRIER = '_outbox'
+CARRIER = 'outbox'
 """The part that carries the bytes of a stop. Where it fails, the dead-man acts."""
 
 
 def parts(driver: Driver) -> dict[str, object]:
     """Return the parts of a driver, and of its tracking, that have methods of their own."""
-    held = {**vars(driver), **vars(driver._tracking)}
+    held = {**vars(driver), **vars(driver.core), **vars(driver._tracking)}
     return {name: part for name, part in held.items()
             if type(part).__module__.startswith('create_oi_ros') and methods(type(part))}
 

@@ -7,7 +7,7 @@ import threading
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, LinkCounts, Notice, Settings
-from create_oi_ros.driver.stopping import farewell
+from create_oi_ros.driver.outbox import farewell
 from create_oi_ros.link.port import PortError
 from create_oi_ros.link.session import RETRY_FIRST, RETRY_MOST, Session
 from support.ros import TIMEOUT

@@ -15,7 +15,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from create_oi_ros import oi
 from create_oi_ros.driver import Moved
 from create_oi_ros.driver.contacts import OUTSIDE
-from create_oi_ros.driver.stream_plan import ALL
+from create_oi_ros.driver.stream import ALL
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import BODY_RADIUS, SLOT
 from create_oi_ros.ros.parameters import Parameters

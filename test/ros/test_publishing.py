@@ -11,7 +11,7 @@ from rclpy.time import Time
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Moved
-from create_oi_ros.driver.stream_plan import ALL
+from create_oi_ros.driver.stream import ALL
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.ros import publishing
 from create_oi_ros.ros.parameters import Parameters

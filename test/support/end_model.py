@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from create_oi_ros import oi
 from create_oi_ros.driver import LAST_WORDS
-from create_oi_ros.driver.stopping import HALT, WAKE_UP
+from create_oi_ros.driver.outbox import HALT, WAKE_UP
 
 WAKE = WAKE_UP + oi.Start().encode() + oi.Safe().encode()
 DRIVE = oi.DriveDirect(right=-400, left=401).encode()

@@ -4,7 +4,7 @@
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Severity
-from create_oi_ros.driver.stopping import WAKE_UP
+from create_oi_ros.driver.outbox import WAKE_UP
 
 BEGIN = 100.0
 

@@ -100,7 +100,7 @@ class WatchedLoop(Loop):
         self._check_goals()
         self._check_wheels()
         self._check_frames()
-        assert len(self.driver._outbox._queue) < QUEUE
+        assert len(self.driver.core.outbox._queue) < QUEUE
 
     def _check_goals(self) -> None:
         """One goal runs at most, within its time; the activity says so; each ends once."""

@@ -5,7 +5,7 @@
 import sys
 
 from ... import oi
-from ...driver.charge_watch import charges
+from ...driver.battery import charges
 from .robot_line import RobotLine
 from .verdict import banner_in, Finding
 

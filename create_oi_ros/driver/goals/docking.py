@@ -10,7 +10,7 @@ begin to charge.
 
 from ... import oi
 from ...oi.codes import BEAMS
-from ..charge_watch import charges
+from ..battery import charges
 from ..motion import MotionLimits, Velocity
 from ..supervision import Cause
 from .approach import Learned

@@ -6,7 +6,7 @@ from enum import auto, Enum, IntEnum
 from typing import NamedTuple
 
 from ...odometry import Estimate
-from ..pending import Awaited
+from ..outbox import Awaited
 
 
 class Code(IntEnum):

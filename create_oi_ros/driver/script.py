@@ -12,23 +12,75 @@ the script should have ended, and is sent stop and request again when it listens
 
 A stored script is read back as bare bytes between frames. So the stream is paused, the line falls
 silent, and everything that arrives then is the script.
-"""
 
-from collections.abc import Callable
+The last Drive is reported in packets 39 and 40, the last Drive Direct in 41 and 42, and nothing
+tells which of them came last. So a script is followed if it uses only one of them.
+"""
 
 from .. import oi
 from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
 from ..oi.script_motion import duration, endless_wait
+from ..oi.steering import wheel_speeds
 from ..oi.tools.text import format_command
-from ..robot import FIRMWARE_SEPARATION, MM_PER_M
+from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .command_watch import PAUSE, POLL_INTERVAL, Probe
-from .outbox import Outbox
-from .pending import done, Pending, refused
-from .requests import Requests
-from .script_speeds import CLEARED, requested_directly, ScriptSpeeds, Speeds
-from .state import Activity, State, StateEvent
-from .stopping import HALT
-from .stream_plan import StreamPlan
+from .core import Core
+from .outbox import done, HALT, Pending, refused
+from .state import Activity, StateEvent
+from .stream import DRIVE_REQUEST, StreamPlan
+
+CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
+"""Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
+
+Speeds = tuple[float, float]
+"""Of the right and the left wheel, m/s."""
+requested_speeds = oi.Readings.numbers('requested_right_velocity', 'requested_left_velocity')
+"""What the last Drive Direct asked for, as the robot reports it in every frame, mm/s."""
+
+
+class ScriptSpeeds:
+    """Reads the wheel speeds from the packets that report them for one script."""
+
+    def __init__(
+        self, script: oi.Script | None, wheel_separation: float, *, cleared: bool,
+    ) -> None:
+        """Follow this script, if it is known; the separation is in metres."""
+        commands = commands_of(script) if script else []
+        used: set[type[oi.Command]] = {type(command) for command in commands}
+        self._separation = wheel_separation * MM_PER_M
+        self._drive = oi.Drive in used
+        mixed = self._drive and oi.DriveDirect in used
+        self.known = cleared and script is not None and not mixed and oi.Script not in used
+        """Whether the packets tell how fast the wheels turn."""
+        self.resets_accumulators = self.known and not used.isdisjoint(
+            (oi.WaitDistance, oi.WaitAngle))
+        """Whether the script sets distance and angle to zero as it waits for them (manual), so
+        that a part of the motion is missing from them. False where the packets do not tell the
+        speeds either: then that part is all that is known."""
+
+    def speeds(self, readings: oi.Readings) -> Speeds | None:
+        """Return how fast the wheels are to run by a frame's packets; None if not known."""
+        if not self._drive:
+            return requested_directly(readings)
+        if not readings.has(*DRIVE_REQUEST):
+            return 0.0, 0.0
+        if readings.requested_velocity is None:
+            return None
+        right, left = wheel_speeds(
+            readings.requested_velocity, readings.requested_radius, self._separation)
+        return _limited(right), _limited(left)
+
+
+def requested_directly(readings: oi.Readings) -> Speeds | None:
+    """Return what the last Drive Direct asked for; None if not known."""
+    right, left = requested_speeds(readings)
+    return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
+
+
+def _limited(speed: float) -> float:
+    """Convert a requested wheel speed from mm/s to m/s, limited to what the wheel can do."""
+    return max(-TOP_SPEED, min(TOP_SPEED, speed / MM_PER_M))
+
 
 LATE, LATE_PART = 0.1, 0.04
 """Seconds, and part of its time, by which a script may end later than it should."""
@@ -44,21 +96,14 @@ DRIVES = 'the robot drives, and could not be told to stop meanwhile: stop it fir
 class ScriptControl:
     """The script that the robot stores, as far as it is known."""
 
-    def __init__(
-        self, outbox: Outbox, requests: Requests, state: State, plan: StreamPlan,
-        wheel_separation: float, handle: Callable[[StateEvent], None],
-    ) -> None:
-        """Take the wheel separation in metres; `handle` passes an event to the driver's state."""
-        self._outbox = outbox
-        self._requests = requests
-        self._state = state
+    def __init__(self, core: Core, plan: StreamPlan) -> None:
+        self._core = core
         self._plan = plan
-        self._wheel_separation = wheel_separation
-        self._handle = handle
+        self._wheel_separation = core.settings.limits.wheel_separation
         self._stored: oi.Script | None = None
         self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
         self._due = 0.0
-        self._probe = Probe(outbox)
+        self._probe = Probe(core.outbox)
         self._asked = False
         """Whether the list that shows the end was asked for."""
         self._stop_sent = False
@@ -71,7 +116,7 @@ class ScriptControl:
     @property
     def playing(self) -> bool:
         """Whether a script may be playing, so that the robot may ignore commands."""
-        return self._state.activity is Activity.SCRIPT
+        return self._core.state.activity is Activity.SCRIPT
 
     @property
     def resets_accumulators(self) -> bool:
@@ -80,7 +125,7 @@ class ScriptControl:
 
     def speeds(self, readings: oi.Readings) -> Speeds | None:
         """Return the requested wheel speeds, of driver or script; None if not known."""
-        if self._state.activity is not Activity.SCRIPT:
+        if self._core.state.activity is not Activity.SCRIPT:
             return requested_directly(readings)
         return self._speeds.speeds(readings) if self._speeds.known else None
 
@@ -92,7 +137,7 @@ class ScriptControl:
     @property
     def reading(self) -> bool:
         """Whether the script is being read back, so that no frames come."""
-        return self._state.activity in (Activity.SILENCING, Activity.READING)
+        return self._core.state.activity in (Activity.SILENCING, Activity.READING)
 
     def define(self, script: oi.Script) -> Pending:
         """Store a script; an empty one clears it."""
@@ -100,7 +145,7 @@ class ScriptControl:
             commands_of(script)
         except ValueError as error:
             return refused(str(error))
-        request = self._requests.send(script, f'sent: {_described(script)}')
+        request = self._core.request(script, f'sent: {_described(script)}')
         if request.outcome is None:
             self._stored = script
         return request
@@ -110,18 +155,18 @@ class ScriptControl:
         why = self._cannot_play(force=force)
         if why is not None:
             return refused(why)
-        self._outbox.send(CLEARED)
-        self._outbox.send(oi.Stream(packets=self._plan.script.ids))
-        request = self._requests.send(oi.PlayScript(), 'script sent to play')
+        self._core.outbox.send(CLEARED)
+        self._core.outbox.send(oi.Stream(packets=self._plan.script.ids))
+        request = self._core.request(oi.PlayScript(), 'script sent to play')
         self._speeds = ScriptSpeeds(
             self._stored, self._wheel_separation,
-            cleared=self._requests.refusal(oi.Drive) is None)
+            cleared=self._core.refusal(oi.Drive) is None)
         self._due, self._asked, self._stop_sent = now + POLL_INTERVAL, False, False
         takes, begin = self._duration(), self._due + POLL_INTERVAL
         self._ends_at = None if takes is None else now + takes
         self._probe.begin(begin if takes is None else max(
             begin, now + takes + LATE + LATE_PART * takes))
-        self._handle(StateEvent.SCRIPT_STARTED)
+        self._core.handle(StateEvent.SCRIPT_STARTED)
         return request
 
     def status(self, now: float) -> str | None:
@@ -130,16 +175,16 @@ class ScriptControl:
             return None
         left = ('for an unknown time' if self._ends_at is None else
                 f'for about {max(0.0, self._ends_at - now):.0f} s more')
-        return f'{self._state.refusal} (it plays {left})'
+        return f'{self._core.state.refusal} (it plays {left})'
 
     def show(self, now: float) -> Pending:
         """Read the script back; the outcome's payload is the script's bytes."""
-        why = DRIVES if self._state.moving else self._requests.refusal(oi.ShowScript)
+        why = DRIVES if self._core.state.moving else self._core.refusal(oi.ShowScript)
         if why is not None:
             return refused(why)
-        self._outbox.send(PAUSE)
+        self._core.outbox.send(PAUSE)
         self._due, self._show_request = now + SILENCE, Pending()
-        self._handle(StateEvent.SHOW_STARTED)
+        self._core.handle(StateEvent.SHOW_STARTED)
         return self._show_request
 
     def may_stop(self) -> bool:
@@ -154,10 +199,10 @@ class ScriptControl:
 
         `heard_at` is when the last frame came.
         """
-        activity = self._state.activity
-        if activity is Activity.SILENCING and self._outbox.busy:
+        activity = self._core.state.activity
+        if activity is Activity.SILENCING and self._core.outbox.busy:
             self._due = now + SILENCE
-        if now < self._due or self._outbox.busy:
+        if now < self._due or self._core.outbox.busy:
             return
         if activity is Activity.SCRIPT:
             self._poll_playing(now, heard_at)
@@ -170,17 +215,17 @@ class ScriptControl:
     def _poll_playing(self, now: float, heard_at: float) -> None:
         """Ask for the list that shows the end: at first, and when the stream could be paused."""
         if not self._asked or self._probe.poll(now, heard_at):
-            self._outbox.send(HALT)
-            self._outbox.send(oi.Stream(packets=self._plan.marker.ids))
+            self._core.outbox.send(HALT)
+            self._core.outbox.send(oi.Stream(packets=self._plan.marker.ids))
             self._asked = True
         self._due = self._probe.due
 
     def _ask_for_script(self, now: float) -> None:
         self._reply.clear()
-        self._outbox.send(oi.ShowScript())
+        self._core.outbox.send(oi.ShowScript())
         slowest = (1 + SCRIPT_LIMIT) * oi.BITS_PER_BYTE / self._plan.baud
         self._due = now + REPLY_TIMEOUT + slowest
-        self._handle(StateEvent.LINE_SILENT)
+        self._core.handle(StateEvent.LINE_SILENT)
 
     def receive(self, received: bytes) -> None:
         """Take in bytes of the script that is being read back."""
@@ -193,13 +238,13 @@ class ScriptControl:
         if packets != self._plan.marker:
             return False
         self._plan.restart()
-        self._handle(StateEvent.SCRIPT_ENDED)
+        self._core.handle(StateEvent.SCRIPT_ENDED)
         return True
 
     def call_off(self) -> None:
         """Note that the script was never sent to be played."""
         self._plan.restart()
-        self._handle(StateEvent.SCRIPT_ENDED)
+        self._core.handle(StateEvent.SCRIPT_ENDED)
 
     def forget(self) -> None:
         """Forget the script: no robot answers, it may have been switched off."""
@@ -208,11 +253,11 @@ class ScriptControl:
 
     def _cannot_play(self, *, force: bool) -> str | None:
         """Say why the stored script is not played, and what to do; None where it may be."""
-        if self._state.moving:
+        if self._core.state.moving:
             return DRIVES
         if self._stored == oi.Script(script=b''):
             return 'no script is stored: call define_script'
-        why = self._requests.refusal(oi.PlayScript)
+        why = self._core.refusal(oi.PlayScript)
         if why is not None or force:
             return why
         if self._stored is None:
@@ -236,7 +281,7 @@ class ScriptControl:
         return duration(self._stored, self._mode(), SEPARATION)
 
     def _mode(self) -> oi.Mode:
-        return self._requests.mode or oi.Mode.OFF
+        return self._core.status.actual or oi.Mode.OFF
 
     def _read_reply(self) -> None:
         try:
@@ -250,7 +295,7 @@ class ScriptControl:
 
     def _end_show(self, ok: bool, text: str, script: bytes = b'') -> None:
         self._plan.restart()
-        self._handle(StateEvent.SHOW_ENDED)
+        self._core.handle(StateEvent.SHOW_ENDED)
         self._show_request.end(ok, text, script)
 
 

@@ -1,0 +1,79 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the parts of the driver share: state, outbox, events, and the robot's mode.
+
+A command that somebody asks for and that the robot would ignore, because of its mode or because no
+robot answers, is refused in words that say what to do.
+"""
+
+from collections.abc import Callable
+
+from .. import oi
+from .command_watch import CommandWatch, IGNORES
+from .events import EventQueue, LinkCounts, Settings, Severity
+from .outbox import Outbox, Pending, refused
+from .state import Activity, REFUSALS, State, StateEvent
+from .supervision import MODE_COMMANDS, ModeStatus, Supervision
+
+
+class Core:
+    """Made once, and passed to every part."""
+
+    def __init__(self, settings: Settings, follow: Callable[[StateEvent], None]) -> None:
+        """`follow` is called after each event, once the state has changed."""
+        self.settings = settings
+        self.state = State()
+        self.outbox = Outbox()
+        self.events = EventQueue()
+        self.counts = LinkCounts()
+        self.supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
+        self.watch = CommandWatch()
+        self._follow = follow
+        self._mistakes: set[str] = set()
+
+    def handle(self, event: StateEvent) -> None:
+        """Let an event change the state: the only place where it changes."""
+        if self.state.knows(event):
+            self.state.handle(event)
+            self._follow(event)
+        else:
+            self._report_unknown(event)
+
+    def _report_unknown(self, event: StateEvent) -> None:
+        """Log once a mistake of the driver: an event where no table lists it."""
+        mistake = (f'{event.name} came in {self.state.activity.name}, where the driver does not '
+                   'expect it, and is ignored: please report this')
+        if mistake not in self._mistakes:
+            self._mistakes.add(mistake)
+            self.events.notice(Severity.WARNING, mistake)
+
+    @property
+    def status(self) -> ModeStatus:
+        """The wanted mode, the actual one, and why they differ."""
+        return self.supervision.status
+
+    def refusal(self, command: type[oi.Command]) -> str | None:
+        """Say why a command cannot be sent now, and what to do; None where it can."""
+        status = self.status
+        if self.state.refusal is not None:
+            return self.state.refusal
+        if self.watch.ignores:
+            return IGNORES
+        if status.actual is None and not status.unknown:
+            return REFUSALS[Activity.CALLING]
+        if status.actual in command.modes or (
+                status.unknown and command in MODE_COMMANDS.values()):
+            return None
+        why = f' ({status.reason})' if status.unknown else ''
+        return f'robot is in {status.name}{why}: call set_mode with SAFE first'
+
+    def request(self, command: oi.Command, done: str, *, pause: float = 0.0) -> Pending:
+        """Send a command, or refuse it; the outcome's text is `done` once it is written."""
+        why = self.refusal(type(command))
+        if why is not None:
+            return refused(why)
+        try:
+            return self.outbox.request(command, done, pause=pause)
+        except ValueError as error:
+            return refused(str(error))
