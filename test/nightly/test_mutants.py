@@ -51,7 +51,8 @@ name = "local"
 exclude-operators = {excluded}
 """
 ROOMS = 'oi', 'driver', 'driver/goals', 'odometry'
-PYTEST = ('-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider', '-p', 'nightly.unshrunk')
+PYTEST = ('-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider', '-p', 'pytest_timeout', '-p',
+          'nightly.unshrunk')
 
 
 class Laboratory:
@@ -78,8 +79,7 @@ class Laboratory:
         tests = [*(f'test/{top}/{path.name}' for path in own), f'test/{top}']
         limit = self._limit(top)
         config, session = self._folder / 'mutants.toml', self._folder / 'session.sqlite'
-        (self._folder / 'one_mutant.py').write_text(
-            f'from nightly.test_mutants import killed\nkilled({limit}, {tests})\n')
+        self._prepare(limit, tests)
         config.write_text(CONFIG.format(
             module=f'create_oi_ros/{file}.py', timeout=3 * limit,
             command=f'{sys.executable} one_mutant.py',
@@ -97,9 +97,14 @@ class Laboratory:
         """Return the most seconds for a room's tests, which pass while nothing is changed."""
         if room not in self._limits:
             begun = monotonic()
-            self._run(sys.executable, *PYTEST, f'test/{room}')
+            self._prepare(3600.0, [f'test/{room}'])
+            self._run(sys.executable, 'one_mutant.py')
             self._limits[room] = LEAST_LIMIT + SLOWER * (monotonic() - begun)
         return self._limits[room]
+
+    def _prepare(self, limit: float, tests: list[str]) -> None:
+        (self._folder / 'one_mutant.py').write_text(
+            f'from nightly.test_mutants import killed\nkilled({limit}, {tests})\n')
 
     def _run(self, *command: str | Path) -> str:
         return subprocess.run([str(word) for word in command], cwd=self._folder, text=True,
