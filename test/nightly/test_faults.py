@@ -13,6 +13,7 @@ import pytest
 
 from nightly.cases import FAULTS
 from nightly.stage import staged
+from nightly.watch import jump, Pose
 from support.nightly import NIGHTLY, times
 
 QUICK = ('cable out and in', 'bad line: 5 % flipped, short, garbage', 'SIGSTOP, SIGCONT', 'stop',
@@ -48,3 +49,12 @@ def test_each_fault_is_survived_each_time_and_in_time(name, tmp_path):
         if took := [time for each in results if (time := getattr(each, what)) is not None]:
             print(f'{what}: median {median(took):.3f} s, worst {max(took):.3f} s')
     assert not [why for each in results if (why := fault.failure(each, 1.0))]
+
+
+def test_a_jump_of_the_odometry_is_seen():
+    still = Pose(1000.0, 5.0, -2.0, 0.1)
+    assert not jump(still, Pose(1000.015, 5.007, -2.0, 0.1))
+    assert not jump(still, Pose(1001.0, 5.4, -2.0, 0.1))
+    for wrong in (Pose(1000.015, 5.1, -2.0, 0.1), Pose(1000.015, 5.0, -2.0, 0.4),
+                  Pose(1001.0, 6.0, -2.0, 0.1), still):
+        assert jump(still, wrong)

@@ -102,7 +102,6 @@ class Soak:
         """Run for so many minutes."""
         stage, first = self._stage, None
         stage.start_robot(*ROBOT)
-        stage.watch.follow(stage.control.truth)
         stage.start_node(baud=0)
         stage.set_outputs()
         with frozen_subscriber(stage.domain):
