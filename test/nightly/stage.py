@@ -19,7 +19,7 @@ from nightly.watch import Watch
 from support.ros import Listener, own_domain, Program
 from support.simulator import ControlClient
 
-TIMEOUT = 15.0
+TIMEOUT = 30.0
 """Seconds to wait for anything."""
 LOOK_EVERY = 0.01
 """Seconds between two looks at a condition."""

@@ -6,6 +6,7 @@ Faults of line, robot and process with a real node: once in `make test`, all ten
 The robot's sensors are held at fixed values: every other value that is published is wrong.
 """
 
+from math import inf
 from random import Random
 from statistics import median
 
@@ -19,8 +20,6 @@ from support.nightly import NIGHTLY, times
 QUICK = ('cable out and in', 'bad line: 5 % flipped, short, garbage', 'SIGSTOP, SIGCONT', 'stop',
          'robot told to wait for ever', 'SIGKILL', 'exception on the serial thread')
 """Faults that `make test` makes once."""
-SLACK = 5.0
-"""Factor for the limits there: the machine may be busy."""
 BY_NAME = {fault.name: fault for fault in FAULTS}
 
 
@@ -35,7 +34,8 @@ def stage(tmp_path_factory):
 def test_the_robot_stops_or_all_is_as_before(stage, name):
     fault = BY_NAME[name]
     result = fault.attempt(stage, Random(name))
-    assert not fault.failure(result, SLACK), stage.node and stage.node.output
+    # Nothing is timed here: the machine may be busy.
+    assert not fault.failure(result, inf), stage.node and stage.node.output
 
 
 @NIGHTLY
