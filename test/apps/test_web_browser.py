@@ -597,13 +597,14 @@ def test_the_page_comes_back_when_the_server_does_and_takes_a_new_token(stage, r
     page.errors.clear()
 
 
-def test_charts_show_the_value_at_the_pointer_and_can_be_held(robot, shown):
+def test_charts_show_the_value_at_the_pointer_and_can_be_held(stage, robot, shown):
     page = shown()
     newest = 'document.querySelector(".chart-values").textContent'
     page.grab(0.0, 0.7)
-    page.until(f'parseFloat({newest}) > 0.1')
+    stage.ros.until(lambda: robot.body.truth().travelled > 0.5, 'a drive of some pixels')
     page.page.mouse.up()
     page.until(f'parseFloat({newest}) === 0')
+    page.page.locator('.paper canvas').first.scroll_into_view_if_needed()
     box = page.page.locator('.paper canvas').first.bounding_box()
 
     shows = (f'new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(() => '
