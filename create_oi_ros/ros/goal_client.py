@@ -1,11 +1,11 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Goals for programs of a few lines: send one, wait, get its result.
+Goals for programs of a few lines: send one, wait or look after it, get its result.
 
 Ctrl-C cancels the goal that runs, and ends the program with one line. So rclpy must not handle
 signals: it would shut ROS down before the cancel is sent. Nor may one interrupt rclpy, which might
-not receive anything afterwards: while a goal runs, the handler only notes it.
+not receive anything afterwards: while rclpy runs, the handler only notes it.
 """
 
 from collections.abc import Mapping
@@ -18,8 +18,10 @@ from typing import Any
 
 import rclpy
 from rclpy.action.client import ActionClient
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+from rclpy.utilities import ok
 
 from .actions import ACTIONS, malformed
 from .process import end_in_time
@@ -71,54 +73,148 @@ def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
     return message
 
 
+class _Interrupts:
+    """Ctrl-C and its like: noted while rclpy runs, a KeyboardInterrupt at all other times."""
+
+    def __init__(self) -> None:
+        self.spinning = self.noted = False
+        self._before: dict[signal.Signals, Any] = {}
+
+    def handle(self) -> None:
+        """Handle the signals from now on, in the main thread."""
+        if current_thread() is main_thread():
+            self._before = {each: signal.signal(each, self._on_signal) for each in SIGNALS}
+
+    def restore(self) -> None:
+        """Leave the signals to what handled them before."""
+        for each, handler in self._before.items():
+            signal.signal(each, handler)
+
+    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
+        if not self.spinning:
+            raise KeyboardInterrupt
+        self.noted = True
+
+    def spin_once(self, node: Node, timeout: float) -> None:
+        """Run callbacks of a node for a while, seconds; KeyboardInterrupt: a signal came."""
+        self.spinning = True
+        try:
+            rclpy.spin_once(node, timeout_sec=timeout)
+        finally:
+            self.spinning = False
+        if self.noted:
+            self.noted = False
+            raise KeyboardInterrupt
+
+
+_interrupts = _Interrupts()
+
+
 class GoalClient:
     """
     A ROS node that sends goals to the driver, one after the other.
 
         with GoalClient() as robot:
             robot.do('drive_distance', distance=0.3)
+
+            robot.start('rotate_angle', angle=6.28)
+            while not robot.is_complete():
+                print(robot.feedback)
+
+    The first client of a program starts rclpy and handles signals, unless the program did so: then
+    it is a further node beside the program's own. Ctrl-C cancels the goals that run.
     """
 
-    def __init__(self, name: str = 'goal_client') -> None:
-        """Take the name of the node."""
-        self._name = name
+    def __init__(self, name: str = 'goal_client', namespace: str = '') -> None:
+        """Take the name of the node, and the namespace of the robot."""
+        self._name, self._namespace = name, namespace
         self._clients: dict[str, ActionClient] = {}
-        self._handlers: dict[signal.Signals, Any] = {}
-        """What handled signals before."""
-        self._waiting = self._interrupted = False
+        self._owner = False
+        self._goal = ''
+        self._sent: Future | None = None
+        self._awaited: Future | None = None
+        self.feedback: Any = None
+        """The newest feedback of the goal; None: none has come."""
 
     def __enter__(self) -> 'GoalClient':
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        if current_thread() is main_thread():
-            self._handlers = {number: signal.signal(number, self._on_signal) for number in SIGNALS}
-        self.node = rclpy.create_node(self._name)
+        if not ok():
+            self._owner = True
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            _interrupts.handle()
+        self.node = rclpy.create_node(self._name, namespace=self._namespace)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
                  trace: TracebackType | None) -> None:
         with end_in_time():
+            self._cancel_running()
             for client in self._clients.values():
                 client.destroy()
             self.node.destroy_node()
-            rclpy.shutdown()
-        for number, handler in self._handlers.items():
-            signal.signal(number, handler)
-        if kind is KeyboardInterrupt:
-            raise SystemExit(INTERRUPTED) from None
+            if self._owner:
+                rclpy.shutdown()
+        if self._owner:
+            _interrupts.restore()
+            if kind is KeyboardInterrupt:
+                raise SystemExit(INTERRUPTED) from None
 
     def do(self, name: str, **goal: Any) -> Any:
         """Pursue a goal of the action with this name; return the result, or raise GoalFailed."""
+        self.start(name, **goal)
+        try:
+            while not self.is_complete():
+                pass
+        except KeyboardInterrupt:
+            self.cancel()
+        return self.result()
+
+    def start(self, name: str, **goal: Any) -> None:
+        """Send a goal; GoalFailed: it is malformed, or no driver was found. One runs at a time."""
         if name not in TYPES:
             raise GoalFailed(f'no action {name!r}; there are {", ".join(TYPES)}')
+        if self._sent is not None and not self.is_complete():
+            raise GoalFailed(f'{self._goal} still runs: wait until is_complete(), or cancel()')
         request = filled(TYPES[name].Goal(check_fields=True), goal, name)
         if name not in self._clients:
             self._clients[name] = ActionClient(self.node, TYPES[name], name)
-        client = self._clients[name]
-        self._find(name, client)
-        result = self._pursue(name, client, request)
+        self._find(name, self._clients[name])
+        self._goal, self.feedback, self._awaited = name, None, None
+        self._sent = self._clients[name].send_goal_async(
+            request, lambda message: setattr(self, 'feedback', message.feedback))
+        try:
+            while not self._sent.done():
+                _interrupts.spin_once(self.node, LOOK_EVERY)
+        except KeyboardInterrupt:
+            self._cancel_running()
+            raise
+        handle = self._sent.result()
+        if not handle.accepted:
+            self._sent = None
+            why = malformed(name, request) or 'the log of the driver says why'
+            raise GoalFailed(f'{name}: rejected as malformed; {why}')
+        self._awaited = handle.get_result_async()
+
+    def is_complete(self) -> bool:
+        """Receive for a tenth of a second; return whether the goal has ended."""
+        if self._awaited is not None and not self._awaited.done():
+            _interrupts.spin_once(self.node, LOOK_EVERY)
+        return self._awaited is None or self._awaited.done()
+
+    def result(self) -> Any:
+        """Return the result of the goal that has ended; GoalFailed: it was not reached."""
+        if self._awaited is None or not self._awaited.done():
+            raise GoalFailed(f'{self._goal or "a goal"} has not ended: wait until is_complete()')
+        result = self._awaited.result().result
         if not result.success:
-            raise GoalFailed(f'{name}: {result.message}')
+            raise GoalFailed(f'{self._goal}: {result.message}')
         return result
+
+    def cancel(self) -> None:
+        """Cancel the goal that runs, and wait for its end; GoalFailed: the driver is silent."""
+        if not self._cancel_running():
+            raise GoalFailed(f'{self._goal}: canceled, but the driver does not answer') from None
+        if self._awaited is not None and self._awaited.result().result.success:
+            raise KeyboardInterrupt  # too late to cancel this one
 
     def _find(self, name: str, client: ActionClient) -> None:
         """Wait for the driver, and say so; GoalFailed: there is none."""
@@ -133,44 +229,14 @@ class GoalClient:
                 said = True
                 print(f'{self._name}: {why}', file=sys.stderr, flush=True)
 
-    def _pursue(self, name: str, client: ActionClient, request: Any) -> Any:
-        """Send a goal and wait for its result; Ctrl-C cancels it."""
-        sent = client.send_goal_async(request)
-        try:
-            handle = self._wait(sent)
-            if not handle.accepted:
-                why = malformed(name, request) or 'the log of the driver says why'
-                raise GoalFailed(f'{name}: rejected as malformed; {why}')
-            return self._wait(handle.get_result_async()).result
-        except KeyboardInterrupt:
-            return self._cancel(name, sent)
-
-    def _cancel(self, name: str, sent: Future) -> Any:
-        """Cancel a goal that was sent; return its result."""
-        rclpy.spin_until_future_complete(self.node, sent, timeout_sec=CANCEL_WAIT)
-        if sent.done() and sent.result().accepted:
-            sent.result().cancel_goal_async()
-            asked = sent.result().get_result_async()
-            rclpy.spin_until_future_complete(self.node, asked, timeout_sec=CANCEL_WAIT)
-            if asked.done() and asked.result().result.success:
-                raise KeyboardInterrupt  # too late to cancel this one
-            if asked.done():
-                return asked.result().result
-        raise GoalFailed(f'{name}: canceled, but the driver does not answer') from None
-
-    def _wait(self, future: Future) -> Any:
-        self._waiting = True
-        try:
-            while not future.done():
-                rclpy.spin_once(self.node, timeout_sec=LOOK_EVERY)
-                if self._interrupted:
-                    self._interrupted = False
-                    raise KeyboardInterrupt
-        finally:
-            self._waiting = False
-        return future.result()
-
-    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
-        if not self._waiting:
-            raise KeyboardInterrupt
-        self._interrupted = True
+    def _cancel_running(self) -> bool:
+        """Cancel a goal that was sent and has not ended; return whether it has ended now."""
+        if self._sent is None or (self._awaited is not None and self._awaited.done()):
+            return True
+        rclpy.spin_until_future_complete(self.node, self._sent, timeout_sec=CANCEL_WAIT)
+        if not self._sent.done() or not self._sent.result().accepted:
+            return bool(self._sent.done())
+        self._sent.result().cancel_goal_async()
+        self._awaited = self._awaited or self._sent.result().get_result_async()
+        rclpy.spin_until_future_complete(self.node, self._awaited, timeout_sec=CANCEL_WAIT)
+        return bool(self._awaited.done())

@@ -52,9 +52,10 @@ def texts() -> str:
 
 
 def quoted() -> list[str]:
-    """Return the log lines in the table of faults."""
-    table = README[README.index('| symptom |'):].partition('\n\n')[0]
-    return [line for row in table.splitlines()[2:]
+    """Return the log lines in the tables of faults."""
+    pages = README, (ROOT / 'docs' / 'if_nothing_happens.md').read_text('utf-8')
+    tables = [page[page.index('| symptom |'):].partition('\n\n')[0] for page in pages]
+    return [line for table in tables for row in table.splitlines()[2:]
             for line in LOG_LINE.findall(row.split(' | ')[1])]
 
 

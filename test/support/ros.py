@@ -234,9 +234,9 @@ class Scene:
         """Start one of the package's executables."""
         return self._start('-c', PROGRAMS[name], *arguments)
 
-    def example(self, name: str) -> Program:
+    def example(self, name: str, *arguments: str) -> Program:
         """Start one of the programs in examples/."""
-        return self.script(Path(__file__).parents[2] / 'examples' / name)
+        return self.script(Path(__file__).parents[2] / 'examples' / name, *arguments)
 
     def script(self, path: Path, *arguments: str) -> Program:
         """Start a Python file."""

@@ -1,0 +1,96 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the command ros2 does, by rclpy: list, echo a topic, call a service, set a parameter.
+
+    python examples/ros.py list
+    python examples/ros.py echo /odom
+    python examples/ros.py call /set_mode '{mode: 3}'
+    python examples/ros.py set /create cmd_vel_timeout 1.0
+"""
+import argparse
+import importlib
+import time
+from typing import Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.parameter import get_parameter_value, Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import QoSProfile
+from rclpy.utilities import remove_ros_args
+import yaml
+
+WAIT = 3.0
+"""Seconds in which others are found, and answer."""
+
+
+def found(node: Node, services: bool) -> dict[str, str]:
+    """Return the topics or services with their types."""
+    time.sleep(WAIT)
+    both = node.get_service_names_and_types() if services else node.get_topic_names_and_types()
+    return {name: types[0] for name, types in both}
+
+
+def imported(kind: str) -> Any:
+    """Return the class of a type, such as create_oi_msgs/srv/SetMode."""
+    package, folder, name = kind.split('/')
+    return getattr(importlib.import_module(f'{package}.{folder}'), name)
+
+
+def fill(message: Any, values: dict[str, Any]) -> Any:
+    """Set the fields of a message; those of messages in it by a dictionary each."""
+    for name, value in values.items():
+        inner = getattr(message, name)
+        setattr(message, name, fill(inner, value) if isinstance(value, dict) else value)
+    return message
+
+
+def asked(node: Node, future: rclpy.task.Future) -> Any:
+    """Return an answer."""
+    rclpy.spin_until_future_complete(node, future, timeout_sec=WAIT)
+    return future.result() if future.done() else 'no answer: is the ROS_DOMAIN_ID the same?'
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('what', choices=['list', 'echo', 'call', 'set'])
+    parser.add_argument('names', nargs='*', help='see the examples above')
+    given = parser.parse_args(remove_ros_args()[1:])
+    rclpy.init()
+    node = rclpy.create_node('ros')
+    match given.what, given.names:
+        case 'list', []:
+            for services in (False, True):
+                for name, kind in sorted(found(node, services).items()):
+                    print(f'{name:40s} {kind}')
+        case 'echo', [topic]:
+            kind = found(node, False).get(topic)
+            if kind is None:
+                parser.error(f'nobody publishes {topic}: see list')
+            offered = node.get_publishers_info_by_topic(topic)[0].qos_profile
+            node.create_subscription(imported(kind), topic, print, QoSProfile(
+                depth=10, reliability=offered.reliability, durability=offered.durability))
+            rclpy.spin(node)
+        case 'call', [service, *fields]:
+            kind = found(node, True).get(service)
+            if kind is None:
+                parser.error(f'nobody offers {service}: see list')
+            request = fill(imported(kind).Request(), yaml.safe_load(''.join(fields) or '{}'))
+            print(asked(node, node.create_client(imported(kind), service).call_async(request)))
+        case 'set', [name, parameter, value]:
+            client = AsyncParameterClient(node, name)
+            client.wait_for_services(WAIT)
+            message = Parameter.from_parameter_msg(
+                rclpy.parameter.ParameterMsg(name=parameter, value=get_parameter_value(value)))
+            print(asked(node, client.set_parameters([message])))
+        case _:
+            parser.error(f'{given.what} takes other arguments: see --help')
+
+
+try:
+    main()
+except (KeyboardInterrupt, ExternalShutdownException, BrokenPipeError):
+    pass
