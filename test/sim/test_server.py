@@ -18,6 +18,7 @@ from create_oi_ros import oi
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.server import Server
+from create_oi_ros.sim.server.create_sim import main
 from create_oi_ros.sim.server.lines import PtyLine
 from create_oi_ros.sim.world import shipped
 from support.simulator import (
@@ -180,6 +181,20 @@ def test_bytes_leave_at_the_baud_rate(robot: Robot) -> None:
         receive(client, 200 * 52)
         seconds = time.monotonic() - begin
     assert seconds > 200 * 52 * 10 / 57600
+
+
+def test_a_program_of_ours_says_lines_to_the_control_socket(capsys, tmp_path) -> None:
+    control = tmp_path / 'world'
+    with simulator('--link', str(tmp_path / 'tty'), '--control', str(control)):
+        assert main(['--control', str(control), '--say', 'bump left']) == 0
+        assert main(['--control', str(control), '--say', 'fly']) == 1
+        ok, error = capsys.readouterr().out.splitlines()
+        assert ok == 'ok' and error.startswith('error')
+    assert main(['--control', str(tmp_path / 'none'), '--say', 'lift']) == 2
+    assert f'{tmp_path}/none: No such file or directory' in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(['--say', 'lift'])
+    assert '--say needs --control PATH' in capsys.readouterr().err
 
 
 def test_a_socket_url_works_on_loopback() -> None:

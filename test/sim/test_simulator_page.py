@@ -11,8 +11,20 @@ import pytest
 from create_oi_ros.sim.firmware.guesses import DEFAULT_GUESSES, Guesses
 from create_oi_ros.sim.server.control import WORDS
 from create_oi_ros.sim.server.faults import FaultKind
+from create_oi_ros.sim.world import parse, WorldError
+from create_oi_ros.sim.world.world import KEYWORDS
 
-DOCS = (Path(__file__).parents[2] / 'docs' / 'simulator.md').read_text('utf-8')
+PAGES = Path(__file__).parents[2] / 'docs'
+DOCS = (PAGES / 'simulator.md').read_text('utf-8')
+
+
+def test_the_room_on_its_page_is_one() -> None:
+    text = (PAGES / 'own_room.md').read_text('utf-8')
+    room = parse(text.split('```')[1], 'my.world')
+    assert room.home_bases and room.cliffs and room.patches
+    with pytest.raises(WorldError, match='my.world, line 3: 3 numbers after .box.; allowed: "box'):
+        parse('start 0 0 0\n\nbox 1 1 1', 'my.world')
+    assert all(f'`{word} ' in text for word in KEYWORDS)
 
 
 @pytest.mark.parametrize('word', WORDS)

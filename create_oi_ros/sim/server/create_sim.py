@@ -10,6 +10,7 @@ import errno
 from pathlib import Path
 import re
 import signal
+import socket
 import sys
 
 from ...oi import Checksum
@@ -99,6 +100,8 @@ def _arguments() -> argparse.ArgumentParser:
     add('--speed', type=_number(0.001, 1000), default=1.0,
         help='times real time (default: %(default)s)')
     add('--control', type=Path, metavar='PATH', help='Unix socket that changes the world')
+    add('--say', metavar='LINE', help='send a line, such as "bump left", to the robot that has '
+        'the socket of --control, print its answer, and end; "help" lists the lines')
     add('--record', type=Path, metavar='FILE.csv', help='write the truth, a row each 15 ms')
     add('--export', type=_export, metavar='FILE.yaml|.sdf',
         help='write the world as a map for Nav2 (YAML and PGM, 2 cm a cell) or as walls for '
@@ -167,6 +170,15 @@ def _serve(options: argparse.Namespace, guesses: Guesses, config: BodyConfig) ->
         server.serve()
 
 
+def say(text: str, path: Path) -> str:
+    """Send a line to the control socket of a simulated robot; return its answer."""
+    with socket.socket(socket.AF_UNIX) as robot, naming(path):
+        robot.connect(str(path))
+        robot.sendall(f'{text}\n'.encode())
+        with robot.makefile() as answers:
+            return answers.readline().strip()
+
+
 def export(world: World, path: Path) -> str:
     """Write a world, and say what was written; OSError names a file that cannot be."""
     if path.suffix == '.sdf':
@@ -200,7 +212,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         default = parser.get_default(name)
         if name not in REPLAY_HAS and value != default and getattr(value, 'name', '') != default:
             parser.error(f'--{name} does not work with --replay: nothing is simulated then')
+    if options.say is not None and not options.control:
+        parser.error('--say needs --control PATH: the socket that the robot has printed')
     try:
+        if options.say is not None:
+            answer = say(options.say, options.control)
+            print(answer)
+            return 0 if answer.startswith('ok') else 1
         if options.export:
             print(export(options.world, options.export))
         elif options.replay:
