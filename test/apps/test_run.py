@@ -131,27 +131,16 @@ def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
     assert words in capsys.readouterr().err
 
 
-@pytest.fixture
-def no_domain(monkeypatch):
-    """Leave ROS_DOMAIN_ID to the programs."""
+def test_a_simulated_run_has_its_own_domain_and_says_how_to_join(stage, monkeypatch):
     monkeypatch.delenv('ROS_DOMAIN_ID', raising=False)
-
-
-def test_a_simulated_run_has_its_own_domain_and_says_how_to_join(no_domain, tmp_path):
-    runs = [Program('-c', PROGRAMS['create_run'], domain=None) for _ in range(2)]
-    try:
-        domains = [domain_of(run) for run in runs]
-        assert domains[0] != domains[1]
-        with closing(Listener(domains[0])) as joined:
+    with closing(Program('-c', PROGRAMS['create_run'], domain=None)) as run:
+        domain = domain_of(run)
+        assert domain != stage.domain  # which is taken
+        with closing(Listener(domain)) as joined:
             odom = joined.listen(Odometry, 'odom')
             joined.until(lambda: odom)
-            assert joined.node.count_publishers('odom') == 1
-        for run in runs:
-            run.send(signal.SIGINT)
-            assert run.ended() == 0
-    finally:
-        for run in runs:
-            run.close()
+        run.send(signal.SIGINT)
+        assert run.ended() == 0
 
 
 def domain_of(run: Program) -> int:
