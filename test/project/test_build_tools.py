@@ -1,10 +1,9 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up and build: what they show meanwhile, and where they put what they make."""
+"""Set-up and build: what they say, and where they put what they make."""
 
 import importlib.util
 import os
-import signal
 import subprocess
 import sys
 
@@ -13,16 +12,6 @@ import pytest
 from support.source import ROOT
 
 TOOLS = ROOT / 'tools'
-WAITING = 'print("done", flush=True)\nopen("go").read()\n'
-"""A program that waits until the test writes to the pipe `go`."""
-STEP = """
-import sys
-sys.path.insert(0, {tools!r})
-import step
-with step.interruptible():
-    step.step([sys.executable, '-c', {program!r}], 'a.log', 'it failed',
-              progress=lambda log: str(log.count('done')) + ' of 2 done')
-"""
 
 
 @pytest.fixture
@@ -38,47 +27,14 @@ def tool(monkeypatch):
     return load
 
 
-def run_step(folder, program, stdout):
-    """Start a step in a folder."""
-    os.mkfifo(folder / 'go')
-    code = STEP.format(tools=str(TOOLS), program=program)
-    return subprocess.Popen(
-        [sys.executable, '-c', code], cwd=folder, stdout=stdout, stderr=subprocess.PIPE,
-        text=True, env={**os.environ, 'TERM': 'xterm'})
-
-
-def test_a_terminal_shows_how_far_a_step_is_and_for_how_long(tmp_path):
-    master, slave = os.openpty()
-    with run_step(tmp_path, WAITING, slave) as process:
-        os.close(slave)
-        shown = b''
-        while b'\r  1 of 2 done, 0:0' not in shown:
-            shown += os.read(master, 100)
-        (tmp_path / 'go').write_text('')
-        assert process.wait(20) == 0
-    os.set_blocking(master, False)
-    shown += os.read(master, 10000)
-    os.close(master)
-    assert b'\x1b' not in shown and b'\n' not in shown
-    assert shown.endswith(b' \r')  # the line is cleared
-
-
 def test_a_step_that_fails_shows_the_end_of_its_log(tmp_path):
-    with run_step(tmp_path, 'print("the cause"); raise SystemExit(3)', subprocess.PIPE) as process:
-        _, errors = process.communicate(timeout=20)
-    assert errors == 'the cause\nmake: it failed (complete log: log/a.log)\n'
-    assert process.returncode == 1
-
-
-def test_ctrl_c_of_a_step_is_one_sentence(tmp_path):
-    with run_step(tmp_path, WAITING, subprocess.PIPE) as process:
-        log = tmp_path / 'log' / 'a.log'
-        while not log.exists() or not log.read_text():
-            assert process.poll() is None
-        process.send_signal(signal.SIGINT)
-        (tmp_path / 'go').write_text('')
-        _, errors = process.communicate(timeout=20)
-    assert errors == '\nmake: interrupted; make again begins with what is not complete\n'
+    code = f'import sys; sys.path.insert(0, {str(TOOLS)!r}); from step import step; step(' \
+           '[sys.executable, "-c", "print(\'the cause\'); raise SystemExit(3)"], "a.log", ' \
+           '"it failed", progress=str)'
+    done = subprocess.run([sys.executable, '-c', code], cwd=tmp_path, text=True,
+                          capture_output=True)
+    assert (done.returncode, done.stdout) == (1, '')
+    assert done.stderr == 'the cause\nmake: it failed (complete log: log/a.log)\n'
 
 
 def test_messages_are_built_anew_when_one_was_removed(tool, tmp_path, monkeypatch):

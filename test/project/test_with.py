@@ -56,16 +56,9 @@ def nodes(file: str) -> dict[str, dict[str, Any]]:
     context = Context()
     rclpy.init(args=['--ros-args', '--params-file', str(FILES / file)], context=context)
     rclpy.shutdown(context=context)
-    return dict(named(yaml.safe_load((FILES / file).read_text('utf-8'))))
-
-
-def named(tree: dict[str, Any], path: str = '') -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the nodes of a file, by the last part of their names."""
-    for name, below in tree.items():
-        if name == 'ros__parameters':
-            yield path, dict(flat(below))
-        else:
-            yield from named(below, name)
+    found = yaml.safe_load((FILES / file).read_text('utf-8'))
+    return {name: dict(flat(below.get(name, below)['ros__parameters']))
+            for name, below in found.items()}  # a costmap is within a namespace of its name
 
 
 def flat(tree: dict[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
