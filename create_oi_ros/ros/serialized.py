@@ -23,6 +23,8 @@ FORMATS = {
 """The code of `struct` for each type of number in a message."""
 MARKS = bytes(range(0x11, 0x19)), bytes(range(0x31, 0x39))
 """Two numbers of up to eight bytes, all of which differ."""
+ATTEMPTS = 5
+"""Times that a message is serialized with each mark."""
 LONGEST_GAP = 7
 """Most bytes between two fields: numbers are aligned to their size."""
 
@@ -88,20 +90,24 @@ class SerializedMessage:
 
 def _place(message: Any, path: str,
            serialize: Callable[[Any], bytes]) -> tuple[struct.Struct, int]:
-    """Find a number: only its bytes differ when it gets another value."""
+    """Find a number: the only place where the bytes are those of each value that it gets."""
     found = field(message, path)
     if found.type not in FORMATS:
         raise ValueError(f'{path} is no number')
     layout = struct.Struct(f'={FORMATS[found.type]}')
-    texts = []
-    for mark in (b'\0', b'\1') if found.type == 'boolean' else MARKS:
-        found.set(layout.unpack(mark[:layout.size])[0])
-        texts.append(serialize(message))
-    differ = [index for index, (one, other) in enumerate(zip(*texts)) if one != other]
-    if len(texts[0]) != len(texts[1]) or not differ \
-            or differ != [*range(differ[0], differ[0] + layout.size)]:
-        raise ValueError(f'the place of {path} is not certain')
-    return layout, differ[0]
+    marks = (b'\0', b'\1') if found.type == 'boolean' else MARKS
+    # The gaps between fields hold anything, which differs from time to time.
+    places: set[int] | None = None
+    for _ in range(ATTEMPTS):
+        for mark in marks:
+            found.set(layout.unpack(mark[:layout.size])[0])
+            text = serialize(message)
+            here = {place.start() for place in re.finditer(
+                b'(?=%s)' % re.escape(mark[:layout.size]), text)}
+            places = here if places is None else places & here
+        if places is not None and len(places) == 1:
+            return layout, places.pop()
+    raise ValueError(f'the place of {path} is not certain')
 
 
 def _shortest(message: Any, serialize: Callable[[Any], bytes],

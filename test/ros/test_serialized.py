@@ -14,6 +14,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import get_typestore, Stores
+from std_msgs.msg import Header
 
 from create_oi_ros.ros import messages, topics
 from create_oi_ros.ros.serialized import field, filled, FORMATS, SerializedMessage
@@ -107,6 +108,19 @@ def test_text_is_no_number():
 def test_a_middleware_that_serializes_otherwise_is_found_out(wrong):
     with pytest.raises(ValueError, match='not certain'):
         SerializedMessage(Odometry(), ['twist.covariance[35]'], wrong, deserialize_message)
+
+
+def test_what_stands_in_the_gaps_between_fields_may_differ():
+    counted = itertools.count()
+
+    def noisy(message: Any) -> bytes:
+        text = bytearray(serialize_message(message))
+        text[18] = next(counted)  # behind the two bytes of the frame
+        return bytes(text)
+    message = Odometry(header=Header(frame_id='a'))
+    encode = SerializedMessage(message, ['pose.pose.position.x'], noisy, deserialize_message)
+    brought = deserialize_message(encode({'pose.pose.position.x': 2.5}), Odometry)
+    assert brought.pose.pose.position.x == 2.5
 
 
 def test_a_middleware_that_reads_otherwise_is_found_out():

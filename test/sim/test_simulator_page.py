@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""docs/simulator.md names every word, fault and guess there is."""
+"""The pages of the simulator name every word, fault and guess there is."""
 
 from dataclasses import fields
 from enum import Enum
@@ -16,6 +16,7 @@ from create_oi_ros.sim.world.world import KEYWORDS
 
 PAGES = Path(__file__).parents[2] / 'docs'
 DOCS = (PAGES / 'simulator.md').read_text('utf-8')
+GUESSES = (PAGES / 'simulator_guesses.md').read_text('utf-8')
 
 
 def test_the_room_on_its_page_is_one() -> None:
@@ -43,4 +44,4 @@ def test_every_guess_is_there_with_its_default(name: str) -> None:
     value = getattr(DEFAULT_GUESSES, name)
     shown = (str(value).lower() if isinstance(value, bool) else
              value.value if isinstance(value, Enum) else f'{value:g}')
-    assert f'`--guess {name}={shown}`' in DOCS
+    assert f'`--guess {name}={shown}`' in GUESSES
