@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Drive a circle for five seconds and print where the odometry says the robot is."""
+"""Drive a circle for five seconds; print each second where the odometry says the robot is."""
 import argparse
 
 from geometry_msgs.msg import Twist, Vector3
@@ -16,10 +16,20 @@ rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a Keyboa
 node = rclpy.create_node('drive')
 circle = Twist(linear=Vector3(x=0.2), angular=Vector3(z=0.5))
 velocity = node.create_publisher(Twist, 'cmd_vel', 1)
+heard: list[Odometry] = []
+
+
+def show() -> None:
+    if heard:
+        place = heard[-1].pose.pose.position
+        print(f'x {place.x:+.2f} y {place.y:+.2f} m', flush=True)
+
+
 try:
     wait_for_robot(node, velocity.get_subscription_count)
     node.create_timer(0.1, lambda: velocity.publish(circle))
-    node.create_subscription(Odometry, 'odom', lambda odom: print(odom.pose.pose.position), 1)
-    rclpy.spin_until_future_complete(node, rclpy.task.Future(), timeout_sec=5.0)
+    node.create_subscription(Odometry, 'odom', heard.append, 1)
+    node.create_timer(1.0, show)
+    rclpy.spin_until_future_complete(node, rclpy.task.Future(), timeout_sec=5.5)
 except KeyboardInterrupt:
     print('no more commands, the driver stops the wheels: Ctrl-C')
