@@ -114,21 +114,23 @@ class FrameClock:
         `arrival` is when its last byte was received, `wire_time` how long its bytes took.
         """
         sent = arrival - wire_time
-        self.found_lost = 0.0
+        lost = 0
         if self._absent and self._arrival is not None:
-            self.found_lost = self._decide(arrival - self._arrival, sent)
+            lost = self._decide(arrival - self._arrival, sent)
+        self.found_lost = lost * self.period
         passed = 1
         if self._missing or self._arrival is None or arrival - self._arrival > SILENT:
             passed += self._frames_missing(arrival)
         self._arrival = arrival
-        self._slot += passed
-        wrong = self._slots_early(sent) if self._suspicious > 0 and self._late else 0
-        self._slot += wrong
-        self._note(sent)
+        slot = self._slot + lost + passed
+        wrong = self._slots_early(slot, sent) if self._suspicious > 0 and self._late else 0
+        slot += wrong
+        self._note(slot, sent)
         self._suspicious -= 1
         late = self._slots_late() if self._suspicious >= 0 else 0
         if late:
-            self._recount(late)
+            self._recount(slot, late)
+        self._slot = slot + late
         self._frames += 1
         if self._frames % BLOCK == 0 and len(self._sent) >= BLOCK:
             self._learn_period()
@@ -136,11 +138,11 @@ class FrameClock:
         self._stamp = max(stamp, self._stamp + LEAST_STEP)
         return self._stamp, self._duration(passed + wrong + late)
 
-    def _note(self, sent: float) -> None:
+    def _note(self, slot: int, sent: float) -> None:
         """Keep when the newest frame left, as far as it alone tells."""
         oldest = self._late[0] if len(self._late) == WINDOW else inf
-        late = sent - self._slot * self.period
-        self._sent.append((self._slot, sent))
+        late = sent - slot * self.period
+        self._sent.append((slot, sent))
         self._late.append(late)
         # All of them are compared only when the least has just left the window.
         self._least = min(late, self._least) if oldest > self._least else min(self._late)
@@ -152,21 +154,20 @@ class FrameClock:
         self._owed -= duration
         return duration
 
-    def _decide(self, since: float, sent: float) -> float:
+    def _decide(self, since: float, sent: float) -> int:
         """
-        Tell by the next frame what became of absent ones; return the seconds of lost ones.
+        Tell by the next frame what became of absent ones; return how many were lost.
 
         `since`: seconds between the arrivals of that frame and of the one before. Late frames
         come together. After lost ones frames come in time.
         """
         if since < TOGETHER * self.period:
             self._absent -= 1
-            return 0.0
+            return 0
         late = sent - (self._slot + 1) * self.period - self._least
         lost = max(0, min(self._absent, round(late / self.period)))
         self._absent = 0
-        self._slot += lost
-        return lost * self.period
+        return lost
 
     def _frames_missing(self, arrival: float) -> int:
         """Return how many frames garbage before this one stands for."""
@@ -181,9 +182,9 @@ class FrameClock:
             return 0
         return min(missing, int(slots) + 1)
 
-    def _slots_early(self, sent: float) -> int:
+    def _slots_early(self, slot: int, sent: float) -> int:
         """Return by how many slots a frame is early (negative): no line is faster than ever."""
-        early = sent - self._slot * self.period - self._least
+        early = sent - slot * self.period - self._least
         return min(0, round(early / self.period))
 
     def _count_late(self) -> None:
@@ -204,15 +205,14 @@ class FrameClock:
         recent = min(islice(self._late, older, None))
         return round((recent - min(islice(self._late, older))) / self.period)
 
-    def _recount(self, slots: int) -> None:
-        """Put the recent frames into other slots."""
-        self._slot += slots
+    def _recount(self, newest: int, slots: int) -> None:
+        """Put the recent frames, up to this slot, into other slots."""
         older = len(self._sent) - RECENT
         recent = [(slot + slots, sent) for slot, sent in islice(self._sent, older, None)]
         self._sent.clear()
         self._sent.extend(recent)
         self._count_late()
-        while self._earliest and self._earliest[-1][0] > self._slot - slots - 2 * RECENT:
+        while self._earliest and self._earliest[-1][0] > newest - 2 * RECENT:
             self._earliest.pop()
 
     def _learn_period(self) -> None:

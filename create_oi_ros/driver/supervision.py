@@ -10,7 +10,7 @@ bring the wanted mode back.
 
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache, cached_property
+from functools import cached_property
 from math import inf
 
 from .. import oi
@@ -51,28 +51,25 @@ class Cause(Enum):
 HAZARD_FIELDS = (
     'bumps_and_wheel_drops', 'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 hazard_numbers = oi.Readings.numbers(*HAZARD_FIELDS)
-supervised_numbers = oi.Readings.numbers(*HAZARD_FIELDS, 'oi_mode')
 
 
 def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
     """Name what in these readings would take the robot out of Safe mode."""
-    return _causes(*hazard_numbers(readings), bool(_sources(readings)))
+    hazards, sources = hazard_numbers(readings), _sources(readings)
+    if not sources and not any(hazards):
+        return ()  # as in nearly all frames
+    drops, left, front_left, front_right, right = hazards
+    seen = (
+        (Cause.CLIFF_LEFT, left), (Cause.CLIFF_FRONT_LEFT, front_left),
+        (Cause.CLIFF_FRONT_RIGHT, front_right), (Cause.CLIFF_RIGHT, right),
+        (Cause.WHEEL_DROP_LEFT, drops & LEFT_DROP), (Cause.WHEEL_DROP_RIGHT, drops & RIGHT_DROP),
+        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP), (Cause.CHARGER, sources))
+    return tuple(cause for cause, present in seen if present)
 
 
 def _sources(readings: oi.Readings) -> int:
     """Return the chargers that the robot sees, as bits; 0 while it has not said."""
     return readings.number('charging_sources', 0)
-
-
-@cache  # nearly all frames have the same hazards as the one before
-def _causes(drops: int, left: int, front_left: int, front_right: int, right: int,
-            charger: bool) -> tuple[Cause, ...]:
-    seen = (
-        (Cause.CLIFF_LEFT, left), (Cause.CLIFF_FRONT_LEFT, front_left),
-        (Cause.CLIFF_FRONT_RIGHT, front_right), (Cause.CLIFF_RIGHT, right),
-        (Cause.WHEEL_DROP_LEFT, drops & LEFT_DROP), (Cause.WHEEL_DROP_RIGHT, drops & RIGHT_DROP),
-        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP), (Cause.CHARGER, charger))
-    return tuple(cause for cause, present in seen if present)
 
 
 @dataclass(frozen=True)
@@ -121,27 +118,22 @@ class Supervision:
         self._cause_seen_at = -inf
         self._tries = 0
         self._entered_at = self._asked_at = -inf
-        self._settled: tuple[int, ...] | None = None
-        """What a frame says of a robot that is in the wanted mode and safe; None where not."""
         self.docked = False
         """Whether the robot was on the contacts of a Home Base in the newest frame."""
 
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; why the robot left the last one no longer matters."""
-        self._settled = None
         causes = self.status.causes if self.status.actual is None else ()
         self.status = ModeStatus(self.status.actual, mode, causes)
         self._tries = 0
 
     def lost(self) -> None:
         """Note that no robot answers."""
-        self._settled = None
         self.status = ModeStatus(None, self.status.wanted)
         self._tries = 0
 
     def entering(self, now: float) -> None:
         """Note that the wanted mode is being entered."""
-        self._settled = None
         if self._tries == 0:
             self._asked_at = now
         self._tries += 1
@@ -163,12 +155,8 @@ class Supervision:
 
     def observe(self, readings: oi.Readings, now: float) -> bool:
         """Take a frame's readings in; True when the robot has just left the wanted mode."""
-        said = *supervised_numbers(readings), _sources(readings)
-        if said == self._settled:
-            return False  # as in nearly all frames
-        *hazards, _mode, sources = said
-        present = _causes(*hazards, bool(sources))
-        self.docked = bool(sources & HOME_BASE)
+        present = causes_in(readings)
+        self.docked = bool(_sources(readings) & HOME_BASE)
         if present:
             self._cause_seen_at = now
         before, actual = self.status, readings.oi_mode
@@ -178,7 +166,7 @@ class Supervision:
         dropped |= actual is None and (left or before.can_drive)
         causes = before.causes
         if actual is None:
-            causes, self._commands_paused = (Cause.MODE_UNKNOWN,), False
+            causes = (Cause.MODE_UNKNOWN,)
         elif dropped:
             causes = present or self._before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
@@ -191,7 +179,6 @@ class Supervision:
         self._before = present
         if (actual, causes) != (before.actual, before.causes):
             self.status = ModeStatus(actual, before.wanted, causes)
-        self._settled = said if actual is before.wanted and not present else None
         return dropped
 
     def _refused(self, present: tuple[Cause, ...], now: float) -> bool:
