@@ -43,7 +43,7 @@ RULES = {
     'odometry': Rule(ours=('robot',), others='numpy'),
     'driver': Rule(ours=('odometry', 'oi', 'oi.tools', 'robot')),
     'sim': Rule(),
-    'sim.world': Rule(ours=('sim', 'robot')),
+    'sim.world': Rule(ours=('sim', 'robot'), others='numpy'),
     'sim.world_files': Rule(ours=('sim.world',), pure=False),
     'sim.body': Rule(ours=('sim', 'sim.world', 'oi', 'robot')),
     'sim.firmware': Rule(ours=('sim', 'sim.body', 'sim.world', 'oi', 'robot')),

@@ -17,7 +17,7 @@ from pathlib import Path
 import re
 import socket
 import stat
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from ..body.sensed import RANGES
 from ..firmware import Create
@@ -26,6 +26,9 @@ from ..world import Pose
 from ..world.floor_plan import outlines
 from .faults import Fault, Faults
 from .lines import Line, naming, PathLock
+
+if TYPE_CHECKING:
+    from ..world.lidar import Lidar
 
 BUTTON_PRESS = 0.2
 """Default of how long a button is pressed, seconds."""
@@ -92,6 +95,12 @@ class Interpreter:
         self._create, self._body = create, create.body
         self._line, self._faults, self._stop = line, faults, stop
         self._now = 0.0
+        self._lidar: Lidar | None = None
+
+    def step(self) -> None:
+        """Turn the lidar, if anybody has asked for a scan; call this after every slot."""
+        if self._lidar is not None:
+            self._lidar.step(self._create.time, self._body.truth().pose)
 
     def execute(self, text: str, now: float) -> str | Waiting:
         """Run a line; return the answer or what waits for it. No text raises."""
@@ -148,6 +157,19 @@ class Interpreter:
     @word('', 'what stands in the room, in metres, as JSON')
     def do_room(self, words: list[str]) -> str:
         return 'ok ' + json.dumps(outlines(self._body.world))
+
+    @word('', "the lidar's next whole turn: 360 ranges in m, and its age in s, as JSON")
+    def do_scan(self, words: list[str]) -> Waiting:
+        if self._lidar is None:
+            from ..world.lidar import Lidar  # here: numpy takes long to import
+            self._lidar = Lidar(self._body.world, self._create.time, self._body.truth().pose)
+        lidar, seen = self._lidar, self._lidar.scans
+
+        def answer() -> str:
+            assert lidar.scan is not None
+            age = round(self._create.time - lidar.scan.middle, 6)
+            return 'ok ' + json.dumps({'age': age, 'ranges': lidar.scan.ranges})
+        return Waiting(lambda: lidar.scans > seen, answer, 'a scan', self._create.time)
 
     @word('NAME=VALUE ... [timeout=S]',
           'answer when truth or sense meet these (also != < > <= >=)')

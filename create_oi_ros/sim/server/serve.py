@@ -96,6 +96,7 @@ class Server:
         self._create.host_baud(baud)
         self._create.poll(now)
         self._send(now)
+        self.control.step()
         for watch in self.watchers:
             watch()
         if self.control_port is not None and self.control_port.waited_on:

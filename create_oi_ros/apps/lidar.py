@@ -1,0 +1,108 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`create_lidar`: publish the scans of a simulated robot's lidar, until Ctrl-C."""
+
+import argparse
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+import json
+from math import inf, pi, tau
+from pathlib import Path
+import socket
+import sys
+import time
+from typing import Any
+
+from geometry_msgs.msg import Transform, TransformStamped, Vector3
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from rclpy.utilities import remove_ros_args
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
+
+from ..ros.process import call_on_signal, ros_executor
+from ..ros.topics import LATCHED
+
+RANGE_MIN, RANGE_MAX = 0.12, 8.0
+"""Metres, as in sim/world/lidar.py."""
+TURN = 0.1
+"""Seconds of a turn."""
+HEIGHT = 0.12
+"""Metres of the lidar above the floor."""
+START_TIME = 10.0
+"""Seconds in which the simulator must have started."""
+
+
+class LidarNode(Node):
+    """Publishes `scan`, and where the lidar is on the robot."""
+
+    def __init__(self, frame: str, base_frame: str) -> None:
+        super().__init__('create_lidar')
+        self._frame = frame
+        self._scans = self.create_publisher(LaserScan, 'scan', qos_profile_sensor_data)
+        self._transforms = self.create_publisher(TFMessage, '/tf_static', LATCHED)
+        self._transforms.publish(TFMessage(transforms=[TransformStamped(
+            header=Header(frame_id=base_frame, stamp=self.get_clock().now().to_msg()),
+            child_frame_id=frame, transform=Transform(translation=Vector3(z=HEIGHT)))]))
+
+    def publish(self, scan: dict[str, Any]) -> None:
+        """Publish a turn, stamped at its middle; its beams count as measured at once."""
+        stamp = self.get_clock().now() - Duration(seconds=scan['age'])
+        ranges = [inf if each is None else each for each in scan['ranges']]
+        self._scans.publish(LaserScan(
+            header=Header(frame_id=self._frame, stamp=stamp.to_msg()), ranges=ranges,
+            angle_min=-pi, angle_max=pi - tau / len(ranges), angle_increment=tau / len(ranges),
+            scan_time=TURN, range_min=RANGE_MIN, range_max=RANGE_MAX))
+
+
+def connected(path: Path, connection: socket.socket) -> None:
+    """Connect to a simulator that may still start; OSError names its control socket."""
+    until = time.monotonic() + START_TIME
+    while True:
+        try:
+            return connection.connect(str(path))
+        except OSError as error:
+            if time.monotonic() > until:
+                raise OSError(error.errno, error.strerror, str(path)) from None
+            time.sleep(TURN)
+
+
+def scans(connection: socket.socket) -> Iterator[dict[str, Any]]:
+    """Yield one scan after the other, until the connection is closed."""
+    with connection.makefile('rw') as lines:
+        while True:
+            lines.write('scan\n')
+            lines.flush()
+            answer = lines.readline()
+            if not answer.startswith('ok '):
+                return
+            yield json.loads(answer.removeprefix('ok '))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run until Ctrl-C or the end of the simulator; OSError: there is none."""
+    given = sys.argv if arguments is None else ['create_lidar', *arguments]
+    parser = argparse.ArgumentParser(
+        prog='create_lidar', description=__doc__, epilog='in a namespace: --ros-args -r __ns:=/r1')
+    parser.add_argument('--control', type=Path, required=True, metavar='PATH',
+                        help='control socket of create_sim')
+    parser.add_argument('--frame', default='laser', help='of the scans (default: %(default)s)')
+    parser.add_argument('--base-frame', default='base_footprint',
+                        help="the robot's frame (default: %(default)s)")
+    options = parser.parse_args(remove_ros_args(given)[1:])
+    connection = socket.socket(socket.AF_UNIX)
+
+    def end() -> None:
+        with suppress(OSError):  # it is not connected yet
+            connection.shutdown(socket.SHUT_RDWR)
+    call_on_signal(end)
+    with connection, ros_executor(given) as executor:
+        node = LidarNode(options.frame, options.base_frame)
+        executor.add_node(node)
+        connected(options.control, connection)
+        with suppress(ConnectionError):
+            for scan in scans(connection):
+                node.publish(scan)
+    return 0
