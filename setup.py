@@ -37,6 +37,7 @@ setup(
             'create_calibrate = create_oi_ros.ros.programs:create_calibrate',
             'create_check = create_oi_ros.ros.programs:create_check',
             'create_fleet = create_oi_ros.ros.programs:create_fleet',
+            'create_lidar = create_oi_ros.ros.programs:create_lidar',
             'create_node = create_oi_ros.ros.programs:create_node',
             'create_record = create_oi_ros.ros.programs:create_record',
             'create_report = create_oi_ros.ros.programs:create_report',

@@ -46,6 +46,7 @@ ARGUMENTS = {
     'port': ('/dev/ttyUSB0', 'serial device of the robot, or a pyserial URL'),
     'simulated': ('false', 'true: simulate the robot, on a pseudo terminal'),
     'world': ('apartment', 'world of the simulated robot: a name, or a file'),
+    'lidar': ('false', 'true: give the simulated robot a lidar, for SLAM and Nav2'),
     'namespace': ('', 'namespace of all nodes and topics'),
     'frame_prefix': ('', 'put before every frame, such as robot1/'),
     'tf': ('/tf', 'topic of the transforms; tf: below the namespace'),
@@ -60,8 +61,9 @@ ARGUMENTS = {
     'host': ('127.0.0.1', 'address on which the page is served; 0.0.0.0: with a token'),
 }
 CHOICES = {
-    **dict.fromkeys(('simulated', 'use_sim_time', 'respawn', 'description', 'rviz', 'web'),
-                    ['true', 'false']),
+    **dict.fromkeys(
+        ('simulated', 'lidar', 'use_sim_time', 'respawn', 'description', 'rviz', 'web'),
+        ['true', 'false']),
     'log_level': ['debug', 'info', 'warn', 'error', 'fatal'],
 }
 # Launch leaves its processes running when it fails. These end with it, however it ends.
@@ -93,7 +95,7 @@ def generate_launch_description():
         page(value, AndSubstitution(value['web'], value['simulated']),
              '--control', f'{robot}.control'),
         page(value, AndSubstitution(value['web'], NotSubstitution(value['simulated']))),
-        model(value), rviz(value)])
+        lidar(robot, value), model(value), rviz(value)])
 
 
 def once(action):
@@ -145,6 +147,15 @@ def page(value, condition, *options):
                 arguments=['--host', value['host'], *options], condition=IfCondition(condition))
 
 
+def lidar(robot, value):
+    """Return the publisher of the simulated robot's scans."""
+    return node('create_lidar', value, 'create_oi_ros', output='screen',
+                arguments=['--control', f'{robot}.control',
+                           '--frame', [value['frame_prefix'], 'laser'],
+                           '--base-frame', [value['frame_prefix'], 'base_footprint']],
+                condition=IfCondition(AndSubstitution(value['simulated'], value['lidar'])))
+
+
 def model(value):
     """Return the publisher of the model and its frames."""
     with open(os.path.join(SHARE, 'urdf', 'create.urdf')) as urdf:
@@ -183,6 +194,8 @@ def check(context):
             read_world(value['world'])
         except ValueError as error:
             raise RuntimeError(f'world:={error}') from None
+    elif value['lidar'] == 'true':
+        raise RuntimeError('lidar:=true is for simulated:=true: a real lidar has its own driver')
     elif not value['port']:
         raise RuntimeError('port:= is empty; allowed: a serial device or a pyserial URL')
 

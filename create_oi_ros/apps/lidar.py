@@ -10,6 +10,7 @@ from math import inf, pi, tau
 from pathlib import Path
 import socket
 import sys
+from threading import Event
 import time
 from typing import Any
 
@@ -20,19 +21,16 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
+
 from tf2_msgs.msg import TFMessage
 
 from ..ros.process import call_on_signal, ros_executor
 from ..ros.topics import LATCHED
 
-RANGE_MIN, RANGE_MAX = 0.12, 8.0
-"""Metres, as in sim/world/lidar.py."""
-TURN = 0.1
-"""Seconds of a turn."""
 HEIGHT = 0.12
 """Metres of the lidar above the floor."""
-START_TIME = 10.0
-"""Seconds in which the simulator must have started."""
+START_TIME, RETRY_INTERVAL = 10.0, 0.1
+"""Seconds in which the simulator must have started, and between two attempts to connect."""
 
 
 class LidarNode(Node):
@@ -54,19 +52,19 @@ class LidarNode(Node):
         self._scans.publish(LaserScan(
             header=Header(frame_id=self._frame, stamp=stamp.to_msg()), ranges=ranges,
             angle_min=-pi, angle_max=pi - tau / len(ranges), angle_increment=tau / len(ranges),
-            scan_time=TURN, range_min=RANGE_MIN, range_max=RANGE_MAX))
+            scan_time=scan['turn'], range_min=scan['nearest'], range_max=scan['farthest']))
 
 
-def connected(path: Path, connection: socket.socket) -> None:
+def connect(connection: socket.socket, path: Path, ended: Event) -> None:
     """Connect to a simulator that may still start; OSError names its control socket."""
     until = time.monotonic() + START_TIME
-    while True:
+    while not ended.is_set():
         try:
             return connection.connect(str(path))
         except OSError as error:
             if time.monotonic() > until:
                 raise OSError(error.errno, error.strerror, str(path)) from None
-            time.sleep(TURN)
+            ended.wait(RETRY_INTERVAL)
 
 
 def scans(connection: socket.socket) -> Iterator[dict[str, Any]]:
@@ -92,17 +90,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--base-frame', default='base_footprint',
                         help="the robot's frame (default: %(default)s)")
     options = parser.parse_args(remove_ros_args(given)[1:])
-    connection = socket.socket(socket.AF_UNIX)
+    connection, ended = socket.socket(socket.AF_UNIX), Event()
 
     def end() -> None:
-        with suppress(OSError):  # it is not connected yet
+        ended.set()
+        with suppress(OSError):  # it is not connected
             connection.shutdown(socket.SHUT_RDWR)
     call_on_signal(end)
     with connection, ros_executor(given) as executor:
         node = LidarNode(options.frame, options.base_frame)
         executor.add_node(node)
-        connected(options.control, connection)
-        with suppress(ConnectionError):
+        connect(connection, options.control, ended)
+        with suppress(OSError):  # the simulator has ended
             for scan in scans(connection):
                 node.publish(scan)
     return 0

@@ -32,6 +32,7 @@ MODULES = {
     'create_check': 'apps.check.create_check',
     'create_demo': 'apps.demo.create_demo',
     'create_fleet': 'apps.fleet',
+    'create_lidar': 'apps.lidar',
     'create_node': 'ros.node',
     'create_record': 'apps.record',
     'create_report': 'apps.report.create_report',
@@ -229,6 +230,7 @@ create_calibrate = partial(_run, 'create_calibrate')
 create_check = partial(_run, 'create_check')
 create_demo = partial(_run, 'create_demo')
 create_fleet = partial(_run, 'create_fleet')
+create_lidar = partial(_run, 'create_lidar')
 create_node = partial(_run, 'create_node')
 create_record = partial(_run, 'create_record')
 create_report = partial(_run, 'create_report')

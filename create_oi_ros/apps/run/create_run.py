@@ -115,13 +115,15 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
     """Return the arguments; those that contradict each other end the program."""
     parser = argparse.ArgumentParser(
         prog='create_run', description=__doc__,
-        usage='create_run [--port PORT | --world WORLD] [--capture FILE] [--host HOST]\n'
+        usage='create_run [--port PORT | --world WORLD] [--lidar] [--capture FILE] [--host HOST]\n'
               '                  [--ros-args -p NAME:=VALUE --params-file FILE -r FROM:=TO ...]',
         epilog='create_node --help lists the parameters')
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
     parser.add_argument('--world', metavar='NAME|FILE', type=world, help=(
         f'world of the simulated robot: {", ".join(shipped_names())}, or a file '
         f'(default: {WORLD})'))
+    parser.add_argument('--lidar', action='store_true', help=(
+        'give the simulated robot a lidar: scan, for SLAM and Nav2'))
     parser.add_argument('--capture', metavar='FILE', help=(
         'write every byte of the serial line to FILE, to be sent with a bug report'))
     parser.add_argument('--host', help=(
@@ -137,6 +139,8 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
     if options.port is not None and options.world is not None:
         parser.error('--port is for a real robot and --world for a simulated one: give one of '
                      'them')
+    if options.port is not None and options.lidar:
+        parser.error('--lidar is for a simulated robot: a real one has its own driver for it')
     if any(rule.startswith('port:=') for rule in ros):
         parser.error('port is no parameter here: write --port')
     options.ros = ros
@@ -150,6 +154,9 @@ def _start(children: Children, port: str, options: argparse.Namespace) -> None:
         children.start('create_sim', '--link', port, '--world', options.world or WORLD,
                        '--control', control)
         page += ['--control', control]
+        if options.lidar:
+            children.start('create_lidar', '--control', control, '--ros-args',
+                           *names_only(options.ros))
     children.start('create_web', *page, '--ros-args', *names_only(options.ros))
     capture = ['-p', f'capture:={quoted(options.capture)}'] if options.capture else []
     children.start('create_node', '--ros-args', *options.ros, '-p', f'port:={quoted(port)}',

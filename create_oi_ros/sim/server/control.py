@@ -164,12 +164,9 @@ class Interpreter:
             from ..world.lidar import Lidar  # here: numpy takes long to import
             self._lidar = Lidar(self._body.world, self._create.time, self._body.truth().pose)
         lidar, seen = self._lidar, self._lidar.scans
-
-        def answer() -> str:
-            assert lidar.scan is not None
-            age = round(self._create.time - lidar.scan.middle, 6)
-            return 'ok ' + json.dumps({'age': age, 'ranges': lidar.scan.ranges})
-        return Waiting(lambda: lidar.scans > seen, answer, 'a scan', self._create.time)
+        return Waiting(lambda: lidar.scans > seen,
+                       lambda: 'ok ' + json.dumps(lidar.report(self._create.time)),
+                       'a scan', self._create.time)
 
     @word('NAME=VALUE ... [timeout=S]',
           'answer when truth or sense meet these (also != < > <= >=)')

@@ -8,7 +8,7 @@ the scan of a robot that moves is as bent as a real one.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -30,15 +30,6 @@ BEARINGS = np.arange(BEAMS) * (math.tau / BEAMS) - math.pi
 Floats = npt.NDArray[np.floating[Any]]
 
 
-class Scan(NamedTuple):
-    """A whole turn."""
-
-    middle: float
-    """Seconds on the robot's clock at which half of the beams were measured."""
-    ranges: list[float | None]
-    """Metres, in the order of the beams; None: too near, too far, or nothing there."""
-
-
 class Lidar:
     """Measures a world from a robot that moves in it."""
 
@@ -50,56 +41,60 @@ class Lidar:
             [(each.ax, each.ay, each.ux, each.uy, each.length) for each in lines]).reshape(-1, 5).T
         self._posts = np.array([(each.x, each.y, each.radius) for each in posts]).reshape(-1, 3).T
         self._random = np.random.default_rng(seed)
-        self._began, self._measured = time, 0
-        """When the present turn began, and the number of its beams that were measured."""
-        self._before = time, pose
-        self._ranges = np.full(BEAMS, np.inf)
+        self._began = time
+        """When the present turn began."""
+        self._poses = [(time, *pose)]
+        """Where the robot was in this turn, and when."""
         self.scans = 0
         """Number of whole turns."""
-        self.scan: Scan | None = None
-        """The last whole turn."""
+        self._middle = time
+        """When half of the beams of the last whole turn were measured."""
+        self._ranges: list[float | None] = []
 
     def step(self, time: float, pose: Pose) -> None:
-        """Measure the beams whose moment has come: the robot has moved evenly to this pose."""
-        while self._measured < (due := int((time - self._began) / TURN * BEAMS + 1e-6)):
-            self._measure(min(due, BEAMS), time, pose)
-            if due < BEAMS:
-                break
-            self.scan = Scan(self._began + TURN / 2, self._reported())
-            self.scans += 1
-            self._began, self._measured = self._began + TURN, 0
-        self._before = time, pose
-
-    def _measure(self, end: int, time: float, pose: Pose) -> None:
-        """Measure the beams up to number `end` of the present turn."""
-        beams = np.arange(self._measured, end)
-        since, (x, y, yaw) = self._before
-        part = (self._began + beams * (TURN / BEAMS) - since) / (time - since)
-        self._ranges[beams] = self.cast(
-            x + (pose.x - x) * part, y + (pose.y - y) * part,
-            yaw + math.remainder(pose.yaw - yaw, math.tau) * part + BEARINGS[beams])
-        self._measured = end
+        """Measure a turn if it is over; the robot has moved evenly to this pose."""
+        self._poses.append((time, *pose))
+        if time < self._began + TURN - 1e-6:
+            return
+        times, x, y, yaw = np.array(self._poses).T
+        moments = self._began + np.arange(BEAMS) * (TURN / BEAMS)
+        measured = self.cast(
+            np.interp(moments, times, x), np.interp(moments, times, y),
+            np.interp(moments, times, np.unwrap(yaw)) + BEARINGS)
+        noisy = measured + self._random.normal(0.0, NOISE, BEAMS)
+        self._ranges = [round(far, 3) if NEAREST <= far <= FARTHEST else None
+                        for far in noisy.tolist()]
+        self._middle = self._began + TURN / 2
+        self._began += TURN
+        self._poses = self._poses[-2:]
+        self.scans += 1
 
     def cast(self, x: Floats, y: Floats, heading: Floats) -> Floats:
         """Return how far rays from these places run, metres; inf: they meet nothing."""
-        dx, dy = np.cos(heading)[:, None], np.sin(heading)[:, None]
-        x, y = x[:, None], y[:, None]
+        dx, dy = np.cos(heading), np.sin(heading)
         ax, ay, ux, uy, length = self._lines
+        px, py, radius = self._posts
+        across = np.array([uy, -ux])  # of a line: to the right of its direction
         with np.errstate(divide='ignore', invalid='ignore'):
-            cross = dx * uy - dy * ux
-            to_lines = ((ax - x) * uy - (ay - y) * ux) / cross
-            along = ((ax - x) * dy - (ay - y) * dx) / cross
+            cross = np.column_stack([dx, dy]) @ across
+            to_lines = (ax * uy - ay * ux - np.column_stack([x, y]) @ across) / cross
+            along = (np.column_stack([dy, -dx]) @ np.array([ax, ay])
+                     - (x * dy - y * dx)[:, None]) / cross
             met = (to_lines >= 0) & (along >= 0) & (along <= length)
-            px, py, radius = self._posts
-            nearest = (px - x) * dx + (py - y) * dy
-            inside = radius ** 2 - ((px - x) ** 2 + (py - y) ** 2 - nearest ** 2)
-            to_posts = nearest - np.sqrt(inside)
-        found: Floats = np.hstack([
-            np.where(met, to_lines, np.inf),
-            np.where((inside >= 0) & (to_posts >= 0), to_posts, np.inf)]).min(
-                axis=1, initial=np.inf)
+            px, py = px - x[:, None], py - y[:, None]
+            nearest = px * dx[:, None] + py * dy[:, None]
+            to_posts = nearest - np.sqrt(radius ** 2 - (px ** 2 + py ** 2 - nearest ** 2))
+        found: Floats = np.hstack([np.where(met, to_lines, np.inf),
+                                   np.where(to_posts >= 0, to_posts, np.inf)]).min(
+                                       axis=1, initial=np.inf)
         return found
 
-    def _reported(self) -> list[float | None]:
-        noisy = self._ranges + self._random.normal(0.0, NOISE, BEAMS)
-        return [round(far, 3) if NEAREST <= far <= FARTHEST else None for far in noisy.tolist()]
+    def report(self, time: float) -> dict[str, Any]:
+        """
+        Return the last whole turn at a time on the robot's clock: metres and seconds.
+
+        `age` is the time since half of its beams were measured. `ranges` has the beams counter-
+        clockwise from straight behind the robot; None: too near, too far, or nothing there.
+        """
+        return {'age': round(time - self._middle, 6), 'turn': TURN, 'nearest': NEAREST,
+                'farthest': FARTHEST, 'ranges': self._ranges}
