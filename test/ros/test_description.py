@@ -153,6 +153,7 @@ def test_a_launch_file_describes_its_launch(path):
     ({'params': '/nodir/x'}, 'params:=/nodir/x: No such file or directory'),
     ({'simulated': 'true', 'world': 'nowhere'},
      "world:='nowhere'; allowed: a file, or one of apartment, empty, room, table"),
+    ({'lidar': 'true'}, 'lidar:=true is for simulated:=true: a real lidar has its own driver'),
     ({'port': ''}, 'port:= is empty; allowed: a serial device or a pyserial URL')])
 def test_a_wrong_launch_argument_is_refused_before_anything_starts(
         arguments, sentence, monkeypatch):
