@@ -4,8 +4,9 @@
 How a wheel's speed follows the speed that is asked of it: the response models.
 
 Each model advances a speed towards a goal that is constant for the step, and is exact for it.
-docs/simulator_guesses.md lists what was measured of real robots: Creates answered like a first-order lag,
-and coasted about 15 mm from any speed. The other models are for robots that answer otherwise.
+docs/simulator_guesses.md lists what was measured of real robots: Creates answered like a
+first-order lag, and coasted about 15 mm from any speed. The other models are for robots that
+answer otherwise.
 """
 
 from enum import Enum
