@@ -26,38 +26,23 @@ import yaml
 
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.ros.actions import ACTIONS
-from create_oi_ros.ros.topics import LATCHED
-from create_oi_ros.sim.world import parse, World
+from create_oi_ros.sim.world import parse
 from support.actions import Client
-from support.ros import Scene, scene
+from support.ros import Ready
 from support.source import ROOT
 
 FILES = sorted((ROOT / 'msg_defs' / 'action').glob('*.action'))
 BASE = parse('start 0.8 0 180\nhome_base 0 0 0', 'base')
 
 
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
+class Driving:
+    """A robot and its node, in Safe mode, and a client of actions."""
 
-
-class Ready:
-    """A robot and its node, in Safe mode, and a client."""
-
-    def __init__(self, stage: Scene, world: World | None = None, **parameters: object) -> None:
-        self.ros = stage.ros
-        self.robot = stage.robot(world=world)
-        self.node = stage.node(self.robot.link, **parameters)
-        self.modes = self.ros.listen(Mode, 'mode', LATCHED)
-        self.until_mode(Mode.SAFE)
-        self.client = Client(self.ros)
+    def __init__(self, ready: Ready) -> None:
+        self.ready, self.ros = ready, ready.ros
+        self.robot, self.node = ready.robot, ready.node
+        self.client = Client(ready.ros)
         self.send, self.result = self.client.send, self.client.result
-
-    def until_mode(self, mode: int) -> None:
-        """Wait until the newest `mode` message has this mode."""
-        self.ros.until(lambda: self.modes and self.modes[-1].mode == mode, f'mode {mode}')
 
     def moving(self, **fields):
         """Start a long drive, and wait until the robot moves."""
@@ -71,16 +56,35 @@ class Ready:
         return self.robot.create.actuators.wheels == (0, 0)
 
 
-@pytest.fixture
-def ready(stage):
-    """Return a robot and its node, in Safe mode."""
-    made = Ready(stage)
+@pytest.fixture(scope='module')
+def shared_robot(shared):
+    """Return a client of the robot that all tests share."""
+    made = Driving(shared)
     yield made
     made.client.close()
 
 
-def test_motions_are_done_with_feedback_and_a_pose(ready):
-    sent = ready.send(DriveDistance, 'drive_distance', distance=0.3)
+@pytest.fixture
+def driving(shared_robot, ready):
+    """Return it as if it were new."""
+    return shared_robot
+
+
+@pytest.fixture
+def start(stage):
+    """Return a function that starts a robot and a node of this test only."""
+    made = []
+
+    def start(**options):
+        made.append(Driving(Ready(stage, **options)))
+        return made[-1]
+    yield start
+    for each in made:
+        each.client.close()
+
+
+def test_motions_are_done_with_feedback_and_a_pose(driving):
+    sent = driving.send(DriveDistance, 'drive_distance', distance=0.3)
     result = sent.result()
     assert (sent.status, result.success, result.error_code) == (
         GoalStatus.STATUS_SUCCEEDED, True, DriveDistance.Result.NONE)
@@ -88,28 +92,28 @@ def test_motions_are_done_with_feedback_and_a_pose(ready):
     assert result.pose.header.frame_id == 'odom'
     assert result.pose.header.stamp.sec > 0
     assert result.pose.pose.position.x == pytest.approx(0.3, abs=0.01)
-    assert ready.robot.body.truth().pose.x == pytest.approx(0.3, abs=0.01)
+    assert driving.robot.body.truth().pose.x == pytest.approx(0.3, abs=0.01)
     left = [each.remaining_travel_distance for each in sent.feedback]
     assert len(left) > 5 and left[0] > 0.2 > left[-1] >= 0
-    sent = ready.send(RotateAngle, 'rotate_angle', angle=pi / 2)
+    sent = driving.send(RotateAngle, 'rotate_angle', angle=pi / 2)
     assert sent.result().success
-    assert ready.robot.body.truth().pose.yaw == pytest.approx(pi / 2, abs=0.03)
+    assert driving.robot.body.truth().pose.yaw == pytest.approx(pi / 2, abs=0.03)
     assert sent.feedback[0].remaining_angle_travel > 1
-    sent = ready.send(DriveArc, 'drive_arc', angle=-pi / 2, radius=0.2,
+    sent = driving.send(DriveArc, 'drive_arc', angle=-pi / 2, radius=0.2,
                       translate_direction=DriveArc.Goal.TRANSLATE_FORWARD)
     assert sent.result().success
-    pose = ready.robot.body.truth().pose
+    pose = driving.robot.body.truth().pose
     assert (pose.x, pose.y) == pytest.approx((0.5, 0.2), abs=0.03)
     assert sent.feedback[0].remaining_angle_travel > 1
 
 
-def test_a_place_in_the_odometry_frame_is_reached(ready):
+def test_a_place_in_the_odometry_frame_is_reached(driving):
     goal = PoseStamped(header=Header(frame_id='odom'),
                        pose=Pose(position=Point(x=0.3, y=0.3)))
-    sent = ready.send(NavigateToPosition, 'navigate_to_position', goal_pose=goal,
+    sent = driving.send(NavigateToPosition, 'navigate_to_position', goal_pose=goal,
                       achieve_goal_heading=True)
     assert sent.result().success
-    pose = ready.robot.body.truth().pose
+    pose = driving.robot.body.truth().pose
     assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.3, 0.3, 0.0), abs=0.04)
     feedback = NavigateToPosition.Feedback
     assert {each.navigate_state for each in sent.feedback} >= {
@@ -134,97 +138,79 @@ def test_a_place_in_the_odometry_frame_is_reached(ready):
     (WallFollow, 'wall_follow', {'follow_side': WallFollow.Goal.FOLLOW_LEFT},
      'follow_side = 1; allowed: -1'),
 ], ids=lambda value: value if isinstance(value, str) else '')
-def test_a_malformed_goal_is_rejected_and_the_log_says_why(shared, type_, name, fields, says):
-    assert shared.send(type_, name, **fields) is None
-    shared.ros.until(lambda: f'{name} rejected: ' in shared.node.output
-                     and says in shared.node.output, says)
-    assert shared.robot.body.truth().travelled == 0
+def test_a_malformed_goal_is_rejected_and_the_log_says_why(
+        shared_robot, type_, name, fields, says):
+    assert shared_robot.send(type_, name, **fields) is None
+    shared_robot.ros.until(lambda: f'{name} rejected: ' in shared_robot.node.output
+                           and says in shared_robot.node.output, says)
+    assert shared_robot.robot.body.truth().speed == 0
 
 
-@pytest.fixture(scope='module')
-def shared(tmp_path_factory):
-    """Return a robot and its node that many tests share: nothing moves it."""
-    with scene(tmp_path_factory.mktemp('shared')) as made:
-        ready = Ready(made)
-        yield ready
-        ready.client.close()
-
-
-def test_speeds_beyond_the_limits_are_slowed_and_the_result_says_so(stage):
-    ready = Ready(stage, max_wheel_speed=0.2)
-    result = ready.result(
-        DriveDistance, 'drive_distance', distance=0.1, max_translation_speed=0.4)
-    assert result.success
-    assert 'slowed to 0.20 m/s: max_translation_speed = 0.4 is beyond' in result.message
-    ready.client.close()
-
-
-def test_a_cancel_stops_the_wheels(ready):
-    sent = ready.moving()
+def test_a_cancel_stops_the_wheels(driving):
+    sent = driving.moving()
     assert sent.cancel()
     result = sent.result()
     assert (sent.status, result.error_code) == (
         GoalStatus.STATUS_CANCELED, DriveDistance.Result.CANCELED)
-    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels are told to stand')
+    driving.ros.until(lambda: driving.asked_to_stand, 'the wheels are told to stand')
 
 
-def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(ready):
-    first = ready.moving()
-    second = ready.send(RotateAngle, 'rotate_angle', angle=30.0)
+def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driving):
+    first = driving.moving()
+    second = driving.send(RotateAngle, 'rotate_angle', angle=30.0)
     result = first.result()
     assert (first.status, result.error_code) == (
         GoalStatus.STATUS_ABORTED, DriveDistance.Result.SUPERSEDED)
     assert 'another goal' in result.message
-    ready.ros.call(Trigger, 'stop')
+    driving.ros.call(Trigger, 'stop')
     assert second.result().error_code == RotateAngle.Result.STOPPED
-    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels are told to stand')
-    third = ready.moving()
-    velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-    ready.ros.until(velocity.get_subscription_count, 'cmd_vel')
+    driving.ros.until(lambda: driving.asked_to_stand, 'the wheels are told to stand')
+    third = driving.moving()
+    velocity = driving.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    driving.ros.until(velocity.get_subscription_count, 'cmd_vel')
     velocity.publish(Twist(linear=Vector3(x=-0.1)))
     result = third.result()
     assert result.error_code == DriveDistance.Result.SUPERSEDED
     assert 'velocity command' in result.message
 
 
-def test_commands_are_ignored_while_a_goal_runs_if_they_may_not_interrupt(stage):
-    ready = Ready(stage, cmd_vel_interrupts=False)
-    velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-    ready.ros.until(velocity.get_subscription_count, 'cmd_vel')
-    timer = ready.ros.node.create_timer(
+def test_limits_slow_a_goal_and_commands_are_ignored_that_may_not_interrupt(start):
+    driving = start(max_wheel_speed=0.2, cmd_vel_interrupts=False)
+    velocity = driving.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    driving.ros.until(velocity.get_subscription_count, 'cmd_vel')
+    timer = driving.ros.node.create_timer(
         0.1, lambda: velocity.publish(Twist(linear=Vector3(x=-0.3))))
-    assert ready.result(DriveDistance, 'drive_distance', distance=0.2).success
-    ready.ros.node.destroy_timer(timer)
-    ready.client.close()
+    result = driving.result(
+        DriveDistance, 'drive_distance', distance=0.2, max_translation_speed=0.4)
+    assert result.success
+    assert 'slowed to 0.20 m/s: max_translation_speed = 0.4 is beyond' in result.message
+    driving.ros.node.destroy_timer(timer)
 
 
-def test_ten_goals_at_once_leave_one(ready):
-    sent = [ready.send(DriveDistance, 'drive_distance', distance=0.1) for _ in range(10)]
+def test_ten_goals_at_once_leave_one(driving):
+    sent = [driving.send(DriveDistance, 'drive_distance', distance=0.1) for _ in range(10)]
     codes = [each.result().error_code for each in sent]
     assert codes == [DriveDistance.Result.SUPERSEDED] * 9 + [DriveDistance.Result.NONE]
 
 
 @pytest.mark.parametrize(('happens', 'code'), [
-    (lambda ready: ready.robot.body.force(bump_right=1), Code.BUMP),
-    (lambda ready: ready.robot.body.force(cliff_left=1), Code.CLIFF),
-    (lambda ready: ready.robot.soon(lambda: ready.robot.body.lift(True)), Code.WHEEL_DROP),
-    (lambda ready: ready.robot.body.hold(right=True, left=True), Code.STALL),
-    (lambda ready: ready.robot.body.plug_charger(True), Code.MODE),
-    (lambda ready: ready.robot.close(), Code.LINK),
-], ids=['BUMP', 'CLIFF', 'WHEEL_DROP', 'STALL', 'MODE', 'LINK'])
-def test_what_happens_to_the_robot_is_the_reason(stage, happens, code):
-    ready = Ready(stage)
-    sent = ready.moving()
-    happens(ready)
+    (lambda driving: driving.robot.body.force(bump_right=1), Code.BUMP),
+    (lambda driving: driving.robot.body.force(cliff_left=1), Code.CLIFF),
+    (lambda driving: driving.robot.soon(lambda: driving.robot.body.lift(True)), Code.WHEEL_DROP),
+    (lambda driving: driving.robot.body.hold(right=True, left=True), Code.STALL),
+    (lambda driving: driving.robot.body.plug_charger(True), Code.MODE),
+], ids=['BUMP', 'CLIFF', 'WHEEL_DROP', 'STALL', 'MODE'])
+def test_what_happens_to_the_robot_is_the_reason(driving, happens, code):
+    sent = driving.moving()
+    happens(driving)
     result = sent.result()
     assert (sent.status, result.error_code) == (GoalStatus.STATUS_ABORTED, code)
     assert result.message
     assert not result.success
-    ready.client.close()
 
 
-def test_time_that_is_over_is_the_reason(ready):
-    sent = ready.moving(time_allowance=Duration(sec=1))
+def test_time_that_is_over_is_the_reason(driving):
+    sent = driving.moving(time_allowance=Duration(sec=1))
     result = sent.result()
     assert result.error_code == DriveDistance.Result.TIMEOUT
     assert 'time_allowance of 1.0 s is over' in result.message
@@ -243,24 +229,23 @@ def test_without_a_robot_every_goal_says_so(stage):
     client.close()
 
 
-def test_a_robot_docks_and_leaves_its_dock(stage):
-    ready = Ready(stage, world=BASE)
-    sent = ready.send(Dock, 'dock')
+def test_a_robot_docks_and_leaves_its_dock(start):
+    driving = start(world=BASE)
+    sent = driving.send(Dock, 'dock')
     result = sent.result()
     assert result.success and result.is_docked, result.message
     seen = [each for each in sent.feedback if each.sees_dock]
     assert any(each.red_buoy or each.green_buoy for each in seen)
     assert {each.state for each in sent.feedback} >= {Dock.Feedback.SEES_DOCK}
-    result = ready.result(Undock, 'undock')
+    result = driving.result(Undock, 'undock')
     assert result.success and not result.is_docked, result.message
     assert 'by FULL' in result.message
-    ready.until_mode(Mode.SAFE)
-    assert ready.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
-    ready.client.close()
+    driving.ready.until_mode(Mode.SAFE)
+    assert driving.result(Undock, 'undock').error_code == Undock.Result.NO_DOCK
 
 
-def test_a_wall_is_followed_for_a_while(ready):
-    sent = ready.send(WallFollow, 'wall_follow', follow_side=WallFollow.Goal.FOLLOW_RIGHT,
+def test_a_wall_is_followed_for_a_while(driving):
+    sent = driving.send(WallFollow, 'wall_follow', follow_side=WallFollow.Goal.FOLLOW_RIGHT,
                       max_runtime=Duration(sec=2))
     result = sent.result()
     assert result.success
@@ -292,13 +277,20 @@ def test_a_goal_ends_when_its_client_has_gone(stage):
     ready.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
     ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1, 'the robot moves')
     client.send(signal.SIGINT)
-    ready.ros.until(lambda: ready.asked_to_stand, 'the wheels stand')
+    ready.ros.until(lambda: ready.robot.create.actuators.wheels == (0, 0), 'the wheels stand')
     assert ready.robot.body.truth().travelled < 4.0
 
 
-def test_a_client_hears_that_the_driver_ends(ready):
-    sent = ready.moving()
-    ready.node.send(signal.SIGINT)
+def test_a_client_hears_that_the_robot_or_the_driver_is_gone(start):
+    driving = start()
+    sent = driving.moving()
+    driving.robot.unplug()
+    assert sent.result().error_code == Code.LINK
+    driving.ready.until_mode(Mode.UNKNOWN)
+    driving.robot.plug()
+    driving.ready.until_mode(Mode.SAFE)
+    sent = driving.moving()
+    driving.node.send(signal.SIGINT)
     result = sent.result()
     assert result.error_code == Code.LINK
     assert 'the driver ends' in result.message

@@ -4,7 +4,6 @@
 
 import signal
 from statistics import median
-from typing import Any
 
 from create_oi_msgs.msg import (
     Buttons,
@@ -38,62 +37,13 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
-from create_oi_ros.driver.state import Activity, REFUSALS
 from create_oi_ros.ros import messages
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
-from support.ros import Scene, scene
+from support.ros import Ready
 from tf2_msgs.msg import TFMessage
 
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-
-
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
-
-
-class Ready:
-    """A robot and its node, in Safe mode."""
-
-    def __init__(self, stage: Scene, **parameters: object) -> None:
-        self.ros = stage.ros
-        self.robot = stage.robot()
-        self.node = stage.node(self.robot.link, **parameters)
-        self.modes = self.ros.listen(Mode, 'mode', LATCHED)
-        self.until_mode(Mode.SAFE)
-
-    def until_mode(self, mode: int) -> None:
-        """Wait until the newest `mode` message has this mode."""
-        self.ros.until(lambda: self.modes and self.modes[-1].mode == mode, f'mode {mode}')
-
-    def _reply(self, type_: type, name: str, **fields: object) -> Any:
-        """Return the reply; a computer that stood still may have lost the robot for a moment."""
-        def answered() -> Any:
-            reply = self.ros.call(type_, name, **fields)
-            return None if reply.message == REFUSALS[Activity.CALLING] else reply
-        return self.ros.until(answered, f'an answer to {name}')
-
-    def ask(self, type_: type, name: str, **fields: object) -> str:
-        """Call a service that must succeed; return its message."""
-        reply = self._reply(type_, name, **fields)
-        assert reply.success, reply.message
-        return reply.message
-
-    def refused(self, type_: type, name: str, **fields: object) -> str:
-        """Call a service that must fail; return its message."""
-        reply = self._reply(type_, name, **fields)
-        assert not reply.success
-        assert reply.message
-        return reply.message
-
-
-@pytest.fixture
-def ready(stage):
-    """Return a robot and its node, in Safe mode."""
-    return Ready(stage)
 
 
 def test_what_the_robot_senses_is_published(ready):
@@ -197,7 +147,8 @@ def test_scripts_are_stored_shown_and_played(ready):
     assert 'both' in ready.refused(DefineScript, 'define_script', text=text, code=[155, 1])
 
 
-def test_ending_the_node_while_a_script_holds_the_robot_is_an_error_line(ready):
+def test_ending_the_node_while_a_script_holds_the_robot_is_an_error_line(stage):
+    ready = Ready(stage)
     text = 'Drive velocity=100 radius=straight\nWait Distance distance=-1000'
     ready.ask(DefineScript, 'define_script', text=text)
     assert 'waits for ever' in ready.refused(PlayScript, 'play_script')

@@ -14,21 +14,29 @@ import threading
 import time
 from typing import Any
 
+from create_oi_msgs.msg import Mode
+from create_oi_msgs.srv import SetMode
 import domain_coordinator
+from geometry_msgs.msg import Twist, Vector3
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
+from std_srvs.srv import Trigger
 
+from create_oi_ros.driver.state import Activity, REFUSALS
 from create_oi_ros.robot import Rounding
 from create_oi_ros.ros.programs import PROGRAMS
+from create_oi_ros.ros.topics import LATCHED
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.server import Server
 from create_oi_ros.sim.server.control import ControlPort
 from create_oi_ros.sim.server.faults import Faults
 from create_oi_ros.sim.server.lines import PtyLine
-from create_oi_ros.sim.world import shipped, World
+from create_oi_ros.sim.world import Pose, shipped, World
 from support.processes import kill_marked, MARK
 
 TIMEOUT = 30.0
@@ -267,6 +275,82 @@ class Scene:
         self.ros.close()
         for close in reversed(self._closing):
             close()
+
+
+class Ready:
+    """A robot and its node in Safe mode, which tests share: `renew` puts everything back."""
+
+    def __init__(self, stage: Scene, world: World | None = None, **parameters: object) -> None:
+        self.stage, self.ros = stage, stage.ros
+        self.robot = stage.robot(world=world)
+        self.node = stage.node(self.robot.link, **parameters)
+        self.modes = self.ros.listen(Mode, 'mode', LATCHED)
+        self.until_mode(Mode.SAFE)
+        node = self.ros.node
+        self._kept = {*node.subscriptions, *node.publishers, *node.timers}
+
+    def until_mode(self, mode: int) -> None:
+        """Wait until the newest `mode` message has this mode."""
+        self.ros.until(lambda: self.modes and self.modes[-1].mode == mode, f'mode {mode}')
+
+    def reply(self, type_: type, name: str, **fields: object) -> Any:
+        """Return the reply; a computer that stood still may have lost the robot for a moment."""
+        def answered() -> Any:
+            reply = self.ros.call(type_, name, **fields)
+            return None if reply.message == REFUSALS[Activity.CALLING] else reply
+        return self.ros.until(answered, f'an answer to {name}')
+
+    def ask(self, type_: type, name: str, **fields: object) -> str:
+        """Call a service that must succeed; return its message."""
+        reply = self.reply(type_, name, **fields)
+        assert reply.success, reply.message
+        return str(reply.message)
+
+    def refused(self, type_: type, name: str, **fields: object) -> str:
+        """Call a service that must fail; return its message."""
+        reply = self.reply(type_, name, **fields)
+        assert not reply.success
+        assert reply.message
+        return str(reply.message)
+
+    def set(self, name: str, value: float) -> bool:
+        """Set a parameter of the node that is a number; return whether that was accepted."""
+        wanted = Parameter(name=name, value=ParameterValue(
+            type=ParameterType.PARAMETER_DOUBLE, double_value=value))
+        result, = self.ros.call(
+            SetParameters, 'create/set_parameters', parameters=[wanted]).results
+        assert result.successful or result.reason
+        return bool(result.successful)
+
+    def drive(self, linear: float, angular: float, done: Callable[[], Any]) -> None:
+        """Publish a velocity ten times a second until a condition is true, then zero."""
+        velocity = self.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+        command = Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
+        timer = self.ros.node.create_timer(0.1, lambda: velocity.publish(command))
+        self.ros.until(done, f'driving {linear}, {angular}')
+        self.ros.node.destroy_timer(timer)
+        velocity.publish(Twist())
+
+    def renew(self) -> None:
+        """Put the robot back where it began, in Safe mode, and forget what a test listened to."""
+        node, body = self.ros.node, self.robot.body
+        for each in {*node.subscriptions} - self._kept:
+            node.destroy_subscription(each)
+        for each in {*node.publishers} - self._kept:
+            node.destroy_publisher(each)
+        for each in {*node.timers} - self._kept:
+            node.destroy_timer(each)
+        body.unforce()
+        body.plug_charger(False)
+        body.lift(False)
+        body.hold()
+        body.drop()
+        self.ros.call(Trigger, 'stop')
+        self.ros.until(lambda: self.ros.call(SetMode, 'set_mode', mode=Mode.SAFE).success)
+        self.until_mode(Mode.SAFE)
+        self.ros.until(lambda: body.truth().speed == body.truth().rate == 0, 'the robot stands')
+        body.place(Pose())
+        self.ask(Trigger, 'reset_odometry')
 
 
 _next_domains = cycle(range(1, 101))

@@ -1,0 +1,28 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Robots and nodes of the tests of ROS: of one test, or shared by a module."""
+
+import pytest
+
+from support.ros import Ready, scene
+
+
+@pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene."""
+    with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory):
+    """Return a robot and its node, in Safe mode, that the tests of a module share."""
+    with scene(tmp_path_factory.mktemp('shared')) as made:
+        yield Ready(made)
+
+
+@pytest.fixture
+def ready(shared):
+    """Return the shared robot and node as if they were new."""
+    shared.renew()
+    return shared
