@@ -21,17 +21,9 @@ from create_oi_ros.robot import BODY_RADIUS, SLOT
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.publishing import ContactCloud
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import scene
 
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 """What Nav2's obstacle layer subscribes with."""
-
-
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
 
 
 def points(cloud: PointCloud2) -> list[tuple[float, ...]]:

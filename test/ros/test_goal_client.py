@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals for programs of a few lines, and the example that drives a square by them."""
 
-from functools import partial
+from math import pi
 from re import fullmatch
 import signal
 
@@ -11,8 +11,6 @@ from geometry_msgs.msg import Point, PoseStamped
 import pytest
 
 from create_oi_ros.ros.goal_client import filled, GoalFailed
-from create_oi_ros.sim.world import parse, World
-from support.ros import Program, Robot, Scene, scene
 
 FAILS = """
 from create_oi_ros.ros.goal_client import GoalClient, GoalFailed
@@ -50,51 +48,32 @@ def test_a_field_that_does_not_exist_or_fit_is_refused(fields, words):
         filled(DriveDistance.Goal(check_fields=True), fields, 'drive_distance')
 
 
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
-
-
-def ready(stage: Scene, world: World | None = None) -> Robot:
-    """Start a robot and its node; return the robot once it answers."""
-    robot = stage.robot(world=world)
-    node = stage.node(robot.link)
-    stage.ros.until(lambda: 'robot answers' in node.output, 'the robot answers')
-    return robot
-
-
-def has_printed(program: Program, count: int) -> bool:
-    """Return whether a program has printed so many lines."""
-    return len(program.printed) >= count
-
-
-def test_the_example_drives_a_square(stage):
-    robot = ready(stage)
-    example = stage.example('square.py')
-    for count in range(1, 9):
-        stage.ros.until(partial(has_printed, example, count), f'goal {count}')
-    assert example.ended() == 0
-    assert [line.split()[0] for line in example.printed] == ['drove', 'turned'] * 4
-    pose = robot.body.truth().pose
-    assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.0, 0.0, 0.0), abs=0.08)
-
-
-def test_the_example_ends_with_the_reason_where_something_is_in_the_way(stage):
-    ready(stage, parse('start 0 0 0\nwall 0.3 -1 0.3 1', 'wall'))
-    example = stage.example('square.py')
+def test_the_example_drives_and_turns_until_ctrl_c_cancels_its_goal(ready):
+    example, pose = ready.stage.example('square.py'), ready.robot.body.truth
+    ready.ros.until(lambda: len(example.printed) == 2, 'a side and a corner')
+    assert [line.split()[0] for line in example.printed] == ['drove', 'turned']
+    assert (pose().pose.x, pose().pose.yaw) == pytest.approx((0.3, pi / 2), abs=0.05)
+    ready.ros.until(lambda: pose().speed > 0.05, 'the second side')
+    example.send(signal.SIGINT)
     assert example.ended() == 1
     assert fullmatch(
-        r'drive_distance: stopped after 0\.\d\d m; the bumper is pressed in front: '
-        r'drive backwards or turn away\n', example.output)
+        r'drive_distance: stopped after 0\.\d\d m; canceled\n', example.printed[-1])
+    ready.ros.until(lambda: ready.robot.create.actuators.wheels == (0, 0), 'the wheels stand')
 
 
-def test_a_goal_that_fails_says_why_and_the_next_one_is_done(stage):
-    ready(stage)
-    script = stage.folder / 'fails.py'
+def test_the_example_ends_with_the_reason_where_something_is_in_the_way(ready):
+    ready.robot.body.force(bump_left=1, bump_right=1)
+    example = ready.stage.example('square.py')
+    assert example.ended() == 1
+    assert fullmatch(
+        r'drive_distance: .*; the bumper is pressed in front: drive backwards or turn away\n',
+        example.output)
+
+
+def test_a_goal_that_fails_says_why_and_the_next_one_is_done(ready):
+    script = ready.stage.folder / 'fails.py'
     script.write_text(FAILS)
-    program = stage.script(script)
+    program = ready.stage.script(script)
     assert program.ended() == 0
     unknown, malformed, undocked, done = program.printed
     assert unknown.startswith("no action 'fly'; there are drive_distance, ")
@@ -103,18 +82,6 @@ def test_a_goal_that_fails_says_why_and_the_next_one_is_done(stage):
     assert undocked == (
         'undock: not started; the robot is on no dock: there is nothing to leave\n')
     assert done == 'True\n'
-
-
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_cancels_the_goal_and_ends_the_program_with_one_line(stage, number):
-    robot = ready(stage)
-    example = stage.example('square.py')
-    stage.ros.until(lambda: robot.body.truth().speed > 0.05, 'the robot moves')
-    example.send(number)
-    assert example.ended() == 1
-    assert fullmatch(
-        r'drive_distance: stopped after 0\.\d\d m; canceled\n', example.output)
-    stage.ros.until(lambda: robot.create.actuators.wheels == (0, 0), 'the wheels stand')
 
 
 def test_without_a_driver_the_program_ends_with_a_sentence(stage):

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mistakes in the ROS graph are reported: types, QoS, two publishers, two drivers, frames."""
 
+from contextlib import closing, ExitStack
+
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
@@ -12,30 +14,30 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from create_oi_ros.ros.graph_watch import names_of_publishers, node_name, UNNAMED
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import Listener, Robot, Scene, scene
+from support.ros import Listener, Ready
 
 
 @pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
+def other(shared):
+    """Return a function that adds a node with a name to the graph, until the test ends."""
+    with ExitStack() as stack:
+        yield lambda name: stack.enter_context(closing(Listener(shared.stage.domain, name)))
 
 
-def every(stage: Scene, who: Listener, type_: type, qos: QoSProfile | int = 1) -> Timer:
-    """Publish a velocity of 0.1 m/s ten times a second while the stage's node waits."""
+def every(ready: Ready, who: Listener, type_: type, qos: QoSProfile | int = 1) -> Timer:
+    """Publish a velocity of 0.1 m/s ten times a second while the test waits."""
     made = who.node.create_publisher(type_, 'cmd_vel', qos)
     twist = Twist(linear=Vector3(x=0.1))
-    return stage.ros.node.create_timer(
+    return ready.ros.node.create_timer(
         0.1, lambda: made.publish(twist if type_ is Twist else TwistStamped(twist=twist)))
 
 
-def drives(robot: Robot) -> bool:
+def drives(ready: Ready) -> bool:
     """Return whether the wheels turn."""
-    return robot.body.truth().speed > 0.05
+    return ready.robot.body.truth().speed > 0.05
 
 
-def test_a_publisher_of_a_type_that_was_not_chosen_is_named_once(stage: Scene) -> None:
+def test_a_publisher_of_a_type_that_was_not_chosen_is_named_once(stage):
     node = stage.node(stage.robot().link, cmd_vel_type='twist')
     stage.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)
     warning = ('/listener publishes /cmd_vel as geometry_msgs/TwistStamped, but this driver takes '
@@ -47,75 +49,66 @@ def test_a_publisher_of_a_type_that_was_not_chosen_is_named_once(stage: Scene) -
     assert 'cmd_vel_type: auto' in node.output
 
 
-def test_stamped_commands_drive_when_alone_and_beside_others_are_named(stage: Scene) -> None:
-    robot = stage.robot()
-    node = stage.node(robot.link)
-    stamped = every(stage, stage.listener('nav2'), TwistStamped)
-    stage.ros.until(lambda: drives(robot))
-    assert 'are ignored' not in node.output
-    stage.listener('stick').node.create_publisher(Twist, 'cmd_vel', 1)
-    stage.ros.until(lambda: '/stick publishes /cmd_vel as geometry_msgs/Twist, but' in node.output)
-    assert 'Let all publishers send the same type' in node.output
+def test_stamped_commands_drive_when_alone_and_beside_others_are_named(ready, other):
+    stamped = every(ready, other('nav2'), TwistStamped)
+    ready.ros.until(lambda: drives(ready))
+    assert '/nav2 publishes' not in ready.node.output
+    other('wheel').node.create_publisher(Twist, 'cmd_vel', 1)
+    ready.ros.until(
+        lambda: '/wheel publishes /cmd_vel as geometry_msgs/Twist, but' in ready.node.output)
+    assert 'Let all publishers send the same type' in ready.node.output
     stamped.cancel()
-    stage.ros.until(lambda: not drives(robot), 'the command timeout')
+    ready.ros.until(lambda: not drives(ready), 'the command timeout')
 
 
-def test_a_best_effort_publisher_drives_and_is_named_once(stage: Scene) -> None:
-    robot = stage.robot()
-    node = stage.node(robot.link)
-    every(stage, stage.listener('stick'), Twist, qos_profile_sensor_data)
-    stage.ros.until(lambda: drives(robot))
-    beats = stage.ros.listen(DiagnosticArray, '/diagnostics')
-    stage.ros.until(lambda: len(beats) > 2)
-    assert node.output.count('/stick publishes /cmd_vel as best effort, so this driver') == 1
+def test_a_best_effort_publisher_drives_and_is_named_once(ready, other):
+    every(ready, other('stick'), Twist, qos_profile_sensor_data)
+    ready.ros.until(lambda: drives(ready))
+    beats = ready.ros.listen(DiagnosticArray, '/diagnostics')
+    ready.ros.until(lambda: len(beats) > 2)
+    assert ready.node.output.count('/stick publishes /cmd_vel as best effort, so this driver') == 1
 
 
-def test_two_publishers_are_named_when_both_send(stage: Scene) -> None:
-    node = stage.node(stage.robot().link)
-    first, second = stage.listener('first'), stage.listener('second')
-    every(stage, first, Twist)
+def test_two_publishers_are_named_when_both_send(ready, other):
+    first, second = other('first'), other('second')
+    every(ready, first, Twist)
     second.node.create_publisher(Twist, 'cmd_vel', 1)
-    beats = stage.ros.listen(DiagnosticArray, '/diagnostics')
-    stage.ros.until(lambda: any(
+    beats = ready.ros.listen(DiagnosticArray, '/diagnostics')
+    ready.ros.until(lambda: any(
         value.key == 'cmd_vel publishers' and value.value == '/first, /second'
         for beat in beats for status in beat.status for value in status.values))
     beats.clear()
-    stage.ros.until(lambda: len(beats) > 1)
-    assert 'nodes publish' not in node.output
-    every(stage, second, Twist)
-    stage.ros.until(lambda: '3 nodes publish' in node.output
-                    or '2 nodes publish /cmd_vel: /first, /second.' in node.output)
-    stage.ros.until(lambda: any(
+    ready.ros.until(lambda: len(beats) > 1)
+    assert 'nodes publish' not in ready.node.output
+    every(ready, second, Twist)
+    ready.ros.until(lambda: '3 nodes publish' in ready.node.output
+                    or '2 nodes publish /cmd_vel: /first, /second.' in ready.node.output)
+    ready.ros.until(lambda: any(
         'cmd_vel: the newest command wins' in status.message
         for beat in beats for status in beat.status))
 
 
-def test_a_subscriber_that_gets_nothing_is_told_why(stage: Scene) -> None:
-    node = stage.node(stage.robot().link)
-    stage.ros.listen(Odometry, 'odom', LATCHED)
-    stage.ros.until(lambda: 'incompatible QoS. No messages will be sent to it. Last incompatible '
-                    'policy: DURABILITY' in node.output)
-    stage.ros.listen(Twist, 'joint_states')
-    stage.ros.until(lambda: (
+def test_a_subscriber_that_gets_nothing_is_told_why(ready):
+    odoms = ready.ros.listen(Odometry, 'odom', qos_profile_sensor_data)
+    ready.ros.until(lambda: len(odoms) > 100)
+    assert 'incompatible' not in ready.node.output
+    ready.ros.listen(Odometry, 'odom', LATCHED)
+    ready.ros.until(lambda: 'incompatible QoS. No messages will be sent to it. Last incompatible '
+                    'policy: DURABILITY' in ready.node.output)
+    ready.ros.listen(Twist, 'joint_states')
+    ready.ros.until(lambda: (
         '/listener subscribes to /joint_states, but gets nothing: it takes geometry_msgs/Twist, '
-        'and this driver publishes sensor_msgs/JointState' in node.output))
+        'and this driver publishes sensor_msgs/JointState' in ready.node.output))
 
 
-def test_a_best_effort_subscriber_gets_its_messages_without_a_word(stage: Scene) -> None:
-    node = stage.node(stage.robot().link)
-    odoms = stage.ros.listen(Odometry, 'odom', qos_profile_sensor_data)
-    stage.ros.until(lambda: len(odoms) > 100)
-    assert 'gets nothing' not in node.output
-
-
-def test_commands_in_another_namespace_are_a_hint(stage: Scene) -> None:
+def test_commands_in_another_namespace_are_a_hint(stage):
     node = stage.node(stage.robot().link, '__ns:=/robot1')
     stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     stage.ros.until(lambda: '/listener publishes /cmd_vel, to which nobody listens; this driver '
                     'listens to /robot1/cmd_vel' in node.output)
 
 
-def test_two_robots_with_the_same_frames_are_reported(stage: Scene) -> None:
+def test_two_robots_with_the_same_frames_are_reported(stage):
     nodes = [stage.node(stage.robot(name).link, f'__ns:=/{name}') for name in ('one', 'two')]
     third = stage.node(
         stage.robot('three').link, '__ns:=/three', odom_frame='three/odom',
@@ -129,7 +122,7 @@ def test_two_robots_with_the_same_frames_are_reported(stage: Scene) -> None:
     assert 'publishes a transform' not in third.output
 
 
-def test_two_drivers_of_one_name_are_reported(stage: Scene) -> None:
+def test_two_drivers_of_one_name_are_reported(stage):
     first = stage.node(stage.robot().link)
     stage.ros.until(lambda: 'robot answers' in first.output)
     second = stage.node(stage.robot('second').link)
@@ -137,7 +130,7 @@ def test_two_drivers_of_one_name_are_reported(stage: Scene) -> None:
         stage.ros.until(lambda node=node: 'another node is called /create' in node.output)
 
 
-def test_publishers_are_named_as_people_know_them(stage: Scene) -> None:
+def test_publishers_are_named_as_people_know_them(stage):
     stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
     joystick = stage.listener('joystick')
     joystick.node.create_publisher(Twist, 'cmd_vel', 1)

@@ -13,7 +13,7 @@ import yaml
 from create_oi_ros.odometry import Family, Known, Odometry
 from create_oi_ros.odometry.knowledge import learned
 from create_oi_ros.ros.odometry_model import parsed, read, text_of, write
-from support.ros import Scene, scene
+from support.ros import Scene
 
 
 def anything() -> str:
@@ -127,13 +127,6 @@ def test_what_is_no_text_is_named(tmp_path):
     file.write_bytes(b'\xff\xfe\x00')
     with pytest.raises(ValueError, match='is no text'):
         read(file)
-
-
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
 
 
 def drive(stage: Scene, metres: float, robot) -> None:

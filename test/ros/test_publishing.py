@@ -65,13 +65,6 @@ class Frames:
 
 
 @pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
-
-
-@pytest.fixture
 def frames(stage, monkeypatch):
     """Return frames after one in which every topic was published."""
     return Frames(stage, monkeypatch)
