@@ -41,8 +41,6 @@ TOKEN_BYTES = 16
 TOKEN = re.compile(r'[\w-]{20,100}', re.ASCII)
 LOOKED_AT, ALONE = 0.05, 0.1
 """Seconds between two looks at what ROS has brought, with a page open and without."""
-OTHERWISE = 1.0
-"""Seconds between two looks of the executor while nothing is known to wait for it."""
 EVERYWHERE = ('', '0.0.0.0', '::')
 """Hosts that mean every network of this computer."""
 DOCUMENTATION_NET = '192.0.2.1'
@@ -125,15 +123,11 @@ async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobo
                 viewers: Viewers, recording: BagRecording,
                 truth: SimulatedTruth | None) -> None:
     """Take what ROS brings, and tell the pages."""
-    spin_at = 0.0
     while True:
         now = time.monotonic()
         node.velocity.find_driver(now)
         robot.parts.put('driver_found', node.velocity.driver_listens)
-        node.take_messages()
-        if node.waits or now >= spin_at:
-            spin_at = now + OTHERWISE
-            spin_ready(executor)
+        spin_ready(executor)
         recording.look()
         robot.sample(time.monotonic())
         viewers.tell()

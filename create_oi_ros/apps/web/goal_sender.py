@@ -33,8 +33,6 @@ class SentGoal:
         self.canceling = False
         self.code = 0
         """`error_code` of its result; 0 also while there is none."""
-        self.unanswered = False
-        """Whether the driver has not said in time if it accepts it; it may do so later."""
         self.ended: asyncio.Future[Reply] = asyncio.get_running_loop().create_future()
 
     def end(self, reply: Reply) -> None:
@@ -58,7 +56,7 @@ class GoalSender:
         return self._pursue(goal, fields)
 
     async def _pursue(self, goal: SentGoal, fields: Mapping[str, Any]) -> Reply:
-        client = self._node.action_clients[goal.name]
+        client = self._node.action_client(goal.name)
         looked = 0.0
         while not (client.server_is_ready() or goal.canceling) and looked < DISCOVERY:
             await asyncio.sleep(LOOK)
@@ -68,14 +66,10 @@ class GoalSender:
         elif not client.server_is_ready():
             goal.end(self._node.nobody_offers(goal.name))
         else:
-            self._node.heed(goal.name, heeded=True)
             await self._send(goal, client.send_goal_async(
                 GOALS[goal.name].request(fields),
                 feedback_callback=lambda message: self._on_feedback(goal, message.feedback)))
         reply = await goal.ended
-        running = self._running
-        if not goal.unanswered and (running is None or running.name != goal.name):
-            self._node.heed(goal.name, heeded=False)
         state = 'reached' if reply.ok else 'canceled' if goal.canceling else 'ended'
         self._show(goal, state, reply.text)
         self._robot.happened('error' if state == 'ended' else '', f'{goal.name.replace("_", " ")}'
@@ -86,7 +80,6 @@ class GoalSender:
         try:
             self._follow(goal, await awaited(sent))
         except TimeoutError as error:
-            goal.unanswered = True
             goal.end(Reply(False, str(error)))
             sent.add_done_callback(lambda late: late.result().cancel_goal_async())
 
@@ -141,5 +134,5 @@ class GoalSender:
             return
         if goal.viewer != viewer and not goal.canceling:
             self.cancel()
-        if goal.handle and not self._node.action_clients[goal.name].server_is_ready():
+        if goal.handle and not self._node.action_client(goal.name).server_is_ready():
             goal.end(GONE)

@@ -17,7 +17,6 @@ from rclpy.task import Future
 from ...ros import topics
 from ...ros.actions import ACTIONS
 from ...ros.diagnostics import of_driver, PARAMETERS
-from ...ros.polled_topic import PolledTopic
 from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot, TAKEN
@@ -28,6 +27,7 @@ HEARD = tuple(topic for topic in topics.PUBLISHED
 CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'reset_odometry')
 """Services that the page can call."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
+GOAL_TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
 REPLY_TIMEOUT = 10.0
 """Seconds to wait for the reply of a service."""
 
@@ -62,33 +62,15 @@ class WebNode(Node):
         self._robot = robot
         self._own_namespace = self.get_namespace().strip('/')
         self.velocity = VelocityOutput(self)
-        self._heard = [
-            PolledTopic(
-                self, topic.type, topic.name,
+        for topic in HEARD:
+            self.create_subscription(
+                topic.type, topic.name,
                 self._on_diagnostics if topic is topics.DIAGNOSTICS else self._on_message,
                 NEWEST if topic.type is Odometry else topic.qos)
-            for topic in HEARD]
         # Discovery takes a moment, so the clients are created before they are needed.
         self._service_clients = {
             name: self.create_client(TYPES[name], name) for name in CALLED}
-        self.action_clients = {
-            action.name: ActionClient(self, action.type, action.name) for action in ACTIONS}
-        # They cost time at every look, and are only looked at while a goal is under way.
-        for client in self.action_clients.values():
-            self.remove_waitable(client)
-        self._heeded: set[str] = set()
-        self._calls = 0
-        """Service calls without a reply."""
-
-    @property
-    def waits(self) -> bool:
-        """Whether the executor is needed: for the reply of a service, or for an action."""
-        return self._calls > 0 or bool(self._heeded)
-
-    def take_messages(self) -> None:
-        """Take what the driver has published since the last look."""
-        for topic in self._heard:
-            topic.take()
+        self._action_clients: dict[str, ActionClient] = {}
 
     def _on_message(self, message: Any) -> None:
         self._robot.update(message, time.monotonic())
@@ -101,17 +83,11 @@ class WebNode(Node):
             self._robot.diagnose({name: status for name, status in statuses.items()
                                   if name != PARAMETERS}, time.monotonic())
 
-    def heed(self, action: str, *, heeded: bool) -> None:
-        """Begin, or end, to take what the server of an action answers."""
-        if heeded == (action in self._heeded):
-            return
-        client = self.action_clients[action]
-        if heeded:
-            self._heeded.add(action)
-            self.add_waitable(client)
-        else:
-            self._heeded.remove(action)
-            self.remove_waitable(client)
+    def action_client(self, name: str) -> ActionClient:
+        """Return the client of an action; it is made when it is first needed."""
+        if name not in self._action_clients:
+            self._action_clients[name] = ActionClient(self, GOAL_TYPES[name], name)
+        return self._action_clients[name]
 
     def nobody_offers(self, name: str) -> Reply:
         """Return the reply for a service or an action without a server."""
@@ -123,11 +99,8 @@ class WebNode(Node):
         client = self._service_clients[service]
         if not client.service_is_ready():
             return self.nobody_offers(service)
-        self._calls += 1
         try:
             reply = await awaited(client.call_async(TYPES[service].Request(**fields)))
         except TimeoutError as error:
             return Reply(False, str(error))
-        finally:
-            self._calls -= 1
         return Reply(bool(reply.success), str(reply.message))
