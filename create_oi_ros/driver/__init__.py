@@ -17,12 +17,12 @@ from .events import (
 )
 from .machine import Driver
 from .motion import MotionLimits, wheel_speeds
-from .outbox import LAST_WORDS, Outcome, Pending
+from .outbox import DEAD_MAN_STOP, Outcome, Pending
 from .state import Activity
 from .supervision import Cause, ModeStatus
 
 __all__ = [
     'Activity', 'BatteryLevel', 'BatteryLimits', 'Cause', 'Driver', 'DriverEvent', 'Health',
-    'LAST_WORDS', 'LinkCounts', 'LowBatteryAction', 'ModeChanged', 'ModeStatus', 'MotionLimits',
+    'DEAD_MAN_STOP', 'LinkCounts', 'LowBatteryAction', 'ModeChanged', 'ModeStatus', 'MotionLimits',
     'Moved', 'Notice', 'Outcome', 'Pending', 'Settings', 'Severity', 'wheel_speeds',
 ]

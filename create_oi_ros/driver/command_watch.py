@@ -24,7 +24,7 @@ IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told
 POLL_INTERVAL, POLL_PART = 0.2, 0.2
 """Seconds between two polls of a robot that may wait; at least this part of the time for which it
 was polled, so that a long wait gets few."""
-PAUSED, LOOK_AFTER = 0.075, 0.105
+PAUSED, CHECK_AFTER = 0.075, 0.105
 """Seconds without a frame by which the stream has paused, and after a poll to look for that."""
 PAUSE = oi.PauseResumeStream(state=oi.StreamState.PAUSE)
 RESUME = oi.PauseResumeStream(state=oi.StreamState.RESUME)
@@ -113,13 +113,13 @@ class Probe:
         self._since = self.due = due
         self._sent_at = None
 
-    def poll(self, now: float, heard_at: float) -> bool:
+    def poll(self, now: float, frame_at: float) -> bool:
         """Poll or look, when it is time; True: the stream has paused, ask for it anew."""
-        silent, sent_at = now - heard_at > PAUSED, self._sent_at
+        silent, sent_at = now - frame_at > PAUSED, self._sent_at
         if sent_at is None:
             if not silent:  # else it sends nothing while it waits, or is gone: `Connection` calls
                 self._outbox.send(PAUSE)
-                self._sent_at, self.due = now, now + LOOK_AFTER
+                self._sent_at, self.due = now, now + CHECK_AFTER
             return False
         self._sent_at, self.due = None, sent_at + max(
             POLL_INTERVAL, POLL_PART * (now - self._since))

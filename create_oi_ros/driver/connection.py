@@ -130,7 +130,7 @@ class Connection:
         self.frame_budget = FrameBudget()
         self.plan = StreamPlan(self._search.baud)
         self.reader = oi.StreamReader(self.plan.lists)
-        self.heard_at = 0.0
+        self.frame_at = 0.0
         """When the last frame came, in the clock of `now`."""
         self.present_at = inf
         """When a frame came last; before the first one, when the robot was called first."""
@@ -209,7 +209,7 @@ class Connection:
     def check_silence(self, now: float) -> None:
         """Call the robot when no frame has come for too long."""
         answered = self._core.state.answered
-        if now - self.heard_at <= (SILENCE if answered else self._call_interval):
+        if now - self.frame_at <= (SILENCE if answered else self._call_interval):
             return
         if answered:
             self._core.counts.silences += 1
@@ -241,7 +241,7 @@ class Connection:
         self._core.handle(StateEvent.NO_ANSWER)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self._stale_until = now + STALE
-        self.heard_at = self._stale_until - self._call_interval
+        self.frame_at = self._stale_until - self._call_interval
 
     def check_line(self, missed_since: float | None, now: float) -> bool:
         """
@@ -272,7 +272,7 @@ class Connection:
         """Poll a robot that may not take commands; True when it has just shown that it does."""
         if not self._core.watch.suspects or now < self._probe.due or self._core.outbox.busy:
             return False
-        listens = self._probe.poll(now, self.heard_at)
+        listens = self._probe.poll(now, self.frame_at)
         if listens:
             self._core.watch.restart()
             self.plan.restart()
@@ -283,9 +283,9 @@ class Connection:
         self._core.outbox.clear()
         self._core.handle(event)
         assert self._core.state.activity is Activity.CALLING
-        self.heard_at = now
+        self.frame_at = now
         baud = self._search.next_baud()
-        ask: oi.Command = oi.Stream(packets=self.plan.knock.ids)
+        ask: oi.Command = oi.Stream(packets=self.plan.call.ids)
         if self._search.raises:
             ask = oi.Baud(code=oi.BaudCode.of_rate(START_BAUDS[0]))
         elif baud != self.plan.baud:
@@ -310,11 +310,11 @@ class Connection:
             return WAKE_UP if seconds < CALL_INTERVAL else 2 * HALT.encode()
         return HALT.encode() if calls == 1 else b''
 
-    def heard_knock(self, now: float) -> None:
+    def call_answered(self, now: float) -> None:
         """Stop a robot that has answered a call, and ask it for all packets."""
         stream = None if self._core.state.answered else self.plan.next_stream(now, motion_due=True)
         if stream is not None:
-            self.heard_at = now
+            self.frame_at = now
             self._core.outbox.send(HALT)
             self._core.outbox.send(stream)
 

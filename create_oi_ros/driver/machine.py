@@ -38,8 +38,8 @@ from .velocity_control import VelocityControl
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
-LOOK_INTERVAL = 0.1
-"""Seconds between two looks at what changes within seconds."""
+SLOW_CHECK_INTERVAL = 0.1
+"""Seconds between two checks of what changes within seconds."""
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 
@@ -70,7 +70,7 @@ class Driver:
         self._velocity = VelocityControl(core, self._wheels, self._modes, self.goals)
         self._unchecked: deque[tuple[Taken, Moved]] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
-        self._look_at = -inf
+        self._check_at = -inf
         self._reported_status = self.status
 
     def _follow(self, event: StateEvent) -> None:
@@ -116,8 +116,8 @@ class Driver:
         """Take frames and garbage from the bytes that came."""
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
-                if event.packets is self.plan.knock:
-                    self._connection.heard_knock(now)
+                if event.packets is self.plan.call:
+                    self._connection.call_answered(now)
                 else:
                     self._take_frame(event, now)
             else:
@@ -135,8 +135,8 @@ class Driver:
             self._check_frame(*self._unchecked.popleft(), now)
         if not self.state.takes_commands:
             if self.scripts.reading:
-                self._connection.heard_at = now
-            self.scripts.poll(now, self._connection.heard_at)
+                self._connection.frame_at = now
+            self.scripts.poll(now, self._connection.frame_at)
         self._connection.check_silence(now)
         self._modes.check_timeout(now)
         self.outputs.check_timeout(now)
@@ -199,7 +199,7 @@ class Driver:
             hazards=causes_in(readings) if readings.has('oi_mode') else (),
             readings=readings, odd=dict(self._tracking.odd.newest), counts=copy(self.counts),
             line_problem=connection.problem,
-            frame_age=now - connection.heard_at if self.counts.frames else None,
+            frame_age=now - connection.frame_at if self.counts.frames else None,
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=self.core.watch.ignores,
             suspects_commands=self.core.watch.suspects, angle_stuck=self._turn_check.stuck,
@@ -217,7 +217,7 @@ class Driver:
         activity = self.state.activity
         sends = activity is not Activity.CLOSED and (
             activity is not Activity.SCRIPT or self.scripts.may_stop())
-        if sends and not (self._wheels.held and self._wheels.told_to_stand):
+        if sends and not (self._wheels.held and self._wheels.stop_sent):
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
@@ -271,7 +271,7 @@ class Driver:
         before = self._tracking.readings
         taken = self._tracking.take(frame, self._connection.baud, now)
         self._connection.add_frame(frame.packets)
-        self._connection.heard_at = now
+        self._connection.frame_at = now
         if taken is None:
             return
         for text in self._tracking.odd.news:
@@ -339,12 +339,12 @@ class Driver:
             self._modes.retry(now)
         if self._turn_check.observe(taken.readings, taken.dt, drives=drives):
             self.core.events.notice(Severity.WARNING, ANGLE_STUCK)
-        if now >= self._look_at:
-            self._look_at = now + LOOK_INTERVAL
-            self._look(readings, now)
+        if now >= self._check_at:
+            self._check_at = now + SLOW_CHECK_INTERVAL
+            self._check_slow(readings, now)
 
-    def _look(self, readings: oi.Readings, now: float) -> None:
-        """Look at what changes within seconds: battery, charger, what is known of the robot."""
+    def _check_slow(self, readings: oi.Readings, now: float) -> None:
+        """Check what changes within seconds: battery, charger, what is known of the robot."""
         self._battery.observe(readings, now)
         self._charging.observe(readings, now)
         if self._acquaintance.due(now):

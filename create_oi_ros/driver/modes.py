@@ -31,7 +31,7 @@ class Modes:
         self._request = done('no request')
         self._requested: oi.Mode | None = None
         """The mode of a request that has not ended; None without one."""
-        self._deadline = self._believed_at = 0.0
+        self._deadline = self._valid_at = 0.0
         self._was_in_another = False
         """Whether the robot has been in another mode since the request, or just before it."""
 
@@ -44,7 +44,7 @@ class Modes:
             return refused(why)
         self.fail('another request came before the robot answered')
         self._request, self._requested = Pending(), mode
-        self._deadline, self._believed_at = now + MODE_TIMEOUT, now + OLD
+        self._deadline, self._valid_at = now + MODE_TIMEOUT, now + OLD
         self._was_in_another = self._core.status.actual is not mode
         self._core.handle(StateEvent.MODE_SET if mode in oi.ACTUATE else StateEvent.PASSIVE_SET)
         self._core.supervision.want(mode)
@@ -92,7 +92,7 @@ class Modes:
         if self._requested is not None:
             if status.actual is not self._requested:
                 self._was_in_another = True
-            elif self._was_in_another or now > self._believed_at:
+            elif self._was_in_another or now > self._valid_at:
                 self._end(True, f'robot is in {self._requested.name}')
         return left
 

@@ -165,7 +165,7 @@ class WheelCommands:
         self.forget_sent()
 
     @property
-    def told_to_stand(self) -> bool:
+    def stop_sent(self) -> bool:
         """Whether a stop was sent last."""
         return self._sent == (0, 0)
 
@@ -196,7 +196,7 @@ class WheelCommands:
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
         blocked = self.blocked and self.limits.bump_stop
         if self.held:
-            if self.told_to_stand or not blocked and self._wanted != STOPPED:
+            if self.stop_sent or not blocked and self._wanted != STOPPED:
                 return None
             self._sent, self._sent_at = (0, 0), now
             return HALT

@@ -29,7 +29,7 @@ The first `HALT` may be taken as that rest, even as a speed; then the second one
 docs/reliability.md shows what becomes of each command.
 """
 END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
-LAST_WORDS = b''.join((
+DEAD_MAN_STOP = b''.join((
     HALT.encode(), oi.Start().encode(), DRAIN, HALT.encode(), oi.Start().encode()))
 """Stops a robot whose driver has died, even in the middle of a command."""
 

@@ -193,11 +193,11 @@ class ScriptControl:
         self._stop_sent = True
         return first
 
-    def poll(self, now: float, heard_at: float) -> None:
+    def poll(self, now: float, frame_at: float) -> None:
         """
         Advance timers: the next poll of a playing robot, silence, the reply's timeout.
 
-        `heard_at` is when the last frame came.
+        `frame_at` is when the last frame came.
         """
         activity = self._core.state.activity
         if activity is Activity.SILENCING and self._core.outbox.busy:
@@ -205,16 +205,16 @@ class ScriptControl:
         if now < self._due or self._core.outbox.busy:
             return
         if activity is Activity.SCRIPT:
-            self._poll_playing(now, heard_at)
+            self._poll_playing(now, frame_at)
         elif activity is Activity.SILENCING:
             self._ask_for_script(now)
         elif activity is Activity.READING:
             self._end_show(False, f'the robot sent {len(self._reply)} bytes of its script and '
                            'then nothing: try again')
 
-    def _poll_playing(self, now: float, heard_at: float) -> None:
+    def _poll_playing(self, now: float, frame_at: float) -> None:
         """Ask for the list that shows the end: at first, and when the stream could be paused."""
-        if not self._asked or self._probe.poll(now, heard_at):
+        if not self._asked or self._probe.poll(now, frame_at):
             self._core.outbox.send(HALT)
             self._core.outbox.send(oi.Stream(packets=self._plan.marker.ids))
             self._asked = True

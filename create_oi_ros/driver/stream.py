@@ -71,7 +71,7 @@ class StreamPlan:
         """Plan for another baud rate, from the start."""
         self.restart()
         self.short, self._parts, self.full = _lists(baud)
-        self.knock = oi.PacketList.named('oi_mode')
+        self.call = oi.PacketList.named('oi_mode')
         """Asked for to see whether a robot listens: no part of this Stream can do harm, while
         packet 7, read as an opcode, restarts the robot."""
         self.marker = oi.PacketList.named(*ESSENTIAL)
@@ -89,7 +89,7 @@ class StreamPlan:
     @property
     def lists(self) -> tuple[oi.PacketList, ...]:
         """All lists whose frames may arrive."""
-        return (self.short, self.full, *self._parts, self.marker, self.script, self.knock)
+        return (self.short, self.full, *self._parts, self.marker, self.script, self.call)
 
     def restart(self) -> None:
         """Forget what was asked for: the robot may have been switched off."""

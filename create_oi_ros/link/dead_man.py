@@ -29,10 +29,10 @@ END_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class DeadMan:
-    """Watches over one open line until `release` or `say_last_words`."""
+    """Watches over one open line until `release` or `trigger`."""
 
-    def __init__(self, line: int, last_words: bytes) -> None:
-        """Start the process; `line` is the file descriptor, `last_words` what stops the robot."""
+    def __init__(self, line: int, stop_bytes: bytes) -> None:
+        """Start the process; `line` is the file descriptor, `stop_bytes` what stops the robot."""
         watched, self._pipe = os.pipe()
         # The process inherits the mask, so the signals that end its parent never reach it.
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, END_SIGNALS)
@@ -40,7 +40,7 @@ class DeadMan:
             # Isolated and without site-packages; in a session of its own, out of Ctrl-C's reach.
             self._process = subprocess.Popen(
                 [sys.executable, '-I', '-S', dead_man_process.__file__, str(watched), str(line),
-                 last_words.hex(), str(os.getpid())],
+                 stop_bytes.hex(), str(os.getpid())],
                 pass_fds=(watched, line), start_new_session=True,
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         except BaseException:
@@ -68,9 +68,9 @@ class DeadMan:
             # It has been killed: there is nothing left to release.
             return
         finally:
-            self.say_last_words()
+            self.trigger()
 
-    def say_last_words(self) -> None:
+    def trigger(self) -> None:
         """End the process after it has stopped the robot, if the line still takes bytes."""
         os.close(self._pipe)
         try:

@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The program of the dead-man: `dead_man_process.py PIPE LINE LAST_WORDS DRIVER`.
+The program of the dead-man: `dead_man_process.py PIPE LINE STOP DRIVER`.
 
 `dead_man` says what it is for. This file imports next to nothing: the process starts in a few
 milliseconds, before anything moves, and takes a third less memory than with `signal`, which it
@@ -15,11 +15,11 @@ import sys
 GOODBYE = b'\0'
 WRITE_TIMEOUT = 2.0
 """Seconds after which the process gives up on a line that takes no byte."""
-LOOK_INTERVAL, SECOND_LOOK = 0.1, 0.02
-"""Seconds between two looks whether the driver is suspended, and before the look that confirms it:
+CHECK_INTERVAL, CONFIRM_INTERVAL = 0.1, 0.02
+"""Seconds between two checks whether the driver is suspended, and before the one that confirms it:
 together 0.12, where 0.2 are promised until the wheels are told to stop."""
-LOOKS_TO_REPEAT = 10
-"""Looks between two times that the last words are written while the driver stays suspended."""
+CHECKS_TO_REPEAT = 10
+"""Checks between two times that the stop is written while the driver stays suspended."""
 SUSPENDED = (b'T', b't')
 """Process states: stopped by a signal, and by a debugger (proc(5))."""
 STATUS_LIMIT = 4096
@@ -43,28 +43,28 @@ def is_suspended(status: int | None) -> bool:
         return False
 
 
-def watch(pipe: int, line: int, last_words: bytes, driver: int) -> None:
-    """Wait for the driver's goodbye or its death; write the last words after its death."""
-    status, found, wait = open_status(driver), 0, LOOK_INTERVAL
+def watch(pipe: int, line: int, stop_bytes: bytes, driver: int) -> None:
+    """Wait for the driver's goodbye or its death; write the stop after its death."""
+    status, found, wait = open_status(driver), 0, CHECK_INTERVAL
     while not select.select([pipe], [], [], wait)[0]:
         found = found + 1 if is_suspended(status) else 0
-        wait = SECOND_LOOK if found == 1 else LOOK_INTERVAL
-        if found % LOOKS_TO_REPEAT == 2:
-            write_all(line, last_words)
+        wait = CONFIRM_INTERVAL if found == 1 else CHECK_INTERVAL
+        if found % CHECKS_TO_REPEAT == 2:
+            write_all(line, stop_bytes)
     if os.read(pipe, 1) != GOODBYE:
-        write_all(line, last_words)
+        write_all(line, stop_bytes)
 
 
-def write_all(line: int, last_words: bytes) -> None:
+def write_all(line: int, stop_bytes: bytes) -> None:
     """Write to a line; end the process if the line takes no bytes, do nothing if it is gone."""
     written = 0
-    while written < len(last_words):
+    while written < len(stop_bytes):
         # A suspended driver shares the open line, so its blocking mode must stay as it is. A line
         # that is ready takes one byte at least; more might block.
         if not select.select([], [line], [], WRITE_TIMEOUT)[1]:
             sys.exit(1)
         try:
-            written += os.write(line, last_words[written:written + 1])
+            written += os.write(line, stop_bytes[written:written + 1])
         except BlockingIOError:
             continue
         except OSError:

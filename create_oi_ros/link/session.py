@@ -17,7 +17,7 @@ from math import inf
 import threading
 import time
 
-from ..driver import Driver, DriverEvent, Health, LAST_WORDS, LinkCounts, Notice, Severity
+from ..driver import DEAD_MAN_STOP, Driver, DriverEvent, Health, LinkCounts, Notice, Severity
 from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
@@ -222,7 +222,7 @@ class Session:
             return
         self._dead_man_started_at = time.monotonic()
         try:
-            self._dead_man = DeadMan(line, LAST_WORDS)
+            self._dead_man = DeadMan(line, DEAD_MAN_STOP)
         except OSError as error:
             self._on_event(Notice(
                 Severity.ERROR, f'the dead-man could not be started ({error}); if this process '
@@ -303,7 +303,7 @@ class Session:
             if stopped:
                 self._dead_man.release()
             else:
-                self._dead_man.say_last_words()
+                self._dead_man.trigger()
             self._dead_man = None
         self._port = None
 

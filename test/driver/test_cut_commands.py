@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.outbox import LAST_WORDS, WAKE_UP
+from create_oi_ros.driver.outbox import DEAD_MAN_STOP, WAKE_UP
 from support.robot import GENTLE, Robot
 
 BYTE = oi.PacketList((7,)).wire_time(57600) / oi.PacketList((7,)).frame_size
@@ -41,7 +41,7 @@ def turning_after(begun: bytes, words: bytes) -> float:
 
 WAITS = [command for command in oi.COMMANDS if command.title.startswith('Wait ')]
 OTHERS = [command for command in oi.COMMANDS if command not in WAITS]
-words = pytest.mark.parametrize('words', [WAKE_UP, LAST_WORDS], ids=['wake up', 'last words'])
+words = pytest.mark.parametrize('words', [WAKE_UP, DEAD_MAN_STOP], ids=['wake up', 'last words'])
 
 
 @words

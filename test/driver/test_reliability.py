@@ -10,7 +10,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, LowBatteryAction, Settings, Severity
 from create_oi_ros.driver.battery import SETTLE
-from create_oi_ros.driver.outbox import LAST_WORDS
+from create_oi_ros.driver.outbox import DEAD_MAN_STOP
 from create_oi_ros.driver.stream import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
 from create_oi_ros.driver.tracking import FASTEST, FASTEST_TURN, JumpCheck, SLACK
@@ -27,7 +27,7 @@ def test_last_words_stop_a_robot_whatever_it_was_being_told(begun):
     loop = Loop()
     loop.run(0.3)
     loop.drive(0.3, 0.0, 0.5)
-    loop.robot.receive(begun + LAST_WORDS, loop.now)
+    loop.robot.receive(begun + DEAD_MAN_STOP, loop.now)
     loop.cut = True
     loop.run(1.0)
     assert loop.robot.mode is oi.Mode.PASSIVE
@@ -164,7 +164,7 @@ def test_after_a_standstill_what_came_long_ago_is_dropped_and_the_robot_called_a
     loop.drive(0.3, 0.0, 0.5)
     frames = len(loop.moved)
     stale = loop.driver.plan.short.pack_frame([0] * len(loop.driver.plan.short.packets))
-    loop.robot.receive(LAST_WORDS, loop.now)
+    loop.robot.receive(DEAD_MAN_STOP, loop.now)
     loop.cut, receive, poll = True, loop.driver.receive, loop.driver.poll
     loop.driver.poll = lambda now: None
     loop.run(5.0)

@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.outbox import END_DEMO, farewell, HALT, LAST_WORDS, WAKE_UP
+from create_oi_ros.driver.outbox import DEAD_MAN_STOP, END_DEMO, farewell, HALT, WAKE_UP
 
 STOP = bytes([145, 0, 0, 0, 0])
 LONGEST = 2 * 145
@@ -14,7 +14,7 @@ LONGEST = 2 * 145
 
 def test_a_robot_is_stopped_twice_then_what_it_waits_for_is_ended_and_it_is_stopped_again():
     assert WAKE_UP == STOP + STOP + bytes(LONGEST) + STOP
-    assert LAST_WORDS == STOP + b'\x80' + bytes(LONGEST) + STOP + b'\x80'
+    assert DEAD_MAN_STOP == STOP + b'\x80' + bytes(LONGEST) + STOP + b'\x80'
     assert (HALT.encode(), END_DEMO.encode()) == (STOP, bytes([136, 255]))
 
 

@@ -142,8 +142,8 @@ def heard_after(monkeypatch, seen: list[bool]) -> bytes:
             os.write(speaking, GOODBYE)
         return bool(found)
     monkeypatch.setattr(dead_man_process, 'is_suspended', look)
-    monkeypatch.setattr(dead_man_process, 'LOOK_INTERVAL', 0.0)
-    monkeypatch.setattr(dead_man_process, 'SECOND_LOOK', 0.0)
+    monkeypatch.setattr(dead_man_process, 'CHECK_INTERVAL', 0.0)
+    monkeypatch.setattr(dead_man_process, 'CONFIRM_INTERVAL', 0.0)
     watch(pipe, writing, WORDS, os.getpid())
     os.close(writing)
     heard = read_all(reading)
@@ -162,7 +162,7 @@ def test_one_look_is_not_enough_for_last_words(monkeypatch):
 
 
 def test_while_it_stays_suspended_the_last_words_are_repeated(monkeypatch):
-    seen = [True] * (2 * dead_man_process.LOOKS_TO_REPEAT + 2)
+    seen = [True] * (2 * dead_man_process.CHECKS_TO_REPEAT + 2)
     assert heard_after(monkeypatch, seen) == WORDS * 3
 
 

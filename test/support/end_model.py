@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from create_oi_ros import oi
-from create_oi_ros.driver import LAST_WORDS
+from create_oi_ros.driver import DEAD_MAN_STOP
 from create_oi_ros.driver.outbox import HALT, WAKE_UP
 
 WAKE = WAKE_UP + oi.Start().encode() + oi.Safe().encode()
@@ -169,7 +169,7 @@ def _dead_man(s: State, rules: Rules) -> Steps:
         yield 'dead-man hears goodbye', s._replace(dead_man=NONE)
     elif s.pipe == 'end':
         yield 'dead-man hears the end', s._replace(
-            dead_man=SPEAKS, words=LAST_WORDS if rules.speaks_at_the_end else b'')
+            dead_man=SPEAKS, words=DEAD_MAN_STOP if rules.speaks_at_the_end else b'')
     elif not s.suspended:
         if s.dead_man != WATCHES:
             yield 'dead-man sees it run', s._replace(dead_man=WATCHES)
@@ -177,7 +177,8 @@ def _dead_man(s: State, rules: Rules) -> Steps:
         yield 'dead-man suspects', s._replace(dead_man=SUSPECTS)
     elif s.dead_man == SUSPECTS or rules.speaks_again:
         yield 'dead-man sees it suspended', s._replace(
-            dead_man=SPEAKS_AND_WATCHES, words=LAST_WORDS if rules.speaks_when_suspended else b'')
+            dead_man=SPEAKS_AND_WATCHES,
+            words=DEAD_MAN_STOP if rules.speaks_when_suspended else b'')
 
 
 def _wrote(s: State, what: str) -> State:

@@ -9,7 +9,7 @@ from random import Random
 from typing import NamedTuple
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, LAST_WORDS, MotionLimits, Moved, Pending, Settings
+from create_oi_ros.driver import Activity, DEAD_MAN_STOP, MotionLimits, Moved, Pending, Settings
 from create_oi_ros.driver.goal_control import MODE_WAIT
 from create_oi_ros.driver.goals import Ending, Goal, Running
 from create_oi_ros.odometry import Estimate
@@ -142,7 +142,7 @@ class WatchedLoop(Loop):
 
     def stand_still(self, seconds: float) -> None:
         """Let the driver's process stand still; the dead-man has stopped the robot meanwhile."""
-        self.robot.receive(LAST_WORDS, self.now)
+        self.robot.receive(DEAD_MAN_STOP, self.now)
         until = self.now + seconds
         while self.now < until:
             self.now += STEP
