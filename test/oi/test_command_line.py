@@ -206,22 +206,6 @@ def test_the_shell_examples_of_the_page_are_true() -> None:
         assert ran(*words)[1] == output
 
 
-def test_the_map_of_the_manual_names_what_exists() -> None:
-    page = PAGE.read_text(encoding='utf-8')
-    rows = page[page.index('| section of the manual |'):].splitlines()[2:]
-    for row in rows:
-        if not row.startswith('|'):
-            break
-        _, _, code, test, _ = row.split('|')
-        for name in re.findall('`([^`]+)`', code):
-            module, _, member = name.partition('.')
-            found = import_module(f'create_oi_ros.oi.{module}')
-            assert not member or hasattr(found, member), name
-        for name in re.findall('`([^`]+)`', test):
-            module, _, member = name.partition('.')
-            assert hasattr(import_module(module), member), name
-
-
 def test_it_runs_as_a_module(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
                              ) -> None:
     monkeypatch.setattr(sys, 'argv', ['oi', 'decode', '128'])
