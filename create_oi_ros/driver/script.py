@@ -18,8 +18,15 @@ tells which of them came last. So a script is followed if it uses only one of th
 """
 
 from .. import oi
-from ..oi.script import can_end, commands_of, open_waits, SCRIPT_LIMIT, script_of_reply
-from ..oi.script_motion import duration, endless_wait
+from ..oi.script import (
+    can_end,
+    commands_of,
+    duration,
+    endless_wait,
+    open_waits,
+    SCRIPT_LIMIT,
+    script_of_reply,
+)
 from ..oi.steering import wheel_speeds
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED

@@ -5,17 +5,39 @@ Scripts: commands that the robot stores and plays later (manual: Script, Wait Co
 
 A script is a `Script` command whose `script` is the bytes of other commands. Its length is in
 bytes: the manual calls it a number of commands, but its own examples count bytes.
+
+The firmware compares a wait's distance or angle with the robot's own motion, with its sign
+(manual: Wait Distance, Wait Angle). So a wait never ends if the wheels stand, or turn the other
+way. A robot that waits ignores everything but its Power button.
 """
 
 from collections.abc import Iterable, Iterator
+from math import copysign, degrees, inf
+from typing import NamedTuple
 
-from .commands import PlayScript, Script, WaitAngle, WaitDistance, WaitEvent
+from .codes import Mode
+from .commands import (
+    Demo,
+    Drive,
+    DriveDirect,
+    PlayScript,
+    Script,
+    Start,
+    WaitAngle,
+    WaitDistance,
+    WaitEvent,
+    WaitTime,
+)
 from .declaration import Command
+from .steering import wheel_speeds, WheelSpeeds
 from .stream import CommandReader, UnknownOpcode
 
 assert Script.tail is not None
 SCRIPT_LIMIT = Script.tail.counted.high
 """Largest number of bytes in a script (manual: Script)."""
+TENTHS = 10
+"""Units of Wait Time in a second."""
+STANDING = WheelSpeeds(0.0, 0.0)
 
 
 def build_script(commands: Iterable[Command]) -> Script:
@@ -62,10 +84,9 @@ def can_end(script: Script) -> bool:
     """
     Tell whether a script can end: not if it contains Play Script, which starts it again.
 
-    A script that can end may still wait for ever, see `open_waits`; while it waits, the robot
-    ignores all input, a stop included. Unknown opcodes are skipped, as the robot does. So is an
-    incomplete last command, although the robot completes it with the next bytes that it
-    receives. A script that stores and plays another script counts as one that cannot end.
+    A script that can end may still wait for ever, see `open_waits`. Unknown opcodes are skipped,
+    as the robot does. So is an incomplete last command, although the robot completes it with the
+    next bytes that it receives. A script that stores and plays another one counts as endless.
     """
     return not any(isinstance(command, PlayScript) for command in _read(script))
 
@@ -87,3 +108,102 @@ def _read(script: Script) -> Iterator[Command]:
     for found in reader:
         if isinstance(found, Command):
             yield found
+
+
+class EndlessWait(NamedTuple):
+    """A wait that never ends, and why."""
+
+    place: int
+    """Of the command in the script; the first is 1."""
+    command: Command
+    why: str
+
+
+class _Motion(NamedTuple):
+    """What the robot does at one place of a script."""
+
+    mode: Mode
+    speeds: WheelSpeeds | None
+    """None where they are not known."""
+
+
+def endless_wait(script: Script, mode: Mode, separation: float) -> EndlessWait | None:
+    """
+    Return the first wait that never ends in a script that starts at rest, in this mode.
+
+    The separation is in mm. After a Demo, which moves the robot in its own way, nothing is said.
+    """
+    motion = _Motion(mode, STANDING)
+    for place, command in enumerate(commands_of(script), 1):
+        motion = _after(command, motion, separation)
+        if motion.speeds is None:
+            return None
+        if _wait_time(command, motion.speeds, separation) == inf:
+            return EndlessWait(place, command, _reason(command, motion.speeds))
+    return None
+
+
+def duration(script: Script, mode: Mode, separation: float) -> float | None:
+    """
+    Return how many seconds a script takes if the wheels turn as requested.
+
+    None where that is not known: it waits for an event, plays a demo, or does not end. The
+    script starts at rest, in this mode; the separation is in mm.
+    """
+    motion, total = _Motion(mode, STANDING), 0.0
+    for command in commands_of(script):
+        motion = _after(command, motion, separation)
+        if motion.speeds is None or isinstance(command, WaitEvent | PlayScript):
+            return None
+        total += _wait_time(command, motion.speeds, separation)
+    return total if total < inf else None
+
+
+def _after(command: Command, before: _Motion, separation: float) -> _Motion:
+    """Return what the robot does after a command, which it ignores in the wrong mode."""
+    if before.mode not in command.modes:
+        return before
+    match command:
+        case Drive():
+            return before._replace(
+                speeds=wheel_speeds(command.velocity, command.radius, separation))
+        case DriveDirect():
+            return before._replace(speeds=WheelSpeeds(command.right, command.left))
+        case Start():
+            return _Motion(Mode.PASSIVE, STANDING)
+        case Demo():
+            return _Motion(Mode.PASSIVE, None)
+        case _:
+            return before if command.enters is None else before._replace(mode=command.enters)
+
+
+def _wait_time(command: Command, speeds: WheelSpeeds, separation: float) -> float:
+    """Return how many seconds a command takes at these speeds: a wait some, any other none."""
+    match command:
+        case WaitTime():
+            return command.time / TENTHS
+        case WaitDistance():
+            return _time_to(command.distance, (speeds.right + speeds.left) / 2)
+        case WaitAngle():
+            return _time_to(command.angle, degrees((speeds.right - speeds.left) / separation))
+        case _:
+            return 0.0
+
+
+def _time_to(goal: float, rate: float) -> float:
+    """Return how many seconds it takes to the goal; infinite where it is never reached."""
+    if not goal:
+        return 0.0
+    return goal / rate if rate and copysign(1, goal) == copysign(1, rate) else inf
+
+
+def _reason(command: Command, speeds: WheelSpeeds) -> str:
+    if speeds == STANDING:
+        return 'the wheels stand'
+    if isinstance(command, WaitAngle):
+        turn = speeds.right - speeds.left
+        return ('the robot does not turn' if not turn else
+                'the robot turns ' + ('counter-clockwise' if turn > 0 else 'clockwise'))
+    forward = speeds.right + speeds.left
+    return ('the robot turns in place' if not forward else
+            'the robot drives ' + ('forwards' if forward > 0 else 'backwards'))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.script_motion import duration, endless_wait
+from create_oi_ros.oi.script import duration, endless_wait
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import FIRMWARE_SEPARATION, MM_PER_M
 from support.oi_strategies import commands
