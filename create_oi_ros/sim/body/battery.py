@@ -139,6 +139,6 @@ class Electrics:
     def step(self, dt: float, motors: float) -> None:
         """Let dt seconds pass while the wheels' motors draw this many amperes."""
         drivers = sum(min(load, limit) * duty for load, duty, limit in zip(
-            self.loads, self.duties, LOW_SIDE_LIMITS))
+            self.loads, self.duties, LOW_SIDE_LIMITS)) if any(self.loads) else 0.0
         drawn = motors + drivers + (ELECTRONICS if self.on else STANDBY)
         self.battery.step(dt, drawn, self.charging_allowed and (self.charger or self.home_base))

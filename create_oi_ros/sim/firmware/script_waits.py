@@ -41,16 +41,15 @@ SENSORS: dict[Event, tuple[str, ...]] = {
 }
 
 
-def _any_of(event: Event) -> Callable[[Sensed], bool]:
-    """Return a function that tells whether any of an event's sensors is on."""
-    names = SENSORS[event]
-    return lambda sensed: any(getattr(sensed, name) for name in names)
+def cliff(sensed: Sensed) -> bool:
+    """Tell whether any of the four cliff sensors sees a cliff."""
+    return (sensed.cliff_left or sensed.cliff_front_left
+            or sensed.cliff_front_right or sensed.cliff_right)
 
 
-cliff = _any_of(Event.CLIFF)
-"""Whether any of the four cliff sensors sees a cliff."""
-wheel_drop = _any_of(Event.WHEEL_DROP)
-"""Whether any of the three wheels has dropped."""
+def wheel_drop(sensed: Sensed) -> bool:
+    """Tell whether any of the three wheels has dropped."""
+    return sensed.drop_caster or sensed.drop_left or sensed.drop_right
 
 
 def waiting(command: oi.Command, body: Body, slots: Callable[[], int],
@@ -72,8 +71,8 @@ def waiting(command: oi.Command, body: Body, slots: Callable[[], int],
             event, wanted = Event(abs(number)), number > 0
             if event is Event.OI_MODE_PASSIVE:
                 return lambda: passive() is wanted
-            happens = _any_of(event)
-            return lambda: happens(body.sense()) is wanted
+            return lambda: any(
+                getattr(body.sense(), name) for name in SENSORS[event]) is wanted
     raise ValueError(f'{command} is no wait command')
 
 
