@@ -8,8 +8,7 @@ from math import atan2, cos, pi, sin
 import pytest
 
 from create_oi_ros.driver.goals import Code, Ending, Malformed, Phase, Progress
-from create_oi_ros.driver.goals.goal import check_amount, check_positive, docked, Over
-from create_oi_ros.driver.goals.outcome import Running
+from create_oi_ros.driver.goals.goal import check_amount, check_positive, docked, Over, Running
 from create_oi_ros.odometry import Estimate
 from support.goals import angle, arc, distance, place
 from support.views import LIMITS, view

@@ -3,9 +3,8 @@
 """Goals: motions with an end, which the driver pursues frame by frame. Pure."""
 
 from .docking import Dock, Undock
-from .goal import Goal, Malformed
+from .goal import Code, Ending, Goal, Malformed, Phase, Progress, Running
 from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle
-from .outcome import Code, Ending, Phase, Progress, Running
 from .wall_following import WallFollow
 
 __all__ = [

@@ -14,10 +14,21 @@ from ..battery import charges
 from ..motion import MotionLimits, Velocity
 from ..supervision import Cause
 from .approach import Learned
-from .goal import DockDemo, docked, Enter, Goal, LEAST_SPEED, Order, Over, View
+from .goal import (
+    Code,
+    DockDemo,
+    docked,
+    Enter,
+    Goal,
+    LEAST_SPEED,
+    Order,
+    Over,
+    Phase,
+    Progress,
+    View,
+)
 from .hazards import dropped, Hazards, LIFTED, NO_SPEED, Stall
 from .legs import Straight
-from .outcome import Code, Phase, Progress
 
 SEARCH = 240.0
 """Seconds in which the Home Base must be found."""

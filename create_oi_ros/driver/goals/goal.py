@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a goal is: told of every frame, it answers with an order for the driver.
+What a goal is: it takes every frame, and returns an order for the driver; how far it is and ends.
 
 A goal has no clock and touches nothing. `begin` gets the first view, `step` that and each later
 one. The driver carries out what they order, and ends the goal for reasons that are not its own: a
@@ -9,7 +9,7 @@ stop, another goal, a lost robot.
 """
 
 from abc import ABC, abstractmethod
-from enum import auto, Enum
+from enum import auto, Enum, IntEnum
 from math import isfinite, tau
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ from ... import oi
 from ...odometry import Estimate
 from ...robot import MILLI
 from ..motion import MotionLimits, Velocity
-from .outcome import Code, Progress
+from ..outbox import Awaited
 
 LONGEST, MOST_TURN = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
@@ -26,6 +26,82 @@ ROUNDING = 1e-6
 
 LEAST_SPEED, LEAST_TURN = MILLI, 0.008
 """m/s and rad/s: the wheels are told whole millimetres per second, so less does not move them."""
+
+
+class Code(IntEnum):
+    """How a goal ended; the numbers are those of `error_code` in the actions."""
+
+    NONE = 0
+    """The goal was reached."""
+    TIMEOUT = 1
+    BUMP = 2
+    CLIFF = 3
+    WHEEL_DROP = 4
+    STALL = 5
+    MODE = 6
+    NO_ROBOT = 7
+    LINK = 8
+    NO_DOCK = 9
+    SUPERSEDED = 10
+    STOPPED = 11
+    CANCELED = 12
+
+
+class Phase(Enum):
+    """What a goal of several phases is doing."""
+
+    TURNING_TO_PLACE = auto()
+    DRIVING = auto()
+    TURNING_TO_HEADING = auto()
+    LOOKING = auto()
+    SEES_DOCK = auto()
+    DOCKED = auto()
+    CHARGING = auto()
+    SEARCHING = auto()
+    ENGAGED = auto()
+
+
+class Progress(NamedTuple):
+    """How far a goal is."""
+
+    distance: float = 0.0
+    """Metres that are left, not negative."""
+    angle: float = 0.0
+    """Radians that are left, not negative."""
+    phase: Phase | None = None
+    infrared: int = 0
+    """Character that the infrared receiver receives; 0 for a goal that does not look."""
+
+
+class Ending(NamedTuple):
+    """How a goal ended."""
+
+    code: Code
+    text: str
+    """For people: what was done; or why not, and what to do."""
+    estimate: Estimate = Estimate()
+    """Where the robot was then."""
+    seconds: float = 0.0
+    """How long the goal ran."""
+    docked: bool = False
+    """Whether the robot was on the contacts of a Home Base then."""
+
+
+class Running(Awaited[Ending]):
+    """A goal that was given to the driver."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.progress = Progress()
+
+    @property
+    def ending(self) -> Ending | None:
+        """How it ended; None while it runs."""
+        return self.result
+
+    def end(self, ending: Ending) -> None:
+        """End the goal."""
+        self.settle(ending)
 
 
 class Malformed(ValueError):

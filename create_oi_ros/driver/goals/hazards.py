@@ -4,8 +4,7 @@
 
 from ... import oi
 from ..motion import Velocity
-from .goal import LEAST_SPEED, Over, View
-from .outcome import Code
+from .goal import Code, LEAST_SPEED, Over, View
 
 BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 DROPS = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT

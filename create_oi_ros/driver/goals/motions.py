@@ -16,6 +16,7 @@ from .goal import (
     check_positive,
     check_speed,
     check_turning,
+    Code,
     Goal,
     LEAST_SPEED,
     LONGEST,
@@ -23,12 +24,13 @@ from .goal import (
     MOST_TURN,
     Order,
     Over,
+    Phase,
+    Progress,
     ROUNDING,
     View,
 )
 from .hazards import Hazards, NO_SPEED, Stall
 from .legs import Arc, Leg, Straight, STRAIGHT_TOLERANCE, Turn
-from .outcome import Code, Phase, Progress
 
 Legs = Iterator[tuple[Phase | None, Leg]]
 MANY_TURNS = 4

@@ -11,9 +11,8 @@ off a little and turns left.
 from typing import NamedTuple
 
 from ..motion import Velocity
-from .goal import Goal, LEAST_SPEED, Malformed, Order, Over, View
+from .goal import Code, Goal, LEAST_SPEED, Malformed, Order, Over, Phase, Progress, View
 from .hazards import bumps, Hazards, NO_SPEED, Stall
-from .outcome import Code, Phase, Progress
 
 RIGHT = -1
 """The side of the sensor, as the action has it."""
