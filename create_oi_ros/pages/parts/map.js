@@ -294,7 +294,7 @@ export class Map2D {
     const { color, pixel } = this;
     for (const [from, to] of this.ways()) {
       const blocked = this.blocks(from, to);
-      c.strokeStyle = color(blocked ? '--error' : '--accent');
+      c.strokeStyle = color(blocked ? '--stop' : '--accent');
       c.lineWidth = (blocked ? 4 : 2) * pixel;
       c.beginPath(); c.moveTo(from[0], from[1]); c.lineTo(to[0], to[1]); c.stroke();
     }
