@@ -11,8 +11,13 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.apps.web.driver_seat import TOP_TURN
-from create_oi_ros.apps.web.page_goals import feedback_part, GOALS
-from create_oi_ros.apps.web.page_messages import MessageError, MESSAGES, read
+from create_oi_ros.apps.web.page_messages import (
+    feedback_part,
+    GOALS,
+    MessageError,
+    MESSAGES,
+    read,
+)
 from create_oi_ros.robot import TOP_SPEED
 from create_oi_ros.ros.actions import ACTIONS
 

@@ -13,10 +13,17 @@ from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import BatteryState
 
-from create_oi_ros.apps.web.battery_time import BatteryTime
-from create_oi_ros.apps.web.live_robot import Cursor, LiveRobot, OLD, SILENT
-from create_oi_ros.apps.web.past import MOST_OLD, NewestLog, OLD_STEP, RECENT, STEP, TrackLog
-from create_oi_ros.apps.web.world_frame import FlatPose, WorldFrame
+from create_oi_ros.apps.web.live_robot import BatteryTime, Cursor, LiveRobot, OLD, SILENT
+from create_oi_ros.apps.web.past import (
+    FlatPose,
+    MOST_OLD,
+    NewestLog,
+    OLD_STEP,
+    RECENT,
+    STEP,
+    TrackLog,
+)
+from create_oi_ros.apps.web.simulated_truth import WorldFrame
 from create_oi_ros.ros import topics
 from support.anything import anything
 

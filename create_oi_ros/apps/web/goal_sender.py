@@ -13,7 +13,7 @@ from rclpy.action.client import ClientGoalHandle
 from rclpy.task import Future
 
 from .live_robot import LiveRobot
-from .page_goals import feedback_part, GOALS
+from .page_messages import feedback_part, GOALS
 from .web_node import awaited, Reply, WebNode
 
 CANCELED = Reply(False, 'canceled before it was sent')

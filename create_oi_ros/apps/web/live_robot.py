@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 import json
-from math import hypot, inf, isfinite
+from math import exp, hypot, inf, isfinite
 from typing import Any, NamedTuple
 
 from create_oi_msgs import msg
@@ -20,16 +20,15 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
 from ...ros.messages import charging_name, mode_name, UNKNOWN_SIGNAL, yaw_of
-from .battery_time import BatteryTime
 from .past import (
     CHART_SECONDS,
+    FlatPose,
     MOST_EVENTS,
     MOST_LOGGED,
     NewestLog,
     SAMPLE_PERIOD,
     TrackLog,
 )
-from .world_frame import FlatPose
 
 Json = Any
 HAZARDS = {msg.Bumper: 'bump', msg.Cliff: 'cliff', msg.WheelDrop: 'drop'}
@@ -49,6 +48,13 @@ REPEATED = {Odometry: 'pose', BatteryState: 'battery', msg.Wall: 'wall', **HAZAR
 TOUCHED = {'bump': 'bumper', 'cliff': 'cliff', 'drop': 'wheel drop'}
 REPORTED_OTHERWISE = ('mode', 'safety')
 """Statuses that repeat what topics say, and are no news of their own."""
+
+SMOOTHING = 20.0
+"""Seconds over which the current is averaged."""
+LEAST_CURRENT = 0.02
+"""Amperes below which no time is told."""
+LONGEST_TIME = 24 * 60
+"""Minutes; a longer time is not told."""
 
 
 def finite(value: float, digits: int) -> float | None:
@@ -86,6 +92,28 @@ class Parts:
     def since(self, changes: int) -> dict[str, str]:
         """Return the parts that have changed since that number of changes."""
         return {name: text for name, (changed, text) in self._parts.items() if changed > changes}
+
+
+class BatteryTime:
+    """Averages the current, and divides the charge by it."""
+
+    def __init__(self) -> None:
+        self._current, self._at = 0.0, -inf
+
+    def left(self, charge: float, capacity: float, current: float, now: float) -> int | None:
+        """Return the minutes until empty, or while charging until full; None: not known."""
+        if not all(map(isfinite, (charge, capacity, current))):
+            return None
+        kept = exp(-(now - self._at) / SMOOTHING)
+        # Plugged in or out: the average of both says nothing.
+        if (current > 0) != (self._current > 0):
+            kept = 0.0
+        self._current, self._at = kept * self._current + (1 - kept) * current, now
+        if abs(self._current) < LEAST_CURRENT:
+            return None
+        hours = (capacity - charge if self._current > 0 else charge) / abs(self._current)
+        minutes = round(60 * max(hours, 0.0))
+        return minutes if minutes <= LONGEST_TIME else None
 
 
 class Cursor(NamedTuple):

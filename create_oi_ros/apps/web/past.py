@@ -6,10 +6,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from math import hypot
+from math import hypot, remainder, tau
 from typing import Any, NamedTuple
-
-from .world_frame import FlatPose
 
 RECENT = 600.0
 """Seconds for which every point of the track is kept."""
@@ -20,6 +18,25 @@ MOST_RECENT, MOST_OLD = 20000, 5000
 MOST_EVENTS, MOST_LOGGED = 500, 200
 CHART_SECONDS, SAMPLE_PERIOD = 60.0, 0.2
 """Seconds that the charts show, and between two of their samples."""
+
+SLACK, FASTEST = 0.1, 1.0
+"""Metres and m/s; a longer step means that the odometry was reset."""
+TURN_SLACK, FASTEST_TURN = 0.3, 5.0
+"""The same for the heading: radians and rad/s."""
+
+
+class FlatPose(NamedTuple):
+    """A pose on the floor: metres and radians."""
+
+    x: float
+    y: float
+    yaw: float
+
+    def follows(self, last: FlatPose, seconds: float) -> bool:
+        """Return whether a robot can come here from its last pose in this time."""
+        moved = hypot(self.x - last.x, self.y - last.y)
+        turned = abs(remainder(self.yaw - last.yaw, tau))
+        return moved <= SLACK + FASTEST * seconds and turned <= TURN_SLACK + FASTEST_TURN * seconds
 
 
 class NewestLog:

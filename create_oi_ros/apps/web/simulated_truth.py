@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import asyncio
 import json
+from math import cos, sin
 from pathlib import Path
 import time
 from typing import Any
 
 from .live_robot import LiveRobot
-from .world_frame import FlatPose, WorldFrame
+from .past import FlatPose
 
 PERIOD = 0.1
 """Seconds between two questions."""
@@ -19,6 +20,35 @@ RETRY = 1.0
 """Seconds until the next attempt when nobody answers."""
 LONGEST_ANSWER = 1 << 20
 """Bytes."""
+
+
+class WorldFrame:
+    """
+    The room's frame as a pose in the odometry's frame.
+
+    It is set when both poses are first known, and again after the odometry was reset. From then
+    on the true place drifts away from that of the odometry, and this difference is its error.
+    """
+
+    def __init__(self) -> None:
+        self.origin: FlatPose | None = None
+        self._last, self._at = FlatPose(0.0, 0.0, 0.0), 0.0
+
+    def update(self, odometry: FlatPose, true: FlatPose, now: float) -> bool:
+        """Take both poses of one moment; return whether the frame was set."""
+        continues = self.origin is not None and odometry.follows(self._last, now - self._at)
+        self._last, self._at = odometry, now
+        if continues:
+            return False
+        yaw = odometry.yaw - true.yaw
+        self.origin = FlatPose(
+            odometry.x - true.x * cos(yaw) + true.y * sin(yaw),
+            odometry.y - true.x * sin(yaw) - true.y * cos(yaw), yaw)
+        return True
+
+    def reset(self) -> None:
+        """Forget the frame: the odometry was reset."""
+        self.origin = None
 
 
 class SimulatedTruth:
