@@ -80,6 +80,7 @@ class GoalSender:
         try:
             self._follow(goal, await awaited(sent))
         except TimeoutError as error:
+            # The driver may still accept it: cancel it then.
             goal.end(Reply(False, str(error)))
             sent.add_done_callback(lambda late: late.result().cancel_goal_async())
 

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The map: room, track, events, the robot, and how sure the odometry is of its place.
 
-import { StillLayer } from './map_layer.js';
-import { drawEllipse, drawRing, drawRobot } from './map_robot.js';
-import { cornersOf, crosses, drawRoom } from './map_room.js';
-import { fillKey, sign, SIGNS } from './map_signs.js';
+import {
+  cornersOf, crosses, drawEllipse, drawRing, drawRobot, drawRoom, fillKey, sign, SIGNS,
+} from './map_drawing.js';
 import { box, Track } from './map_track.js';
 
 const LEAST_SCALE = 4, MOST_SCALE = 1200, FIRST_SCALE = 90;  // pixels for a metre
+const BEYOND = 200;         // pixels around the map that are drawn, too
 const TAP = 6;              // pixels that a finger may move while it taps
 const EASE = 60;            // ms in which the robot drawn follows the one measured
 const NARROW = 0.8;         // of the robot's radius: one that touches a wall can drive along it
@@ -326,3 +326,39 @@ export class Map2D {
 }
 
 function apart(one, other) { return Math.hypot(one[0] - other[0], one[1] - other[1]); }
+
+// What of the map stands still, drawn once, on a canvas that is larger than the map: a frame of a
+// map that follows the robot only moves it.
+class StillLayer {
+  constructor() {
+    this.canvas = document.createElement('canvas');
+    this.context = this.canvas.getContext('2d');
+    this.made = null;  // the centre of what is drawn, and its stamp
+  }
+
+  // Put the layer on the map. It is painted anew when its stamp changes, or the map leaves it.
+  show(map, stamp, paint) {
+    const beyond = Math.round(BEYOND * map.ratio), zoom = map.scale * map.ratio;
+    const whole = [stamp, map.scale, map.ratio, map.width, map.height].join();
+    const away = () => [(this.made.x - map.center.x) * zoom, (map.center.y - this.made.y) * zoom];
+    if (this.made?.whole !== whole || away().some(each => Math.abs(each) > beyond)) {
+      this.made = { ...map.center, whole };
+      this.paint(map, beyond, zoom, paint);
+    }
+    const [dx, dy] = away().map(Math.round);
+    map.context.setTransform(1, 0, 0, 1, 0, 0);
+    map.context.drawImage(this.canvas, dx - beyond, dy - beyond);
+  }
+
+  paint(map, beyond, zoom, paint) {
+    const { canvas, context: c } = this;
+    canvas.width = map.canvas.width + 2 * beyond;
+    canvas.height = map.canvas.height + 2 * beyond;
+    c.setTransform(zoom, 0, 0, -zoom, canvas.width / 2 - map.center.x * zoom,
+                   canvas.height / 2 + map.center.y * zoom);
+    c.lineCap = c.lineJoin = 'round';
+    const [w, h] = [canvas.width / 2 / zoom, canvas.height / 2 / zoom];
+    paint(c, { left: map.center.x - w, right: map.center.x + w,
+               low: map.center.y - h, high: map.center.y + h });
+  }
+}
