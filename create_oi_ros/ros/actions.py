@@ -60,15 +60,15 @@ SEARCH = {
 }
 
 
-class Coasts(Protocol):
-    """How a robot coasts, as goals learn it."""
+class StoppingModels(Protocol):
+    """How far a robot coasts, as goals learn it."""
 
     straight: Learned
     turning: Learned
 
 
-class Newcomer:
-    """A robot of which nothing is learned yet."""
+class DefaultStoppingModels:
+    """Those of a robot of which nothing is learned yet."""
 
     def __init__(self) -> None:
         self.straight, self.turning = Learned(), Learned()
@@ -114,7 +114,7 @@ class Action:
     name: str
     type: Any
     about: str
-    goal: Callable[[Any, Coasts], Goal]
+    goal: Callable[[Any, StoppingModels], Goal]
     """Turns a request into a goal; Malformed says what is wrong."""
     feedback: Callable[[Any, Progress], None]
     """Fills the feedback."""
@@ -123,39 +123,39 @@ class Action:
 ACTIONS = (
     Action(
         name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
-        goal=lambda goal, coasts: goals.DriveDistance(
-            goal.distance, goal.max_translation_speed, allowance(goal), coasts.straight),
+        goal=lambda goal, stopping: goals.DriveDistance(
+            goal.distance, goal.max_translation_speed, allowance(goal), stopping.straight),
         feedback=distance_left),
     Action(
         name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
-        goal=lambda goal, coasts: goals.RotateAngle(
-            goal.angle, goal.max_rotation_speed, allowance(goal), coasts.turning),
+        goal=lambda goal, stopping: goals.RotateAngle(
+            goal.angle, goal.max_rotation_speed, allowance(goal), stopping.turning),
         feedback=angle_left),
     Action(
         name='drive_arc', type=DriveArc, about='drive on a circle',
-        goal=lambda goal, coasts: goals.DriveArc(
+        goal=lambda goal, stopping: goals.DriveArc(
             Circle(goal.angle, goal.radius, goal.translate_direction),
-            goal.max_translation_speed, allowance(goal), coasts.turning),
+            goal.max_translation_speed, allowance(goal), stopping.turning),
         feedback=angle_left),
     Action(
         name='navigate_to_position', type=NavigateToPosition,
         about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
-        goal=lambda goal, coasts: goals.NavigateToPosition(
+        goal=lambda goal, stopping: goals.NavigateToPosition(
             place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
-            coasts.straight, coasts.turning),
+            stopping.straight, stopping.turning),
         feedback=phase_left),
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there; '
         'the service `dock` only starts to',
-        goal=lambda goal, coasts: goals.Dock(allowance(goal)),
+        goal=lambda goal, stopping: goals.Dock(allowance(goal)),
         feedback=dock_seen),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
-        goal=lambda goal, coasts: goals.Undock(allowance(goal), coasts.straight),
+        goal=lambda goal, stopping: goals.Undock(allowance(goal), stopping.straight),
         feedback=distance_left),
     Action(
         name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
-        goal=lambda goal, coasts: goals.WallFollow(
+        goal=lambda goal, stopping: goals.WallFollow(
             goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
         feedback=wall_engaged),
 )
@@ -166,7 +166,7 @@ def malformed(name: str, request: Any) -> str:
     """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
     action, = (each for each in ACTIONS if each.name == name)
     try:
-        action.goal(request, Newcomer())
+        action.goal(request, DefaultStoppingModels())
     except Malformed as error:
         return str(error)
     return ''
@@ -245,13 +245,13 @@ class Actions:
             return GoalResponse.ACCEPT
         return check
 
-    def _goal(self, action: Action, request: Any, coasts: Coasts) -> Goal:
+    def _goal(self, action: Action, request: Any, stopping: StoppingModels) -> Goal:
         if action.type is NavigateToPosition:
             frame = request.goal_pose.header.frame_id
             if frame not in ('', self._odom_frame):
                 raise Malformed(f'goal_pose is in frame {frame!r}; allowed: {self._odom_frame!r}, '
                                 'odom_frame, or none')
-        return action.goal(request, coasts)
+        return action.goal(request, stopping)
 
     def _execute(self, action: Action) -> Callable[[ServerGoalHandle], Any]:
         """Return the coroutine that pursues a goal of an action."""
