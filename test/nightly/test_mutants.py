@@ -51,8 +51,8 @@ name = "local"
 exclude-operators = {excluded}
 """
 ROOMS = 'oi', 'driver', 'driver/goals', 'odometry'
-PYTEST = ('-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider', '-p', 'pytest_timeout', '-p',
-          'nightly.unshrunk')
+PYTEST = ('-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider', '-p', 'pytest_timeout',
+          '-p', 'pytest_cov.plugin', '-p', 'nightly.unshrunk')
 
 
 class Laboratory:
