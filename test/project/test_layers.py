@@ -1,10 +1,10 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Rules for imports: each room imports only what RULES allows, and no imports form a ring.
+Rules for imports: each layer imports only what RULES allows, and no imports form a ring.
 
-A room is a package or a module with a rule of its own. A pure room has no clock, no thread, no I/O
-and no unseeded random numbers.
+A layer is a package or a module with a rule of its own. A pure layer has no clock, no thread, no
+I/O and no unseeded random numbers.
 """
 
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ from support.source import imported, modules, PACKAGE, plain_calls
 
 @dataclass(frozen=True)
 class Rule:
-    """What a room may import, besides itself and the standard library."""
+    """What a layer may import, besides itself and the standard library."""
 
     ours: tuple[str, ...] = ()
-    """Other rooms of this package; '' is the package's own __init__."""
+    """Other layers of this package; '' is the package's own __init__."""
     others: str = '(?!)'
     """Pattern for names of other packages; the default matches none."""
     pure: bool = True
@@ -32,7 +32,7 @@ MESSAGES = r'(builtin_interfaces|rcl_interfaces|std_srvs|\w+_msgs)\.(msg|srv|act
 ROS = rf'rclpy|ament_index_python|{MESSAGES}'
 BAGS = 'rosbags'
 
-# A module is in the room with the longest name here that is the module or a package around it.
+# A module is in the layer with the longest name here that is the module or a package around it.
 RULES = {
     '': Rule(),
     'robot': Rule(),
@@ -62,7 +62,7 @@ RULES = {
                  others=rf'{ROS}|{BAGS}|numpy|yaml|aiohttp|segno', pure=False),
 }
 PROGRAMS = 'apps'
-"""Each program in this package is a room of its own, under this rule."""
+"""Each program in this package is a layer of its own, under this rule."""
 IMPURE = {
     'argparse', 'asyncio', 'concurrent', 'datetime', 'fcntl', 'glob', 'io', 'logging',
     'multiprocessing', 'os', 'pathlib', 'pty', 'queue', 'random', 'secrets', 'select',
@@ -75,27 +75,27 @@ MODULES = {name.removeprefix(PACKAGE).lstrip('.'): path
            for name, path in modules(PACKAGE).items()}
 
 
-def lies_in(name: str, room: str) -> bool:
-    """Return whether a dotted name is a room or something in it."""
-    return not room or f'{name}.'.startswith(f'{room}.')
+def lies_in(name: str, layer: str) -> bool:
+    """Return whether a dotted name is a layer or something in it."""
+    return not layer or f'{name}.'.startswith(f'{layer}.')
 
 
-def named_room(name: str) -> str:
+def named_layer(name: str) -> str:
     """Return the name in RULES under which a module of ours, or a name in it, falls."""
-    return max((room for room in RULES if lies_in(name, room)), key=len)
+    return max((layer for layer in RULES if lies_in(name, layer)), key=len)
 
 
-def room_of(name: str) -> str:
-    """Return the room that a module of ours, or a name in it, is in."""
-    room = named_room(name)
-    return '.'.join(name.split('.')[:2]) if room == PROGRAMS else room
+def layer_of(name: str) -> str:
+    """Return the layer that a module of ours, or a name in it, is in."""
+    layer = named_layer(name)
+    return '.'.join(name.split('.')[:2]) if layer == PROGRAMS else layer
 
 
 def may_import(module: str, name: str) -> bool:
     """Return whether the rules allow a module to import a name."""
-    rule, (top, _, rest) = RULES[named_room(module)], name.partition('.')
+    rule, (top, _, rest) = RULES[named_layer(module)], name.partition('.')
     if top == PACKAGE:
-        return room_of(rest) in (room_of(module), *rule.ours)
+        return layer_of(rest) in (layer_of(module), *rule.ours)
     if top in sys.stdlib_module_names:
         return not rule.pure or top not in IMPURE or name == SEEDABLE
     return bool(re.match(rf'({rule.others})\b', name))
@@ -127,24 +127,24 @@ def in_rings(left: dict[str, set[str]]) -> set[str]:
     return set(left)
 
 
-def test_imports_and_calls_are_those_that_a_room_allows() -> None:
+def test_imports_and_calls_are_those_that_a_layer_allows() -> None:
     wrong = []
     for module, path in MODULES.items():
         wrong += [f'{module} imports {name}' for name in imported(path)
                   if not may_import(module, name)]
-        if RULES[named_room(module)].pure:
+        if RULES[named_layer(module)].pure:
             wrong += [f'{module} calls {call}' for call in IMPURE_CALLS & {*plain_calls(path)}]
     assert not wrong, 'see RULES'
 
 
 def test_nothing_imports_itself_in_a_ring() -> None:
     assert not {depth: ring for depth in (1, 2, 3, 4) if (ring := in_rings(graph(depth)))}
-    assert not in_rings({room: {*rule.ours} - {room} for room, rule in RULES.items()})
+    assert not in_rings({layer: {*rule.ours} - {layer} for layer, rule in RULES.items()})
     assert in_rings({'a': {'b'}, 'b': {'c', 'd'}, 'c': {'a'}, 'd': set()}) == {'a', 'b', 'c'}
 
 
 def test_every_rule_names_what_exists() -> None:
-    named = {room for rule in RULES.values() for room in rule.ours} | RULES.keys()
+    named = {layer for rule in RULES.values() for layer in rule.ours} | RULES.keys()
     assert not named - MODULES.keys()
 
 
