@@ -34,24 +34,25 @@ def met(**options) -> Loop:
     return loop
 
 
-@pytest.mark.parametrize('rounding', Rounding)
-@pytest.mark.parametrize('metres', [1.0, 0.3, 0.02, -0.5])
+@pytest.mark.parametrize(('metres', 'rounding'), [
+    (1.0, Rounding.CARRY), (0.3, Rounding.TRUNCATE), (0.02, Rounding.ROUND),
+    (-0.5, Rounding.CARRY), (-0.5, Rounding.TRUNCATE)])
 def test_a_distance_is_driven(rounding, metres):
     went, turned = reach(met(rounding=rounding), distance(metres))
     assert went == pytest.approx(metres, abs=0.005 + 0.005 * abs(metres))
     assert abs(turned) < 2
 
 
-@pytest.mark.parametrize('rounding', Rounding)
-@pytest.mark.parametrize('turn', [90, -180, 10, 720])
+@pytest.mark.parametrize(('turn', 'rounding'), [
+    (90, Rounding.CARRY), (-180, Rounding.TRUNCATE), (10, Rounding.ROUND),
+    (720, Rounding.CARRY), (720, Rounding.TRUNCATE)])
 def test_an_angle_is_turned(rounding, turn):
     went, turned = reach(met(rounding=rounding), angle(turn))
     assert turned == pytest.approx(turn, abs=1.5 + 0.003 * abs(turn))
     assert abs(went) < 0.005
 
 
-@pytest.mark.parametrize('direction', [1, -1])
-@pytest.mark.parametrize('turn', [90, -90, 400])
+@pytest.mark.parametrize(('turn', 'direction'), [(90, 1), (-90, -1), (400, 1), (90, -1)])
 def test_an_arc_is_driven_on_its_circle(turn, direction):
     loop = met()
     went, turned = reach(loop, arc(turn, 0.4, direction))
