@@ -96,10 +96,6 @@ def test_any_bytes_are_read_or_refused_in_words(data: bytes) -> None:
     read(encode_head({}) + data, 3)
 
 
-def test_a_frame_costs_four_bytes_more_than_it_has() -> None:
-    assert len(encode_record(15_000, RecordKind.FROM_ROBOT, bytes(79))) == 79 + 4
-
-
 def test_the_format_is_as_described() -> None:
     assert written({'port': '/dev/create'}, [
         (5, RecordKind.TO_ROBOT, b'\x80'), (20, RecordKind.FROM_ROBOT, b'\1\2'),

@@ -273,20 +273,3 @@ def test_watching_ends_with_a_goodbye_or_with_last_words(word, heard):
     assert os.read(reading, 100) == heard
     os.close(reading)
     os.close(pipe)
-
-
-def test_each_byte_waits_for_a_line_that_is_ready_and_is_tried_again_if_it_was_not(monkeypatch):
-    reading, writing = os.pipe()
-    write, tried = os.write, []
-
-    def full_at_first(line, data):
-        tried.append(data)
-        if len(tried) == 1:
-            raise BlockingIOError
-        return write(line, data)
-    monkeypatch.setattr(os, 'write', full_at_first)
-    dead_man_process.write_all(writing, WORDS)
-    assert tried == [WORDS[:1], *(bytes([each]) for each in WORDS)]
-    assert read_words(reading) == WORDS
-    os.close(reading)
-    os.close(writing)
