@@ -194,6 +194,21 @@ def test_a_track_is_whole_for_ten_minutes_and_then_has_fewer_points():
     assert track.since(track.count - 2) == xs_and_zeros(xs[-2:])
 
 
+def test_pages_drop_old_points_now_and_then_and_keep_the_events():
+    robot = LiveRobot()
+    robot.update(odom(), 0.0)
+    robot.update(Bumper(left=True), 0.0)
+    _, cursor = news(robot)
+    anew = 0
+    for second in range(int(3 * RECENT)):
+        robot.update(odom(0.1 * second), float(second))
+        told, cursor = news(robot, cursor)
+        if 'anew' in told:
+            anew += 1
+            assert told['events'] == [['bump', 0.0, 0.0, 'left']]
+    assert anew == 2
+
+
 def xs_and_zeros(xs):
     """Return points on the x axis, as x, y, x, y."""
     return [value for x in xs for value in (x, 0.0)]

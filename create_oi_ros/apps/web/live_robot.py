@@ -206,9 +206,7 @@ class LiveRobot:
         if not (hypot(x, y) <= FARTHEST and isfinite(yaw)):  # also when one is no number
             return
         self.pose = FlatPose(x, y, yaw)
-        epoch = self.track.epoch
-        self.track.add(self.pose, now)
-        if self.track.epoch != epoch:
+        if self.track.add(self.pose, now):
             self.events.clear()
         self.parts.put('pose', {
             'x': round(x, 4), 'y': round(y, 4), 'yaw': round(yaw, 4),

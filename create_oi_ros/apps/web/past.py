@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from math import hypot, remainder, tau
+from math import hypot, inf, remainder, tau
 from typing import Any, NamedTuple
 
 RECENT = 600.0
@@ -85,19 +85,24 @@ class TrackLog:
         self.count = 0
         """Points that were ever added."""
         self.epoch = 0
-        """Grows when the track begins anew."""
+        """Grows when the track begins anew, and when a page should drop what became old."""
+        self._dropped_at = -inf
 
-    def add(self, pose: FlatPose, at: float) -> None:
-        """Add a pose, if it is STEP from the last one; one that is too far begins a new track."""
-        if self._seen is not None and not pose.follows(self._seen.pose, at - self._seen.at):
+    def add(self, pose: FlatPose, at: float) -> bool:
+        """Add a pose, if it is STEP from the last one; return if it begins a new track: a jump."""
+        jumps = self._seen is not None and not pose.follows(self._seen.pose, at - self._seen.at)
+        if jumps:
             self.clear()
         self._seen = point = TrackPoint(pose, at)
         if self._recent and self._recent[-1].apart(point) < STEP:
-            return
+            return False
         self._recent.append(point)
         self.count += 1
         while self._recent[0].at < at - RECENT:
             self._keep_old(self._recent.popleft())
+            if self._dropped_at < at - RECENT:
+                self._dropped_at, self.epoch = at, self.epoch + 1
+        return jumps
 
     def _keep_old(self, point: TrackPoint) -> None:
         if self._old and self._old[-1].apart(point) < self._old_step:

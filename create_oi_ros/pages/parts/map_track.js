@@ -2,55 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The robot's track as it is drawn: in chunks, of which only those in view are drawn.
 
-const RECENT = 600;         // seconds for which every point is kept
-const OLD_STEP = 0.2;       // metres between older points
-const THIN_EVERY = 60;      // seconds
 const CHUNK = 400;          // points that are drawn, or left out, together
 
 export class Track {
   constructor() {
-    this.points = [];   // [x, y, time]
     this.chunks = [];
     this.rebuilt = 0;
-    this.thinned = seconds();
   }
 
+  // Points come as x, y, x, y, ...
   begin(flat) {
-    const now = seconds();
-    this.points = [];
-    for (let at = 0; at < flat.length; at += 2) this.points.push([flat[at], flat[at + 1], now]);
-    this.rebuild();
+    this.chunks = [];
+    this.rebuilt += 1;
+    this.extend(flat);
   }
 
   extend(flat) {
-    const now = seconds();
-    for (let at = 0; at < flat.length; at += 2) {
-      const point = [flat[at], flat[at + 1], now];
-      this.points.push(point);
-      this.append(point);
-    }
-    if (now - this.thinned > THIN_EVERY) this.thin(now);
-  }
-
-  thin(now) {
-    this.thinned = now;
-    let last = null;
-    const kept = this.points.filter(point => {
-      const old = now - point[2] > RECENT;
-      const near = last && Math.hypot(point[0] - last[0], point[1] - last[1]) < OLD_STEP;
-      if (old && near) return false;
-      last = point;
-      return true;
-    });
-    if (kept.length === this.points.length) return;
-    this.points = kept;
-    this.rebuild();
-  }
-
-  rebuild() {
-    this.chunks = [];
-    this.rebuilt += 1;
-    for (const point of this.points) this.append(point);
+    for (let at = 0; at < flat.length; at += 2) this.append([flat[at], flat[at + 1]]);
   }
 
   // A chunk has one `part`, which may stand for a colour; a point that is apart begins a new line.
@@ -98,8 +66,6 @@ export class Track {
     return this.chunks.flatMap(({ left, right, low, high }) => [[left, low], [right, high]]);
   }
 }
-
-function seconds() { return performance.now() / 1000; }
 
 export function box(xs, ys) {
   const least = values => values.reduce((a, b) => Math.min(a, b));

@@ -16,6 +16,7 @@ export class ReplayTrack extends Track {
   constructor(odom, jumps, color) {
     super();
     Object.assign(this, { odom, jumps, color });
+    this.points = [];   // [x, y, time]
     this.times = [];
     this.until = 0;
     const apart = Math.max(STEP, this.length() / MOST);
