@@ -7,7 +7,6 @@ Beams have no place in either: virtual walls and the signals of Home Bases are l
 occupied in the map, since no robot may go there, and missing in Gazebo, whose floor has no holes.
 """
 
-from collections import deque
 from collections.abc import Iterator
 from math import atan2, ceil, floor, hypot
 from typing import NamedTuple
@@ -61,14 +60,39 @@ class Map(NamedTuple):
 def map_of(world: World) -> Map:
     """Draw the map of a world."""
     low_x, low_y, high_x, high_y = _bounds(world)
-    x, y = floor(low_x / RESOLUTION) * RESOLUTION, floor(low_y / RESOLUTION) * RESOLUTION
-    drawing = _Drawing(ceil((high_x - x) / RESOLUTION), ceil((high_y - y) / RESOLUTION), x, y)
+    left, bottom = floor(low_x / RESOLUTION), floor(low_y / RESOLUTION)
+    width, height = ceil(high_x / RESOLUTION) - left, ceil(high_y / RESOLUTION) - bottom
+    cells = bytearray([UNKNOWN]) * (width * height)  # rows from the lowest y up
+
+    def middles(points: list[Point]) -> Iterator[tuple[int, float, float]]:
+        """Yield the cells of the box around points, with their middles."""
+        xs, ys = zip(*points)
+        for row in range(max(0, floor(min(ys) / RESOLUTION) - bottom - 1),
+                         min(height, floor(max(ys) / RESOLUTION) - bottom + 2)):
+            for column in range(max(0, floor(min(xs) / RESOLUTION) - left - 1),
+                                min(width, floor(max(xs) / RESOLUTION) - left + 2)):
+                yield (row * width + column, (left + column + 0.5) * RESOLUTION,
+                       (bottom + row + 0.5) * RESOLUTION)
+
+    reach = hypot(RESOLUTION, RESOLUTION) / 2
     for obstacle in world.obstacles:
-        drawing.add(obstacle)
+        for place, x, y in middles(_corners(obstacle)):
+            if obstacle.gap(x, y) <= reach:
+                cells[place] = OCCUPIED
     if world.ground or world.cliffs:
-        drawing.add_cliffs(world)
-    drawing.fill((world.start.x, world.start.y))
-    return drawing.finished()
+        for place, x, y in middles([(low_x, low_y), (high_x, high_y)]):
+            if world.floor(x, y) is None:
+                cells[place] = OCCUPIED
+    start = floor(world.start.x / RESOLUTION) - left, floor(world.start.y / RESOLUTION) - bottom
+    waiting = [start]
+    while waiting:  # what can be reached from the start is free
+        column, row = waiting.pop()
+        if (0 <= column < width and 0 <= row < height
+                and cells[row * width + column] == UNKNOWN):
+            cells[row * width + column] = FREE
+            waiting += [(column - 1, row), (column + 1, row), (column, row - 1), (column, row + 1)]
+    rows = [bytes(cells[row * width:(row + 1) * width]) for row in reversed(range(height))]
+    return Map(width, height, left * RESOLUTION, bottom * RESOLUTION, b''.join(rows))
 
 
 def _bounds(world: World) -> tuple[float, float, float, float]:
@@ -89,68 +113,6 @@ def _corners(obstacle: Obstacle) -> list[Point]:
         return list(obstacle.ends)
     return [(obstacle.x - obstacle.radius, obstacle.y - obstacle.radius),
             (obstacle.x + obstacle.radius, obstacle.y + obstacle.radius)]
-
-
-class _Drawing:
-    """Cells while they are drawn; rows from the lowest y up."""
-
-    def __init__(self, width: int, height: int, x: float, y: float) -> None:
-        self._width, self._height, self._x, self._y = width, height, x, y
-        self._cells = bytearray([UNKNOWN]) * (width * height)
-
-    def add(self, obstacle: Obstacle) -> None:
-        """Draw an obstacle: every cell that it touches."""
-        reach = hypot(RESOLUTION, RESOLUTION) / 2
-        for place, x, y in self._near(_corners(obstacle)):
-            if obstacle.gap(x, y) <= reach:
-                self._cells[place] = OCCUPIED
-
-    def add_cliffs(self, world: World) -> None:
-        """Draw where there is no floor."""
-        for place, x, y in self._near([(self._x, self._y), self._middle(
-                self._width - 1, self._height - 1)]):
-            if world.floor(x, y) is None:
-                self._cells[place] = OCCUPIED
-
-    def fill(self, start: Point) -> None:
-        """Mark as free what can be reached from a place."""
-        column = floor((start[0] - self._x) / RESOLUTION)
-        row = floor((start[1] - self._y) / RESOLUTION)
-        waiting = deque([row * self._width + column])
-        while waiting:
-            place = waiting.pop()
-            if self._cells[place] != UNKNOWN:
-                continue
-            self._cells[place] = FREE
-            row, column = divmod(place, self._width)
-            if column > 0:
-                waiting.append(place - 1)
-            if column < self._width - 1:
-                waiting.append(place + 1)
-            if row > 0:
-                waiting.append(place - self._width)
-            if row < self._height - 1:
-                waiting.append(place + self._width)
-
-    def finished(self) -> Map:
-        """Return the map."""
-        width = self._width
-        rows = [bytes(self._cells[row * width:(row + 1) * width])
-                for row in reversed(range(self._height))]
-        return Map(width, self._height, self._x, self._y, b''.join(rows))
-
-    def _middle(self, column: int, row: int) -> Point:
-        return (self._x + (column + 0.5) * RESOLUTION, self._y + (row + 0.5) * RESOLUTION)
-
-    def _near(self, points: list[Point]) -> Iterator[tuple[int, float, float]]:
-        """Yield the cells of the box around points, with their middles."""
-        xs, ys = zip(*points)
-        columns = range(max(0, floor((min(xs) - self._x) / RESOLUTION) - 1),
-                        min(self._width, floor((max(xs) - self._x) / RESOLUTION) + 2))
-        for row in range(max(0, floor((min(ys) - self._y) / RESOLUTION) - 1),
-                         min(self._height, floor((max(ys) - self._y) / RESOLUTION) + 2)):
-            for column in columns:
-                yield row * self._width + column, *self._middle(column, row)
 
 
 def sdf_of(world: World) -> str:
@@ -190,17 +152,13 @@ def _link(number: int, obstacle: Obstacle) -> str:
                  '</cylinder>')
     else:
         (ax, ay), (bx, by) = obstacle.ends
-        x, y, yaw = (ax + bx) / 2, (ay + by) / 2, _heading(obstacle)
+        x, y, yaw = (ax + bx) / 2, (ay + by) / 2, f'{atan2(obstacle.uy, obstacle.ux):.6f}'
         shape = f'<box><size>{obstacle.length:g} {THICKNESS} {HEIGHT}</size></box>'
     return (f'      <link name="obstacle_{number}">\n'
             f'        <pose>{x:g} {y:g} {HEIGHT / 2} 0 0 {yaw}</pose>\n'
             f'        <collision name="collision"><geometry>{shape}</geometry></collision>\n'
             f'        <visual name="visual"><geometry>{shape}</geometry></visual>\n'
             '      </link>')
-
-
-def _heading(line: LineSegment) -> str:
-    return f'{atan2(line.uy, line.ux):.6f}'
 
 
 Numbers = list[float]
