@@ -126,16 +126,6 @@ def test_wimp_drives_forward_when_pushed_from_behind() -> None:
     assert robot.body.truth().travelled > 0.4
 
 
-def test_wimp_drives_away_from_an_obstacle() -> None:
-    robot = performing(DemoNumber.WIMP, parse('wall 0.4 -2 0.4 2', 'wall'))
-    robot.run(1)
-    robot.body.push(speed=0.1, rate=0, seconds=0.2)
-    poses = track(robot, 15)
-    assert max(pose.x for pose in poses) > 0.2
-    assert poses[-1].x < 0.15
-    assert abs(poses[-1].yaw) > 2
-
-
 def test_home_spins_to_locate_a_virtual_wall_drives_toward_it_and_stops_at_the_obstacle() -> None:
     robot = performing(DemoNumber.HOME, parse('wall 1 -2 1 2', 'wall'))
     robot.run(3)

@@ -111,25 +111,10 @@ def test_the_same_packet_may_be_asked_for_twice() -> None:
     assert frame[6:8] == b'\0\0'
 
 
-def test_a_new_list_takes_the_place_of_the_old_one(robot: Robot) -> None:
-    robot.say(bytes([148, 2, 7, 8]))
-    robot.slots()
-    robot.say(bytes([148, 1, 35]))
-    assert robot.slots()[:3] == bytes([19, 2, 35])
-    assert robot.read('stream_packets') == 1
-
-
 def test_an_empty_list_sends_nothing(robot: Robot) -> None:
     robot.say(bytes([148, 1, 7]), bytes([148, 0]))
     assert robot.slots(10) == b''
     assert robot.read('stream_packets') == 0
-
-
-def test_more_than_43_packets_are_refused(robot: Robot) -> None:
-    robot.say(bytes([148, 43] + [7] * 43))
-    assert robot.read('stream_packets') == 43
-    robot.say(bytes([148, 44] + [8] * 44))
-    assert robot.read('stream_packets') == 43
 
 
 @pytest.mark.parametrize('mode', [oi.Start(), oi.Safe(), oi.Full()])
@@ -137,15 +122,6 @@ def test_the_list_survives_a_mode_change_and_start(robot: Robot, mode: oi.Comman
     robot.say(bytes([148, 2, 7, 8]), mode)
     assert len(robot.slots(2)) == 2 * 7
     assert robot.read('stream_packets') == 2
-
-
-def test_the_list_is_empty_after_power_up(robot: Robot) -> None:
-    robot.say(bytes([148, 2, 7, 8]))
-    robot.create.lose_battery(robot.now)
-    robot.run(4)
-    robot.say(oi.Start())
-    assert robot.slots(10) == b''
-    assert robot.read('stream_packets') == 0
 
 
 @pytest.mark.parametrize(('baud', 'capacity'), [(57600, 86), (19200, 28)])

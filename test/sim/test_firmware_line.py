@@ -46,12 +46,6 @@ def without_power(robot: Robot, which: str) -> None:
 
 # Serial Port Settings.
 
-def test_by_default_create_communicates_at_57600_baud() -> None:
-    robot = Robot()
-    assert robot.create.baud == 57600
-    assert robot.say(oi.Start(), ASK_MODE, baud=57600) == b'\x01'
-
-
 def test_holding_play_when_powering_on_plays_a_descending_tune_and_switches_to_19200() -> None:
     robot = Robot()
     robot.create.power(False, robot.now)
@@ -235,18 +229,6 @@ def test_banner_boot_time_and_opcode_7_are_guesses_with_switches() -> None:
     robot.create.power(False, robot.now)
     robot.create.power(True, robot.now)
     assert robot.say(oi.Start(), ASK_MODE) == b'\x01'
-
-
-def test_while_it_boots_it_hears_nothing() -> None:
-    robot = Robot()
-    robot.create.power(False, robot.now)
-    robot.create.power(True, robot.now)
-    robot.run(2.9)
-    robot.say(oi.Start())
-    assert robot.mode is Mode.OFF
-    robot.run(0.2)
-    robot.say(oi.Start())
-    assert robot.mode is Mode.PASSIVE
 
 
 def test_songs_scripts_and_requests_are_forgotten_at_power_off() -> None:

@@ -24,18 +24,6 @@ def test_when_first_supplied_the_oi_is_in_off_mode() -> None:
     assert Robot().mode is Mode.OFF
 
 
-def test_after_a_battery_change_the_oi_is_in_off_mode() -> None:
-    robot = Robot(Mode.FULL)
-    robot.create.lose_battery(robot.now)
-    assert robot.mode is Mode.OFF
-
-
-def test_when_off_it_listens_for_start_at_the_default_baud_rate() -> None:
-    robot = Robot()
-    robot.say(oi.Start(), baud=57600)
-    assert robot.mode is Mode.PASSIVE
-
-
 @pytest.mark.parametrize('command', [kind for kind in oi.COMMANDS if kind is not oi.Start])
 def test_when_off_it_obeys_nothing_but_start(command: type[oi.Command]) -> None:
     robot = Robot()
@@ -149,13 +137,6 @@ def test_safe_goes_on_over_a_cliff_while_moving_backward_otherwise(radius: int) 
     robot.slots(10)
     assert robot.mode is Mode.SAFE
     assert robot.wheels != (0, 0)
-
-
-def test_safe_goes_on_at_rest_on_a_cliff() -> None:
-    robot = Robot(Mode.SAFE)
-    robot.body.force(cliff_left=1)
-    robot.slots(10)
-    assert robot.mode is Mode.SAFE
 
 
 @pytest.mark.parametrize('drop', ['drop_left', 'drop_right', 'drop_caster'])

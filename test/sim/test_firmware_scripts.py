@@ -46,17 +46,6 @@ def test_example_drive_40_cm_and_stop(robot: Robot) -> None:
     assert robot.body.truth().travelled == pytest.approx(0.4, abs=0.06)
 
 
-def test_example_toggle_led_on_bump(robot: Robot) -> None:
-    robot.say(TOGGLE_LED_ON_BUMP, PLAY)
-    for expected in (oi.LedBits.PLAY, 0, oi.LedBits.PLAY, 0):
-        robot.run(1)
-        robot.body.force(bump_left=1, seconds=0.2)
-        robot.run(0.1)
-        assert robot.create.lights.bits != expected
-        robot.run(0.2)
-        assert robot.create.lights.bits == expected
-
-
 def test_example_drive_in_a_square(robot: Robot) -> None:
     robot.say(SQUARE, PLAY)
     robot.run(60)
@@ -80,13 +69,6 @@ def test_a_length_of_0_clears_the_current_script(robot: Robot) -> None:
     assert robot.say(SHOW) == b'\0'
 
 
-def test_a_script_obeys_the_modes() -> None:
-    robot = Robot(Mode.PASSIVE)
-    robot.say(DRIVE_40_CM, PLAY)
-    robot.run(1)
-    assert robot.wheels == (0, 0)
-
-
 def test_show_script_returns_the_number_of_bytes_and_the_bytes(robot: Robot) -> None:
     robot.say(SQUARE)
     assert robot.say(SHOW) == SQUARE[1:]
@@ -99,13 +81,6 @@ def test_show_script_first_halts_the_sensor_stream(robot: Robot) -> None:
     assert robot.slots(10) == b''
     robot.say(bytes([150, 1]))
     assert len(robot.slots(2)) == 10
-
-
-def test_a_script_that_ends_in_the_middle_of_a_command_waits_for_the_rest(robot: Robot) -> None:
-    robot.say(bytes([152, 3, 145, 0, 100]), PLAY)
-    robot.run(1)
-    robot.say(bytes([0, 50]))
-    assert robot.wheels == (100, 50)
 
 
 def test_to_make_a_script_loop_forever_use_play_script_as_the_last_command(robot: Robot) -> None:

@@ -12,12 +12,6 @@ from create_oi_ros.sim.world import World
 from support.bodies import Body, body_at_speed, FRAME, ideal
 
 
-def test_distance_is_the_mean_of_both_wheels_in_millimetres():
-    body = body_at_speed(0.3, 0.1)
-    body.step(1)
-    assert body.take_distance() == 200
-
-
 def test_angle_is_in_whole_degrees():
     body = body_at_speed(0.129, -0.129)
     body.step(math.pi / 2)
@@ -32,17 +26,6 @@ def test_reading_in_every_frame_adds_up_by_the_rounding(rounding, total):
     body = body_at_speed(0.1001, 0.1001, rounding=rounding)
     read = sum((body.step(FRAME), body.take_distance())[1] for _ in range(200))
     assert read == pytest.approx(total, abs=1)
-
-
-def test_totals_are_not_reset_by_reading():
-    body = body_at_speed(0.2, 0.2)
-    before = body.distance_total
-    body.step(1)
-    body.take_distance()
-    assert body.distance_total - before == pytest.approx(200)
-    body.drive(right=0.129, left=-0.129)
-    body.step(2)
-    assert body.angle_total == pytest.approx(math.degrees(body.truth().measured_turned))
 
 
 def test_pushed_by_hand_either_way_the_distance_counts_up():
