@@ -5,9 +5,8 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Severity
 from create_oi_ros.driver.command_watch import CommandNews, CommandWatch
-from create_oi_ros.driver.connection import BaudSearch, GARBAGE_LIMIT
+from create_oi_ros.driver.connection import BaudSearch
 from create_oi_ros.driver.stream import FrameBudget, StreamPlan, too_slow
 
 ONE, OTHER = (7, 8), (7, 9)
@@ -159,28 +158,6 @@ def test_the_likely_rates_come_again_before_each_of_the_others():
         28800, 57600, 19200, 115200, 28800, 57600, 19200]
 
 
-@pytest.mark.parametrize(('baud', 'at', 'hint'), [
-    (0, '57600 and 19200', False), (38400, '38400', True)])
-def test_after_three_calls_it_says_once_that_nobody_answers(baud, at, hint):
-    search = BaudSearch(baud)
-    search.next_baud()
-    search.next_baud()
-    assert search.notice() is None
-    search.next_baud()
-    severity, text = search.notice()
-    assert severity is Severity.ERROR
-    assert text.startswith(f'no answer at {at} baud: is the robot on')
-    assert ('`baud: 0` tries other rates' in text) == hint
-    search.next_baud()
-    assert search.notice() is None
-    search.restart()
-    for _ in range(2):
-        search.next_baud()
-        assert search.notice() is None
-    search.next_baud()
-    assert search.notice() is not None
-
-
 def test_bytes_that_are_no_frames_are_shown_once_there_are_enough():
     for sizes, other in (((63,), False), ((64,), True), ((32, 32), True), ((1, 200), True)):
         search = BaudSearch(57600)
@@ -191,18 +168,6 @@ def test_bytes_that_are_no_frames_are_shown_once_there_are_enough():
         text = search.notice().text
         assert ('not like a Create at 57600 baud (it sent 0 ' in text) == other
     assert '(it sent 0 0 1 2 3 4 5 6 7 8 9 10 ...)' in text
-    search.restart()
-    for _ in range(3):
-        search.next_baud()
-    assert search.notice().text.startswith('no answer')
-
-
-def test_speech_is_remembered_within_bounds():
-    search = BaudSearch(0)
-    for size in (40, 500):
-        for _ in range(1000):
-            search.add_garbage(bytes(size))
-        assert len(search._garbage) <= 2 * GARBAGE_LIMIT
 
 
 # Which packets are asked for.

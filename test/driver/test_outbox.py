@@ -1,11 +1,23 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which bytes leave when; times are binary fractions, so exact."""
+"""Which bytes leave when, and what stops a robot; times are binary fractions, so exact."""
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.outbox import LOST, MODE_PAUSE, Outbox
+from create_oi_ros.driver.outbox import (
+    DEAD_MAN_STOP,
+    done,
+    END_DEMO,
+    farewell,
+    LOST,
+    MODE_PAUSE,
+    Outbox,
+    Outcome,
+    Pending,
+    refused,
+    WAKE_UP,
+)
 
 HALT = oi.DriveDirect(right=0, left=0)
 OFF = oi.LowSideDrivers(bits=oi.DriverBits(0))
@@ -103,3 +115,45 @@ def test_a_command_that_is_out_of_range_is_not_queued() -> None:
     with pytest.raises(ValueError, match='right'):
         outbox.send(oi.DriveDirect(right=501, left=0))
     assert not outbox.busy
+
+
+# Who waits for an outcome.
+
+
+def test_whoever_waits_is_called_back_once():
+    pending, seen = Pending(), []
+    pending.then(seen.append)
+    assert pending.outcome is None
+    pending.end(True, 'stored', b'\x80')
+    pending.end(False, 'too late')
+    assert seen == [Outcome(True, 'stored', b'\x80')]
+    assert pending.outcome == seen[0]
+
+
+def test_whoever_comes_late_is_called_back_at_once():
+    seen: list[Outcome] = []
+    done('wheels stopped').then(seen.append)
+    refused('no robot answers').then(seen.append)
+    assert seen == [Outcome(True, 'wheels stopped'), Outcome(False, 'no robot answers')]
+
+
+# What stops a robot.
+
+
+STOP = bytes([145, 0, 0, 0, 0])
+
+
+def test_a_robot_is_stopped_twice_then_what_it_waits_for_is_ended_and_it_is_stopped_again():
+    assert WAKE_UP == STOP + STOP + bytes(2 * 145) + STOP
+    assert DEAD_MAN_STOP == STOP + b'\x80' + bytes(2 * 145) + STOP + b'\x80'
+    assert (HALT.encode(), END_DEMO.encode()) == (STOP, bytes([136, 255]))
+
+
+@pytest.mark.parametrize(('mode', 'demo'), [
+    (oi.Mode.PASSIVE, bytes([136, 255])), (oi.Mode.OFF, b''), (oi.Mode.SAFE, b''),
+    (oi.Mode.FULL, b''), (None, b'')])
+@pytest.mark.parametrize(('on_exit', 'opcode'), [
+    (oi.Mode.PASSIVE, 128), (oi.Mode.SAFE, 131), (oi.Mode.FULL, 132)])
+def test_a_driver_that_ends_stops_wheels_motors_demo_and_stream(mode, demo, on_exit, opcode):
+    sent = b''.join(command.encode() for command in farewell(mode, on_exit))
+    assert sent == STOP + bytes([144, 0, 0, 0]) + demo + bytes([150, 0, opcode])
