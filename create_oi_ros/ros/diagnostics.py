@@ -9,7 +9,6 @@ does not work. STALE is left to aggregators, which say it of a node that reports
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from functools import lru_cache
 from math import isnan
 from typing import Any
 
@@ -47,17 +46,10 @@ def hardware_id(port: str, namespace: str) -> str:
 
 
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:
-    """Return a status without hardware id; the same one may be returned again."""
-    return _status(name, level, message, tuple((key, str(value)) for key, value in values.items()))
-
-
-@lru_cache(maxsize=32)  # most do not change from one second to the next
-def _status(
-    name: str, level: bytes, message: str, values: tuple[tuple[str, str], ...],
-) -> DiagnosticStatus:
+    """Return a status without hardware id."""
     return DiagnosticStatus(
         level=level, name=name, message=message,
-        values=[KeyValue(key=key, value=value) for key, value in values])
+        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
 
 
 def serial_link(
@@ -225,7 +217,6 @@ def _number(known: Known) -> str:
     return f'{known.value:.4g} +- {known.deviation:.1g}'
 
 
-@lru_cache(maxsize=1)  # they seldom change
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:
     """Report version and parameters, so that every recording holds them."""
     return status(f'{name}: {PARAMETERS}', OK, f'version {__version__}', {

@@ -84,7 +84,7 @@ class CreateNode(Node):
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._stale = 0
         self._declare_topics()
-        Services(self, self.session, self.model)  # the node keeps it, by its methods
+        Services(self, self.session, self.model)  # the node keeps it, by its callbacks
         self._actions = Actions(self, self.session, self.parameters, self._stamps)
         self._counts = LinkCounts()
         self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())

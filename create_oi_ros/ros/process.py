@@ -79,13 +79,6 @@ def call_on_signal(end: Callable[[], None]) -> None:
     threading.Thread(target=wait, name='signals', daemon=True).start()
 
 
-def stop_job() -> None:
-    """Stop this process and all of its shell job, as Ctrl-Z does; return after `fg`."""
-    own = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
-    os.kill(0, signal.SIGTSTP)
-    signal.signal(signal.SIGTSTP, own)
-
-
 def check_shared_memory(domain: int, folder: Path = SHARED_MEMORY) -> None:
     """
     Check that no port of this ROS domain stays half made; UserError names its file.

@@ -9,7 +9,6 @@ new field is covered without being remembered.
 
 from contextlib import contextmanager
 from dataclasses import fields
-import inspect
 from math import inf, isfinite, nan
 from types import SimpleNamespace
 
@@ -78,9 +77,7 @@ class Desk:
 
     def call(self, service, request):
         """Return the reply, or fail when none comes."""
-        answer = getattr(self._services, service.name)(request, service.type.Response())
-        if not inspect.iscoroutine(answer):
-            return answer
+        answer = self._services.serve(service, request, service.type.Response())
         until = self.loop.now + PATIENCE
         while self.loop.now < until:
             try:
