@@ -47,8 +47,8 @@ FEEDBACK_EVERY = 7
 """Frames from one feedback to the next: ten a second."""
 RESULT_KEPT = 60
 """Seconds for which a client can still ask for the result of a goal that has ended."""
-GONE = 2
-"""Looks at the graph, one a second, without a client after which that of a goal has gone."""
+CLIENT_LOST_CHECKS = 2
+"""Checks of the graph, one a second, without a client of the goal, after which it is ended."""
 PHASES = {
     Phase.TURNING_TO_PLACE: NavigateToPosition.Feedback.ROTATING_TO_GOAL_POSITION,
     Phase.DRIVING: NavigateToPosition.Feedback.DRIVING_TO_GOAL_POSITION,
@@ -208,8 +208,8 @@ class Pursued:
     running: Running
     feedback: Any
     frames: int = 0
-    unseen: int = 0
-    """Looks at the graph in a row that showed no client."""
+    lost_checks: int = 0
+    """Checks of the graph in a row that showed no client."""
 
 
 class Actions:
@@ -296,8 +296,8 @@ class Actions:
         if pursued is None:
             return
         service = f'{self._node.resolve_service_name(pursued.action.name)}/_action/send_goal'
-        pursued.unseen = 0 if self._node.count_clients(service) else pursued.unseen + 1
-        if pursued.unseen >= GONE:
+        pursued.lost_checks = 0 if self._node.count_clients(service) else pursued.lost_checks + 1
+        if pursued.lost_checks >= CLIENT_LOST_CHECKS:
             with self._session.request() as (driver, now):
                 driver.goals.abandon(pursued.running, now)
 

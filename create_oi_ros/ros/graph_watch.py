@@ -25,8 +25,8 @@ from .velocity_input import type_name_of, TYPES, VelocityInput
 
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """What ROS calls a node that it has not heard of yet, though its publisher was found."""
-INTRODUCTION, LOOK = 1.0, 0.02
-"""Seconds in which ROS hears of a node whose publisher it knows, and between two looks."""
+NAME_TIMEOUT, POLL_INTERVAL = 1.0, 0.02
+"""Seconds in which ROS hears of a node whose publisher it knows, and between two checks."""
 ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 
 
@@ -166,12 +166,12 @@ def full_name(namespace: str, name: str) -> str:
 
 def names_of_publishers(node: Node, topic: str) -> set[str]:
     """Return the full names of the nodes that publish a topic; wait a moment for new ones."""
-    until = time.monotonic() + INTRODUCTION
+    until = time.monotonic() + NAME_TIMEOUT
     while True:
         found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
         if time.monotonic() > until or all(each.node_name != UNNAMED for each in found):
             return {node_name(each) for each in found}
-        time.sleep(LOOK)
+        time.sleep(POLL_INTERVAL)
 
 
 def _domain() -> str:

@@ -11,7 +11,7 @@ from ..link.session import Session
 from ..odometry import Knowledge
 from . import odometry_model
 
-WORTHWHILE = 30
+MIN_READINGS = 30
 """Readings since the start from which on the file is written at the end."""
 NO_FILE = ('parameter odometry_model is empty: start the node with '
            '-p odometry_model:=FILE to have a file')
@@ -57,7 +57,7 @@ class ModelKeeper:
         robot = _known_by(session)
         if self._path is None or robot is None:
             return
-        if not robot.certain or robot.readings < WORTHWHILE:
+        if not robot.certain or robot.readings < MIN_READINGS:
             self._log.info(f'too little was learned of the robot: {self._path} stays as it is')
             return
         outcome = self.save(session)

@@ -41,8 +41,8 @@ SHARED_MEMORY = Path('/dev/shm')
 """Where Linux keeps shared memory."""
 SHARED_PORTS, FIRST_PORT, PORTS_PER_DOMAIN = range(7000, 7400), 7400, 250
 """Ports of all domains, the first one of domain 0, and how many a domain has (DDSI-RTPS 9.6.1)."""
-MAKING_TIME, LOOK = 5.0, 0.1
-"""Seconds in which a port is made (in fact a thousandth), and between two looks at it."""
+PORT_TIMEOUT, CHECK_INTERVAL = 5.0, 0.1
+"""Seconds in which a port is made (in fact a thousandth), and between two checks of it."""
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -90,14 +90,14 @@ def check_shared_memory(domain: int, folder: Path = SHARED_MEMORY) -> None:
     first = FIRST_PORT + domain * PORTS_PER_DOMAIN
     numbers = (*SHARED_PORTS, *range(first, first + PORTS_PER_DOMAIN))
     ports = [folder / f'fastrtps_port{number}' for number in numbers]
-    until = time.monotonic() + MAKING_TIME
+    until = time.monotonic() + PORT_TIMEOUT
     while unfinished := [port for port in ports if _unfinished(port)]:
         if time.monotonic() > until:
             names = ' '.join(map(str, unfinished))
             raise UserError(
                 f'ROS waits for {names} for ever: a program was killed while it made that file '
                 f'of shared memory, and nobody will finish it. Remove it: `rm {names}`')
-        time.sleep(LOOK)
+        time.sleep(CHECK_INTERVAL)
 
 
 def _unfinished(port: Path) -> bool:
@@ -174,7 +174,7 @@ def spin_ready(executor: SingleThreadedExecutor) -> None:
         callback.result()
 
 
-GRACE = 1.5
+TERMINATION_TIMEOUT = 1.5
 """Seconds that a child has to end by itself after SIGTERM, before it is killed."""
 
 
@@ -208,7 +208,7 @@ class Children:
             if process.poll() is None:
                 process.terminate()  # SIGINT while Python starts would print a traceback
             try:
-                process.wait(GRACE)
+                process.wait(TERMINATION_TIMEOUT)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

@@ -28,9 +28,9 @@ from .topics import CMD_VEL, type_name
 TYPES: dict[str, tuple[type, ...]] = {
     'auto': (Twist, TwistStamped), 'twist': (Twist,), 'stamped': (TwistStamped,)}
 """Message types to choose from, for each value of the parameter `cmd_vel_type`."""
-RELIABLE_LOOKS = 10
-"""Looks at the publishers in a row that must all be reliable, until the subscription is again."""
-AT_ONCE = 1.0
+RELIABLE_CHECKS = 10
+"""Checks of the publishers in a row that must all be reliable, until the subscription is again."""
+CONTEST_INTERVAL = 1.0
 """Two publishers whose commands alternate within so many seconds send at the same time."""
 
 
@@ -63,9 +63,9 @@ class VelocityInput:
         """The message type of the subscription."""
         self.reliability = ReliabilityPolicy.RELIABLE
         """The reliability that it asks for."""
-        self._looks = 0
+        self._reliable_checks = 0
         self._number = 0
-        self._alternated_at = -AT_ONCE
+        self._alternated_at = -CONTEST_INTERVAL
         self._contested = False
         self._subscription: Subscription | None = None
         self._subscribe()
@@ -103,12 +103,12 @@ class VelocityInput:
                  if type_name_of(each) == type_name(type_)]
         reliability = self.reliability
         if ReliabilityPolicy.BEST_EFFORT in taken:
-            self._looks, reliability = 0, ReliabilityPolicy.BEST_EFFORT
+            self._reliable_checks, reliability = 0, ReliabilityPolicy.BEST_EFFORT
         elif taken:
             # A publisher that comes and goes, over a bad network, must not cost a new
             # subscription each time.
-            self._looks += 1
-            if self._looks >= RELIABLE_LOOKS:
+            self._reliable_checks += 1
+            if self._reliable_checks >= RELIABLE_CHECKS:
                 reliability = ReliabilityPolicy.RELIABLE
         if (type_, reliability) != (self.type, self.reliability) or self._subscription is None:
             self.type, self.reliability = type_, reliability
@@ -153,7 +153,7 @@ class VelocityInput:
             return
         if number <= self._number:
             now = time.monotonic()
-            self._contested = self._contested or now - self._alternated_at < AT_ONCE
+            self._contested = self._contested or now - self._alternated_at < CONTEST_INTERVAL
             self._alternated_at = now
         self._number = number
 

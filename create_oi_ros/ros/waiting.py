@@ -22,13 +22,13 @@ from rclpy.node import Node
 
 from .topics import LATCHED
 
-SAY_AFTER = 2.0
+WARNING_DELAY = 2.0
 """Seconds after which a program says that it waits."""
-FOUND_WITHIN = 10.0
+DISCOVERY_TIMEOUT = 10.0
 """Seconds in which ROS finds a driver that runs, on a busy computer."""
-LOOK = 0.1
-"""Seconds between two looks at what is awaited."""
-LONGEST = 107
+POLL_INTERVAL = 0.1
+"""Seconds between two checks of what is awaited."""
+MAX_NAME_LENGTH = 107
 """Bytes that Linux allows for the name of a socket."""
 LISTED = re.compile(r'@create_oi_ros/driver/[\d.]+/(\d+)(/\S+)$', re.MULTILINE)
 """A driver's socket in the list: its process, its ROS domain, its node."""
@@ -38,7 +38,7 @@ def announce(domain: int, node: str) -> socket.socket:
     """Let programs of this computer know of a driver, by its full name, until it is closed."""
     announced = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     name = f'\0create_oi_ros/driver/{os.getpid()}.{announced.fileno()}/{domain}{node}'
-    announced.bind(name.encode()[:LONGEST])
+    announced.bind(name.encode()[:MAX_NAME_LENGTH])
     return announced
 
 
@@ -50,13 +50,13 @@ def drivers() -> list[tuple[int, str]]:
 
 def waits_for(node: Node, what: str, waited: float) -> str | None:
     """Say what a node has waited for, s, and why it may not come; None: it may still come."""
-    if waited < SAY_AFTER:
+    if waited < WARNING_DELAY:
         return None
     own, namespace = node.context.get_domain_id(), node.get_namespace()
     found = drivers()
     if any(domain == own and name.rpartition('/')[0] == namespace.rstrip('/')
            for domain, name in found):
-        return None if waited < FOUND_WITHIN else (
+        return None if waited < DISCOVERY_TIMEOUT else (
             f'waits for {what} in ROS domain {own}: a driver runs there, but ROS does not find '
             'it: is ROS_AUTOMATIC_DISCOVERY_RANGE or RMW_IMPLEMENTATION different there?')
     where = [_where(domain, name, own) for domain, name in found]
@@ -96,11 +96,11 @@ def wait_for_robot(node: Node, until: Callable[[], object] = lambda: True) -> No
     modes = node.create_subscription(Mode, 'mode', heard.append, LATCHED)
     began, said = time.monotonic(), None
     while not (heard and heard[-1].mode != Mode.UNKNOWN and until()):
-        rclpy.spin_once(node, timeout_sec=LOOK)
+        rclpy.spin_once(node, timeout_sec=POLL_INTERVAL)
         waited = time.monotonic() - began
         if not heard:
             why = waits_for(node, 'a driver', waited)
-        elif heard[-1].mode == Mode.UNKNOWN and waited >= SAY_AFTER:
+        elif heard[-1].mode == Mode.UNKNOWN and waited >= WARNING_DELAY:
             why = f'waits for a robot ({heard[-1].reason}): is it switched on, and the cable in?'
         else:
             continue

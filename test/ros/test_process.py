@@ -54,7 +54,7 @@ def write_port(port: Path, mark: int, size: int = 52400) -> Path:
 @pytest.mark.parametrize(('number', 'mark', 'size'), [
     (7400, 0, 0), (7649, 0, 52400), (7000, 1, 52400)])
 def test_a_port_that_nobody_finishes_is_named(number, mark, size, tmp_path, monkeypatch):
-    monkeypatch.setattr(process, 'MAKING_TIME', 0.2)
+    monkeypatch.setattr(process, 'PORT_TIMEOUT', 0.2)
     port = write_port(tmp_path / f'fastrtps_port{number}', mark, size)
 
     with pytest.raises(UserError, match=f'Remove it: `rm {port}`'):
@@ -63,7 +63,7 @@ def test_a_port_that_nobody_finishes_is_named(number, mark, size, tmp_path, monk
 
 
 def test_ports_that_are_made_or_of_another_domain_are_not_waited_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(process, 'MAKING_TIME', 0.2)
+    monkeypatch.setattr(process, 'PORT_TIMEOUT', 0.2)
     for name, mark, size in (
             ('fastrtps_port7411', READY, 52400), ('fastrtps_port7650', 0, 52400),
             ('fastrtps_port7411_el', 0, 0), ('sem.fastrtps_port7411_mutex', 0, 32)):

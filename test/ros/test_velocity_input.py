@@ -12,7 +12,7 @@ import pytest
 from rclpy.qos import qos_profile_sensor_data, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from create_oi_ros.ros.velocity_input import RELIABLE_LOOKS, VelocityInput
+from create_oi_ros.ros.velocity_input import RELIABLE_CHECKS, VelocityInput
 from support.ros import Listener, own_domain, TIMEOUT
 
 RELIABLE, BEST_EFFORT = QoSProfile(depth=1), qos_profile_sensor_data
@@ -136,12 +136,12 @@ def test_best_effort_ends_when_all_have_been_reliable_for_a_while(stage):
     made.adapt([endpoint(), endpoint(BEST_EFFORT)])
     stage.ros.until(lambda: made.reliability is ReliabilityPolicy.BEST_EFFORT)
     for _ in range(2):
-        for _ in range(RELIABLE_LOOKS - 1):
+        for _ in range(RELIABLE_CHECKS - 1):
             made.adapt([endpoint()])
         made.adapt([])
         assert made.reliability is ReliabilityPolicy.BEST_EFFORT
         made.adapt([endpoint(BEST_EFFORT)])
-    for _ in range(RELIABLE_LOOKS):
+    for _ in range(RELIABLE_CHECKS):
         made.adapt([endpoint()])
     stage.ros.until(lambda: made.reliability is ReliabilityPolicy.RELIABLE)
     stage.hears(stage.publisher(Twist), 0.2)

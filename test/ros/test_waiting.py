@@ -7,7 +7,13 @@ from types import SimpleNamespace
 import pytest
 
 from create_oi_ros.ros import waiting
-from create_oi_ros.ros.waiting import announce, drivers, FOUND_WITHIN, SAY_AFTER, waits_for
+from create_oi_ros.ros.waiting import (
+    announce,
+    DISCOVERY_TIMEOUT,
+    drivers,
+    waits_for,
+    WARNING_DELAY,
+)
 from support.ros import scene
 
 WAITS = """
@@ -47,14 +53,14 @@ def test_drivers_of_this_computer_are_known_while_they_run():
 ])
 def test_it_says_what_it_waits_for_and_where_a_driver_runs(monkeypatch, found, namespace, words):
     monkeypatch.setattr(waiting, 'drivers', lambda: found)
-    assert waits_for(node(namespace), 'odom', SAY_AFTER - 0.1) is None
-    assert words in waits_for(node(namespace), 'odom', SAY_AFTER)
+    assert waits_for(node(namespace), 'odom', WARNING_DELAY - 0.1) is None
+    assert words in waits_for(node(namespace), 'odom', WARNING_DELAY)
 
 
 def test_a_driver_that_runs_here_is_given_more_time_to_be_found(monkeypatch):
     monkeypatch.setattr(waiting, 'drivers', lambda: [(7, '/robot1/create')])
-    assert waits_for(node('/robot1'), 'odom', FOUND_WITHIN - 0.1) is None
-    assert 'but ROS does not find it' in waits_for(node('/robot1'), 'odom', FOUND_WITHIN)
+    assert waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT - 0.1) is None
+    assert 'but ROS does not find it' in waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT)
 
 
 def test_a_program_waits_for_a_driver_then_for_its_robot(tmp_path):
