@@ -66,9 +66,9 @@ TOO_SHORT = (b'', bytes((HEADER,)))
 """Ends of the buffer that may be the start of a frame: its length is still missing."""
 READABLE = re.compile(rb'[ -~\t\r\n]{6,}')
 """Text; a shorter run of readable characters is chance."""
-GARBAGE_AT_ONCE = 256
+GARBAGE_LIMIT = 256
 """Garbage is returned in pieces of at most this size, so that memory stays bounded."""
-SWITCH_AFTER = 3
+FRAMES_TO_SWITCH = 3
 """Frames in a row with the other checksum convention after which the reader changes to it."""
 
 
@@ -139,7 +139,7 @@ class StreamReader:
         buffer = self._buffer
         if self._begin == len(buffer):
             return None
-        while (start := self._start) - self._begin < GARBAGE_AT_ONCE:
+        while (start := self._start) - self._begin < GARBAGE_LIMIT:
             head = buffer[start:start + 2]
             # At most one list matches a whole frame: two lists of the same length have their
             # first different packet number at the same place.
@@ -161,7 +161,7 @@ class StreamReader:
                 return self._nothing()
             next_header = buffer.find(HEADER, start + 1)
             self._start = len(buffer) if next_header < 0 else next_header
-        return self._take_garbage(self._begin + GARBAGE_AT_ONCE)
+        return self._take_garbage(self._begin + GARBAGE_LIMIT)
 
     def __iter__(self) -> Iterator[Frame | Garbage]:
         """Yield the events that are ready."""
@@ -210,7 +210,7 @@ class StreamReader:
             self._other_in_a_row = 0
             return False
         self._other_in_a_row += 1
-        if self._total is not None and self._other_in_a_row < SWITCH_AFTER:
+        if self._total is not None and self._other_in_a_row < FRAMES_TO_SWITCH:
             return False
         self._total = total
         return True

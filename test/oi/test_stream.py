@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.stream import GARBAGE_AT_ONCE, readable, SWITCH_AFTER
+from create_oi_ros.oi.stream import FRAMES_TO_SWITCH, GARBAGE_LIMIT, readable
 from support.oi_strategies import commands, frames, packet_lists
 import vectors
 
@@ -163,19 +163,19 @@ def test_the_checksum_convention_is_kept_until_the_other_repeats() -> None:
     assert reader.checksum is None
     assert kinds(events([GOOD], reader=reader)) == 'F'
     assert reader.checksum is oi.Checksum.HARDWARE
-    assert kinds(events([BY_THE_MANUAL + GOOD] * SWITCH_AFTER, reader=reader)) == 'gF' * 3
-    assert reader.checksum_failures == SWITCH_AFTER
-    found = events([BY_THE_MANUAL * (SWITCH_AFTER + 1)], reader=reader)
+    assert kinds(events([BY_THE_MANUAL + GOOD] * FRAMES_TO_SWITCH, reader=reader)) == 'gF' * 3
+    assert reader.checksum_failures == FRAMES_TO_SWITCH
+    found = events([BY_THE_MANUAL * (FRAMES_TO_SWITCH + 1)], reader=reader)
     assert kinds(found) == 'gFF'
     assert reader.checksum is oi.Checksum.MANUAL
-    assert reader.checksum_failures == 2 * SWITCH_AFTER - 1
+    assert reader.checksum_failures == 2 * FRAMES_TO_SWITCH - 1
     assert kinds(events([GOOD], reader=reader)) == 'g'
 
 
 def test_damaged_frames_in_between_are_not_a_row() -> None:
     damaged = GOOD[:-1] + bytes([GOOD[-1] + 1 & 0xff])
     reader = oi.StreamReader([CLIFF])
-    found = events([GOOD + (damaged * 50 + BY_THE_MANUAL) * 2 * SWITCH_AFTER], reader=reader)
+    found = events([GOOD + (damaged * 50 + BY_THE_MANUAL) * 2 * FRAMES_TO_SWITCH], reader=reader)
     assert [event for event in found if isinstance(event, oi.Frame)] == found[:1]
     assert reader.checksum is oi.Checksum.HARDWARE
 
@@ -189,7 +189,7 @@ def test_the_boot_banner_is_reported() -> None:
 
 
 def test_the_boot_banner_is_readable_in_two_pieces() -> None:
-    found = events([bytes(GARBAGE_AT_ONCE - 33) + BANNER + GOOD], CLIFF)
+    found = events([bytes(GARBAGE_LIMIT - 33) + BANNER + GOOD], CLIFF)
     assert kinds(found) == 'ggF'
     assert readable(joined(found[:2])) == BANNER.decode().strip()
 
@@ -205,8 +205,8 @@ def test_memory_is_bounded() -> None:
     for noise in (b'\0', b'\x13', b'\x13\xd4', b'\x13\xd4\x06'):
         for _ in range(300):
             reader.feed(noise * 10)
-            assert all(len(event.data) <= GARBAGE_AT_ONCE for event in list(reader))
-            assert len(reader._buffer) < GARBAGE_AT_ONCE + 258
+            assert all(len(event.data) <= GARBAGE_LIMIT for event in list(reader))
+            assert len(reader._buffer) < GARBAGE_LIMIT + 258
     assert reader.flush() is not None and reader.flush() is None
 
 
@@ -237,8 +237,8 @@ def captures(draw: st.DrawFn) -> tuple[list[oi.PacketList], bytes]:
 
 
 @given(captures(), st.lists(st.integers(0), max_size=20))
-@example(([CLIFF], bytes(GARBAGE_AT_ONCE) + GOOD), [])
-@example(([CLIFF], bytes(GARBAGE_AT_ONCE - 1) + GOOD * 2), [])
+@example(([CLIFF], bytes(GARBAGE_LIMIT) + GOOD), [])
+@example(([CLIFF], bytes(GARBAGE_LIMIT - 1) + GOOD * 2), [])
 @example(([CLIFF], b'\x13' * 600 + GOOD), [300])
 def test_the_same_bytes_split_anywhere_give_the_same_events(
         capture: tuple[list[oi.PacketList], bytes], places: list[int]) -> None:

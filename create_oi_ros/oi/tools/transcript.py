@@ -27,7 +27,7 @@ GARBAGE_SHOWN = 5
 """Pieces of garbage that are shown until the next summary."""
 LISTS_KEPT = 32
 """Number of lists of packets whose frames are expected: the newest."""
-REPEATABLE = (Drive, DriveDirect, Stream)
+IDEMPOTENT = (Drive, DriveDirect, Stream)
 """Commands that change nothing when they are repeated."""
 FROM_ROBOT, TO_ROBOT, OTHER = '<-', '->', '--'
 WORDS = {
@@ -35,7 +35,7 @@ WORDS = {
     RecordKind.BAUD: 'host speaks at baud rate ',
     RecordKind.NOTE: 'driver says ', RecordKind.END: 'end of the capture',
 }
-SHOWN = {
+SHOWN_READINGS = {
     name: PACKETS[number] for name, number in NUMBERS.items()
     if PACKETS[number].wire.format == 'B' or PACKETS[number].wire.unit == 'mm/s'}
 """Readings that change only when something happens: not signals, voltages, distances."""
@@ -154,11 +154,11 @@ class Transcript:
             return
         self._summary.add(event)
         news = {name: value for name, value in event.readings.items()
-                if name in SHOWN and self._shown_values.get(name) != value}
+                if name in SHOWN_READINGS and self._shown_values.get(name) != value}
         if news:
             self._shown_values.update(news)
             yield self._line(FROM_ROBOT, ', '.join(
-                explain_reading(SHOWN[name], value) for name, value in news.items()))
+                explain_reading(SHOWN_READINGS[name], value) for name, value in news.items()))
 
     def _garbage(self, garbage: Garbage) -> Iterator[str]:
         self._summary.garbage += 1
@@ -179,7 +179,7 @@ class Transcript:
             unknown.clear()
             if isinstance(found, Stream) and set(found.packets) <= set(PACKET_IDS):
                 self._expect(PacketList(found.packets))
-            if self._is_news(found) or self._everything:
+            if self._is_new(found) or self._everything:
                 yield self._line(TO_ROBOT, explain_command(found, at_length=self._at_length))
             else:
                 self._summary.repeated[found.title] += 1
@@ -189,8 +189,8 @@ class Transcript:
         if data:
             yield self._line(TO_ROBOT, f'no command: {self._decimal(bytes(data))}')
 
-    def _is_news(self, command: Command) -> bool:
-        if not isinstance(command, REPEATABLE):
+    def _is_new(self, command: Command) -> bool:
+        if not isinstance(command, IDEMPOTENT):
             return True
         if command in self._sent.setdefault(type(command), []):
             return False
