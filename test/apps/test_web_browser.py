@@ -152,6 +152,17 @@ def test_stop_stops_while_the_stick_is_still_held(stage, robot, shown, stop):
     page.page.mouse.up()
 
 
+def push_gamepad(stage, robot, page):
+    """Let the gamepad go, and push it until the robot moves."""
+    def moves() -> bool:
+        page.evaluate('push(0.05, 0.05)')
+        page.page.wait_for_timeout(100)
+        page.evaluate('push(0, -0.5)')
+        page.page.wait_for_timeout(200)
+        return not standing(robot)
+    stage.ros.until(moves)
+
+
 @pytest.mark.parametrize('end', ['close', 'blur', 'hide'])
 @pytest.mark.parametrize('by', ['stick', 'gamepad'])
 def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, shown, by, end):
@@ -159,9 +170,7 @@ def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, show
     if by == 'stick':
         page.grab(0.3, 0.5)
     else:
-        page.page.evaluate('push(0, 0)')
-        page.page.wait_for_timeout(200)
-        page.page.evaluate('push(0, -0.5)')
+        push_gamepad(stage, robot, page)
     stage.ros.until(lambda: not standing(robot))
     match end:
         case 'close':
@@ -197,13 +206,7 @@ def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage,
         page.page.evaluate(f'push({", ".join(map(str, arguments))})')
 
     def drives():
-        push(0, -0.5)
-        stage.ros.until(lambda: not standing(robot))
-
-    def let_go():
-        push(0.05, 0.05)
-        stage.ros.until(lambda: standing(robot))
-        page.page.wait_for_timeout(200)
+        push_gamepad(stage, robot, page)
 
     def must_be_let_go():
         """Check that it stands, and drives only after the gamepad was let go."""
@@ -211,11 +214,11 @@ def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage,
         push(0, -0.6)
         page.page.wait_for_timeout(300)
         assert standing(robot)
-        let_go()
     push(0, -0.5)
     must_be_let_go()
     drives()
-    let_go()
+    push(0.05, 0.05)
+    stage.ros.until(lambda: standing(robot))
     drives()
     push(0, -0.5, 'true')  # a button is STOP
     must_be_let_go()
@@ -296,7 +299,7 @@ def test_a_network_that_is_too_slow_to_drive_is_said(stage, robot, shown, relay)
     page = shown(address=f'http://127.0.0.1:{relay.port}/')
     page.until(r"/live, \d+ ms/.test(document.getElementById('chip-link').textContent)")
     relay.delay = 0.4
-    page.until(why('connection too slow to drive (0.'))
+    page.until(why('connection too slow to drive ('))
     page.grab(0.0, 0.7)
     page.page.wait_for_timeout(300)
     assert standing(robot)
@@ -447,8 +450,10 @@ def test_modes_and_leds_are_set_and_full_only_when_its_button_is_held(stage, rob
     page.wait_for_selector('#toast:not([hidden])')
     assert page.locator('#toast').inner_text() == 'Hold it: Drives off tables, too'
     assert robot.create.mode is Mode.SAFE
-    full.click(delay=1000)
+    full.hover()
+    page.mouse.down()
     page.wait_for_selector('[data-mode=full][aria-pressed=true]')
+    page.mouse.up()
     page.locator('#led-advance').check()
     stage.ros.until(lambda: robot.create.lights.bits & LedBits.ADVANCE)
 
