@@ -143,7 +143,7 @@ def test_a_malformed_goal_is_rejected_and_the_log_says_why(
     assert shared_robot.send(type_, name, **fields) is None
     shared_robot.ros.until(lambda: f'{name} rejected: ' in shared_robot.node.output
                            and says in shared_robot.node.output, says)
-    assert shared_robot.robot.body.truth().speed == 0
+    assert shared_robot.asked_to_stand
 
 
 def test_a_cancel_stops_the_wheels(driving):
