@@ -1,0 +1,97 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Tunes as people write them: notes with their lengths, or a ring tone (RTTTL).
+
+Notes are `C4:1/4 rest:0.5 60:1/8`, separated by spaces or commas: a name as in `notes`, `rest`, or
+a MIDI number, and a length in seconds. A ring tone is `name:d=4,o=5,b=160:8e6,8d6,f#,p,16a#.`: its
+defaults (note value, octave, quarter notes a minute), then notes as [value]name[octave][.].
+"""
+
+from collections.abc import Iterator
+from fractions import Fraction
+from math import floor
+import re
+
+from ..commands import Note, NOTE_TIME, NOTES_PER_SECOND, REST, SOUNDING
+from .notes import note_name, note_number
+
+SHORTEST, LONGEST = Fraction(1, NOTES_PER_SECOND), Fraction(NOTE_TIME.high, NOTES_PER_SECOND)
+"""Seconds that a note can last."""
+LENGTH = re.compile(r'\d{1,6}(/[1-9]\d{0,5})?|\d{0,6}\.\d{1,6}', re.ASCII)
+VALUES = (1, 2, 4, 8, 16, 32)
+"""Note values of a ring tone: 4 is a quarter note."""
+DEFAULTS = {'d': 4, 'o': 6, 'b': 63}
+"""What a ring tone leaves out: note value, octave, quarter notes a minute."""
+RING_NOTE = re.compile(r'(\d*)(p|[a-h]#?)(\.?)(\d?)(\.?)', re.ASCII | re.IGNORECASE)
+
+
+def parse_tune(text: str) -> tuple[Note, ...]:
+    """
+    Return the notes of a tune, in the robot's units; ValueError says what is wrong.
+
+    The end of each note is rounded to 1/64 s, so that the tune keeps its speed.
+    """
+    parts = text.split(':')
+    ring_tone = len(parts) == 3 and ('=' in parts[1] or not parts[1].strip())
+    notes, end, ticks = [], Fraction(0), 0
+    for word, number, seconds in _ring_tone(*parts[1:]) if ring_tone else _listed(text):
+        if not SHORTEST <= seconds <= LONGEST:
+            raise ValueError(f'{word!r} lasts {float(seconds):g} s; allowed: {SHORTEST} to '
+                             f'{LONGEST} s ({float(LONGEST):.2f})')
+        end += seconds
+        until = floor(end * NOTES_PER_SECOND + Fraction(1, 2))
+        notes.append(Note(number, until - ticks))
+        ticks = until
+    if not notes:
+        raise ValueError('a tune needs a note, such as C4:1/4')
+    return tuple(notes)
+
+
+def sounding_name(number: int) -> str:
+    """Return the name of a note, 'rest' for one that makes no sound."""
+    return note_name(number) if number in SOUNDING else 'rest'
+
+
+def _listed(text: str) -> Iterator[tuple[str, int, Fraction]]:
+    """Yield each note of a list: its text, number and seconds."""
+    for word in text.replace(',', ' ').split():
+        name, _, length = word.partition(':')
+        if not LENGTH.fullmatch(length):
+            raise ValueError(f'{word!r}: a note has a length in seconds, such as C4:1/4, C4:0.25')
+        yield word, _number(name), Fraction(length)
+
+
+def _number(name: str) -> int:
+    if name.lower() == 'rest':
+        return REST
+    if not name.isdecimal():
+        return note_number(name)
+    if int(name) not in SOUNDING:
+        raise ValueError(f"note {name} makes no sound; allowed: {SOUNDING[0]} to {SOUNDING[-1]}, "
+                         "names such as C4, and 'rest'")
+    return int(name)
+
+
+def _ring_tone(defaults: str, notes: str) -> Iterator[tuple[str, int, Fraction]]:
+    """Yield each note of a ring tone: its text, number and seconds."""
+    usual = dict(DEFAULTS)
+    for word in filter(None, (each.strip().lower() for each in defaults.split(','))):
+        name, _, amount = word.partition('=')
+        if name not in usual or not amount.isdecimal() or not int(amount):
+            raise ValueError(f'{word!r} is no default of a ring tone; allowed: d=4, o=6, b=63')
+        usual[name] = int(amount)
+    for word in filter(None, (each.strip() for each in notes.split(','))):
+        match = RING_NOTE.fullmatch(word)
+        if match is None:
+            raise ValueError(f'{word!r} is no note of a ring tone; allowed: 8c, 4f#5, 16a. or 2p')
+        length, name, dot, octave, late_dot = match.groups()
+        value = int(length or usual['d'])
+        if value not in VALUES:
+            raise ValueError(f'{word!r} is a note of 1/{value}; allowed: 1, 2, 4, 8, 16, 32')
+        seconds = Fraction(4 * 60, usual['b'] * value)
+        if dot or late_dot:
+            seconds *= Fraction(3, 2)
+        name = name.lower().replace('h', 'b')
+        number = REST if name == 'p' else note_number(f'{name}{octave or usual["o"]}')
+        yield word, number, seconds
