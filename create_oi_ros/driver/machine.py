@@ -320,7 +320,7 @@ class Driver:
             self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
             if self.goals.wants_reading:
                 self._tracking.odometry.hurry()
-        self.outputs.observe(moved.readings)
+        self.outputs.observe(moved.readings, now)
         if self._modes.observe(readings, now):
             self._velocity.report_next_refusal()
         status = self.status

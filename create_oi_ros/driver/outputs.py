@@ -17,18 +17,13 @@ from ..robot import MILLI
 from .core import Core
 from .outbox import done, Outcome, Pending, refused
 from .tracking import Tracking
+from .tunes import MOST_NOTES, SHORTEST_SEEN, SONG_TIMEOUT, SONGS, Tunes
 
 LONGEST_NOTE = NOTE_TIME.high / oi.NOTES_PER_SECOND
 """Seconds that a note can last."""
 FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
 
-SONGS, MOST_NOTES = 16, 16
-"""How many songs the robot stores, and how many notes one of them holds (manual: Song)."""
-SONG_TIMEOUT = 0.5
-"""Seconds within which the robot must report a song that it was told to play."""
-SHORTEST_SEEN = 0.25
-"""Seconds that a song must take to be in a frame at every usual rate."""
 WAIT = 'wait until the topic `song` says that it has ended'
 
 
@@ -40,6 +35,7 @@ class Outputs:
         self._tracking = tracking
         self.songs: dict[int, oi.Song] = {}
         """The songs that were defined, by number."""
+        self.tunes = Tunes(core, self.songs, self._cannot_play)
         self._to_restore: dict[type[oi.Command], oi.Command] = {}
         self._play_request = done('no request')
         self._played = Outcome(True, '')
@@ -121,20 +117,24 @@ class Outputs:
         """Whether the robot has not reported yet that it plays a song."""
         return self._play_request.outcome is None
 
-    def observe(self, readings: oi.Readings) -> None:
-        """End the request for a song that plays: none did when it was sent."""
+    def observe(self, readings: oi.Readings, now: float) -> None:
+        """End the request for a song that plays: none did when it was sent. Go on with a tune."""
+        self.tunes.observe(readings, now)
         if self.awaited and readings.song_playing and readings.song_number in (
                 self._playing, None):
             self._play_request.settle(self._played)
 
     def check_timeout(self, now: float) -> None:
-        """End the request for a song that the robot does not play."""
+        """End the request for a song that the robot does not play, and a tune."""
+        self.tunes.check_timeout(now)
         if self.awaited and now > self._deadline:
-            self.fail(f'song {self._playing} was sent to play, but the robot does not report '
-                      'it: try again')
+            self._play_request.end(
+                False, f'song {self._playing} was sent to play, but the robot does not report it: '
+                'try again')
 
     def fail(self, why: str) -> None:
-        """End the request for a song that has not been reported."""
+        """End the tune, and the request for a song that has not been reported."""
+        self.tunes.fail(why)
         self._play_request.end(False, why)
 
     def restore_songs(self) -> None:
@@ -148,6 +148,8 @@ class Outputs:
             self._core.outbox.send(command)
 
     def _cannot_play(self) -> str | None:
+        if self.tunes.tune is not None:
+            return 'a tune plays: cancel its goal, or wait until that has ended'
         readings = self._tracking.readings
         if readings.has('song_playing') and readings.song_playing:
             return f'a song plays: {WAIT}'
