@@ -162,16 +162,6 @@ ACTIONS = (
 """All actions."""
 
 
-def malformed(name: str, request: Any) -> str:
-    """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
-    action, = (each for each in ACTIONS if each.name == name)
-    try:
-        action.goal(request, DefaultStoppingModels())
-    except Malformed as error:
-        return str(error)
-    return ''
-
-
 def allowance(goal: Any) -> float:
     """Return the seconds that a goal may take; 0 leaves that to the goal."""
     return messages.seconds(goal.time_allowance)

@@ -23,7 +23,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import ok
 
-from .actions import ACTIONS, malformed
+from .performances import ALL_ACTIONS, malformed
 from .process import end_in_time
 from .programs import INTERRUPTED
 from .waiting import waits_for
@@ -38,7 +38,7 @@ CANCEL_WAIT = 2.0
 """Seconds in which a driver must say that it has canceled a goal."""
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Ctrl-C, and signals that do what it does."""
-TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
+TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 
 
 class GoalFailed(SystemExit):

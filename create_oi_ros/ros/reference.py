@@ -17,8 +17,8 @@ from textwrap import wrap
 from typing import Any
 
 from ..oi.tools import markdown
-from .actions import ACTIONS
 from .parameters import Parameters
+from .performances import ALL_ACTIONS
 from .services import SERVICES
 from .topics import PUBLISHED, type_name
 
@@ -44,7 +44,7 @@ def actions() -> str:
     """Return the table of actions."""
     return markdown.table(('action', 'type', 'goal', 'what'), (
         (f'`{action.name}`', type_name(action.type), _fields(action.type.Goal), action.about)
-        for action in ACTIONS))
+        for action in ALL_ACTIONS))
 
 
 def _fields(goal: Any) -> str:
@@ -72,7 +72,7 @@ def policy_names(element: str, names: Iterable[str]) -> str:
 TABLES = {'topics': topics, 'services': services, 'actions': actions, 'parameters': parameters}
 POLICY = {
     'all topics': lambda: policy_names('topic', (topic.name for topic in PUBLISHED)),
-    'all actions': lambda: policy_names('action', (action.name for action in ACTIONS)),
+    'all actions': lambda: policy_names('action', (action.name for action in ALL_ACTIONS)),
     'all services': lambda: policy_names('service', (service.name for service in SERVICES)),
 }
 BLOCKS = {**TABLES, **POLICY}

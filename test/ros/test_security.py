@@ -23,8 +23,8 @@ from rclpy.task import Future
 
 from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.web_node import WebNode
-from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.node import CreateNode
+from create_oi_ros.ros.performances import ALL_ACTIONS
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.ros import Listener, scene, TIMEOUT
@@ -115,7 +115,7 @@ def test_a_pilot_may_drive_listen_and_ask():
     assert allowed(pilot, 'publish') == {'/cmd_vel', *EVERY_NODE}
     assert allowed(pilot, 'subscribe') == full([topic.name for topic in PUBLISHED])
     assert allowed(pilot, 'request') == full([service.name for service in SERVICES])
-    assert actions(pilot, 'call') == {action.name for action in ACTIONS}
+    assert actions(pilot, 'call') == {action.name for action in ALL_ACTIONS}
 
 
 def test_the_policy_is_installed_where_the_page_looks_for_it():

@@ -15,8 +15,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from ...ros import topics
-from ...ros.actions import ACTIONS
 from ...ros.diagnostics import of_driver, PARAMETERS
+from ...ros.performances import ALL_ACTIONS
 from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot, TAKEN
@@ -27,7 +27,7 @@ HEARD = tuple(topic for topic in topics.PUBLISHED
 CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'reset_odometry')
 """Services that the page can call."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
-GOAL_TYPES: dict[str, Any] = {action.name: action.type for action in ACTIONS}
+GOAL_TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 REPLY_TIMEOUT = 10.0
 """Seconds to wait for the reply of a service."""
 
