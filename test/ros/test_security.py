@@ -85,6 +85,8 @@ def node():
     with domain_coordinator.domain_id() as domain:
         rclpy.init(args=[], domain_id=domain)
         made, web = CreateNode(Future()), WebNode(LiveRobot())
+        for action in ALL_ACTIONS:
+            web.action_client(action.name)  # as a page that has sent every goal
         deadline = time.monotonic() + TIMEOUT
         while not web.velocity.driver_listens:
             assert time.monotonic() < deadline
