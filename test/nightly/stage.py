@@ -95,16 +95,22 @@ class Stage:
 
     def set_outputs(self) -> None:
         """Set what the driver must restore: LEDs, outputs, a song."""
-        replies = (
-            self.ros.call(SetLeds, 'set_leds', play=True, advance=True, **LEDS),
-            self.ros.call(SetDigitalOutputs, 'set_digital_outputs', output_0=True, output_2=True),
-            self.ros.call(DefineSong, 'define_song', number=SONG, pitches=[60], seconds=[0.1]))
-        assert all(reply.success for reply in replies), replies
+        for type_, name, fields in (
+                (SetLeds, 'set_leds', {'play': True, 'advance': True, **LEDS}),
+                (SetDigitalOutputs, 'set_digital_outputs', {'output_0': True, 'output_2': True}),
+                (DefineSong, 'define_song', {'number': SONG, 'pitches': [60], 'seconds': [0.1]})):
+            self.until(lambda: self.ros.call(type_, name, **fields).success, name)  # noqa: B023
         self.until(self.restored, 'LEDs and outputs')
 
     def end_node(self) -> None:
         """Kill the node's process."""
         _kill(self.node)
+
+    def end(self) -> None:
+        """End node and robot; whoever comes next starts others."""
+        self.end_node()
+        self.end_robot()
+        self.node = self.robot = None
 
     def restored(self) -> bool:
         """Whether the robot's mode, LEDs and outputs are as they were set."""
