@@ -52,6 +52,8 @@ MOST_CONNECTIONS = min(256, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // 2)
 """Connections of all addresses; ROS and the files need descriptors, too."""
 WRONG_TOKEN = 0.5
 """Seconds that an answer to a wrong token takes; one after the other, whoever asks."""
+MOST_WRONG = 8
+"""Wrong tokens that wait for their answers; more are refused at once."""
 COMPLAINT = 60.0
 """Seconds between two lines about bad HTTP."""
 ASK, PAGE = 'token.html', 'index.html'
@@ -158,7 +160,7 @@ class WebServer:
         self._recording = recording
         self._cookie = f'create_web_{port}'
         self._files = files()
-        self._wrong = asyncio.Lock()
+        self._wrong, self._waiting = asyncio.Lock(), 0
 
     def _application(self) -> web.Application:
         made = web.Application(middlewares=[self._guard], client_max_size=MOST_BODY)
@@ -184,8 +186,14 @@ class WebServer:
         if self._access.admits_token(token):
             return True
         if token:
-            async with self._wrong:
-                await asyncio.sleep(WRONG_TOKEN)
+            if self._waiting >= MOST_WRONG:
+                raise web.HTTPTooManyRequests(text='too many wrong tokens: try again later\n')
+            self._waiting += 1
+            try:
+                async with self._wrong:
+                    await asyncio.sleep(WRONG_TOKEN)
+            finally:
+                self._waiting -= 1
         return False
 
     async def _known(self, request: web.Request) -> bool:
