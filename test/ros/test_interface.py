@@ -102,9 +102,9 @@ def test_actuators_are_set_refused_in_passive_and_restored(ready):
     robot = ready.robot.create
     set_all(ready.ask)
     ready.ros.until(lambda: robot.lights == (oi.LedBits.PLAY, 255, 128))
-    assert robot.outputs == oi.OutputBits.OUTPUT_1
-    assert tuple(robot.actuators.duties) == (128, 0, 64)
-    assert list(robot.actuators.infrared_sent) == [IrOmni.REMOTE_PAUSE]
+    ready.ros.until(lambda: robot.outputs == oi.OutputBits.OUTPUT_1)
+    ready.ros.until(lambda: tuple(robot.actuators.duties) == (128, 0, 64))
+    ready.ros.until(lambda: IrOmni.REMOTE_PAUSE in robot.actuators.infrared_sent)
     assert 'driver_1' in ready.refused(SetLowSideDrivers, 'set_low_side_drivers', driver_1=1.5)
     ready.ask(SetMode, 'set_mode', mode=SetMode.Request.PASSIVE)
     for message in set_all(ready.refused):
