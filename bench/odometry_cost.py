@@ -3,7 +3,7 @@
 """What an update of the odometry costs: recorded drives, played again and again."""
 
 from bisect import bisect
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import accumulate
 from random import Random
 from statistics import mean
@@ -20,10 +20,10 @@ SECONDS, LATENCY = 120.0, 0.005
 PLAYED = 3
 """Times that a drive is played. Of each update the shortest time counts, for what interrupts this
 program is no cost of the odometry."""
-KNOWN = 75.0
-"""Seconds after which all of these have looked back once, and few assumptions are left."""
-MEAN, SLOWEST = 60.0, 2000.0
-"""Targets, us."""
+KNOWN = 60.0
+"""Seconds after which few hypotheses are left."""
+FIRST, LATER = (400.0, 10_000.0), (80.0, 2000.0)
+"""Targets before and after that, us: mean and slowest."""
 
 
 class Recorder(Odometry):
@@ -73,16 +73,12 @@ def costs() -> list[Figure]:
     print('\nan update, us: mean / slowest:')
     print(*(f'{style} {mean(each):.0f} / {max(each):.0f}' for style, (each, _) in found.items()),
           sep='  ')
-    every = [each for some, _ in found.values() for each in some]
-    known = [each for some, first in found.values() for each in some[first:]]
-    return [Figure('an update: mean', mean(every), 'us', MEAN, beside=_beside(
-                {style: mean(some) for style, (some, _) in found.items()})),
-            Figure('an update: slowest', max(every), 'us', SLOWEST),
-            Figure(f'an update, after the first {KNOWN:.0f} s: mean', mean(known), 'us',
-                   beside=_beside({style: mean(some[first:])
-                                   for style, (some, first) in found.items()})),
-            Figure(f'an update, after the first {KNOWN:.0f} s: slowest', max(known), 'us')]
-
-
-def _beside(means: Mapping[str, float]) -> str:
-    return ', '.join(f'{style} {value:.0f}' for style, value in means.items())
+    first = {style: some[:many] for style, (some, many) in found.items()}
+    later = {style: some[many:] for style, (some, many) in found.items()}
+    made = []
+    for when, most, parts in (('in the first minute', FIRST, first), ('later', LATER, later)):
+        every = [each for part in parts.values() for each in part]
+        made += [Figure(f'an update, {when}: mean', mean(every), 'us', most[0], beside=', '.join(
+                     f'{style} {mean(part):.0f}' for style, part in parts.items())),
+                 Figure(f'an update, {when}: slowest', max(every), 'us', most[1])]
+    return made

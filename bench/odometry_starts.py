@@ -22,7 +22,7 @@ from robots import CLASSES
 
 KIND, FIRST = 'all ranges', 730_000
 """Class of the robots, and their first seed."""
-STARTS_EACH = 40
+STARTS_EACH = 10
 """Drives of each kind."""
 SHORTEST, LONGEST, LATENCY = 15.0, 40.0, 0.005
 """Seconds."""

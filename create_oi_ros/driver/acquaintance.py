@@ -1,22 +1,28 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Reports once when the odometry has become certain of the robot, and what it has learned."""
+"""
+What the odometry has learned of the robot, in words, and a notice once it is certain of it.
 
-from ..odometry import Knowledge, Rounding, SignSource
-from ..odometry.knowledge import QUICK
-from ..robot import MILLI
+The log, `/diagnostics` and `create_check` all say it in these words.
+"""
+
+from ..odometry import Hypothesis, Knowledge, Known, Response, Rounding, SignSource
+from ..odometry.hypotheses import REFERENCE_SPEED
+from ..odometry.knowledge import delay_of, QUICK
+from ..robot import FIRMWARE_SEPARATION, MILLI
 from .events import EventQueue, Severity
 
 EVERY = 5.0
 """Seconds between two looks."""
-FRACTIONS = {Rounding.TRUNCATE: 'cut off', Rounding.ROUND: 'rounded', Rounding.CARRY: 'carried'}
-"""What becomes of the fractions of distance and angle."""
+FRACTIONS = {
+    Rounding.TRUNCATE: 'cut off and lost at each reading',
+    Rounding.ROUND: 'rounded, and the rest is lost',
+    Rounding.CARRY: 'kept for the next reading'}
 SIGNS = {
-    SignSource.MOTION: 'the motion', SignSource.DRIVE: 'the drive',
-    SignSource.LAST_REQUEST: 'the last request that is not zero',
-    SignSource.LATE_REQUEST: 'the request after its dead time',
-    SignSource.REQUEST: 'the request'}
-"""Where encoders take their signs from."""
+    SignSource.DRIVE: 'of the drive: the last request that was not zero, after its dead time',
+    SignSource.LAST_REQUEST: 'of the last request that was not zero, at once',
+    SignSource.REQUEST: 'of the request; a wheel told to stop counts forwards',
+    SignSource.MOTION: 'of the motion itself'}
 
 
 class Acquaintance:
@@ -42,15 +48,48 @@ class Acquaintance:
         known = 'the odometry knows this robot now' if self._told is None else (
             'this is another robot than odometry_model says; the odometry has learned')
         self._told = robot.likeliest
-        self._events.notice(Severity.INFO, f'{known}: {described(robot)}')
+        said = '; '.join(f'{what}: {answer}' for what, answer in in_words(robot).items())
+        self._events.notice(Severity.INFO, f'{known}: {said}')
 
 
-def described(robot: Knowledge) -> str:
-    """Say in a line what is known of a robot."""
+def in_words(robot: Knowledge) -> dict[str, str]:
+    """Say what the odometry believes of a robot, and how sure it is."""
     rounding, sign = robot.likeliest
-    right, left = robot.right_gain.value, robot.left_gain.value
-    overshoot = f' and overshoot by {100 * robot.overshoot:.0f} %' if robot.overshoot else ''
-    return (f'fractions are {FRACTIONS[rounding]}, encoders take the sign of {SIGNS[sign]}, '
-            f'wheels run at {right:.3f} (right) and {left:.3f} (left) of the speed asked, '
-            f'{robot.delay(QUICK).value / MILLI:.0f} ms late at {QUICK} m/s{overshoot}; a '
-            f'frame lasts {robot.frame_period.value / MILLI:.2f} ms')
+    wheels, width = robot.wheels, FIRMWARE_SEPARATION / robot.angle_factor.value / MILLI
+    responds = sum(p for each, p in robot.hypotheses.items() if each.response is wheels.response)
+    late = robot.delay(QUICK)
+    return {
+        'fractions of distance and angle': FRACTIONS[rounding] + _sure(robot.rounding[rounding]),
+        'sign of an encoder': SIGNS[sign] + _sure(robot.encoder_sign[sign]),
+        'response': _response(wheels) + _sure(responds),
+        'late': f'{late.value / MILLI:.0f} +- {late.deviation / MILLI:.0f} ms at {QUICK} m/s',
+        'dead time': f'about {wheels.dead_time / MILLI:.0f} ms',
+        'wheels over request': f'right {_ratio(robot.right_gain)}, left '
+                               f'{_ratio(robot.left_gain)}',
+        'slowest speed that moves it': f'about {wheels.dead_band / MILLI:.0f} mm/s',
+        'wheel separation of the firmware': f'{width:.1f} mm',
+        'frame period': f'{robot.frame_period.value / MILLI:.3f} ms'}
+
+
+def _response(wheels: Hypothesis) -> str:
+    """Say how a wheel follows a step of its request."""
+    match wheels.response:
+        case Response.LAG:
+            slow, fast = (speed / MILLI * (delay_of(wheels, speed) - wheels.dead_time)
+                          for speed in (REFERENCE_SPEED, QUICK))
+            kind = (f'first order, coasts {slow:.0f} mm from {REFERENCE_SPEED} m/s, {fast:.0f} mm '
+                    f'from {QUICK} m/s')
+        case Response.SPRING:
+            kind = f'second order, overshoots by {100 * wheels.overshoot:.0f} %'
+        case Response.RAMP:
+            kind = f'a constant acceleration of {1 / wheels.time:.2f} m/s2'
+    return kind if abs(wheels.braking - 1) < 0.05 else (
+        f'{kind}, brakes {wheels.braking:.1f} times as fast as it speeds up')
+
+
+def _ratio(known: Known) -> str:
+    return f'{known.value:.3f} +- {known.deviation:.3f}'
+
+
+def _sure(probability: float) -> str:
+    return f' ({"over 99.9 %" if probability > 0.999 else f"{probability:.1%}"} sure)'

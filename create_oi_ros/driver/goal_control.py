@@ -140,8 +140,7 @@ class GoalControl:
         assert self._goal is not None, 'no goal runs'
         self._seen_at = now
         view = View(
-            now, dt, moved.estimate, moved.readings, measured, self._wheels.limits,
-            self._odometry.marked, self._odometry.seeks_rounding)
+            now, dt, moved.estimate, moved.readings, measured, self._wheels.limits)
         if not self._begun and not self._begin(self._goal, view):
             return
         if self._goal.needs_driving and not self._core.status.can_drive:
@@ -179,7 +178,6 @@ class GoalControl:
         if goal.needs_driving and not self._core.status.can_drive:
             return False
         self._started_at = view.now
-        self._odometry.mark(sparing=goal.turns_only)
         over = goal.begin(view)
         self._begun = over is None
         if over is not None:
@@ -244,7 +242,6 @@ class GoalControl:
     def _conclude(self, over: Over) -> None:
         """End the goal that runs, and say how far it has got."""
         goal, self._goal = self._goal, None
-        self._odometry.unmark()
         if goal is not None and goal.hint:
             over = over._replace(text=f'{over.text} ({goal.hint})')
         if goal is None or not self._begun:

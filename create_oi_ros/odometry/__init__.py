@@ -4,8 +4,9 @@
 
 from ..robot import Rounding
 from .estimate import Estimate, Geometry, Increment
-from .knowledge import Family, Knowledge, Known, SignSource
+from .hypotheses import Hypothesis, Response, SignSource
+from .knowledge import Knowledge, Known
 from .odometry import Odometry
 
-__all__ = ['Estimate', 'Family', 'Geometry', 'Increment', 'Knowledge', 'Known', 'Odometry',
-           'Rounding', 'SignSource']
+__all__ = ['Estimate', 'Geometry', 'Hypothesis', 'Increment', 'Knowledge', 'Known', 'Odometry',
+           'Response', 'Rounding', 'SignSource']

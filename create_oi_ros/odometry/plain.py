@@ -5,7 +5,7 @@
 from math import cos, sin
 
 from .estimate import Estimate, Geometry, Increment
-from .states import DEGREE, MM
+from .hypotheses import DEGREE, MM
 
 LOST_DISTANCE, LOST_ANGLE = MM ** 2 / 3, DEGREE ** 2 / 3
 """Variance of what one reading drops, m² and rad², if drops were independent; they are not."""

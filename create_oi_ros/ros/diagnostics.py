@@ -10,14 +10,13 @@ does not work. STALE is left to aggregators, which say it of a node that reports
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from math import isnan
-from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
+from ..driver.acquaintance import in_words
 from ..driver.goals.hazards import bumps
-from ..odometry import Known
 from . import messages
 from .parameters import Parameters
 
@@ -198,23 +197,8 @@ def odometry(name: str, health: Health) -> DiagnosticStatus:
     if robot is None:
         return status(f'{name}: odometry', OK, 'nothing learned yet', {})
     message = 'knows this robot' if robot.certain else 'learns this robot: drive and turn'
-    numbers = {key.replace('_', ' '): _number(getattr(robot, key))
-               for key in (*robot.numbers, 'frame_period')}
-    stands, moves = robot.dead_band
     return status(f'{name}: odometry', OK, message, {
-        'rounding': _likely(robot.rounding), 'encoder sign': _likely(robot.encoder_sign),
-        'response': _likely(robot.response), **numbers,
-        'slowest speed that moves (m/s)': f'{stands:.4f} to {moves:.4f}',
-        'readings': robot.readings})
-
-
-def _likely(weights: Mapping[Any, float]) -> str:
-    likeliest = max(weights, key=weights.__getitem__)
-    return f'{likeliest.value} ({weights[likeliest]:.1%})'
-
-
-def _number(known: Known) -> str:
-    return f'{known.value:.4g} +- {known.deviation:.1g}'
+        **in_words(robot), 'readings': robot.readings})
 
 
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:

@@ -31,6 +31,15 @@ class ModelKeeper:
             return
         try:
             self.robot = odometry_model.read(self._path)
+        except odometry_model.OldModel as error:
+            aside = self._path.with_name(f'{self._path.name}.old')
+            try:
+                self._path.replace(aside)
+            except OSError as why:
+                raise ValueError(f'parameter odometry_model: {self._path}: {error}, and it cannot '
+                                 f'be moved to {aside}: {why.strerror}') from why
+            self._log.warning(f'{self._path}: {error}: it is kept as {aside}, and the robot is '
+                              'learned anew')
         except ValueError as error:
             raise ValueError(f'parameter odometry_model: {error}') from error
         self._log.info(

@@ -3,8 +3,8 @@
 """
 The file of what the odometry knows of a robot: parameter `odometry_model`.
 
-YAML that people can read: probabilities, numbers with their standard deviations, and how these are
-correlated. docs/robot_check.md describes it.
+YAML that people can read: hypotheses of the wheels with their probabilities, and numbers with
+their standard deviations. docs/robot_check.md describes it.
 """
 
 from collections.abc import Mapping
@@ -16,23 +16,36 @@ from typing import Any, TypeVar
 import yaml
 
 from ..driver.frame_clock import LONGEST, SHORTEST
-from ..odometry import Family, Knowledge, Known, Rounding, SignSource
-from ..odometry.dead_band import FASTEST, SLOWEST
-from ..odometry.knowledge import NUMBERS, STATES
+from ..odometry import Hypothesis, Knowledge, Known, Response, Rounding, SignSource
 from .whole_file import write_whole
 
-FORMAT = 1
+FORMAT, OLD_FORMATS = 2, (1,)
 HEAD = """\
 # What is known of a robot's wheels and counts, for the parameter odometry_model of create_node.
 # Each number has its standard deviation; metres, seconds, m/s.
 """
 DIGITS = 7
 """Significant digits in the file."""
+NUMBERS = {'right_gain': (0.3, 2.0), 'left_gain': (0.3, 2.0), 'angle_factor': (0.8, 1.2),
+           'frame_period': (SHORTEST, LONGEST)}
+"""Ranges of the numbers."""
+WHEELS = {'time': (1e-3, 10.0), 'of_speed': (0.0, 1.0), 'overshoot': (0.0, 0.9),
+          'braking': (0.05, 20.0), 'dead_time': (0.0, 0.4), 'dead_band': (0.0, 0.1)}
+"""The same of a hypothesis."""
+MOST_HYPOTHESES = 64
 Kind = TypeVar('Kind', bound=Enum)
 
 
+class OldModel(ValueError):
+    """The file is of an older odometry, which this one cannot use."""
+
+
 def read(path: Path) -> Knowledge | None:
-    """Return what a file knows; None: there is no file yet; ValueError: why it is no good."""
+    """
+    Return what a file knows; None: there is no file yet; ValueError: why it is no good.
+
+    OldModel: it was written by an older odometry.
+    """
     try:
         text = path.read_text('utf-8')
     except FileNotFoundError:
@@ -46,6 +59,8 @@ def read(path: Path) -> Knowledge | None:
         raise ValueError(f'{path} is no text') from None
     try:
         return parsed(text)
+    except OldModel:
+        raise
     except ValueError as error:
         raise ValueError(f'{path}: {error}; delete the file to learn the robot anew') from error
 
@@ -59,14 +74,15 @@ def text_of(knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -
     """Return the content of a file."""
     content: dict[str, object] = {
         'format': FORMAT, **({} if verdict is None else {'verdict': dict(verdict)}),
-        'rounding': _weights(knowledge.rounding), 'encoder_sign': _weights(knowledge.encoder_sign),
-        'response': _weights(knowledge.response),
-        **{name: _number(getattr(knowledge, name))
-           for name in (*knowledge.numbers, 'frame_period')},
-        'dead_band': {'stands': _short(knowledge.dead_band[0]),
-                      'moves': _short(knowledge.dead_band[1])},
+        'rounding': {kind.value: _short(p) for kind, p in knowledge.rounding.items()},
+        **{name: {'value': _short(number.value), 'deviation': _short(number.deviation)}
+           for name in NUMBERS for number in (getattr(knowledge, name),)},
         'readings': knowledge.readings,
-        'correlations': [[_short(each) for each in row] for row in knowledge.correlations]}
+        'wheels': [{
+            'probability': _short(p), 'response': row.response.name.lower(),
+            'encoder_sign': row.sign.value,
+            **{name: _short(getattr(row, name)) for name in WHEELS}}
+            for row, p in knowledge.hypotheses.items()]}
     text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=95)
     return text
 
@@ -79,40 +95,39 @@ def parsed(text: str) -> Knowledge:
         raise ValueError(f'it is no YAML: {" ".join(str(error).split())}') from error
     if not isinstance(content, dict) or 'format' not in content:
         raise ValueError("it is no model of a robot: it has no 'format'")
+    if content['format'] in OLD_FORMATS:
+        raise OldModel(f"format {content['format']} is of an older odometry")
     if content['format'] != FORMAT:
         raise ValueError(f"format {content['format']!r} is not known; it must be {FORMAT}")
-    period = _known(content, 'frame_period', SHORTEST, LONGEST)
-    response = (_probabilities(content, 'response', Family) if 'response' in content
-                else {Family.LAG: 1.0})  # older files know of no other
-    numbers: dict[str, Any] = {
-        name: _known(content, name, *number.range)
-        for name, number in NUMBERS[max(response, key=response.__getitem__)].items()}
+    rows = content.get('wheels')
+    if not isinstance(rows, list) or not 1 <= len(rows) <= MOST_HYPOTHESES:
+        raise ValueError(f'wheels must be a list of 1 to {MOST_HYPOTHESES} hypotheses')
+    hypotheses = dict(_hypothesis(row) for row in rows)
+    numbers: dict[str, Any] = {name: _known(content, name, *NUMBERS[name]) for name in NUMBERS}
     return Knowledge(
-        rounding=_probabilities(content, 'rounding', Rounding),
-        encoder_sign=_probabilities(content, 'encoder_sign', SignSource), response=response,
-        **numbers,
-        dead_band=_band(_field(content, 'dead_band', dict)),
-        correlations=_correlations(_field(content, 'correlations', list)), frame_period=period)
+        hypotheses=_normalised(hypotheses, 'wheels'),
+        rounding=_probabilities(content.get('rounding'), 'rounding', Rounding), **numbers)
+
+
+def _hypothesis(row: Any) -> tuple[Hypothesis, float]:
+    """Return a hypothesis and its probability."""
+    if not isinstance(row, dict):
+        raise ValueError('wheels: each hypothesis must be a mapping')
+    names = {kind.name.lower(): kind for kind in Response}
+    signs = {kind.value: kind for kind in SignSource}
+    response, sign = row.get('response'), row.get('encoder_sign')
+    if response not in names:
+        raise ValueError(f'response is {response!r}; allowed: {", ".join(names)}')
+    if sign not in signs:
+        raise ValueError(f'encoder_sign is {sign!r}; allowed: {", ".join(signs)}')
+    return Hypothesis(
+        response=names[response], sign=signs[sign],
+        **{name: _real(row.get(name), name, *WHEELS[name]) for name in WHEELS},
+    ), _real(row.get('probability'), 'probability', 0.0, 1.0)
 
 
 def _short(value: float) -> float:
     return float(f'{value:.{DIGITS}g}')
-
-
-def _number(known: Known) -> dict[str, float]:
-    return {'value': _short(known.value), 'deviation': _short(known.deviation)}
-
-
-def _weights(weights: Mapping[Kind, float]) -> dict[str, float]:
-    return {kind.value: _short(weight) for kind, weight in weights.items()}
-
-
-def _field(content: Mapping[str, Any], name: str, type_: type[dict[Any, Any] | list[Any]]) -> Any:
-    if not isinstance(content.get(name), type_):
-        what = 'a mapping' if type_ is dict else 'a list'
-        raise ValueError(f'{name} is missing' if name not in content
-                         else f'{name} must be {what}')
-    return content[name]
 
 
 def _real(value: Any, name: str, low: float, high: float) -> float:
@@ -125,34 +140,27 @@ def _real(value: Any, name: str, low: float, high: float) -> float:
 
 
 def _known(content: Mapping[str, Any], name: str, low: float, high: float) -> Known:
-    number = _field(content, name, dict)
-    value = _real(number.get('value'), f'{name}: value', _short(low), _short(high))
-    return Known(min(high, max(low, value)),
-                 _real(number.get('deviation'), f'{name}: deviation', 1e-9, 10.0))
+    number = content.get(name)
+    if not isinstance(number, dict):
+        raise ValueError(f'{name} is missing' if number is None else f'{name} must be a mapping')
+    return Known(_real(number.get('value'), f'{name}: value', low, high),
+                 _real(number.get('deviation'), f'{name}: deviation', 0.0, 10.0))
 
 
-def _probabilities(content: Mapping[str, Any], name: str, kinds: type[Kind]) -> dict[Kind, float]:
-    given = _field(content, name, dict)
+def _probabilities(given: Any, name: str, kinds: type[Kind]) -> Mapping[Kind, float]:
+    if not isinstance(given, dict):
+        raise ValueError(f'{name} is missing' if given is None else f'{name} must be a mapping')
     allowed = [kind.value for kind in kinds]
     for unknown in given.keys() - set(allowed):
         raise ValueError(f'{name}: {unknown!r} is unknown; allowed: {", ".join(allowed)}')
-    weights = {kind: _real(given.get(kind.value, 0.0), f'{name}: {kind.value}', 0.0, 1.0)
-               for kind in kinds}
+    return _normalised({kind: _real(given.get(kind.value, 0.0), f'{name}: {kind.value}', 0.0, 1.0)
+                        for kind in kinds}, name)
+
+
+Thing = TypeVar('Thing')
+
+
+def _normalised(weights: Mapping[Thing, float], name: str) -> dict[Thing, float]:
     if sum(weights.values()) <= 0:
         raise ValueError(f'{name}: no probability is above 0')
     return {kind: weight / sum(weights.values()) for kind, weight in weights.items()}
-
-
-def _band(band: Mapping[str, Any]) -> tuple[float, float]:
-    stands = _real(band.get('stands'), 'dead_band: stands', SLOWEST, FASTEST)
-    moves = _real(band.get('moves'), 'dead_band: moves', SLOWEST, FASTEST)
-    if stands >= moves:
-        raise ValueError(f'dead_band: stands {stands} must be below moves {moves}')
-    return stands, moves
-
-
-def _correlations(rows: list[Any]) -> tuple[tuple[float, ...], ...]:
-    wanted = len(STATES) - 1
-    if [len(row) if isinstance(row, list) else None for row in rows] != [*range(1, wanted + 1)]:
-        raise ValueError(f'correlations must be {wanted} rows of 1 to {wanted} numbers')
-    return tuple(tuple(_real(each, 'correlations', -1.0, 1.0) for each in row) for row in rows)

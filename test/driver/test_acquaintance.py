@@ -7,41 +7,42 @@ from dataclasses import replace
 import pytest
 
 from create_oi_ros.driver import Notice
-from create_oi_ros.driver.acquaintance import Acquaintance, described, EVERY
+from create_oi_ros.driver.acquaintance import Acquaintance, EVERY, in_words
 from create_oi_ros.driver.events import EventQueue
-from create_oi_ros.odometry import Family, Knowledge, Known, SignSource
-from create_oi_ros.odometry.assumptions import Assumptions
-from create_oi_ros.odometry.dead_band import DeadBand
-from create_oi_ros.odometry.knowledge import learned
+from create_oi_ros.odometry import Hypothesis, Knowledge, Known, Response, SignSource
 from create_oi_ros.robot import Rounding
 
-
-def robot(rounding: Rounding = Rounding.TRUNCATE) -> Knowledge:
-    """Return what is known of a robot with springs for wheels."""
-    sure = Known(0.0, 0.0001)
-    return replace(
-        learned(Assumptions.all(), DeadBand()), frame_period=Known(0.01525, 1e-6),
-        rounding={each: float(each is rounding) for each in Rounding},
-        encoder_sign={each: float(each is SignSource.DRIVE) for each in SignSource},
-        response={Family.LAG: 0.0, Family.SPRING: 1.0}, right_gain=replace_value(sure, 0.98),
-        left_gain=replace_value(sure, 1.02), time_constant=replace_value(sure, 0.15),
-        slow_part=sure, fast_part=sure, dead_time=replace_value(sure, 0.05),
-        inverse_acceleration=None, damping=replace_value(sure, 0.36), correlations=())
+WHEELS = Hypothesis(Response.LAG, 0.14, 1.0, 0.0, 1.0, 0.03, 0.01, SignSource.DRIVE)
 
 
-def replace_value(known: Known, value: float) -> Known:
-    """Return a number that is as sure."""
-    return known._replace(value=value)
+def robot(rounding: Rounding = Rounding.TRUNCATE, wheels: Hypothesis = WHEELS) -> Knowledge:
+    """Return what is known of a robot."""
+    return Knowledge(
+        hypotheses={wheels: 1.0}, rounding={each: float(each is rounding) for each in Rounding},
+        right_gain=Known(0.98, 1e-4), left_gain=Known(1.02, 1e-4), angle_factor=Known(1.0, 1e-3),
+        frame_period=Known(0.01525, 1e-6))
 
 
-def test_a_robot_is_described_in_a_line() -> None:
-    assert described(robot()) == (
-        'fractions are cut off, encoders take the sign of the drive, wheels run at 0.980 (right) '
-        'and 1.020 (left) of the speed asked, 200 ms late at 0.2 m/s and overshoot by 30 %; a '
-        'frame lasts 15.25 ms')
-    lag = replace(robot(), damping=None, inverse_acceleration=Known(0.0, 0.0001),
-                  response={Family.LAG: 1.0, Family.SPRING: 0.0})
-    assert 'overshoot' not in described(lag)
+def test_a_robot_is_described_in_plain_words() -> None:
+    assert in_words(robot()) == {
+        'fractions of distance and angle': 'cut off and lost at each reading (over 99.9 % sure)',
+        'sign of an encoder': 'of the drive: the last request that was not zero, after its dead '
+                              'time (over 99.9 % sure)',
+        'response': 'first order, coasts 14 mm from 0.1 m/s, 14 mm from 0.2 m/s (over 99.9 % '
+                    'sure)',
+        'late': '100 +- 0 ms at 0.2 m/s', 'dead time': 'about 30 ms',
+        'wheels over request': 'right 0.980 +- 0.000, left 1.020 +- 0.000',
+        'slowest speed that moves it': 'about 10 mm/s',
+        'wheel separation of the firmware': '258.0 mm', 'frame period': '15.250 ms'}
+
+
+@pytest.mark.parametrize(('wheels', 'answer'), [
+    (WHEELS._replace(of_speed=0.0), 'first order, coasts 14 mm from 0.1 m/s, 28 mm from 0.2 m/s'),
+    (WHEELS._replace(response=Response.SPRING, overshoot=0.3), 'second order, overshoots by 30 %'),
+    (WHEELS._replace(response=Response.RAMP, time=2.0, braking=0.5),
+     'a constant acceleration of 0.50 m/s2, brakes 0.5 times as fast as it speeds up')])
+def test_each_response_has_its_words(wheels: Hypothesis, answer: str) -> None:
+    assert in_words(robot(wheels=wheels))['response'].startswith(f'{answer} (')
 
 
 def test_people_are_told_once_and_again_of_another_robot() -> None:
@@ -51,9 +52,10 @@ def test_people_are_told_once_and_again_of_another_robot() -> None:
                   robot(Rounding.ROUND)):
         watch.look(known)
     first, second = (each.text for each in events if isinstance(each, Notice))
-    assert first.startswith('the odometry knows this robot now: fractions are cut off')
+    assert first.startswith('the odometry knows this robot now: fractions of distance and '
+                            'angle: cut off')
     assert second.startswith('this is another robot than odometry_model says; the odometry has '
-                             'learned: fractions are rounded')
+                             'learned: fractions of distance and angle: rounded')
 
 
 @pytest.mark.parametrize('rounding', [Rounding.TRUNCATE, Rounding.CARRY])

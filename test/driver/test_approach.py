@@ -290,35 +290,3 @@ def test_how_long_a_way_takes_at_most():
     settling = 4 * (1.4 + 0.02 / 0.03)
     for way in (1.5, -1.5):
         assert approach().seconds(way) == pytest.approx(1.5 / TOP + ramps + settling)
-
-
-def telling(left: float, speed: float = 0.05) -> Remaining:
-    """Return what a frame says of a robot whose rounding is not known."""
-    return at(left, 0.04)._replace(telling=speed)
-
-
-def test_a_speed_at_which_readings_tell_the_rounding_is_held_for_a_while():
-    begun = approach()
-    told = [begun.step(telling(9.0)) for _ in range(15)]
-    assert told[:13] == pytest.approx([0.05] * 13)
-    assert told[13:] == pytest.approx([0.1, 0.15])
-
-
-def test_a_speed_is_held_no_longer_than_the_rounding_is_not_known():
-    begun = approach()
-    assert [begun.step(telling(9.0)) for _ in range(3)] == pytest.approx([0.05] * 3)
-    assert begun.holds
-    assert begun.step(at(9.0)) == pytest.approx(0.1)
-    assert not begun.holds
-
-
-def test_a_robot_that_is_faster_than_the_telling_speed_does_not_slow_down_for_it():
-    begun = at_top()
-    assert begun.step(telling(9.0)) == pytest.approx(TOP)
-
-
-def test_near_the_end_no_speed_is_held():
-    begun = approach()
-    begun.step(telling(0.3))
-    begun.step(telling(0.06))
-    assert not begun.holds

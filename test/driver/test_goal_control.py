@@ -11,7 +11,6 @@ from create_oi_ros.driver.goals import Code, Goal, Progress, Running
 from create_oi_ros.driver.goals.goal import DockDemo, Enter, Order, Over, View
 from create_oi_ros.driver.modes import DOCK_PAUSE
 from create_oi_ros.driver.motion import Velocity
-from support.goals import met, moving
 from support.loop import AT_ONCE, Loop, STEP
 
 HALT = oi.DriveDirect(right=0, left=0)
@@ -266,16 +265,6 @@ def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives(at_once):
     at_once.run(0.3)
     assert running.ending is None
     assert at_once.robot.mode is oi.Mode.SAFE and at_once.robot.actuators.wheels == (100, 100)
-
-
-def test_the_odometry_marks_the_start_of_a_goal_until_it_ends():
-    loop = met()
-    odometry = loop.driver._tracking.odometry
-    running = moving(loop)
-    start = odometry.marked
-    assert start == pytest.approx((0.0, 0.0, 0.0), abs=0.05)
-    loop.driver.goals.cancel(running, loop.now)
-    assert odometry.marked is None
 
 
 def test_a_goal_is_as_good_as_a_pause_of_commands(at_once):

@@ -199,27 +199,3 @@ def test_a_leg_that_is_corrected_is_not_steered():
             break
     turned = there._replace(yaw=pi / 2 + 0.3)
     assert told(leg, turned) == pytest.approx((0.03, 0.0))
-
-
-@pytest.mark.parametrize('sign', [1, -1])
-def test_a_turn_is_held_at_three_quarters_of_a_degree_in_a_frame_to_tell_the_rounding(sign):
-    leg = Turn(START, sign * 50.0, 3.0, Learned(), FREE)
-    for _ in range(12):
-        velocity = leg.step(view(0.1, estimate=START, seeks_rounding=True))
-    assert tuple(velocity) == pytest.approx((0.0, sign * 0.75 * pi / 180 / 0.015))
-
-
-@pytest.mark.parametrize('leg', [straight(5.0), arc(5.0, 1)])
-def test_a_robot_on_a_line_is_steered_whatever_is_known_of_its_rounding(leg):
-    for _ in range(12):
-        velocity = leg.step(view(0.1, estimate=START, seeks_rounding=True))
-    assert velocity.linear == pytest.approx(leg._velocity(leg._approach._top).linear)
-
-
-@pytest.mark.parametrize(('leg', 'holds'), [
-    (lambda: straight(2.0), False), (lambda: Turn(START, pi, 4.0, Learned(), FREE), True)])
-def test_only_a_turn_holds_a_speed_that_tells_the_rounding(leg, holds):
-    seeks, goes = leg(), leg()
-    seeking, usual = ([each.step(view(0.1, estimate=START, seeks_rounding=tells))
-                       for _ in range(8)] for each, tells in ((seeks, True), (goes, False)))
-    assert (seeking != usual) is holds

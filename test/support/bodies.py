@@ -1,17 +1,13 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bodies of simulated robots: with sums that are easy, and with wheels that lag for long."""
+"""Bodies of simulated robots with sums that are easy."""
 
 from dataclasses import replace
 
 from create_oi_ros.sim.body import Body as AnyBody
-from create_oi_ros.sim.body.config import CENTRE, IDEAL
-from create_oi_ros.sim.body.wheels import TimeConstant
+from create_oi_ros.sim.body.config import IDEAL
 from create_oi_ros.sim.world import parse, World
 
-LAGGING = replace(
-    CENTRE, time_constant=TimeConstant(0.2, 1.0, fastest=0.076), dead_time=0.045)
-"""Wheels that lag by 0.175 s at every speed above 76 mm/s, so that fast ones coast for long."""
 B = IDEAL.wheel_separation
 FRAME = 0.015
 WALL_AHEAD = parse('wall 1 -5 1 5', 'wall')

@@ -15,9 +15,7 @@ LIMITS = MotionLimits(wheel_separation=0.25)
 
 
 def view(dt: float = 0.1, now: float = 0.0, *, estimate: Estimate | None = None,
-         measured: bool = False, limits: MotionLimits = LIMITS,
-         mark: tuple[float, float, float] | None = None, seeks_rounding: bool = False,
-         **readings: int) -> View:
+         measured: bool = False, limits: MotionLimits = LIMITS, **readings: int) -> View:
     """Return a view; readings that are not given are those of a robot that feels nothing."""
     return View(now, dt, estimate or Estimate(), oi.Readings({**QUIET, **readings}), measured,
-                limits, mark, seeks_rounding)
+                limits)

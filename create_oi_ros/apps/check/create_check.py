@@ -13,17 +13,13 @@ from collections.abc import Sequence
 from pathlib import Path
 import signal
 import sys
-from typing import NamedTuple
 
 from ... import oi
 from ...driver import Health
 from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
 from ...ros.programs import INTERRUPTED, UserError
-from .conclusion import conclude
-from .dead_band_search import DeadBandSearch
-from .moves import CheckStep, CREEPING, duration, Move, Reads, Segment, STEPS
-from .notebook import Page
+from .moves import CheckStep, duration, Move, Reads, Segment, STEPS
 from .questions import about_banner, about_dock, about_leds, Person, progress, tell
 from .robot_line import RobotLine
 from .verdict import as_mapping, Finding, lines, of_wheels
@@ -57,34 +53,22 @@ def _arguments() -> argparse.ArgumentParser:
     return parser
 
 
-class Written(NamedTuple):
-    """What was written down of a check."""
-
-    pages: list[Page]
-    band: tuple[float, float]
-    """Fastest speed that moved nothing, slowest that moved the robot, m/s."""
-    seen: list[Finding]
-    health: Health
-    """At the end."""
-
-
 class GuidedCheck:
     """One check, from the first question to the verdict."""
 
     def __init__(self, line: RobotLine, person: Person) -> None:
         self._line, self._person = line, person
 
-    def run(self) -> Written:
-        """Ask and drive; UserError: it cannot go on."""
+    def run(self) -> tuple[list[Finding], Health]:
+        """Ask and drive; return what was seen, and the health at the end. UserError: why not."""
         line, person = self._line, self._person
         line.wait_for_robot()
         seen = [about_banner(line, person), about_dock(line)]
         self._to_the_floor()
         seen.append(about_leds(line, person))
-        pages: list[Page] = []
         for number, step in enumerate(STEPS, 1):
-            pages += self._take(step, f'{number} of {len(STEPS) + 1}')
-        return Written(pages, self._creep().band, seen, line.health())
+            self._take(step, f'{number} of {len(STEPS)}')
+        return seen, line.health()
 
     def _to_the_floor(self) -> None:
         """See that the robot stands on the floor, in Safe mode."""
@@ -103,41 +87,31 @@ class GuidedCheck:
             person.confirm(f'{outcome.text}. Mend this')
             outcome = line.enter(oi.Mode.SAFE)
 
-    def _take(self, step: CheckStep, number: str) -> list[Page]:
+    def _take(self, step: CheckStep, number: str) -> None:
         self._person.confirm(
             f'Step {number} ({duration(step.moves):.0f} s): {step.about}')
-        pages = []
         for done, move in enumerate(step.moves, 1):
-            pages.append(self._made(move))
+            self._make(move)
             progress(done, len(step.moves))
-        return pages
 
-    def _creep(self) -> DeadBandSearch:
-        search = DeadBandSearch()
-        self._person.confirm(f'Step {len(STEPS) + 1} of {len(STEPS) + 1} (20 s): {CREEPING}')
-        while (move := search.next_move()) is not None:
-            search.learn(self._made(move))
-        return search
-
-    def _made(self, move: Move) -> Page:
+    def _make(self, move: Move) -> None:
         """Make a move, again where it was disturbed."""
         for _ in range(ATTEMPTS if self._person.absent else 10 ** 6):
-            page = self._line.make(move)
-            if page is not None:
-                return page
+            if self._line.make(move):
+                return
             why = self._line.runner.disturbance
             self._person.confirm(f'\nThe robot stands: {why}. Put it back; the move is repeated')
             self._line.enter(oi.Mode.SAFE)
         raise UserError(f'the robot cannot make its moves: {self._line.runner.disturbance}')
 
 
-def _conclude(written: Written, output: Path) -> None:
-    """Work out the verdict, print it and write it; OSError: it cannot be written."""
-    tell('The robot has done its part. Working it out takes a minute or two.')
-    found = conclude(written.pages, written.band, written.health.frame_period)
-    findings = of_wheels(found, written.health) + written.seen
+def _conclude(seen: Sequence[Finding], health: Health, output: Path) -> None:
+    """Print what the odometry has learned and write it; OSError: it cannot be written."""
+    if health.robot is None:
+        raise UserError('nothing was learned: the robot never reported that it moved')
+    findings = [*of_wheels(health.robot, health.checksum), *seen]
     tell('\n' + '\n'.join(lines(findings)) + '\n')
-    write(output, found.knowledge, as_mapping(findings))
+    write(output, health.robot, as_mapping(findings))
     tell(f'{output}: give it to the driver with -p odometry_model:={output.absolute()}')
 
 
@@ -158,8 +132,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         person.confirm(INTRODUCTION)
         line = RobotLine(options.port, options.baud, options.capture)
         with line.open():
-            written = GuidedCheck(line, person).run()
-        _conclude(written, options.output)
+            seen, health = GuidedCheck(line, person).run()
+        _conclude(seen, health, options.output)
         tell(f'{line.path}: all bytes of the check; send both files if something looks wrong')
     except KeyboardInterrupt:
         print('\ncreate_check: interrupted; the wheels stand', file=sys.stderr)

@@ -63,6 +63,10 @@ class Move(NamedTuple):
         return tuple(max(3, round(part * frames)) for part in (1.0, 0.7, 1.3, 0.85, 1.15))
 
 
+CREEPING = (4, 8, 10, 12, 15, 18, 22, 26)
+"""mm/s, around the slowest speed that moves a wheel."""
+
+
 class CheckStep(NamedTuple):
     """Moves that a person confirms together."""
 
@@ -85,35 +89,27 @@ def _turned_back(seconds: float, right: int, left: int, times: int) -> list[Move
 
 
 STEPS = (
-    CheckStep('straight ahead and back, quickly: 0.9 m of free floor ahead', (
-        *_both(2.5, 300, 300, Reads.END), *_both(1.5, 300, 300, Reads.END),
-        *_both(1.3, 300, 300, Reads.OFTEN, 3))),
+    CheckStep('very slowly, to find the slowest speed that moves it: 0.1 m ahead', tuple(
+        move for speed in CREEPING for move in _both(2.2, speed, speed, Reads.END))),
+    CheckStep('slowly, while it is asked how far it came in every frame: 0.2 m ahead', (
+        *_both(3.0, 48, 48, Reads.EVERY), *_both(2.5, 44, 44, Reads.EVERY),
+        *_both(2.5, 110, -110, Reads.EVERY))),
     CheckStep('straight ahead and back, more and more slowly: 0.5 m ahead', (
         *_both(1.8, 150, 150, Reads.OFTEN, 2), *_both(2.2, 76, 76, Reads.OFTEN, 3),
         *_both(2.6, 50, 50, Reads.OFTEN, 4), *_both(2.6, 35, 35, Reads.END))),
     CheckStep('ahead, and back without a pause: 0.5 m ahead and behind', (
         *_turned_back(0.9, 250, 250, 3), *_turned_back(0.8, 120, 120, 2))),
+    CheckStep('one wheel at a time: half a metre around', (
+        *_both(2.0, 180, 0, Reads.OFTEN), *_both(2.0, 0, 180, Reads.OFTEN))),
     CheckStep('turns in place, both ways: no space but its own', (
         *_both(3.0, 220, -220, Reads.END), *_both(1.5, 220, -220, Reads.END),
         *_both(1.5, 150, -150, Reads.OFTEN, 2),
         *_turned_back(0.9, 250, -250, 2))),
-    CheckStep('one wheel at a time: half a metre around', (
-        *_both(2.0, 180, 0, Reads.OFTEN), *_both(2.0, 0, 180, Reads.OFTEN))),
-    CheckStep('slowly, while it is asked how far it came in every frame: 0.2 m ahead', (
-        *_both(3.0, 48, 48, Reads.EVERY), *_both(2.5, 44, 44, Reads.EVERY),
-        *_both(2.5, 110, -110, Reads.EVERY))),
+    CheckStep('straight ahead and back, quickly: 0.9 m of free floor ahead', (
+        *_both(2.5, 300, 300, Reads.END), *_both(1.5, 300, 300, Reads.END),
+        *_both(1.3, 300, 300, Reads.OFTEN, 3))),
 )
-CREEP = 2.2
-"""Seconds of a creep."""
-SLOWEST, FASTEST = 0, 26
-"""mm/s: a request that moves no wheel, and one that moves any."""
-CREEPING = 'very slowly, to find the slowest speed that moves it: 0.1 m ahead'
-
-
-def creep(speed: int, *, back: bool) -> Move:
-    """Return a slow move."""
-    speed = -speed if back else speed
-    return Move((Segment(CREEP, speed, speed),), Reads.END)
+"""Quick and long moves come last: they tell the gains best, and gains may change with time."""
 
 
 def duration(moves: Sequence[Move]) -> float:

@@ -1,20 +1,18 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What is written down of a check: every frame, and which frames belong to which move."""
+"""The odometry of a check: it learns as ever, but readings are asked for as the moves want."""
 
 from collections.abc import Iterator
 from itertools import cycle
-from typing import NamedTuple
 
-from ...odometry import Estimate, Increment, Knowledge, Odometry
-from .moves import Move
+from ...odometry import Estimate, Increment, Odometry
 
 PENDING = 8
 """Frames within which a reading that was asked for arrives, or is asked for again."""
 
 
 class Notebook(Odometry):
-    """Takes the place of the driver's odometry: keeps frames, and asks for readings as told."""
+    """Takes the place of the driver's odometry: asks for readings as told, and keeps frames."""
 
     def __init__(self) -> None:
         super().__init__(window=1.0)
@@ -30,11 +28,6 @@ class Notebook(Odometry):
         """Whether the next frame should carry distance and angle."""
         return self._due
 
-    @property
-    def knowledge(self) -> Knowledge | None:
-        """None: a notebook learns nothing."""
-        return None
-
     def ask(self, intervals: tuple[int, ...] = ()) -> None:
         """Ask for a reading, and for others so many frames apart, in turn."""
         self._intervals = cycle(intervals)
@@ -45,26 +38,11 @@ class Notebook(Odometry):
         self._every, self._due = 0, False
 
     def update(self, increment: Increment) -> Estimate:
-        """Write a frame down."""
+        """Take one frame in."""
         self.frames.append(increment)
         self.seconds += increment.dt
         self._since += 1
         self._due = bool(self._every) and self._since >= self._every
         if self._due:
             self._every, self._since = next(self._intervals), 0
-        return self.estimate
-
-
-class Page(NamedTuple):
-    """A move that was made, and its frames."""
-
-    move: Move
-    frames: list[Increment]
-    """From the reading that emptied the counts to the one at the end; both at rest."""
-
-    @property
-    def counted(self) -> tuple[int, int]:
-        """Sums of all readings but the first: millimetres and degrees."""
-        after = self.frames[1:]
-        return (sum(frame.distance or 0 for frame in after),
-                sum(frame.angle or 0 for frame in after))
+        return super().update(increment)

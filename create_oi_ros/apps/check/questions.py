@@ -46,7 +46,7 @@ class Person:
 
 def about_banner(line: RobotLine, person: Person) -> Finding:
     """Let the robot be switched off and on; say what it says."""
-    not_seen = Finding('banner', 'not looked at', None, 'nothing')
+    not_seen = Finding('banner', 'not looked at', 'nothing')
     if person.absent:
         return not_seen
     line.heard.clear()
@@ -61,7 +61,7 @@ def about_dock(line: RobotLine) -> Finding:
     """Say what the robot does on its dock, if it stands there."""
     readings = line.health().readings
     if not readings.has('charging_sources') or not readings.charging_sources:
-        return Finding('Passive on the dock', 'not looked at: it was not on its dock', None,
+        return Finding('Passive on the dock', 'not looked at: it was not on its dock',
                        'nothing')
     line.enter(oi.Mode.PASSIVE)
     charging = line.until(lambda health: health.readings.has('charging_state')
@@ -70,21 +70,21 @@ def about_dock(line: RobotLine) -> Finding:
     answer = 'charging begins' if charging else f'no charging within {DOCKED:.0f} s'
     answer += ('; on the dock it enters Safe' if safe.ok
                else '; on the dock it does not stay in Safe')
-    return Finding('Passive on the dock', answer, None,
+    return Finding('Passive on the dock', answer,
                    'the manual' if charging else 'reports of Create robots on TurtleBots')
 
 
 def about_leds(line: RobotLine, person: Person) -> Finding:
     """Say what becomes of bits of LEDs that mean nothing."""
     if person.absent:
-        return Finding('LED masks', 'not looked at', None, 'nothing')
+        return Finding('LED masks', 'not looked at', 'nothing')
     line.send_raw(UNDEFINED_LEDS)
     lit = person.sees('Do both Play and Advance light now?')
     line.send_raw(LEDS_RESTORED)
     if lit is None:
-        return Finding('LED masks', 'not seen', None, 'nothing')
+        return Finding('LED masks', 'not seen', 'nothing')
     return Finding('LED masks', 'bits that mean nothing are left out' if lit else
-                   'a command with bits that mean nothing is ignored', None,
+                   'a command with bits that mean nothing is ignored',
                    'reports of real robots' if lit else 'the manual, read strictly')
 
 

@@ -15,7 +15,7 @@ from ...link.session import Session
 from ...oi.tools.capture_format import RecordKind
 from ...ros.programs import UserError
 from .moves import Move
-from .notebook import Notebook, Page
+from .notebook import Notebook
 from .runner import Runner
 
 TURN = 0.02
@@ -112,8 +112,8 @@ class RobotLine:
             if port is not None:
                 port.write(data)
 
-    def make(self, move: Move) -> Page | None:
-        """Make a move; None: something disturbed it, and the wheels stand."""
+    def make(self, move: Move) -> bool:
+        """Make a move; False: something disturbed it, and the wheels stand."""
         with self.session.request() as (_driver, _now):
             self.runner.begin(move)
         while True:
@@ -124,4 +124,4 @@ class RobotLine:
             if self.lost.is_set():
                 raise UserError('the line to the robot has failed')
             time.sleep(TURN)
-        return None if self.runner.disturbance else self.runner.pages[-1]
+        return self.runner.disturbance is None

@@ -8,7 +8,7 @@ from ...driver import Driver, MotionLimits
 from ...driver.goals.hazards import bumps
 from ...robot import MM_PER_M
 from .moves import Move, Reads
-from .notebook import Notebook, Page, PENDING
+from .notebook import Notebook, PENDING
 
 LIMITS = MotionLimits(linear_acceleration=0.0, angular_acceleration=0.0)
 """None on accelerations: steps show most of a robot."""
@@ -39,8 +39,6 @@ class Runner:
         self._driver, self._notebook = driver, notebook
         driver.set_limits(LIMITS)
         self.stage = Stage.IDLE
-        self.pages: list[Page] = []
-        """The moves that were made undisturbed."""
         self.disturbance: str | None = None
         """Why the last move ended early; None where it did not."""
         self._move = Move((), Reads.END)
@@ -88,8 +86,6 @@ class Runner:
                     self._notebook.ask_no_more()
             case Stage.ENDING:
                 if self._answered():
-                    frames = self._notebook.frames[self._first:]
-                    self.pages.append(Page(self._move, frames))
                     self.stage = Stage.IDLE
 
     def stop(self, now: float) -> None:

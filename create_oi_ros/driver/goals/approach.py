@@ -35,8 +35,6 @@ FASTEST_CREEP = 0.08
 """m/s at most."""
 UNMOVED = 0.25
 """A correction that makes less than this part of its way has moved nothing: the next is faster."""
-HELD = 1.2
-"""Most seconds for which a speed is held so that readings tell how the robot rounds them."""
 STANDING = 0.004
 """m/s below which a wheel counts as standing."""
 SETTLE, BLEND, LATEST = 0.15, 0.25, 1.4
@@ -92,8 +90,6 @@ class Remaining(NamedTuple):
     dt: float
     measured: bool
     """Whether the robot has just been asked how far it went."""
-    telling: float = 0.0
-    """m/s at which readings would tell how the robot rounds them; 0: this is known."""
 
 
 class Approach:
@@ -121,10 +117,6 @@ class Approach:
         """The way that the last correction was to lead, m; 0 before the first."""
         self._by_push = False
         """Whether that correction was a push."""
-        self.holds = False
-        """Whether the speed is held so that readings tell how the robot rounds them."""
-        self._held = 0.0
-        """Seconds for which it was held."""
         self._standing = False
         """Whether the wheels were told to stand."""
         self._stood = self._crept = 0.0
@@ -173,11 +165,6 @@ class Approach:
                      self._speed + self._up * at.dt)
         if self.correcting or room < LAST:
             wanted = min(wanted, self._speed)
-        self.holds = (0 < self._speed <= at.telling <= wanted and self._held < HELD
-                      and not self.correcting and room > LAST)
-        if self.holds:
-            wanted = at.telling
-            self._held += at.dt
         self._speed = max(wanted, self._creep)
         stuck = self._speed == self._creep and pace < STANDING
         self._crept = self._crept + at.dt if stuck else 0.0

@@ -121,10 +121,6 @@ class View(NamedTuple):
     measured: bool
     """Whether distance and angle came with this frame."""
     limits: MotionLimits
-    mark: tuple[float, float, float] | None = None
-    """Where the goal began, as the odometry knows by now: x, y, yaw."""
-    seeks_rounding: bool = False
-    """Whether steady motion would tell how the robot rounds its readings."""
 
 
 class Enter(NamedTuple):
@@ -158,9 +154,6 @@ class Goal(ABC):
 
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
-    turns_only = False
-    """Whether the goal only turns. Each reading may cost a part of a degree, and a turn needs none
-    to be steered: so few are asked for."""
     hint = ''
     """What may be a mistake of whoever sent the goal; it is pursued all the same."""
 

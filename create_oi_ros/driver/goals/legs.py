@@ -11,13 +11,10 @@ from abc import ABC, abstractmethod
 from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 
 from ...odometry import Estimate
-from ...robot import SLOT
 from ..motion import MotionLimits, Velocity
 from .approach import Approach, Learned, Remaining
 from .goal import View
 
-TELLING = 0.75
-"""Degrees a frame: at this turning speed readings tell how the robot rounds them."""
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
 HEADING_GAIN, ASIDE_GAIN = 2.0, 4.0
@@ -49,7 +46,7 @@ class Leg(ABC):
         self._least = min(self._least, variance)
         speed = self._approach.step(Remaining(
             self._left, self._pace(view.estimate), sqrt(max(0.0, variance - self._least)),
-            view.dt, view.measured, self._telling() if view.seeks_rounding else 0.0))
+            view.dt, view.measured))
         if speed is None:
             return None
         velocity = self._velocity(speed)
@@ -92,14 +89,6 @@ class Leg(ABC):
     @abstractmethod
     def _velocity(self, speed: float) -> Velocity:
         """Return the velocity for a speed along the leg."""
-
-    def _telling(self) -> float:
-        """
-        Return the speed to hold while readings tell how the robot rounds them, m/s; 0: none.
-
-        A robot that must keep to a line is better steered.
-        """
-        return 0.0
 
     def _steering(self, linear: float, estimate: Estimate) -> float:
         """Return the rad/s that bring the robot back to the leg, at m/s."""
@@ -173,9 +162,6 @@ class Turn(Leg):
 
     def _pace(self, estimate: Estimate) -> float:
         return estimate.angular * self._half
-
-    def _telling(self) -> float:
-        return TELLING * radians(1.0) / SLOT * self._half
 
     def _velocity(self, speed: float) -> Velocity:
         return Velocity(0.0, speed / self._half)

@@ -4,7 +4,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from math import atan2, cos, degrees, hypot, remainder, sin, tau
+from math import atan2, degrees, hypot, remainder, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
@@ -40,9 +40,6 @@ MANY_TURNS = 4
 class MotionGoal(Goal):
     """A motion of one or more legs; each is made when the one before has ended."""
 
-    _relative = True
-    """Whether it leads away from its start, not to a place of the odometry's frame."""
-
     def __init__(self, allowance: float, learned: Learned, *, ahead: bool = False,
                  back: bool = False) -> None:
         """`ahead` and `back` tell which way the motion leads first; neither for a turn."""
@@ -52,7 +49,6 @@ class MotionGoal(Goal):
         self._hazards, self._stall = Hazards(), Stall()
         self._told = Velocity()
         self._at = Estimate()
-        self._start = self._at[:3]
         """x, y and yaw at the start."""
         self._slowed = ''
         self._legs: Legs = iter(())
@@ -65,7 +61,6 @@ class MotionGoal(Goal):
         if limits.max_wheel_speed < LEAST_SPEED:
             return NO_SPEED
         self._at = view.estimate
-        self._start = self._at[:3]
         self._slowed = ''.join(self._slower(limits))
         self._legs = self._plan(limits)
         if self.allowance == 0:
@@ -79,8 +74,6 @@ class MotionGoal(Goal):
         if over is not None:
             return over
         self._at = view.estimate
-        if self._relative:
-            view = view._replace(estimate=self._since_start(view))
         while self._leg is None or (velocity := self._leg.step(view)) is None:
             following = next(self._legs, None)
             if following is None:
@@ -88,19 +81,6 @@ class MotionGoal(Goal):
             self._phase, self._leg = following
         self._told = velocity
         return velocity
-
-    def _since_start(self, view: View) -> Estimate:
-        """
-        Return the estimate as it would be had the odometry been right at the start.
-
-        So a correction of what was wrong before counts neither as way nor as turn.
-        """
-        start, at = self._start, view.estimate
-        x, y, yaw = view.mark or start
-        back, dx, dy = start[2] - yaw, at.x - x, at.y - y
-        c, s = cos(back), sin(back)
-        return at._replace(x=start[0] + c * dx - s * dy, y=start[1] + s * dx + c * dy,
-                           yaw=at.yaw + back)
 
     @property
     def progress(self) -> Progress:
@@ -166,8 +146,6 @@ class DriveDistance(MotionGoal):
 
 class RotateAngle(MotionGoal):
     """Turn in place, counter-clockwise; any number of turns."""
-
-    turns_only = True
 
     def __init__(self, angle: float, speed: float, allowance: float, learned: Learned) -> None:
         """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
@@ -245,8 +223,6 @@ class TargetPose(NamedTuple):
 
 class NavigateToPosition(MotionGoal):
     """Turn to a place, drive there straight, and turn to a heading."""
-
-    _relative = False
 
     def __init__(self, place: TargetPose, speed: float, turning: float, allowance: float,
                  learned: Learned, learned_turning: Learned) -> None:

@@ -1,0 +1,478 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A bank of extended Kalman filters: one for each hypothesis, source of signs, rounding, noise level.
+
+The state of a filter: the gains of both wheels, how far the robot's angles are off (`TURN`), the
+five numbers of how wheels follow, the pose, and what the accumulators hold. What has no derivative
+is not estimated but weighed: the kind of response, the dead band, the source of the encoders'
+signs, the rounding and the noise level. The innovations of a filter give its weight; the pose is
+the mean by weight. Arrays begin with the axes hypothesis, source of signs, rounding, noise level.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..robot import FIRMWARE_SEPARATION, Rounding
+from .estimate import Geometry
+from .hypotheses import (
+    Array,
+    DEAD_BANDS,
+    DEGREE,
+    HIGHEST,
+    Hypothesis,
+    likely,
+    LOWEST,
+    MM,
+    SIGNS,
+    SPREAD,
+    STARTS,
+    starts,
+    with_numbers,
+)
+from .knowledge import Knowledge, Known
+from .wheels import STEP, Wheels
+
+RIGHT, LEFT, TURN, NUMBER, X, Y, YAW, ANGLE, DISTANCE, SIZE = 0, 1, 2, 3, 8, 9, 10, 11, 12, 13
+"""The state of a filter: gains of the wheels; the part by which angles are counted too large; the
+numbers of the hypothesis; the pose, m and rad; what the robot's accumulators hold, degrees and
+mm."""
+ROUNDINGS = tuple(Rounding)
+TRUNCATE, ROUND, CARRY = (ROUNDINGS.index(each) for each in (
+    Rounding.TRUNCATE, Rounding.ROUND, Rounding.CARRY))
+NOISE = np.array([0.006, 0.025, 0.1])
+"""Noise levels: part of its way by which a wheel strays within `STRAY_WAY`, and of its changes of
+speed, in seconds."""
+CURVED = 0.2
+"""Part of what a way may be off for its numbers that their derivatives do not tell."""
+SHAPE = 0.01
+"""Part of a way, for each radian of turn, by which the mean shape of the way is off."""
+STRAY_WAY = 0.1
+"""m; over longer ways the deviation grows with the root."""
+LIKELY_SIGN = np.array([0.0, 1.0, 0.0, 0.0])
+LIKELY_ROUNDING, LIKELY_NOISE = np.zeros(3), np.array([0.0, 0.0, -1.0])
+LIKELY_ROUNDING[TRUNCATE] = 2.0
+"""Logarithms of prior probabilities: encoders take the sign of the drive and fractions are cut off
+(reported), wheels run steadily."""
+GAIN_VARIANCE, GAIN_COVARIANCE, TURN_VARIANCE = 0.009, 0.006, 0.0005
+WALK, WALK_OF_CHANGE, NUMBER_WALK = 1e-7, 0.5, 1e-4
+"""Process noise of the gains, for each reading; the part of the squared noise level that comes on
+top where the requests changed by 0.1 m/s; that of the numbers, as a part of `SPREAD` squared."""
+FORGET = 0.99
+"""Part of the logarithms of the weights that the next reading leaves."""
+GATE = 25.0
+"""Squared standard deviations of a reading that no filter explains."""
+REOPEN = 0.5
+"""Part of the first variances of gains and numbers that such a reading adds to them."""
+UNKNOWN_WAY = 0.06
+"""m/s by which the place is doubted while wheels do not follow their requests."""
+TRUST, STALE, KNOWN_SPREAD = 8.0, 1.5, 0.25
+"""Logarithm of how much likelier the wheels of a known robot are; the factor by which its gains
+are less sure the next day; the part of `SPREAD` by which its numbers are unsure."""
+EVIDENCE = 0.8
+"""Part of a log-likelihood that counts: errors of a hypothesis are alike at each reading."""
+LEAST_LOG, UNLIKELY = 6.0, 0.02
+"""The most by which one reading may tell filters apart, as a logarithm; the probability of an
+interval below which it is taken for a normal distribution."""
+APART = 0.4
+"""Seconds between two readings from which on they tell how wheels follow."""
+NEGLIGIBLE, SAVED, YOUNG = 6e-6, 8, 5
+"""Probability below which a hypothesis is dropped; hypotheses that are saved; readings before
+which none is dropped."""
+
+
+class Motion(NamedTuple):
+    """The mean motion since the last reading, in the frame of its start; m and rad."""
+
+    x: float
+    y: float
+    yaw: float
+    length: float
+    seconds: float = 0.0
+    follows: bool = True
+    """Whether it is that of the wheels."""
+
+
+class Filters(NamedTuple):
+    """State of all filters."""
+
+    mean: Array
+    covariance: Array
+    log_weight: Array
+
+
+class Bank:
+    """All hypotheses, and what the readings make of them."""
+
+    def __init__(self, geometry: Geometry, robot: Knowledge | None = None) -> None:
+        """Begin at the origin, with a robot that is known or not."""
+        self.geometry = geometry
+        known = {} if robot is None else robot.hypotheses
+        self.rows = [*known, *starts()]
+        self.signs = list(SIGNS)
+        self.roundings = list(ROUNDINGS)
+        self.wheels = Wheels(self.rows)
+        shape = (len(self.rows), len(SIGNS), len(ROUNDINGS), len(NOISE))
+        prior = np.tile(np.concatenate([np.zeros(len(known)), likely()])[:, None], len(SIGNS))
+        mean, covariance = np.zeros((*shape, SIZE)), np.zeros((*shape, SIZE, SIZE))
+        mean[..., :TURN] = 1.0
+        mean[..., NUMBER:X] = self.wheels.numbers[:, None, None, None]
+        covariance[..., :TURN, :TURN] = GAIN_COVARIANCE
+        covariance[..., RIGHT, RIGHT] = covariance[..., LEFT, LEFT] = GAIN_VARIANCE
+        covariance[..., TURN, TURN] = TURN_VARIANCE
+        numbers = range(NUMBER, X)
+        unsure = np.repeat([each for *_, each in STARTS], len(DEAD_BANDS))
+        unsure = np.concatenate([np.full(len(known), KNOWN_SPREAD), unsure])
+        covariance[..., numbers, numbers] = (unsure[:, None] * SPREAD)[:, None, None, None] ** 2
+        sign, rounding = LIKELY_SIGN, LIKELY_ROUNDING
+        if robot is not None:
+            sign = np.zeros(len(SIGNS))
+            for k, (row, probability) in enumerate(known.items()):
+                prior[k] = TRUST - 7.0
+                prior[k, SIGNS.index(row.sign)] = TRUST + np.log(max(probability, 1e-3))
+            rounding = np.log([max(robot.rounding.get(each, 0.0), 1e-3) for each in ROUNDINGS])
+            for state, number in ((RIGHT, robot.right_gain), (LEFT, robot.left_gain),
+                                  (TURN, robot.angle_factor)):
+                mean[..., state] = number.value - (state == TURN)
+                covariance[..., state, :] = covariance[..., state] = 0.0
+                covariance[..., state, state] = (STALE * number.deviation) ** 2 + 1e-7
+        self._doubt = np.concatenate([
+            [GAIN_VARIANCE - GAIN_COVARIANCE] * 2, [TURN_VARIANCE], SPREAD ** 2])
+        """Variances of what a filter has to learn of a robot that nobody knows."""
+        self.filters = Filters(mean, covariance, (
+            prior + sign)[:, :, None, None] + rounding[:, None] + LIKELY_NOISE)
+        self.readings = 0
+        """Readings in motion."""
+        self._changed = np.zeros(2)
+        """Sum of the squares of changes of the requests, m²/s²."""
+        self._request = (0.0, 0.0)
+        scale = geometry.angular_scale
+        self._yaw = scale / FIRMWARE_SEPARATION
+        self._degrees = 1 / DEGREE / FIRMWARE_SEPARATION
+        self._weigh()
+
+    # Weights and means.
+
+    def _weigh(self) -> None:
+        f = self.filters
+        weights = np.exp(f.log_weight - f.log_weight.max())
+        self.weights = weights = weights / weights.sum()
+        self.of_rows = weights.sum(axis=(1, 2, 3))
+        count = len(self.rows)
+        shares = (weights + 1e-12).reshape(count, -1)
+        shares /= shares.sum(axis=1)[:, None]
+        means = f.mean[..., :X].reshape(count, -1, X)
+        self.means = np.einsum('kf,kfs->ks', shares, means)
+        """Mean gains and numbers of each hypothesis."""
+        off = means - self.means[:, None]
+        self._spread = np.einsum('kf,kfst->kst', shares, f.covariance[..., :X, :X].reshape(
+            count, -1, X, X)) + np.einsum('kf,kfs,kft->kst', shares, off, off)
+        self._right_share, self._left_share = (
+            self.of_rows * self.means[:, wheel] * self.geometry.linear_scale
+            for wheel in (RIGHT, LEFT))
+        turn = self.of_rows * (1 + self.means[:, TURN]) * self._yaw
+        self._right_turn, self._left_turn = turn * self.means[:, RIGHT], turn * self.means[:, LEFT]
+
+    @property
+    def rounding(self) -> Array:
+        """Probabilities of the roundings."""
+        probabilities = np.zeros(len(ROUNDINGS))
+        for each, probability in zip(self.roundings, self.weights.sum(axis=(0, 1, 3))):
+            probabilities[ROUNDINGS.index(each)] = probability
+        return probabilities
+
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """Mean pose at the last reading."""
+        poses = self.filters.mean[..., X:ANGLE].reshape(-1, 3)
+        x, y, yaw = (self.weights.reshape(-1) @ poses).tolist()
+        return x, y, yaw
+
+    def motion(self, travel: Array) -> tuple[float, float]:
+        """Return the mean distance, m, and turn, rad, of travels of all wheels."""
+        right, left = travel[:, 0], travel[:, 1]
+        return (float(self._right_share @ right + self._left_share @ left) / 2,
+                float(self._right_turn @ right - self._left_turn @ left))
+
+    # Readings.
+
+    def roll(self, dt: float, request: tuple[float, float]) -> Array | None:
+        """Let the wheels follow requests, m/s; return their travel; None: as in the last frame."""
+        if request != self._request:
+            for wheel in (0, 1):
+                self._changed[wheel] += (request[wheel] - self._request[wheel]) ** 2
+            self._request = request
+        return self.wheels.roll(dt, request)
+
+    def skip(self, motion: Motion) -> None:
+        """Begin a new window without a reading: all poses follow the mean motion."""
+        f = self.filters
+        self.wheels.flush()
+        if not motion.follows:
+            self.wheels.true[:] = 0.0
+        self._predict(motion, 0.0)
+        self._empty(np.zeros(2))
+        f.covariance[..., ANGLE:, :] = f.covariance[..., :, ANGLE:] = 0.0
+        f.mean[..., ANGLE:] = 0.0
+
+    def read(self, reported: Array, motion: Motion, stray: float = 0.0, *, believe: bool = False,
+             ) -> bool:
+        """
+        Predict, and correct and weigh all filters by a reading, degrees and mm.
+
+        `stray`: variance of each wheel's way that no request explains, m². Return whether any
+        filter explains the reading. Where none does, nothing changes; unless it is to be
+        believed: then the poses follow it, and nothing else is learned.
+        """
+        wheels = self.wheels
+        wheels.flush()
+        before = self.filters
+        self.filters = f = before._replace(
+            mean=before.mean.copy(), covariance=before.covariance.copy())
+        self._predict(motion, stray)
+        logs, beyond = np.zeros(self.weights.shape), np.zeros(self.weights.shape)
+        for state, value in ((ANGLE, float(reported[0])), (DISTANCE, float(reported[1]))):
+            column = f.covariance[..., state].copy()
+            variance = np.maximum(column[..., state], 1e-6)
+            deviation = np.sqrt(variance)
+            low, high = (np.array([ends[each] for each in self.roundings])[:, None]
+                         for ends in _interval(value))
+            off = f.mean[..., state]
+            shift, kept, log, sigmas = _cut((low - off) / deviation, (high - off) / deviation)
+            f.mean[:] += column * (shift / deviation)[..., None]
+            f.covariance[:] -= (((1 - kept) / variance)[..., None] * column)[
+                ..., None] * column[..., None, :]
+            logs += log
+            beyond += sigmas ** 2
+        likely = self.weights > 1e-3 * self.weights.max()
+        if not believe and float(np.min(beyond[likely])) > GATE:
+            self.filters = before
+            return False
+        if not believe and (wheels.path.max() > 2e-3 or reported.any()):
+            self.readings += motion.seconds > APART
+            self.filters = f._replace(
+                log_weight=FORGET * f.log_weight + EVIDENCE * np.maximum(logs, -LEAST_LOG))
+        if believe:  # nobody knows by which way it went, nor whether what was learned is wrong
+            now = f.covariance[..., range(X), range(X)]
+            f.covariance[..., range(X), range(X)] = np.maximum(
+                now, np.minimum(now + REOPEN * self._doubt, self._doubt))
+            f.covariance[..., [X, Y], [X, Y]] += (UNKNOWN_WAY * motion.seconds) ** 2
+        self._empty(reported)
+        self._weigh()
+        if not believe and motion.seconds >= APART:
+            self._prune()
+            self.wheels.move(self.means[:, NUMBER:])
+        return True
+
+    def _predict(self, motion: Motion, stray: float) -> None:
+        """Let poses and accumulators follow the wheels since the last reading."""
+        f, wheels, scale = self.filters, self.wheels, self.geometry.linear_scale
+        mean, p = f.mean, f.covariance
+        off = (mean[..., NUMBER:X] - wheels.numbers[:, None, None, None])[..., None, :]
+        by_number = []
+        ways = []
+        # Ways at the numbers that each filter believes in, and their derivatives.
+        for each in (wheels.true[None], wheels.counted):
+            slopes = ((each[:, :, 1:] - each[:, :, :1]) / STEP[:, None]).transpose(1, 0, 3, 2)[
+                :, :, None, None]
+            by_number.append(slopes)
+            ways.append(each[:, :, 0].transpose(1, 0, 2)[:, :, None, None] + (
+                slopes * off).sum(axis=-1))
+        (true, counted), (d_true, d_counted) = ways, by_number
+        way = wheels.path[:, 0][:, None, None, None]
+        noise = NOISE[:, None] ** 2 * (
+            way * np.minimum(way, STRAY_WAY) + self._changed) + stray + 1e-9
+        variances = p[..., range(NUMBER, X), range(NUMBER, X)][..., None, :]
+        noise = noise + CURVED ** 2 * (d_true ** 2 * variances).sum(axis=-1)
+        # What a metre of each wheel does: turn, rad; distance, m; degrees; mm.
+        angle = (1 + mean[..., TURN, None]) * [1.0, -1.0]
+        d_turn, d_angle = angle * self._yaw, angle * self._degrees
+        yaw, gains = mean[..., YAW], mean[..., :TURN]
+        turn, far = (d_turn * gains * true).sum(-1), (gains * true).sum(-1) * (scale / 2)
+        if not motion.follows:
+            turn, far = turn * 0 + motion.yaw, far * 0 + motion.length
+        heading, middle = yaw + (turn - motion.yaw) / 2, yaw + turn / 2
+        cos, sin = np.cos(heading), np.sin(heading)
+        ahead_x, ahead_y = np.cos(middle), np.sin(middle)
+        dx = cos * motion.x - sin * motion.y + (far - motion.length) * ahead_x
+        dy = sin * motion.x + cos * motion.y + (far - motion.length) * ahead_y
+        # The same for x, y, yaw, degrees and mm: by noise of the ways, rows; columns both wheels.
+        g = np.empty((*mean.shape[:-1], 5, 2))
+        g[..., 0, :] = (ahead_x * scale / 2)[..., None] - (dy / 2)[..., None] * d_turn
+        g[..., 1, :] = (ahead_y * scale / 2)[..., None] + (dx / 2)[..., None] * d_turn
+        g[..., 2, :], g[..., 3, :], g[..., 4, :] = d_turn, d_angle, 1 / (2 * MM)
+        f_ = np.zeros((*mean.shape[:-1], 5, SIZE))
+        f_[..., range(5), range(X, SIZE)] = 1.0
+        f_[..., :3, :TURN] = g[..., :3, :] * true[..., None, :]
+        f_[..., 3:, :TURN] = g[..., 3:, :] * counted[..., None, :]
+        of_ways = g * gains[..., None, :]
+        f_[..., :3, NUMBER:X] = of_ways[..., :3, :] @ d_true
+        f_[..., 3:, NUMBER:X] = of_ways[..., 3:, :] @ d_counted
+        f_[..., 0, YAW], f_[..., 1, YAW] = -dy, dx
+        of_turn = turn / (1 + mean[..., TURN])
+        f_[..., 0, TURN], f_[..., 1, TURN], f_[..., 2, TURN] = (
+            -dy / 2 * of_turn, dx / 2 * of_turn, of_turn)
+        degrees = (d_angle * gains * counted).sum(-1)
+        f_[..., 3, TURN] = degrees / (1 + mean[..., TURN])
+        rows = f_ @ p
+        p[..., X:, :] = rows
+        p[..., :, X:] = rows.swapaxes(-1, -2)
+        p[..., X:, X:] = rows @ f_.swapaxes(-1, -2) + (
+            g * noise[..., None, :]) @ g.swapaxes(-1, -2)
+        # What only the pose or only the counts have: slip; counts of a sign that is not sure.
+        unsure = (wheels.unsure[:, :, 0] ** 2).transpose(1, 0, 2)[:, :, None, None, None]
+        slip = self.geometry.slip ** 2 * way[..., None, :]
+        for part, states, variance in ((g[..., :3, :], slice(X, ANGLE), unsure + slip),
+                                       (g[..., 3:, :], slice(ANGLE, SIZE), unsure)):
+            p[..., states, states] += (part * variance) @ part.swapaxes(-1, -2)
+        p[..., [X, Y], [X, Y]] += (SHAPE * motion.length * motion.yaw) ** 2
+        mean[..., X] += dx
+        mean[..., Y] += dy
+        mean[..., YAW] += turn
+        mean[..., ANGLE] += degrees
+        mean[..., DISTANCE] += (gains * counted).sum(-1) / (2 * MM)
+
+    def _empty(self, reported: Array) -> None:
+        """Empty the accumulators of filters whose robots lose fractions; let the gains walk."""
+        mean, p = self.filters.mean, self.filters.covariance
+        for i, each in enumerate(self.roundings):
+            if each is Rounding.CARRY:
+                mean[:, :, i, :, ANGLE:] -= reported
+            else:
+                mean[:, :, i, :, ANGLE:] = 0.0
+                p[:, :, i, :, ANGLE:, :] = 0.0
+                p[:, :, i, :, :, ANGLE:] = 0.0
+        walk = WALK + WALK_OF_CHANGE * NOISE ** 2 * min(1.0, float(self._changed.max()) / 0.01)
+        for state, part in ((RIGHT, 1.0), (LEFT, 1.0), (TURN, 0.02)):
+            p[..., state, state] = np.maximum(p[..., state, state], 1e-9) + part * walk
+        numbers = range(NUMBER, X)
+        p[..., numbers, numbers] += NUMBER_WALK * SPREAD ** 2
+        np.clip(mean[..., :TURN], 0.3, 2.0, out=mean[..., :TURN])
+        np.clip(mean[..., TURN], -0.2, 0.2, out=mean[..., TURN])
+        np.clip(mean[..., NUMBER:X], LOWEST, HIGHEST, out=mean[..., NUMBER:X])
+        self._changed[:] = 0.0
+        self.wheels.begin_window()
+
+    def _prune(self) -> None:
+        """Drop hypotheses, sources of signs and roundings that readings rule out."""
+        if self.readings < YOUNG:
+            return
+        rows, signs, roundings = (
+            np.flatnonzero(self.weights.sum(axis=others) > NEGLIGIBLE)
+            for others in ((1, 2, 3), (0, 2, 3), (0, 1, 3)))
+        if self.weights.shape[:3] == (len(rows), len(signs), len(roundings)):
+            return
+        self.rows = [self.rows[i] for i in rows]
+        self.signs = [self.signs[i] for i in signs]
+        self.roundings = [self.roundings[i] for i in roundings]
+        self.wheels.keep(rows, signs)
+        kept = np.ix_(rows, signs, roundings)
+        self.filters = Filters(*(array[kept] for array in self.filters))
+        self._weigh()
+
+    # What is known.
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What was learned of the robot."""
+        of_signs = self.weights.sum(axis=(2, 3))
+        order = np.argsort(-of_signs, axis=None)[:SAVED]
+        share = float(of_signs.reshape(-1)[order].sum())
+        hypotheses: dict[Hypothesis, float] = {}
+        for k, s in zip(*np.unravel_index(order, of_signs.shape)):
+            row = with_numbers(self.rows[k], self.means[k, NUMBER:].tolist(), self.signs[s])
+            hypotheses[row] = hypotheses.get(row, 0.0) + float(of_signs[k, s]) / share
+        w = self.of_rows
+        mean = w @ self.means
+        variance = w @ ((self.means - mean) ** 2 + self._spread.diagonal(axis1=1, axis2=2))
+        right, left, turn = (Known(*each) for each in zip(
+            mean.tolist()[:NUMBER], np.sqrt(variance).tolist()))
+        return Knowledge(
+            hypotheses=hypotheses,
+            rounding=dict(zip(ROUNDINGS, self.rounding.tolist())), right_gain=right,
+            left_gain=left, angle_factor=Known(1 + turn.value, turn.deviation),
+            readings=self.readings)
+
+    def reset(self, pose: tuple[float, float, float]) -> None:
+        """Begin again at a pose; what was learned of the robot stays."""
+        mean, p = self.filters.mean, self.filters.covariance
+        mean[..., X:ANGLE] = pose
+        p[..., X:ANGLE, :] = 0.0
+        p[..., :, X:ANGLE] = 0.0
+
+    # How sure it is.
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of x, y, yaw at the last reading."""
+        f, w = self.filters, self.weights.reshape(-1)
+        poses = f.mean[..., X:ANGLE].reshape(-1, 3)
+        off = poses - w @ poses
+        within = (w @ f.covariance[..., X:ANGLE, X:ANGLE].reshape(-1, 9)).reshape(3, 3)
+        covariance: Array = (off * w[:, None]).T @ off + within
+        return covariance
+
+    def twist_variance(self) -> tuple[float, float]:
+        """Return the variances of the speed, m²/s², and of the turn rate, rad²/s²."""
+        w = self.of_rows
+        speeds = self.means[:, :TURN] * self.wheels.speed[:, 0]
+        ahead, turn = (speeds[:, 0] + speeds[:, 1]) / 2, (speeds[:, 0] - speeds[:, 1]) * self._yaw
+        noise = float(NOISE[1] ** 2 * (w @ speeds ** 2).sum()) + 1e-8
+        return (float(w @ (ahead - w @ ahead) ** 2) + noise / 4,
+                float(w @ (turn - w @ turn) ** 2) + noise * self._yaw ** 2)
+
+    def growth(self) -> tuple[float, float]:
+        """Return the variances of distance, m², and turn, rad², since the last reading."""
+        wheels, w = self.wheels, self.of_rows
+        wheels.flush()
+        true = wheels.true[:, 0]
+        ways = self.means[:, :TURN] * true
+        path = float((w @ wheels.path[:, 0]).sum())
+        noise = float((self.weights.sum(axis=(0, 1, 2)) * NOISE ** 2).sum()) * (
+            path * min(path, STRAY_WAY) + float(self._changed.sum()))
+        turn, far = (ways[:, 0] - ways[:, 1]) * self._yaw, (ways[:, 0] + ways[:, 1]) / 2
+        slopes = (wheels.true[:, 1:] - wheels.true[:, :1]) / STEP[:, None]
+        row = np.concatenate([true * [1.0, -1.0], (true[:, :1] - true[:, 1:]),
+                              slopes[..., 0] - slopes[..., 1]], axis=1)
+        of_gains = float(w @ (row[:, None] @ self._spread @ row[..., None])[:, 0, 0]
+                         ) * self._yaw ** 2
+        return (float(w @ (far - w @ far) ** 2) + noise / 2,
+                float(w @ (turn - w @ turn) ** 2) + of_gains + noise * self._yaw ** 2)
+
+
+def _interval(value: float) -> tuple[dict[Rounding, float], dict[Rounding, float]]:
+    """Return between what the accumulator was, by rounding, when it was read as a whole number."""
+    low, high = value - (value <= 0), value + (value >= 0)
+    return ({Rounding.TRUNCATE: low, Rounding.CARRY: low, Rounding.ROUND: value - 0.5},
+            {Rounding.TRUNCATE: high, Rounding.CARRY: high, Rounding.ROUND: value + 0.5})
+
+
+def _cut(low: Array, high: Array) -> tuple[Array, Array, Array, Array]:
+    """
+    Cut standard normal distributions to intervals.
+
+    Return the means, the variances, the logarithms of the probabilities, and how far outside the
+    interval zero is.
+    """
+    probability = _cumulative(high) - _cumulative(low)
+    beyond = np.maximum(np.maximum(low, -high), 0.0)
+    density_low, density_high = (np.exp(-0.5 * np.minimum(x * x, 700.0)) * 0.3989423
+                                 for x in (low, high))
+    z = np.maximum(probability, UNLIKELY)
+    mean = (density_low - density_high) / z
+    kept = 1 + (low * density_low - high * density_high) / z - mean * mean
+    # Far outside the interval a normal distribution of its width stands for it.
+    width, far = (high - low) ** 2 / 12, probability < UNLIKELY
+    centre = (low + high) / 2
+    mean = np.where(far, centre / (1 + width), mean)
+    kept = np.where(far, width / (1 + width), np.clip(kept, 0.0, 1.0))
+    log = np.where(far, np.log(UNLIKELY) - 0.5 * (beyond ** 2 - 4.0), np.log(z))
+    return mean, kept, log, beyond
+
+
+def _cumulative(x: Array) -> Array:
+    """Return the standard normal distribution function, to 3e-4."""
+    x = np.clip(x, -10.0, 10.0)
+    y: Array = 0.5 + 0.5 * np.tanh(0.7978846 * x * (1 + 0.044715 * x * x))
+    return y
