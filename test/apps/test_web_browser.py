@@ -606,7 +606,7 @@ def test_charts_show_the_value_at_the_pointer_and_can_be_held(stage, robot, show
     page = shown()
     newest = 'document.querySelector(".chart-values").textContent'
     page.grab(0.0, 0.7)
-    stage.ros.until(lambda: robot.body.truth().travelled > 0.5, 'a drive of some pixels')
+    stage.ros.until(lambda: robot.body.truth().pose.x > 0.5, 'a drive of some pixels')
     page.page.mouse.up()
     page.until(f'parseFloat({newest}) === 0')
     page.page.locator('.paper canvas').first.scroll_into_view_if_needed()
