@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from create_oi_ros.driver import Driver, Moved, Settings
-from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.world import Pose, World
@@ -35,9 +34,9 @@ class Laid(NamedTuple):
     robot: Pose
 
 
-def lap(world: World, rounding: Rounding = Rounding.TRUNCATE) -> Iterator[Laid]:
-    """Drive the way by the odometry, in memory; yield each scan laid out along it."""
-    body = Body(world, rounding=rounding)
+def lap(world: World, *, by_truth: bool = False) -> Iterator[Laid]:
+    """Drive the way by the odometry, or by the truth; yield each scan laid out along it."""
+    body = Body(world)
     robot, driver = Create(body), Driver(Settings())
     lidar, scans, slots = Lidar(world, 0.0, body.truth().pose), 0, []
     now, commanded, goals = 0.0, 4.0, list(WAY)
@@ -55,6 +54,8 @@ def lap(world: World, rounding: Rounding = Rounding.TRUNCATE) -> Iterator[Laid]:
             continue
         x, y = world.start.ahead(moved.estimate.x, moved.estimate.y)
         here = Pose(x, y, world.start.yaw + moved.estimate.yaw)
+        if by_truth:
+            x, y, _ = here = body.truth().pose
         slots.append((robot.time, *here))
         lidar.step(robot.time, body.truth().pose)
         if lidar.scans > scans and now > commanded:
@@ -78,6 +79,7 @@ def _velocity(here: Pose, x: float, y: float) -> tuple[float, float]:
 def _laid(scan: dict, time: float, slots: np.ndarray, here: Pose) -> Laid:
     """Lay each beam out from where the odometry had the robot at the beam's moment."""
     moments = time - scan['age'] + (np.arange(BEAMS) / BEAMS - 0.5) * TURN
+    slots[:, 3] = np.unwrap(slots[:, 3])
     x, y, yaw = (np.interp(moments, slots[:, 0], slots[:, column]) for column in (1, 2, 3))
     far = np.array([np.nan if each is None else each for each in scan['ranges']])
     return Laid(x + far * np.cos(yaw + BEARINGS), y + far * np.sin(yaw + BEARINGS), here)
