@@ -28,7 +28,6 @@ from .. import __version__
 
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
-    'create_calibrate': 'apps.calibrate.create_calibrate',
     'create_check': 'apps.check.create_check',
     'create_demo': 'apps.demo.create_demo',
     'create_fleet': 'apps.fleet',
@@ -226,7 +225,6 @@ def _rule(text: str) -> str:
     return f'{option} {value} cannot be read{why}: {ALLOWED[LONG.get(option, option)]}'
 
 
-create_calibrate = partial(_run, 'create_calibrate')
 create_check = partial(_run, 'create_check')
 create_demo = partial(_run, 'create_demo')
 create_fleet = partial(_run, 'create_fleet')

@@ -20,7 +20,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from support.pages import blocks, ROOT
 from support.ros import Program, Scene, scene
 
-OURS = re.compile(r'create_(calibrate|node|record|report|sim|web)( |$)'
+OURS = re.compile(r'create_(node|record|report|sim|web)( |$)'
                   r'|python -m create_oi_ros\.oi (?!document)')
 PORT = re.compile(r'/dev/ttyUSB0|/tmp/create\b')
 RECORDED = 150_000
@@ -65,8 +65,6 @@ class Page:
                 self._until_ctrl_c(program, arguments, 'until Ctrl-C', recorded)
             case 'create_web', _:
                 self._until_ctrl_c(program, arguments, 'open http://')
-            case 'create_calibrate', ['listen']:
-                self._until_ctrl_c(program, arguments, 'reported:')
             case _:
                 self._to_its_end(self._stage.program(program, *arguments))
 
@@ -108,7 +106,7 @@ def recorded() -> bool:
 
 @pytest.mark.parametrize(('page', 'count'), [
     ('README.md', 2), *(pytest.param(page, count, marks=pytest.mark.nightly) for page, count in (
-        ('docs/calibration.md', 5), ('docs/recording.md', 5), ('docs/simulator.md', 7),
+        ('docs/recording.md', 5), ('docs/simulator.md', 7),
         ('docs/web.md', 3)))])
 def test_the_commands_of_a_page_work(page, count, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

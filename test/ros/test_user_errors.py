@@ -17,7 +17,7 @@ from create_oi_ros.ros.programs import check_environment, explained, MODULES, PR
 
 ROS_PROGRAMS = {
     'create_node': [], 'create_run': ['--world', 'empty'], 'create_record': ['-o', 'new'],
-    'create_demo': ['--short', '-o', 'new'], 'create_calibrate': ['listen']}
+    'create_demo': ['--short', '-o', 'new']}
 
 
 def run(program: str, *arguments: str, cwd=None, **environment: str | None):
@@ -117,8 +117,6 @@ def test_a_parameter_file_that_cannot_be_read(content, tmp_path):
 
 
 @pytest.mark.parametrize(('program', 'arguments', 'words'), [
-    ('create_calibrate', ['-o', '/nodir/x', 'line', '1:1'], '/nodir/x: it does not exist'),
-    ('create_calibrate', ['-o', '.', 'line', '1:1'], '.: this is a folder'),
     ('create_demo', ['-o', '/proc/demo'], '/proc/demo: it does not exist'),
     ('create_demo', ['-o', f'{__file__}/demo'], 'a part of this path is a file'),
 ])
@@ -152,21 +150,20 @@ def test_what_ros_says_of_its_start_is_passed_on():
     assert explained(error) == 'ROS does not start: failed to initialize rcl: no enclave'
 
 
-def test_a_reader_that_ends_early_is_no_error():
+def test_a_reader_that_ends_early_is_no_error(tmp_path):
     reader, writer = os.pipe()
     os.close(reader)
     with os.fdopen(writer) as output:
         done = subprocess.run(
-            [sys.executable, '-c', PROGRAMS['create_calibrate'], 'line', '1:1'], text=True,
-            stdout=output, stderr=subprocess.PIPE, timeout=60)
+            [sys.executable, '-c', PROGRAMS['create_sim'], '--export', 'room.sdf'], text=True,
+            stdout=output, stderr=subprocess.PIPE, timeout=60, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, '')
 
 
 def test_a_path_may_hold_letters_that_the_output_cannot(tmp_path):
-    done = run('create_calibrate', '-o', str(tmp_path / 'ä'), 'line', '1:1',
-               PYTHONIOENCODING='ascii')
+    done = run('create_sim', '--export', str(tmp_path / 'ä.sdf'), PYTHONIOENCODING='ascii')
     assert (done.returncode, done.stderr) == (0, '')
-    assert '\\xe4: linear_scale 1.00000' in done.stdout
+    assert '\\xe4.sdf: walls for Gazebo' in done.stdout
 
 
 def test_security_without_keys_says_what_to_set(monkeypatch):
@@ -179,8 +176,8 @@ def test_security_without_keys_says_what_to_set(monkeypatch):
 
 def test_output_may_be_closed(tmp_path):
     done = subprocess.run(
-        ['bash', '-c', '"$@" >&-', 'bash', sys.executable, '-c', PROGRAMS['create_calibrate'],
-         'line', '1:1'], capture_output=True, text=True, timeout=60, cwd=tmp_path)
+        ['bash', '-c', '"$@" >&-', 'bash', sys.executable, '-c', PROGRAMS['create_sim'],
+         '--export', 'room.sdf'], capture_output=True, text=True, timeout=60, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, '')
 
 

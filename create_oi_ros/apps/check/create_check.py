@@ -22,6 +22,7 @@ from ...ros.programs import INTERRUPTED, UserError
 from .moves import CheckStep, duration, Move, Reads, Segment, STEPS
 from .questions import about_banner, about_dock, about_leds, Person, progress, tell
 from .robot_line import RobotLine
+from .tape_measure import by_tape, in_lines
 from .verdict import as_mapping, Finding, lines, of_wheels
 
 INTRODUCTION = """\
@@ -59,8 +60,8 @@ class GuidedCheck:
     def __init__(self, line: RobotLine, person: Person) -> None:
         self._line, self._person = line, person
 
-    def run(self) -> tuple[list[Finding], Health]:
-        """Ask and drive; return what was seen, and the health at the end. UserError: why not."""
+    def run(self) -> tuple[list[Finding], Health, dict[str, float]]:
+        """Ask and drive; return what was seen, the health, parameters. UserError: why not."""
         line, person = self._line, self._person
         line.wait_for_robot()
         seen = [about_banner(line, person), about_dock(line)]
@@ -68,7 +69,7 @@ class GuidedCheck:
         seen.append(about_leds(line, person))
         for number, step in enumerate(STEPS, 1):
             self._take(step, f'{number} of {len(STEPS)}')
-        return seen, line.health()
+        return seen, line.health(), by_tape(line, person)
 
     def _to_the_floor(self) -> None:
         """See that the robot stands on the floor, in Safe mode."""
@@ -132,8 +133,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         person.confirm(INTRODUCTION)
         line = RobotLine(options.port, options.baud, options.capture)
         with line.open():
-            seen, health = GuidedCheck(line, person).run()
+            seen, health, parameters = GuidedCheck(line, person).run()
         _conclude(seen, health, options.output)
+        tell('\n'.join(in_lines(parameters)))
         tell(f'{line.path}: all bytes of the check; send both files if something looks wrong')
     except KeyboardInterrupt:
         print('\ncreate_check: interrupted; the wheels stand', file=sys.stderr)

@@ -4,6 +4,7 @@
 
 from collections.abc import Iterator
 from itertools import cycle
+from math import cos, remainder, sin, tau
 
 from ...odometry import Estimate, Increment, Odometry
 
@@ -19,6 +20,8 @@ class Notebook(Odometry):
         self.frames: list[Increment] = []
         self.seconds = 0.0
         """The robot's time since the first frame."""
+        self.travelled = self.turned = 0.0
+        """Metres ahead and radians to the left since the first frame."""
         self._intervals: Iterator[int] = iter(())
         self._every = self._since = 0
         self._due = False
@@ -45,4 +48,8 @@ class Notebook(Odometry):
         self._due = bool(self._every) and self._since >= self._every
         if self._due:
             self._every, self._since = next(self._intervals), 0
-        return super().update(increment)
+        before, after = self.estimate, super().update(increment)
+        self.travelled += ((after.x - before.x) * cos(before.yaw)
+                           + (after.y - before.y) * sin(before.yaw))
+        self.turned += remainder(after.yaw - before.yaw, tau)
+        return after

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a person at the robot is asked during a check, and what only a person can see."""
 
+from contextlib import suppress
+from math import isfinite
 import sys
 
 from ... import oi
@@ -36,6 +38,15 @@ class Person:
         if self.absent:
             return None
         return {'y': True, 'n': False}.get(self._ask(f'{text} - y, n, or Enter: ')[:1].lower())
+
+    def number(self, text: str) -> float | None:
+        """Ask for a number until one is given; None: the person does not know."""
+        while answer := self._ask(f'{text} - a number, or Enter: '):
+            with suppress(ValueError):
+                if isfinite(number := float(answer.replace(',', '.'))):
+                    return number
+            tell(f'{answer!r} is no number')
+        return None
 
     def _ask(self, text: str) -> str:
         try:
