@@ -72,7 +72,7 @@ def off_the_walls(world: World, scan) -> float:
 
 
 def test_scans_of_a_lap_draw_the_walls_of_the_apartment():
-    """Along the true way within 3 cm, moving or not; along the odometry where its heading allows."""
+    """Laid out along the true way, whether the robot moves or not."""
     world = shipped('apartment')
     scans = list(lap(world, by_truth=True))
     assert len(scans) > 700
