@@ -10,7 +10,7 @@ import sys
 import matplotlib
 
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import CENTRE, EncoderSign
+from create_oi_ros.sim.body.config import DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from drives import mixed
 from odometry_loop import Journey
@@ -23,13 +23,14 @@ from matplotlib import pyplot
 
 SECONDS, SEED, LATENCY = 120.0, 8, 0.005
 ROBOTS = {
-    'the centre of what was measured': Robot('picture', CENTRE, Rounding.TRUNCATE, 0.015),
+    'the centre of what was measured': Robot('picture', DEFAULT_BODY, Rounding.TRUNCATE, 0.015),
     'as a Create 2, rounds': Robot('picture', replace(
-        CENTRE, response=Response.SECOND_ORDER, overshoot=0.2, time_constant=TimeConstant(0.05),
-        right_speed_gain=1.04, left_speed_gain=0.99), Rounding.ROUND, 0.015625),
+        DEFAULT_BODY, response=Response.SECOND_ORDER, overshoot=0.2,
+        time_constant=TimeConstant(0.05), right_speed_gain=1.04, left_speed_gain=0.99),
+        Rounding.ROUND, 0.015625),
     'constant acceleration, true signs, carries': Robot('picture', replace(
-        CENTRE, response=Response.RAMP, encoder_sign=EncoderSign.TRUE, wheel_acceleration=0.8,
-        dead_time=0.1), Rounding.CARRY, 0.015),
+        DEFAULT_BODY, response=Response.RAMP, encoder_sign=EncoderSign.TRUE,
+        wheel_acceleration=0.8, dead_time=0.1), Rounding.CARRY, 0.015),
 }
 """Three simulated robots, by name; frames come every so many seconds."""
 INK = {'each frame read': '#d1495b', 'a reading a second': '#e09f3e', 'this odometry': '#00798c'}

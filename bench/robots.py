@@ -8,7 +8,7 @@ from random import Random
 
 from create_oi_ros.odometry import Geometry
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
+from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 
 ROUNDINGS = tuple(Rounding)
@@ -42,7 +42,7 @@ def spread(random: Random, low: float, high: float) -> float:
 
 def centre(random: Random) -> Robot:
     """Return the simulator's default robot, whatever is drawn."""
-    return Robot('centre', CENTRE, Rounding.TRUNCATE, 0.015)
+    return Robot('centre', DEFAULT_BODY, Rounding.TRUNCATE, 0.015)
 
 
 def anywhere(random: Random) -> Robot:
@@ -53,7 +53,7 @@ def anywhere(random: Random) -> Robot:
     response = random.choice(tuple(Response))
     fastest = random.choice((0.076, 0.5))
     config = replace(
-        CENTRE, wheel_separation=track, encoder_separation=random.uniform(0.250, 0.266),
+        DEFAULT_BODY, wheel_separation=track, encoder_separation=random.uniform(0.250, 0.266),
         response=response,
         time_constant=TimeConstant(
             spread(random, 0.03, 0.3) * (0.4 if response is Response.SECOND_ORDER else 1.0),

@@ -16,7 +16,7 @@ from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_wh
 from create_oi_ros.odometry import Knowledge, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.ros.programs import PROGRAMS
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE
+from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
 from support.loop import Loop
 from support.simulator import taught
 
@@ -28,7 +28,7 @@ class Floor:
     """A robot in memory that makes the moves of a check."""
 
     def __init__(self, rounding: Rounding = Rounding.TRUNCATE,
-                 config: BodyConfig = CENTRE) -> None:
+                 config: BodyConfig = DEFAULT_BODY) -> None:
         notebook = Notebook()
         self.loop = Loop(rounding=rounding, config=config, odometry=notebook)
         self.runner = Runner(self.loop.driver, notebook)

@@ -10,7 +10,7 @@ from create_oi_ros.driver.battery import WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.state import Activity
-from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import parse, Pose, shipped
 from support.goals import distance, pursue, start, until_ended
@@ -22,7 +22,7 @@ ON_BASE = Pose(0.1655, 0.0, 3.14159265)
 
 def met(guesses: Guesses | None = None, **settings) -> Loop:
     """Return a robot in front of a Home Base and its driver."""
-    loop = Loop(Settings(**settings), config=CENTRE, world=BASE)
+    loop = Loop(Settings(**settings), config=DEFAULT_BODY, world=BASE)
     loop.robot.guesses = guesses or Guesses()
     loop.run(1.0)
     return loop
@@ -77,7 +77,7 @@ def test_a_robot_that_is_docked_is_docked_at_once_even_if_it_is_full():
 
 
 def test_without_a_dock_the_search_ends_with_that_reason_and_the_mode_before():
-    loop = Loop(config=CENTRE, world=shipped('table'))
+    loop = Loop(config=DEFAULT_BODY, world=shipped('table'))
     loop.run(1.0)
     ending = pursue(loop, Dock(6.0))
     assert ending.code is Code.NO_DOCK

@@ -14,7 +14,7 @@ from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.driver.supervision import SETTLING
-from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
     angle,
     arc,
@@ -242,7 +242,7 @@ def test_time_that_the_driver_chose_is_said_to_be_twice_what_it_should_take():
 
 
 def test_an_empty_battery_ends_a_goal_with_that_reason():
-    loop = Loop(Settings(battery=BatteryLimits(action=LowBatteryAction.STOP)), config=CENTRE)
+    loop = Loop(Settings(battery=BatteryLimits(action=LowBatteryAction.STOP)), config=DEFAULT_BODY)
     loop.run(1.0)
     running = moving(loop, distance(9.0))
     loop.body.force(voltage=11000)
@@ -253,7 +253,7 @@ def test_an_empty_battery_ends_a_goal_with_that_reason():
 
 @pytest.mark.parametrize('action', [LowBatteryAction.DOCK, LowBatteryAction.STOP])
 def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(action, monkeypatch):
-    loop = Loop(Settings(battery=BatteryLimits(action=action)), config=CENTRE)
+    loop = Loop(Settings(battery=BatteryLimits(action=action)), config=DEFAULT_BODY)
     loop.run(1.0)
     monkeypatch.setattr(loop.driver.core, 'refusal', lambda _: 'not now')
     loop.body.force(voltage=11000)

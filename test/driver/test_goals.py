@@ -21,7 +21,7 @@ from create_oi_ros.driver.goals import (
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.goals.motions import Circle
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import parse, shipped
 from support.goals import angle, arc, distance, place, pursue, reach, start, until_ended
 from support.loop import Loop, texts, turn_difference
@@ -29,7 +29,7 @@ from support.loop import Loop, texts, turn_difference
 
 def met(**options) -> Loop:
     """Return the likeliest robot and a driver that have met."""
-    loop = Loop(config=CENTRE, delay=0.005, **options)
+    loop = Loop(config=DEFAULT_BODY, delay=0.005, **options)
     loop.run(1.0)
     return loop
 
@@ -106,14 +106,14 @@ def test_what_is_left_falls_to_nothing():
 
 
 def test_unequal_wheels_still_drive_straight():
-    loop = Loop(config=replace(CENTRE, right_speed_gain=1.03, left_speed_gain=0.97))
+    loop = Loop(config=replace(DEFAULT_BODY, right_speed_gain=1.03, left_speed_gain=0.97))
     loop.run(1.0)
     reach(loop, distance(1.0))
     assert abs(loop.body.truth().pose.y) < 0.05
 
 
 def test_wheels_that_do_not_move_when_they_creep_are_told_to_creep_faster():
-    loop = Loop(config=replace(CENTRE, dead_band=0.045))
+    loop = Loop(config=replace(DEFAULT_BODY, dead_band=0.045))
     loop.run(1.0)
     went, _ = reach(loop, distance(0.03))
     assert went == pytest.approx(0.03, abs=0.01)

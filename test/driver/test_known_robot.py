@@ -15,7 +15,7 @@ from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import Knowledge, Rounding, SignSource
 from create_oi_ros.odometry import Response as Responses
 from create_oi_ros.ros.odometry_model import parsed, text_of
-from create_oi_ros.sim.body.config import BodyConfig, CENTRE, EncoderSign
+from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from support.loop import Loop
 from support.measuring import UNMEASURED
@@ -27,7 +27,7 @@ Wish = tuple[float, float, float]
 TWO_MINUTES = 120.0
 
 
-def robot(rounding: Rounding = Rounding.TRUNCATE, config: BodyConfig = CENTRE,
+def robot(rounding: Rounding = Rounding.TRUNCATE, config: BodyConfig = DEFAULT_BODY,
           known: Knowledge | None = None) -> Loop:
     """Return a robot that a driver has found, and may know."""
     loop = Loop(Settings(robot=known), rounding=rounding, config=config)
@@ -105,7 +105,7 @@ def test_the_first_12_seconds_with_a_known_robot_are_right(wishes):
 
 
 def test_knowledge_makes_the_start_of_an_unusual_robot_right():
-    unusual = replace(CENTRE, right_speed_gain=1.05, left_speed_gain=0.95,
+    unusual = replace(DEFAULT_BODY, right_speed_gain=1.05, left_speed_gain=0.95,
                       encoder_sign=EncoderSign.TRUE)
     known = taught(robot(Rounding.CARRY, unusual))
     near = far = 0.0
@@ -119,8 +119,8 @@ def test_knowledge_makes_the_start_of_an_unusual_robot_right():
 
 
 def test_wheels_that_overshoot_are_known_as_such():
-    config = replace(CENTRE, response=Response.SECOND_ORDER, time_constant=TimeConstant(0.06),
-                     overshoot=0.3)
+    config = replace(DEFAULT_BODY, response=Response.SECOND_ORDER, overshoot=0.3,
+                     time_constant=TimeConstant(0.06))
     loop = robot(config=config)
     known = taught(loop)
     assert known.wheels.response is Responses.SPRING
@@ -148,7 +148,7 @@ def test_a_known_robot_is_not_announced_again():
     (Rounding.TRUNCATE, EncoderSign.TRUE, (Rounding.TRUNCATE, SignSource.MOTION))])
 def test_knowledge_of_another_robot_is_unlearned(rounding, sign, is_learned):
     centre = centre_robot()
-    other = replace(CENTRE, encoder_sign=sign, right_speed_gain=1.04)
+    other = replace(DEFAULT_BODY, encoder_sign=sign, right_speed_gain=1.04)
     loop = robot(rounding, other, known=centre)
     known = taught(loop)
     assert known.likeliest == is_learned

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.loop import Loop, turn_difference
 
 
@@ -35,7 +35,7 @@ def test_a_robot_that_answers_late_is_not_said_to_have_left_its_mode(delay):
 
 @pytest.mark.parametrize('seed', range(3))
 def test_pauses_of_the_computer_do_not_spoil_the_odometry(seed):
-    chance, loop = Random(seed), PausingLoop(config=CENTRE, delay=0.005)
+    chance, loop = Random(seed), PausingLoop(config=DEFAULT_BODY, delay=0.005)
     loop.run(3.0)
     for _ in range(20):
         loop.drive(0.0, 1.0, chance.uniform(0.2, 1.8))

@@ -18,7 +18,7 @@ from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.goals import Dock, Undock, WallFollow
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.oi.script import build_script
-from create_oi_ros.sim.body.config import CENTRE, IDEAL
+from create_oi_ros.sim.body.config import DEFAULT_BODY, IDEAL
 from create_oi_ros.sim.world import parse, World
 from support.goals import angle, arc, distance, place
 from support.nightly import NIGHTLY, times
@@ -27,7 +27,7 @@ from support.watched_loop import WatchedLoop
 MODES = (oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL)
 SPEEDS = st.sampled_from((0.0, 0.05, 0.2, -0.3, 0.5, 9.0, nan, inf))
 TURNS = st.sampled_from((0.0, 0.1, -1.0, 3.0, -20.0))
-BODIES = {'ideal': IDEAL, 'centre': CENTRE}
+BODIES = {'ideal': IDEAL, 'centre': DEFAULT_BODY}
 WORLDS = {
     'empty': World(),
     'dock': parse('home_base 0.5 0 180\nbox -1 -1 1 1\ncliff 0.5 0.5 0.9 0.5 0.9 0.9', 'dock')}

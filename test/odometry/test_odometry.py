@@ -11,7 +11,7 @@ import pytest
 
 from create_oi_ros.odometry import Estimate, Geometry, Increment, Odometry, Rounding
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import CENTRE, EncoderSign
+from create_oi_ros.sim.body.config import DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.world import World
 
 SLOT = 0.015
@@ -20,8 +20,8 @@ SLOT = 0.015
 class Ride:
     """A robot, and an odometry that reads it two frames after it asks."""
 
-    def __init__(self, rounding: Rounding = Rounding.TRUNCATE, config=CENTRE, slot: float = SLOT,
-                 **settings) -> None:
+    def __init__(self, rounding: Rounding = Rounding.TRUNCATE, config=DEFAULT_BODY,
+                 slot: float = SLOT, **settings) -> None:
         self.body = Body(World(), rounding=rounding, config=config, seed=1)
         geometry = Geometry(angular_scale=config.encoder_separation / config.wheel_separation)
         self.odometry = Odometry(geometry, window=1.0, **settings)
@@ -113,7 +113,7 @@ def test_reversals_in_each_second_are_followed():
 
 
 def test_a_wheel_that_is_five_per_cent_slow_is_learned():
-    ride = Ride(config=replace(CENTRE, left_speed_gain=0.95)).mixed(7, 60.0)
+    ride = Ride(config=replace(DEFAULT_BODY, left_speed_gain=0.95)).mixed(7, 60.0)
     known = ride.odometry.knowledge
     assert known is not None
     assert known.left_gain.value == pytest.approx(0.95, abs=0.015)
@@ -172,7 +172,7 @@ def test_after_a_reset_the_robot_is_at_the_origin_and_still_known():
 
 
 def test_a_known_robot_is_followed_from_its_first_second():
-    config = replace(CENTRE, right_speed_gain=1.04, encoder_sign=EncoderSign.DRIVE)
+    config = replace(DEFAULT_BODY, right_speed_gain=1.04, encoder_sign=EncoderSign.DRIVE)
     known = Ride(config=config).mixed(11, 90.0).odometry.knowledge
     ride = Ride(config=config, robot=known)
     ride.go(0.15, -0.15, 5.0)

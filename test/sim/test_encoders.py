@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import CENTRE, EncoderSign
+from create_oi_ros.sim.body.config import DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.body.drivetrain import Drivetrain
 from create_oi_ros.sim.body.mechanics import Accumulator
 
@@ -61,7 +61,7 @@ def test_under_carry_the_readings_add_up_to_the_truth(amounts, every):
 
 def reversed_count(sign: EncoderSign, slot: float) -> float:
     """Return what a wheel that reverses counts, metres, when time is cut into such slots."""
-    wheel = Drivetrain(replace(CENTRE, encoder_sign=sign, encoder_tick=0.0)).right
+    wheel = Drivetrain(replace(DEFAULT_BODY, encoder_sign=sign, encoder_tick=0.0)).right
     counted, slots = 0.0, round(1.2 / slot)
     for number in range(2 * slots):
         if number % slots == 0:

@@ -13,7 +13,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.oi import Mode
 from create_oi_ros.robot import Rounding
-from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
 from support.robot import GENTLE, Robot
 
@@ -154,7 +154,7 @@ def test_bytes_behind_a_wait_are_lost_by_a_robot_without_a_queue(script: bytes) 
 
 def test_eleven_moves_in_one_burst_are_made_one_after_the_other() -> None:
     """As one program of the public sends them: 13 bytes each, 143 in all."""
-    robot = Robot(Mode.FULL, config=CENTRE)
+    robot = Robot(Mode.FULL, config=DEFAULT_BODY)
     move = bytes([137, 0, 100, 128, 0, 156, 0, 100, 137, 0, 0, 0, 0])
     robot.say(move * 11)
     robot.run(15)
@@ -294,7 +294,7 @@ def test_wait_angle_resets_the_angle_variable(robot: Robot) -> None:
     (100, 97, 100), (200, 97, 100), (300, 92, 101), (500, 97, 106)])
 def test_a_turn_ends_as_far_beyond_90_degrees_as_was_reported(
         speed: int, low: float, high: float) -> None:
-    robot = Robot(Mode.FULL, rounding=Rounding.TRUNCATE, config=CENTRE)
+    robot = Robot(Mode.FULL, rounding=Rounding.TRUNCATE, config=DEFAULT_BODY)
     turn = bytes([152, 13, *oi.Drive(velocity=speed, radius=1).encode(), 157, 0, 90,
                   137, 0, 0, 0, 0])
     robot.say(turn, PLAY)

@@ -9,7 +9,7 @@ from statistics import fmean, pstdev
 import pytest
 
 from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import parse_guesses
 from create_oi_ros.sim.world import World
 
@@ -19,7 +19,7 @@ ASKED = 0.2
 def ways(seconds: int, *, seed: int = 1, cuts: int = 10, asked: float = ASKED,
          **unsteadiness: float) -> list[float]:
     """Return what a wheel travels in each second of steady driving, over what was asked."""
-    body = Body(World(), config=replace(CENTRE, encoder_tick=0.0, **unsteadiness), seed=seed)
+    body = Body(World(), config=replace(DEFAULT_BODY, encoder_tick=0.0, **unsteadiness), seed=seed)
     body.drive(right=asked, left=asked)
     body.step(3.0)
     found, before = [], body.truth().travelled
@@ -33,7 +33,7 @@ def ways(seconds: int, *, seed: int = 1, cuts: int = 10, asked: float = ASKED,
 
 
 def test_the_likeliest_robot_runs_steadily():
-    assert (CENTRE.speed_jitter, CENTRE.speed_wander) == (0.0, 0.0)
+    assert (DEFAULT_BODY.speed_jitter, DEFAULT_BODY.speed_wander) == (0.0, 0.0)
     assert ways(20) == pytest.approx([1.0] * 20, abs=1e-4)
 
 
@@ -61,7 +61,7 @@ def test_the_same_seed_is_the_same_robot_however_time_is_cut():
 
 
 def test_a_pushed_wheel_has_the_speed_of_the_floor():
-    body = Body(World(), config=replace(CENTRE, speed_jitter=0.1))
+    body = Body(World(), config=replace(DEFAULT_BODY, speed_jitter=0.1))
     body.push(speed=0.2, rate=0.0, seconds=1.0)
     body.step(0.5)
     assert body.truth().measured_travelled == pytest.approx(0.1, abs=0.001)

@@ -19,7 +19,7 @@ from create_oi_ros.driver.goals import (
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.goals.motions import Circle, TargetPose
 from create_oi_ros.driver.state import Activity
-from create_oi_ros.sim.body.config import CENTRE
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.loop import Loop, STEP
 
 FRAME = oi.SLOT
@@ -82,7 +82,7 @@ def reach(loop: Loop, goal: Goal) -> tuple[float, float]:
 def met(limits: MotionLimits | None = None, **options) -> Loop:
     """Return a robot and a driver that have met, in Safe mode."""
     settings = Settings(limits=limits or MotionLimits())
-    loop = Loop(settings, config=CENTRE, **options)
+    loop = Loop(settings, config=DEFAULT_BODY, **options)
     loop.run(1.0)
     return loop
 

@@ -31,7 +31,7 @@ from random import Random
 from ...robot import MILLI, Rounding
 from ..world import Pose, World
 from .battery import CAPACITY, Electrics
-from .config import BodyConfig, CENTRE
+from .config import BodyConfig, DEFAULT_BODY
 from .mechanics import Mechanics, Truth
 from .sensed import clamped, ForcedValues, Sensed
 from .surroundings import CLIFF_BELOW, WALL_SEEN
@@ -47,7 +47,7 @@ class Body:
                  '_forced', '_sensed', '_random', '_push_end', '_slip_end')
 
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
-                 config: BodyConfig = CENTRE) -> None:
+                 config: BodyConfig = DEFAULT_BODY) -> None:
         self.config = config
         self.world = world
         self._time, self._deadline = 0.0, math.inf

@@ -103,8 +103,8 @@ RANGES = {
 }
 """Lowest and highest value of a constant; any finite number where it is not here."""
 
-CENTRE = BodyConfig()
-"""The centre of what was measured and reported: the default robot."""
+DEFAULT_BODY = BodyConfig()
+"""The default robot: the centre of what was measured and reported."""
 IDEAL = BodyConfig(
     wheel_separation=WHEEL_SEPARATION, encoder_separation=FIRMWARE_SEPARATION,
     response=Response.RAMP, dead_time=0.0, dead_band=0.0, encoder_tick=0.0,

@@ -19,7 +19,7 @@ from ...oi.commands import RADIUS
 from ...oi.declaration import Tail
 from ...oi.readings import SPEED
 from ...robot import SLOT
-from ..body.config import BodyConfig, CENTRE
+from ..body.config import BodyConfig, DEFAULT_BODY
 from ..numbers import guess_defaults, guessed
 
 
@@ -87,7 +87,7 @@ def parse_guesses(texts: Sequence[str]) -> tuple[BodyConfig, Guesses]:
     of_body, of_firmware = guess_defaults(BodyConfig), guess_defaults(Guesses)
     body: dict[str, Any] = {}
     firmware: dict[str, Any] = {}
-    constant = CENTRE.time_constant
+    constant = DEFAULT_BODY.time_constant
     for text in texts:
         name, _, value = text.partition('=')
         if name in of_body:
