@@ -65,8 +65,8 @@ GATE = 25.0
 """Squared standard deviations of a reading that no filter explains."""
 REOPEN = 0.5
 """Part of the first variances of gains and numbers that such a reading adds to them."""
-UNKNOWN_WAY = 0.06
-"""m/s by which the place is doubted while wheels do not follow their requests."""
+UNKNOWN_WAY, UNKNOWN_TURN = 0.06, 0.1
+"""m/s and rad/s by which the pose is doubted while wheels do not follow their requests."""
 TRUST, STALE, KNOWN_SPREAD = 8.0, 1.5, 0.25
 """Logarithm of how much likelier the wheels of a known robot are; the factor by which its gains
 are less sure the next day; the part of `SPREAD` by which its numbers are unsure."""
@@ -258,6 +258,7 @@ class Bank:
             f.covariance[..., range(X), range(X)] = np.maximum(
                 now, np.minimum(now + REOPEN * self._doubt, self._doubt))
             f.covariance[..., [X, Y], [X, Y]] += (UNKNOWN_WAY * motion.seconds) ** 2
+            f.covariance[..., YAW, YAW] += (UNKNOWN_TURN * motion.seconds) ** 2
         self._empty(reported)
         self._weigh()
         if not believe and motion.seconds >= APART:
