@@ -103,6 +103,7 @@ def test_a_tune_is_repeated_until_it_is_canceled(loop):
 
 
 def test_a_tune_too_short_to_be_seen_is_played_all_the_same(loop):
+    loop.forged = {'song_playing': 0}
     tune = start(loop, parse_tune('C4:1/64'), 2)
     loop.run(1.5)
     assert tune.outcome.ok and tune.iterations_played == 2
