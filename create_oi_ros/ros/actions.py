@@ -42,6 +42,7 @@ from .messages import of_yaw, yaw_of
 from .parameters import Parameters
 from .publishing import StampClock
 from .services import future_of, QUEUE
+from .topics import GOAL_POSE
 
 FEEDBACK_EVERY = 7
 """Frames from one feedback to the next: ten a second."""
@@ -221,6 +222,8 @@ class Actions:
                 goal_callback=self._check(action), cancel_callback=self._cancel,
                 goal_service_qos_profile=QUEUE, result_service_qos_profile=QUEUE,
                 cancel_service_qos_profile=QUEUE, result_timeout=RESULT_KEPT)
+        if parameters.goal_pose:
+            node.create_subscription(PoseStamped, GOAL_POSE, self._drive_to, 1)
 
     # On the executor's thread.
 
@@ -255,6 +258,20 @@ class Actions:
                 ended = future_of(running, self._node)
             return self._result(action, handle, await ended)
         return execute
+
+    def _drive_to(self, pose: PoseStamped) -> None:
+        """Pursue a goal of which only the place is sent; the log says how it ends."""
+        action, = (each for each in ACTIONS if each.type is NavigateToPosition)
+        log = self._node.get_logger()
+        try:
+            goal = self._goal(action, NavigateToPosition.Goal(
+                goal_pose=pose, achieve_goal_heading=True), self._session.driver.goals)
+        except Malformed as error:
+            log.warning(f'{GOAL_POSE} rejected: {error}')
+            return
+        with self._session.request() as (driver, now):
+            running = driver.goals.start(goal, now)
+        running.then(lambda ending: log.info(f'{GOAL_POSE}: {ending.text}'))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         pursued = self._pursued

@@ -48,8 +48,9 @@ STALE_WARNING_INTERVAL = 5.0
 """Seconds between two warnings about stale commands."""
 
 NAMES = (
-    topics.CMD_VEL, *(topic.name for topic in topics.PUBLISHED), '/tf_static', '/clock',
-    '/rosout', '/parameter_events', *(service.name for service in SERVICES),
+    topics.CMD_VEL, topics.GOAL_POSE, *(topic.name for topic in topics.PUBLISHED),
+    '/tf_static', '/clock', '/rosout', '/parameter_events',
+    *(service.name for service in SERVICES),
     *(f'~/{name}_parameters' for name in ('describe', 'get', 'list', 'set')),
     '~/get_parameter_types', '~/set_parameters_atomically', '~/get_type_description',
     *(f'{action.name}/_action/{part}' for action in ALL_ACTIONS for part in (

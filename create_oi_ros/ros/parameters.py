@@ -79,6 +79,9 @@ class Parameters:
     cmd_vel_interrupts: bool = parameter(
         MotionLimits.commands_interrupt, 'Whether a velocity command that is not zero ends the '
         'goal of an action that runs; else it is ignored meanwhile')
+    goal_pose: bool = parameter(
+        False, 'Whether a message on `goal_pose` (geometry_msgs/PoseStamped, "2D Goal Pose" of '
+        'RViz) starts `navigate_to_position`; off where Nav2 follows it', fixed=True)
     bump_stop: str = parameter(
         'none', 'What a pressed bumper holds back of velocity commands: nothing, or all that '
         'drives forward; backing and turning stay possible', choices=tuple(BUMP_STOPS))

@@ -45,6 +45,8 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 CMD_VEL = 'cmd_vel'
 """The topic of velocity commands."""
+GOAL_POSE = 'goal_pose'
+"""The topic of places to drive to, which RViz publishes."""
 
 
 @dataclass(frozen=True, kw_only=True)

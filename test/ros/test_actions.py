@@ -123,6 +123,20 @@ def test_a_place_in_the_odometry_frame_is_reached(driving):
         feedback.ROTATING_TO_GOAL_ORIENTATION}
 
 
+def test_the_robot_drives_to_a_place_that_is_published(start):
+    driving = start(goal_pose=True)
+    places = driving.ros.node.create_publisher(PoseStamped, 'goal_pose', 1)
+    driving.ros.until(places.get_subscription_count, 'goal_pose')
+    places.publish(PoseStamped(header=Header(frame_id='map')))
+    driving.ros.until(lambda: "goal_pose rejected: goal_pose is in frame 'map'"
+                      in driving.node.output, 'a rejection')
+    places.publish(PoseStamped(
+        header=Header(frame_id='odom'), pose=Pose(position=Point(x=0.1, y=0.1))))
+    driving.ros.until(lambda: 'goal_pose: at x 0.' in driving.node.output, 'the end')
+    pose = driving.robot.body.truth().pose
+    assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.1, 0.1, 0.0), abs=0.04)
+
+
 @pytest.mark.parametrize(('type_', 'name', 'fields', 'says'), [
     (DriveDistance, 'drive_distance', {'distance': nan}, 'distance = nan m is not finite'),
     (DriveDistance, 'drive_distance', {'distance': 1e6}, 'allowed: -1000 to 1000'),
