@@ -62,6 +62,8 @@ class Settings:
     battery: BatteryLimits = field(default_factory=BatteryLimits)
     limits: MotionLimits = field(default_factory=MotionLimits)
     geometry: Geometry = field(default_factory=Geometry)
+    dock_pose: tuple[float, float, float] | None = None
+    """x, y and yaw of a robot on its dock in the odometry frame, m and rad; None: not known."""
     robot: Knowledge | None = None
     """What is known of this robot; None: the odometry learns everything."""
 

@@ -14,7 +14,7 @@ a `Pending`; `poll` sends.
 
 from collections import deque
 from copy import copy
-from math import inf
+from math import inf, isfinite
 
 from .. import oi
 from ..odometry import Odometry
@@ -40,6 +40,8 @@ ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED
 """Events after which nothing is known of the robot."""
 SLOW_CHECK_INTERVAL = 0.1
 """Seconds between two checks of what changes within seconds."""
+FARTHEST = 1e6
+"""Metres from the origin where the robot can be said to be."""
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 
@@ -57,6 +59,8 @@ class Driver:
         self.counts = core.counts
         self._wheels = WheelCommands(settings.limits)
         self._tracking = Tracking(settings, self.counts, odometry)
+        self._on_dock = False
+        """Whether the robot was on its dock, and no goal drove it, when that was checked last."""
         self._acquaintance = Acquaintance(settings.robot, self.core.events)
         self._turn_check = TurnCheck(settings.limits.wheel_separation)
         self._connection = Connection(core)
@@ -243,10 +247,20 @@ class Driver:
 
     def reset_odometry(self) -> Pending:
         """Put the origin of the odometry frame where the robot is; not while a goal needs it."""
+        return self._place(0.0, 0.0, 0.0, 'odom starts again where the robot is')
+
+    def reset_pose(self, x: float, y: float, yaw: float) -> Pending:
+        """Say where the robot is in the odometry frame, m and rad; not while a goal needs it."""
+        if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST and isfinite(yaw)):
+            return refused(f'pose x {x:g} m, y {y:g} m, yaw {yaw:g} rad; allowed: up to '
+                           f'{FARTHEST:g} m from the origin, and a finite yaw')
+        return self._place(x, y, yaw, f'odom goes on from x {x:g} m, y {y:g} m, yaw {yaw:g} rad')
+
+    def _place(self, x: float, y: float, yaw: float, text: str) -> Pending:
         if self.goals.active:
             return refused('a goal runs and needs the odometry: cancel it first')
-        self._tracking.odometry.reset()
-        return done('odom starts again where the robot is')
+        self._tracking.odometry.reset(x, y, yaw)
+        return done(text)
 
     def shut_down(self, now: float) -> None:
         """Stop all that moves, pause the stream, and leave the robot in the mode for exit."""
@@ -347,8 +361,17 @@ class Driver:
         """Check what changes within seconds: battery, charger, what is known of the robot."""
         self._battery.observe(readings, now)
         self._charging.observe(readings, now)
+        self._place_on_dock()
         if self._acquaintance.due(now):
             self._acquaintance.look(self._tracking.robot)
+
+    def _place_on_dock(self) -> None:
+        """Let the odometry go on from the dock's place once the robot is there."""
+        before, pose = self._on_dock, self.settings.dock_pose
+        self._on_dock = self.core.supervision.docked and self.state.activity is not Activity.GOAL
+        if pose is not None and self._on_dock and not before:
+            self._tracking.odometry.reset(*pose)
+            self.core.events.notice(Severity.INFO, 'on the dock: odom goes on from dock_pose')
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""

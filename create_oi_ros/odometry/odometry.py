@@ -89,13 +89,15 @@ class Odometry:
         """What was learned of the robot; None before anything was."""
         return self.bank.knowledge if self.window and self.bank.readings else None
 
-    def reset(self) -> None:
-        """Begin again at the origin; what was learned of the robot stays."""
+    def reset(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
+        """Go on from a pose, m and rad; what was learned of the robot stays."""
         e = self.estimate
-        self.estimate = Estimate(right_wheel=e.right_wheel, left_wheel=e.left_wheel)
+        self.estimate = Estimate(
+            x=x, y=y, yaw=yaw, right_wheel=e.right_wheel, left_wheel=e.left_wheel)
         dx, dy, turn = self._moved.tolist()  # the window goes on
-        c, s = cos(turn), sin(turn)
-        self._start = -c * dx - s * dy, s * dx - c * dy, -turn
+        heading = yaw - turn
+        c, s = cos(heading), sin(heading)
+        self._start = x - c * dx + s * dy, y - s * dx - c * dy, heading
         self.bank.reset(self._start)
         self._behind = (0.0, 0.0, 0.0)
         self._base[:] = 0.0

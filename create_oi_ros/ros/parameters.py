@@ -10,6 +10,7 @@ while the node runs are in its metadata. `declare` declares them to ROS in one l
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, MISSING, replace
 from difflib import get_close_matches
+from math import isfinite
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
@@ -103,6 +104,10 @@ class Parameters:
         'not exist, it is made. Empty: none', fixed=True)
     odom_frame: str = parameter('odom', 'Frame of the odometry', fixed=True)
     base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor', fixed=True)
+    dock_pose: str = parameter(
+        '', 'Where the robot is when it stands on its dock, in `odom_frame`: x, y (m) and yaw '
+        "(rad) as '1.0 2.0 3.14'. Each time it docks, the odometry goes on from there. Empty: not "
+        'known', fixed=True)
     publish_tf: bool = parameter(True, 'Whether to publish odom_frame -> base_frame on /tf',
                                  fixed=True)
     sensor_rate: float = parameter(
@@ -141,6 +146,7 @@ class Parameters:
                 low=self.battery_low, empty=self.battery_empty,
                 action=ACTIONS[self.low_battery_action]),
             reset_when_not_charging=self.reset_when_not_charging,
+            dock_pose=pose(self.dock_pose),
             odometry_window=self.odometry_window, limits=self.limits(),
             geometry=Geometry(
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
@@ -159,6 +165,16 @@ class Parameters:
             angular_acceleration=self.max_angular_acceleration,
             bump_stop=BUMP_STOPS[self.bump_stop],
             commands_interrupt=self.cmd_vel_interrupts)
+
+
+def pose(text: str) -> tuple[float, float, float] | None:
+    """Return x, y and yaw from a text of three numbers; None: an empty one; ValueError: others."""
+    if not text.strip():
+        return None
+    x, y, yaw = map(float, text.replace(',', ' ').split())
+    if not all(map(isfinite, (x, y, yaw))):
+        raise ValueError
+    return x, y, yaw
 
 
 DECLARED = Parameters.__dataclass_fields__
@@ -252,6 +268,12 @@ def refusal(name: str, value: Any) -> str | None:
         return f'parameter {name} = {value:g}; allowed: {low:g} to {high:g}'
     if value == '' and _default(name) != '':
         return f'parameter {name} is empty: give a value, or leave it out'
+    if name == 'dock_pose':
+        try:
+            pose(value)
+        except ValueError:
+            return (f"parameter dock_pose = {value!r}; allowed: x, y (m) and yaw (rad) as "
+                    "'1.0 2.0 3.14', or an empty text")
     if name.endswith('_frame') and value.startswith('/'):
         return (f"parameter {name} = {value!r}; tf2 takes no leading '/': "
                 f"write {value.lstrip('/')!r}")
@@ -278,6 +300,8 @@ def wrong_type(name: str, value: Any) -> str:
         choices = DECLARED[name].metadata['choices']
         advice = (f'allowed: {listed(choices)}' if choices else
                   f"""write '{value}' with its quotes (after -p: {name}:="'{value}'")""")
+    elif isinstance(default, str) and isinstance(value, Iterable):
+        advice = f"write '{' '.join(map(str, value))}' with its quotes"
     elif isinstance(value, str) and _reads_as(type(default), value):
         advice = f'write {value} without quotes'
     elif isinstance(value, float) and value.is_integer() and isinstance(default, int):

@@ -17,6 +17,7 @@ from create_oi_msgs.srv import (
     DefineSong,
     PlayScript,
     PlaySong,
+    ResetPose,
     SendIr,
     SetDigitalOutputs,
     SetLeds,
@@ -36,6 +37,7 @@ from ..driver import Driver, Outcome, Pending
 from ..driver.outbox import Awaited, refused
 from ..link.session import Session
 from . import messages
+from .messages import yaw_of
 from .model_keeper import ModelKeeper
 
 Result = TypeVar('Result')
@@ -50,6 +52,12 @@ def set_mode(driver: Driver, request: SetMode.Request, now: float) -> Pending:
     if request.mode not in list(oi.Mode):
         return refused(f'mode {request.mode} is none of {MODES}')
     return driver.set_mode(oi.Mode(request.mode), now)
+
+
+def reset_pose(driver: Driver, request: ResetPose.Request, _now: float) -> Pending:
+    """Say where the robot is."""
+    place = request.pose.position
+    return driver.reset_pose(place.x, place.y, yaw_of(request.pose.orientation))
 
 
 def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pending:
@@ -127,6 +135,9 @@ SERVICES = (
         name='reset_odometry', type=Trigger,
         request=lambda driver, _, now: driver.reset_odometry(),
         about='begin `odom` again where the robot is'),
+    Service(
+        name='reset_pose', type=ResetPose, request=reset_pose,
+        about='say where the robot is in `odom_frame`: `odom` goes on from there'),
     Service(
         name='save_odometry_model', type=Trigger, request=None,
         about='write what the odometry has learned of the robot to `odometry_model`'),

@@ -43,7 +43,7 @@ HARMLESS = (oi.Stream, oi.PauseResumeStream)
 STOPPED = oi.DriveDirect(right=0, left=0)
 JUST = 1e-3
 """By how much a parameter must be beyond its range: ROS takes less for rounding."""
-AWAY = {'reset_odometry'}
+AWAY = {'reset_odometry', 'reset_pose'}
 """Services that do their work though no robot answers."""
 
 

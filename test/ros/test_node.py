@@ -8,9 +8,9 @@ import signal
 from statistics import median
 
 from create_oi_msgs.msg import Bumper, Cliff, Mode, WheelDrop
-from create_oi_msgs.srv import SetMode
+from create_oi_msgs.srv import ResetPose, SetMode
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import DescribeParameters, ListParameters
@@ -184,6 +184,10 @@ def test_stop_and_reset_odometry(ready):
     ready.ros.until(lambda: odom[-1].twist.twist.linear.x == 0)
     ready.ask(Trigger, 'reset_odometry')
     ready.ros.until(lambda: odom[-1].pose.pose.position.x == 0)
+    place = Pose(position=Point(x=1.0, y=2.0), orientation=Quaternion(z=1.0, w=0.0))
+    assert 'x 1 m, y 2 m, yaw 3.14' in ready.ask(ResetPose, 'reset_pose', pose=place)
+    ready.ros.until(lambda: odom[-1].pose.pose.position.y == pytest.approx(2, abs=0.001))
+    assert odom[-1].pose.pose.orientation.z == pytest.approx(1, abs=0.001)
     assert ready.set('cmd_vel_timeout', 0.5)
 
 

@@ -61,6 +61,14 @@ def test_values_that_contradict_each_other_are_refused(changes, words):
     assert contradiction(Parameters()) is None
 
 
+def test_the_place_of_a_dock_is_three_numbers():
+    for wrong in ('1 2', '1 2 3 4', 'a b c', '1 2 nan'):
+        assert "allowed: x, y (m) and yaw (rad) as '1.0 2.0 3.14'" in refusal('dock_pose', wrong)
+    assert refusal('dock_pose', '') is refusal('dock_pose', '1, -2.0 0.5') is None
+    assert replace(Parameters(), dock_pose='1, -2.0 0.5').settings().dock_pose == (1.0, -2.0, 0.5)
+    assert Parameters().settings().dock_pose is None
+
+
 def test_a_frame_with_a_leading_slash_is_refused():
     assert "write 'odom'" in refusal('odom_frame', '/odom')
     assert refusal('odom_frame', 'robot_1/odom') is None
@@ -76,6 +84,7 @@ def test_a_frame_with_a_leading_slash_is_refused():
     ('bump_stop', False, 'it takes text; allowed: none, forward'),
     ('port', 3, """write '3' with its quotes (after -p: port:="'3'")"""),
     ('mode_on_start', True, 'allowed: passive, safe, full'),
+    ('dock_pose', [1.0, 2.0, 0.5], "write '1.0 2.0 0.5' with its quotes"),
 ])
 def test_a_value_of_the_wrong_type_says_how_to_write_it(name, value, words):
     assert words in wrong_type(name, value)
