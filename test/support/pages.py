@@ -13,8 +13,8 @@ from create_oi_msgs import msg as our_messages
 from geometry_msgs.msg import Twist, TwistStamped
 import yaml
 
-from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.parameters import Parameters
+from create_oi_ros.ros.performances import ALL_ACTIONS
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import PUBLISHED
@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r'(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$', re.M | re.S)
 OURS = {f'/{topic.name.lstrip("/")}' for topic in PUBLISHED} | {'/cmd_vel'}
 """Full names of all topics of a driver without a namespace."""
-ACTION_TYPES = {f'/{action.name}': action.type for action in ACTIONS}
+ACTION_TYPES = {f'/{action.name}': action.type for action in ALL_ACTIONS}
 SERVICE_TYPES = {f'/{service.name}': service.type for service in SERVICES}
 LAUNCH = re.compile(r"^    '(\w+)': \(|DeclareLaunchArgument\('(\w+)'", re.M)
 """How the launch files declare their arguments."""
