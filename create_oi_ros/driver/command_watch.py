@@ -113,6 +113,12 @@ class Probe:
         self._since = self.due = due
         self._sent_at = None
 
+    def end(self) -> None:
+        """Poll no more; a stream that may be paused by now goes on."""
+        if self._sent_at is not None:
+            self._sent_at = None
+            self._outbox.send(RESUME)
+
     def poll(self, now: float, frame_at: float) -> bool:
         """Poll or look, when it is time; True: the stream has paused, ask for it anew."""
         silent, sent_at = now - frame_at > PAUSED, self._sent_at

@@ -270,7 +270,10 @@ class Connection:
 
     def probe(self, now: float) -> bool:
         """Poll a robot that may not take commands; True when it has just shown that it does."""
-        if not self._core.watch.suspects or now < self._probe.due or self._core.outbox.busy:
+        if not self._core.watch.suspects:
+            self._probe.end()
+            return False
+        if now < self._probe.due or self._core.outbox.busy:
             return False
         listens = self._probe.poll(now, self.frame_at)
         if listens:

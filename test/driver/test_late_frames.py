@@ -21,7 +21,7 @@ class PausingLoop(Loop):
         return None if self.now < self.paused_until else super()._arrived(line)
 
 
-@pytest.mark.parametrize('delay', [0.05, 0.2, 0.3, 0.4])
+@pytest.mark.parametrize('delay', [0.05, 0.2, 0.3, 0.45])
 def test_a_robot_that_answers_late_is_not_said_to_have_left_its_mode(delay):
     loop = Loop()
     loop.run(3.0)
