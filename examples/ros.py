@@ -13,6 +13,7 @@ import importlib
 import time
 from typing import Any
 
+from rcl_interfaces.msg import Parameter as ParameterMessage
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -84,7 +85,7 @@ def main() -> None:
             client = AsyncParameterClient(node, name)
             client.wait_for_services(WAIT)
             message = Parameter.from_parameter_msg(
-                rclpy.parameter.ParameterMsg(name=parameter, value=get_parameter_value(value)))
+                ParameterMessage(name=parameter, value=get_parameter_value(value)))
             print(asked(node, client.set_parameters([message])))
         case _:
             parser.error(f'{given.what} takes other arguments: see --help')
