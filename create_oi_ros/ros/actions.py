@@ -190,6 +190,32 @@ def fill_result(result: Any, ending: Ending) -> None:
         result.runtime = messages.duration(ending.seconds)
 
 
+def offer(node: Node, action: Any, check: Callable[[Any], GoalResponse],
+          execute: Callable[[ServerGoalHandle], Any],
+          cancel: Callable[[ServerGoalHandle], CancelResponse]) -> None:
+    """Offer an action, with a queue for many clients."""
+    ActionServer(
+        node, action.type, action.name, execute, callback_group=ReentrantCallbackGroup(),
+        goal_callback=check, cancel_callback=cancel, goal_service_qos_profile=QUEUE,
+        result_service_qos_profile=QUEUE, cancel_service_qos_profile=QUEUE,
+        result_timeout=RESULT_KEPT)
+
+
+class ClientWatch:
+    """Notices that nobody is left who could wait for the goal of an action."""
+
+    def __init__(self, node: Node, action: str) -> None:
+        self._node = node
+        self._service = f'{node.resolve_service_name(action)}/_action/send_goal'
+        self._checks = 0
+        """Checks of the graph in a row that showed no client."""
+
+    def lost(self) -> bool:
+        """Check the graph, once a second; return whether the client has gone."""
+        self._checks = 0 if self._node.count_clients(self._service) else self._checks + 1
+        return self._checks >= CLIENT_LOST_CHECKS
+
+
 @dataclass
 class Pursued:
     """A goal that runs, and how to report on it."""
@@ -198,9 +224,8 @@ class Pursued:
     handle: ServerGoalHandle
     running: Running
     feedback: Any
+    client: ClientWatch
     frames: int = 0
-    lost_checks: int = 0
-    """Checks of the graph in a row that showed no client."""
 
 
 class Actions:
@@ -215,13 +240,8 @@ class Actions:
         self._session = session
         self._odom_frame = parameters.odom_frame
         self._pursued: Pursued | None = None
-        group = ReentrantCallbackGroup()
         for action in ACTIONS:
-            ActionServer(
-                node, action.type, action.name, self._execute(action), callback_group=group,
-                goal_callback=self._check(action), cancel_callback=self._cancel,
-                goal_service_qos_profile=QUEUE, result_service_qos_profile=QUEUE,
-                cancel_service_qos_profile=QUEUE, result_timeout=RESULT_KEPT)
+            offer(node, action, self._check(action), self._execute(action), self._cancel)
         if parameters.goal_pose:
             node.create_subscription(PoseStamped, GOAL_POSE, self._drive_to, 1)
 
@@ -252,7 +272,8 @@ class Actions:
             with self._session.request() as (driver, now):
                 running = driver.goals.start(
                     self._goal(action, handle.request, driver.goals), now)
-                self._pursued = Pursued(action, handle, running, action.type.Feedback())
+                self._pursued = Pursued(action, handle, running, action.type.Feedback(),
+                                        ClientWatch(self._node, action.name))
                 if handle.is_cancel_requested:
                     driver.goals.cancel(running, now)
                 ended = future_of(running, self._node)
@@ -302,9 +323,7 @@ class Actions:
         pursued = self._pursued
         if pursued is None:
             return
-        service = f'{self._node.resolve_service_name(pursued.action.name)}/_action/send_goal'
-        pursued.lost_checks = 0 if self._node.count_clients(service) else pursued.lost_checks + 1
-        if pursued.lost_checks >= CLIENT_LOST_CHECKS:
+        if pursued.client.lost():
             with self._session.request() as (driver, now):
                 driver.goals.abandon(pursued.running, now)
 

@@ -12,21 +12,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from create_oi_msgs.action import AudioNoteSequence
-from rclpy.action.server import (
-    ActionServer,
-    CancelResponse,
-    GoalResponse,
-    ServerGoalHandle,
-)
-from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.action.server import CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.node import Node
 
 from ..driver.tunes import Tune
 from ..link.session import Session
 from ..oi.tools.tunes import parse_tune, sounding_name
 from . import messages
-from .actions import ACTIONS, CLIENT_LOST_CHECKS, DefaultStoppingModels, RESULT_KEPT
-from .services import fill, future_of, QUEUE
+from .actions import ACTIONS, ClientWatch, DefaultStoppingModels, offer
+from .services import fill, future_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,10 +71,9 @@ class Running:
     performance: Performance
     handle: ServerGoalHandle
     tune: Tune
+    client: ClientWatch
     told: tuple[int, int] = (0, -1)
     """Iteration and place of the note in the last feedback."""
-    lost_checks: int = 0
-    """Checks of the graph in a row that showed no client."""
 
 
 class Performances:
@@ -91,13 +84,8 @@ class Performances:
         self._node = node
         self._session = session
         self._running: Running | None = None
-        group = ReentrantCallbackGroup()
         for each in PERFORMANCES:
-            ActionServer(
-                node, each.type, each.name, self._execute(each), callback_group=group,
-                goal_callback=self._check(each), cancel_callback=self._cancel,
-                goal_service_qos_profile=QUEUE, result_service_qos_profile=QUEUE,
-                cancel_service_qos_profile=QUEUE, result_timeout=RESULT_KEPT)
+            offer(node, each, self._check(each), self._execute(each), self._cancel)
 
     # On the executor's thread.
 
@@ -117,7 +105,8 @@ class Performances:
             with self._session.request() as (driver, now):
                 driver.outputs.tunes.start(made, now)
                 if made.outcome is None:
-                    self._running = Running(performance, handle, made)
+                    self._running = Running(performance, handle, made,
+                                            ClientWatch(self._node, performance.name))
                 if handle.is_cancel_requested:
                     driver.outputs.tunes.cancel(made)
                 ended = future_of(made, self._node)
@@ -147,9 +136,7 @@ class Performances:
         running = self._running
         if running is None or running.tune.outcome is not None:
             return
-        service = f'{self._node.resolve_service_name(running.performance.name)}/_action/send_goal'
-        running.lost_checks = 0 if self._node.count_clients(service) else running.lost_checks + 1
-        if running.lost_checks >= CLIENT_LOST_CHECKS:
+        if running.client.lost():
             with self._session.request() as (driver, _now):
                 driver.outputs.tunes.cancel(running.tune, 'its client has gone')
 
