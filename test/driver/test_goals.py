@@ -56,8 +56,8 @@ def test_an_angle_is_turned(rounding, turn):
 def test_an_arc_is_driven_on_its_circle(turn, direction):
     loop = met()
     went, turned = reach(loop, arc(turn, 0.4, direction))
-    assert turned == pytest.approx(turn, abs=3 + 0.005 * abs(turn))
-    assert went == pytest.approx(direction * 0.4 * abs(turn) * pi / 180, rel=0.04)
+    assert turned == pytest.approx(turn, abs=2 + 0.005 * abs(turn))
+    assert went == pytest.approx(direction * 0.4 * abs(turn) * pi / 180, rel=0.03)
     pose, side = loop.body.truth().pose, direction * (1 if turn > 0 else -1)
     assert hypot(pose.x, pose.y - side * 0.4) == pytest.approx(0.4, abs=0.03)
 
