@@ -83,14 +83,6 @@ def test_version_parameters_and_warnings_are_shown(recording):
     assert '6 damaged frames' in ' '.join(summary(recording))
 
 
-def test_a_page_stands_alone(bag, tmp_path):
-    page = tmp_path / 'report.html'
-    assert command.main([str(bag), '-o', str(page)]) == 0
-    text = page.read_text()
-    assert 'http:' not in text and 'https:' not in text
-    assert 'Bump left and right' in text and '9.8.7' in text
-
-
 @pytest.mark.parametrize('name', ['report.png', 'report', 'report.htm'])
 def test_a_file_that_is_no_page_is_refused(bag, tmp_path, capsys, name):
     with pytest.raises(SystemExit) as ended:
@@ -102,12 +94,6 @@ def test_a_file_that_is_no_page_is_refused(bag, tmp_path, capsys, name):
 def test_the_file_of_a_bag_can_be_read_without_its_folder(bag):
     file, = (path for path in bag.iterdir() if path.suffix != '.yaml')
     assert read(file, quiet).seconds == pytest.approx(12.0, abs=0.02)
-
-
-def test_markup_in_a_bag_stays_text(tmp_path):
-    bag = bags.write(tmp_path / '<b>walk', 1.0)
-    command.report(bag, tmp_path / 'report.html')
-    assert '&lt;b&gt;walk' in (tmp_path / 'report.html').read_text()
 
 
 def test_of_several_robots_one_must_be_named(tmp_path, capsys):

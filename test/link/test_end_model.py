@@ -16,34 +16,26 @@ import pytest
 
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.world import shipped
-from support.end_model import explore, Found, Rules, State, steps
+from support.end_model import explore, Found, State, steps
 from support.ros import Robot, TIMEOUT
-
-FAULTS, MORE_FAULTS = 2, 3
-"""Most faults in one run of the model, and where a line is taken away: it is found sooner."""
 
 
 @pytest.fixture(scope='module')
 def found() -> Found:
     """Visit all states once."""
-    return explore(Rules(), FAULTS)
+    return explore(2)
 
 
 @pytest.mark.nightly
 @pytest.mark.timeout(3600)
 def test_no_order_of_steps_with_three_faults_leaves_a_robot_driving():
-    assert explore(Rules(), 3).bad is None
+    assert explore(3).bad is None
 
 
 def test_no_order_of_steps_leaves_a_robot_driving(found):
     assert found.bad is None, ' > '.join(found.bad)
     assert found.states > 10_000
     assert found.ends > 100
-
-
-@pytest.mark.parametrize('rule', Rules._fields)
-def test_the_model_finds_each_line_that_is_taken_away(rule):
-    assert explore(Rules()._replace(**{rule: False}), MORE_FAULTS).bad is not None
 
 
 # The same steps with real processes: a driver's session, its dead-man, a terminal, a robot.
@@ -260,7 +252,7 @@ def modelled(names: tuple[str, ...]) -> set[State]:
 
 def taken(states: set[State], name: str) -> set[State]:
     """Return the states after a step."""
-    return {after for state in states for step, after in steps(state, Rules(), 9) if step == name}
+    return {after for state in states for step, after in steps(state, 9) if step == name}
 
 
 def test_the_scenes_take_every_step_of_the_model(found):

@@ -21,7 +21,7 @@ import pytest
 
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.programs import PROGRAMS
-from support.pages import Block, blocks, check_parameters, check_ros2, commands
+from support.pages import Block, blocks, check_parameters, commands
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'tutorial.md'
@@ -183,13 +183,6 @@ def test_the_page_says_when_the_first_terminal_ends():
     assert text.index('End the first terminal with Ctrl-C') < text.index('create_demo --short')
 
 
-@pytest.mark.parametrize('words', [
-    words for block in BLOCKS if block.mark == 'not run: ros2' for words in commands(block.text)],
-    ids=' '.join)
-def test_names_in_ros2_commands_exist(words):
-    check_ros2(words)
-
-
 def test_names_in_commands_for_a_robot_exist():
     for block in BLOCKS:
         if block.mark == 'not run: robot':
@@ -199,8 +192,3 @@ def test_names_in_commands_for_a_robot_exist():
                 else:
                     assert program in PROGRAMS
                     check_parameters(arguments)
-
-
-def test_links_lead_somewhere():
-    for link in re.findall(r'\]\(([^)#]+)\)', PAGE.read_text('utf-8')):
-        assert (PAGE.parent / link).exists(), link

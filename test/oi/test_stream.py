@@ -5,7 +5,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from hypothesis import example, given
+from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
@@ -158,6 +158,15 @@ def test_a_list_too_long_for_a_frame_is_ignored() -> None:
     assert kinds(events([looks_like_it], packets)) == 'gg'
 
 
+def test_the_longest_frame_is_expected_and_found() -> None:
+    packets = next(each for each in (
+        oi.PacketList([6] * groups + [7] * bits) for groups in range(6) for bits in range(130))
+        if each.frame_size == oi.FRAME_LIMIT)
+    body = bytes([oi.HEADER, packets.length]) + b''.join(
+        bytes([number]) + bytes(oi.size_of(number)) for number in packets.ids)
+    assert kinds(events([body + bytes([-sum(body) & 0xff])], packets)) == 'F'
+
+
 def test_the_checksum_convention_is_kept_until_the_other_repeats() -> None:
     reader = oi.StreamReader([CLIFF])
     assert reader.checksum is None
@@ -170,6 +179,13 @@ def test_the_checksum_convention_is_kept_until_the_other_repeats() -> None:
     assert reader.checksum is oi.Checksum.MANUAL
     assert reader.checksum_failures == 2 * FRAMES_TO_SWITCH - 1
     assert kinds(events([GOOD], reader=reader)) == 'g'
+
+
+def test_after_a_damaged_frame_three_in_a_row_still_change_the_convention() -> None:
+    damaged = GOOD[:-1] + bytes([GOOD[-1] + 1 & 0xff])
+    found = events([GOOD + damaged + BY_THE_MANUAL * FRAMES_TO_SWITCH], CLIFF)
+    assert [event.checksum for event in found if isinstance(event, oi.Frame)] == [
+        oi.Checksum.HARDWARE, oi.Checksum.MANUAL]
 
 
 def test_damaged_frames_in_between_are_not_a_row() -> None:
@@ -215,54 +231,13 @@ def cuts(data: bytes, places: Iterable[int]) -> list[bytes]:
     return [data[start:end] for start, end in zip(marks, marks[1:])]
 
 
-@st.composite
-def captures(draw: st.DrawFn) -> tuple[list[oi.PacketList], bytes]:
-    """Draw lists, and bytes of their frames with damage, noise and text in between."""
-    lists = draw(st.lists(packet_lists(5), min_size=1, max_size=3))
-    pieces = []
-    for packets in draw(st.lists(st.sampled_from(lists), max_size=8)):
-        frame = bytearray(draw(frames(packets, header_in_sum=draw(st.booleans()))))
-        damage = draw(st.integers(0, 5))
-        place = draw(st.integers(0, len(frame) - 1))
-        if damage == 0:
-            frame[place] = draw(st.sampled_from([oi.HEADER, packets.length, 0, 255]))
-        elif damage == 1:
-            del frame[:place]
-        elif damage == 2:
-            del frame[place:]
-        elif damage == 3:
-            frame[:0] = draw(st.binary(max_size=5)) + BANNER * draw(st.integers(0, 3))
-        pieces.append(bytes(frame))
-    return lists, b''.join(pieces)
-
-
-@given(captures(), st.lists(st.integers(0), max_size=20))
-@example(([CLIFF], bytes(GARBAGE_LIMIT) + GOOD), [])
-@example(([CLIFF], bytes(GARBAGE_LIMIT - 1) + GOOD * 2), [])
-@example(([CLIFF], b'\x13' * 600 + GOOD), [300])
-def test_the_same_bytes_split_anywhere_give_the_same_events(
-        capture: tuple[list[oi.PacketList], bytes], places: list[int]) -> None:
-    lists, data = capture
-    whole = events([data], *lists)
-    assert events(cuts(data, places), *lists) == whole
-    assert events(bytewise(data), *lists) == whole
-
-
-@given(captures())
-def test_events_contain_all_bytes_and_frames_are_correct(
-        capture: tuple[list[oi.PacketList], bytes]) -> None:
-    lists, data = capture
-    found = events([data], *lists)
-    assert joined(found) == data
-    for event in found:
-        if isinstance(event, oi.Frame):
-            assert event.packets in lists
-            assert event.data[0] == 19 and event.data[1] == len(event.data) - 3
-            by_the_manual = event.checksum is oi.Checksum.MANUAL
-            assert sum(event.data[by_the_manual:]) % 256 == 0
-            assert event.readings.has(*event.packets.names)
-        else:
-            assert 0 < len(event.data)
+@pytest.mark.parametrize('data', [
+    bytes(GARBAGE_LIMIT) + GOOD, bytes(GARBAGE_LIMIT - 1) + GOOD * 2, b'\x13' * 600 + GOOD])
+def test_a_long_noise_gives_the_same_events_however_it_is_split(data: bytes) -> None:
+    """`test_fuzz` tells this of shorter noise."""
+    whole = events([data], CLIFF)
+    assert joined(whole) == data and kinds(whole)[-1] == 'F'
+    assert events(cuts(data, [300]), CLIFF) == events(bytewise(data), CLIFF) == whole
 
 
 @given(st.data(), packet_lists(8), st.booleans())

@@ -59,9 +59,3 @@ def test_make_help_names_every_target() -> None:
     named = {line.split()[1] for line in shown.stdout.splitlines() if line[4:6] != '  '}
     phony = re.search(r'^\.PHONY: (.*)', MAKEFILE, re.MULTILINE)
     assert named == TARGETS == set(phony[1].split())
-
-
-def test_names_in_text_are_found() -> None:
-    text = 'See `test/a.py`, test/b/*.py and src/test/c.py.\n```\nmake bench ARGS=5\n```\nmake\n'
-    assert FILE.findall(text) == ['test/a.py', 'test/b/*.py']
-    assert list(targets(f'{text} Run `make docs`, or make python.')) == ['bench', 'docs']

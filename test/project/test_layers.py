@@ -11,8 +11,6 @@ from dataclasses import dataclass
 import re
 import sys
 
-import pytest
-
 from support.source import imported, modules, PACKAGE, plain_calls
 
 
@@ -146,14 +144,3 @@ def test_nothing_imports_itself_in_a_ring() -> None:
 def test_every_rule_names_what_exists() -> None:
     named = {layer for rule in RULES.values() for layer in rule.ours} | RULES.keys()
     assert not named - MODULES.keys()
-
-
-@pytest.mark.parametrize(('module', 'name'), [
-    ('oi.codes', 'time'), ('oi', 'serial'), ('oi.codes', 'create_oi_ros.oi.tools.text'),
-    ('sim.body.body', 'create_oi_ros.sim.server.lines'), ('driver.machine', 'random.random'),
-    ('sim.body.body', 'create_oi_ros.driver'), ('sim.server', 'create_oi_ros.link.port'),
-    ('link.port', 'create_oi_ros.ros'), ('ros.messages', 'rclpy.node'),
-    ('apps.demo.tour', 'create_oi_ros.apps.run'), ('robot', 'create_oi_ros.oi'),
-])
-def test_rules_refuse(module: str, name: str) -> None:
-    assert not may_import(module, name)

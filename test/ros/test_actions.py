@@ -22,7 +22,6 @@ from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
 import pytest
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
-import yaml
 
 from create_oi_ros.driver.goals import Code
 from create_oi_ros.ros.actions import ACTIONS
@@ -190,25 +189,6 @@ def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driv
     assert 'velocity command' in result.message
 
 
-def test_limits_slow_a_goal_and_commands_are_ignored_that_may_not_interrupt(start):
-    driving = start(max_wheel_speed=0.2, cmd_vel_interrupts=False)
-    velocity = driving.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-    driving.ros.until(velocity.get_subscription_count, 'cmd_vel')
-    timer = driving.ros.node.create_timer(
-        0.1, lambda: velocity.publish(Twist(linear=Vector3(x=-0.3))))
-    result = driving.result(
-        DriveDistance, 'drive_distance', distance=0.2, max_translation_speed=0.4)
-    assert result.success
-    assert 'slowed to 0.20 m/s: max_translation_speed = 0.4 is beyond' in result.message
-    driving.ros.node.destroy_timer(timer)
-
-
-def test_ten_goals_at_once_leave_one(driving):
-    sent = [driving.send(DriveDistance, 'drive_distance', distance=0.1) for _ in range(10)]
-    codes = [each.result().error_code for each in sent]
-    assert codes == [DriveDistance.Result.SUPERSEDED] * 9 + [DriveDistance.Result.NONE]
-
-
 @pytest.mark.parametrize(('happens', 'code'), [
     (lambda driving: driving.robot.body.force(bump_right=1), Code.BUMP),
     (lambda driving: driving.robot.body.force(cliff_left=1), Code.CLIFF),
@@ -334,26 +314,3 @@ def test_every_action_has_a_file_and_a_server():
         assert 'time_allowance' in action.type.Goal.get_fields_and_field_types()
         assert {'success', 'error_code', 'message', 'pose'} <= (
             action.type.Result.get_fields_and_field_types().keys())
-
-
-PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').rglob('*.md'))]
-LINE = re.compile(
-    r"ros2 action send_goal(?: --feedback)? /(\w+) create_oi_msgs/action/(\w+) '(.*)'")
-
-
-def test_goals_typed_in_the_documents_are_goals():
-    typed = [match for page in PAGES for match in LINE.findall(page.read_text('utf-8'))]
-    assert typed
-    types = {action.name: action.type for action in ALL_ACTIONS}
-    for name, type_, text in typed:
-        assert types[name].__name__ == type_
-        fill(types[name].Goal(), yaml.safe_load(text))
-
-
-def fill(message, fields) -> None:
-    """Set the fields of a message as `ros2` does from YAML."""
-    for name, value in fields.items():
-        if isinstance(value, dict):
-            fill(getattr(message, name), value)
-        else:
-            setattr(message, name, type(getattr(message, name))(value))

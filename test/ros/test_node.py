@@ -202,16 +202,6 @@ def test_a_signal_stops_the_wheels_and_leaves_passive(stage, number):
     assert 'Traceback' not in ready.node.output
 
 
-def test_the_node_outlives_the_robot(stage):
-    ready = Ready(stage)
-    ready.robot.close()
-    ready.until_mode(Mode.UNKNOWN)
-    assert not ready.ros.call(SetMode, 'set_mode', mode=Mode.SAFE).success
-    stage.robot()
-    ready.until_mode(Mode.SAFE)
-    assert ready.node.running()
-
-
 def test_diagnostics_of_a_late_subscriber_are_of_the_last_second(ready):
     odom = ready.ros.listen(Odometry, 'odom', 200)
     ready.ros.until(lambda: len(odom) > 170, 'two seconds and a half that nobody diagnosed')
@@ -230,13 +220,6 @@ def test_a_port_that_is_missing_is_named_once(stage):
     assert node.output.count('does not exist') == 1
     link = next(s for s in diagnostics[-1].status if s.name.endswith('serial link'))
     assert link.level == b'\x02'
-
-
-def test_a_wrong_parameter_ends_the_node_with_the_reason(stage):
-    node = stage.node(stage.folder / 'create', cmd_vel_timeout=11)
-    assert node.ended() == 2
-    assert node.output == (
-        'create_node: parameter cmd_vel_timeout = 11; allowed: 0.05 to 10\n')
 
 
 def test_parameters_are_described_and_refused_at_run_time(ready):

@@ -10,7 +10,7 @@ import yaml
 from create_oi_ros import __version__
 from create_oi_ros.ros import node_arguments
 from create_oi_ros.ros.node import NAMES
-from create_oi_ros.ros.node_arguments import unused_remaps
+from create_oi_ros.ros.node_arguments import unused_files, unused_remaps
 from create_oi_ros.ros.parameters import contradiction, Parameters, refusal, wrong_type
 from support.ros import scene
 
@@ -128,13 +128,6 @@ def test_a_remap_without_effect_is_told_with_the_nearest_name(rule, node, words)
         assert said[0].startswith(f'remap {rule} has no effect: ') and words in said[0]
 
 
-def test_a_remap_without_effect_is_a_warning(tmp_path):
-    with scene(tmp_path) as stage:
-        node = stage.node(stage.folder / 'none', 'cmdvel:=x', 'odom:=x')
-        stage.ros.until(lambda: 'did you mean cmd_vel?' in node.output)
-        assert 'remap odom' not in node.output
-
-
 @pytest.mark.parametrize(('content', 'used'), [
     ('', False), ('hello\n', False), ('other:\n  ros__parameters: {baud: 19200}\n', False),
     ('create:\n  ros__parameters: {baud: 19200}\n', False),
@@ -146,24 +139,23 @@ def test_a_remap_without_effect_is_a_warning(tmp_path):
     ('/**:\n  ros__parameters: {baud: 19200}\n', True)])
 def test_a_parameter_file_for_another_node_is_told(tmp_path, content, used):
     (tmp_path / 'my.yaml').write_text(content)
-    with scene(tmp_path) as stage:
-        node = stage.program(
-            'create_node', '--ros-args', '-r', '__ns:=/robot1', '-p', 'odom_frame:=robot1/odom',
-            '--params-file', str(tmp_path / 'my.yaml'))
-        stage.ros.until(lambda: '/dev/ttyUSB0' in node.output)
-        assert ('holds no parameter of this node, /robot1/create, but' in node.output) != used
+    said = list(unused_files(['--ros-args', '--params-file', str(tmp_path / 'my.yaml')],
+                             '/robot1/create'))
+    assert not said if used else 'holds no parameter of this node, /robot1/create, but' in said[0]
 
 
-def test_qos_overrides_are_refused(tmp_path):
+def test_what_has_no_effect_is_a_warning_and_what_is_not_supported_is_refused(tmp_path):
+    """Each of these starts the program."""
+    (tmp_path / 'other.yaml').write_text('other:\n  ros__parameters: {baud: 19200}\n')
     with scene(tmp_path) as stage:
-        node = stage.node(
+        warned = stage.program(
+            'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0', '-r', 'cmdvel:=x',
+            '-r', 'odom:=x', '--params-file', str(tmp_path / 'other.yaml'))
+        refused = stage.node(
             stage.folder / 'none', **{'qos_overrides./odom.publisher.reliability': 'best_effort'})
-        assert node.ended() == 2
-        assert 'qos_overrides./odom.publisher.reliability is not supported' in node.output
-
-
-def test_a_mistyped_parameter_is_named_with_the_right_one(tmp_path):
-    with scene(tmp_path) as stage:
-        node = stage.node(stage.folder / 'none', cmd_vel_timout=1.0)
-        stage.ros.until(lambda: 'cmd_vel_timout is unknown and ignored: did you mean '
-                        'cmd_vel_timeout?' in node.output)
+        assert refused.ended() == 2
+        assert 'qos_overrides./odom.publisher.reliability is not supported' in refused.output
+        for words in ('cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?',
+                      'did you mean cmd_vel?', 'holds no parameter of this node, /create, but'):
+            stage.ros.until(lambda words=words: words in warned.output, words)
+        assert 'remap odom' not in warned.output

@@ -198,31 +198,6 @@ def test_in_full_create_executes_any_command_even_over_a_cliff_or_with_a_charger
 
 # Open Interface Command Reference.
 
-def test_a_command_that_is_cut_short_waits_for_its_data_bytes() -> None:
-    robot = Robot(Mode.SAFE)
-    robot.say(bytes([137, 255, 56]))
-    robot.run(60)
-    assert robot.wheels == (0, 0)
-    robot.say(bytes([1, 244]))
-    assert robot.read('requested_velocity') == -200
-    assert robot.read('requested_radius') == 500
-
-
-def test_a_command_that_is_cut_short_swallows_what_comes_next() -> None:
-    robot = Robot(Mode.SAFE)
-    robot.say(bytes([145, 0]), oi.Full(), oi.Full(), oi.Full())
-    assert robot.mode is Mode.SAFE
-    assert robot.read('requested_right_velocity') == 132
-    # 132, 132 is out of range, and is clamped.
-    assert robot.read('requested_left_velocity') == -500
-
-
-def test_an_unknown_opcode_costs_one_byte() -> None:
-    robot = Robot(Mode.SAFE)
-    robot.say(bytes([0, 1, 127, 133, 146, 159, 255]), oi.Full())
-    assert robot.mode is Mode.FULL
-
-
 def test_a_command_that_the_mode_forbids_still_takes_its_data_bytes() -> None:
     robot = Robot(Mode.PASSIVE)
     robot.say(bytes([145, 132, 132, 132, 132]), bytes([140, 0, 1, 132, 132]))

@@ -78,10 +78,3 @@ def test_scans_of_a_lap_draw_the_walls_of_the_apartment():
     assert len(scans) > 700
     assert hypot(scans[-1].robot.x - 1, scans[-1].robot.y - 1) < 0.1
     assert max(off_the_walls(world, scan) for scan in scans[::10]) < 0.03
-
-
-def test_scans_along_the_odometry_draw_the_same_walls_again():
-    world = shipped('apartment')
-    scans = list(lap(world))
-    assert off_the_walls(world, scans[0]) < 0.03
-    assert off_the_walls(world, scans[-1]) < 0.3

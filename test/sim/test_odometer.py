@@ -6,26 +6,9 @@ import math
 
 import pytest
 
-from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import EncoderSign
 from create_oi_ros.sim.world import World
-from support.bodies import Body, body_at_speed, FRAME, ideal
-
-
-def test_angle_is_in_whole_degrees():
-    body = body_at_speed(0.129, -0.129)
-    body.step(math.pi / 2)
-    assert body.take_angle() == 90
-    assert body.take_distance() == 0
-
-
-@pytest.mark.parametrize(('rounding', 'total'), [
-    (Rounding.TRUNCATE, 200), (Rounding.ROUND, 400), (Rounding.CARRY, 300)])
-def test_reading_in_every_frame_adds_up_by_the_rounding(rounding, total):
-    # Slightly more than 1.5 mm a frame, so that halves are rounded up.
-    body = body_at_speed(0.1001, 0.1001, rounding=rounding)
-    read = sum((body.step(FRAME), body.take_distance())[1] for _ in range(200))
-    assert read == pytest.approx(total, abs=1)
+from support.bodies import Body, body_at_speed, ideal
 
 
 def test_pushed_by_hand_either_way_the_distance_counts_up():

@@ -79,85 +79,56 @@ class State(NamedTuple):
 Steps = Iterator[tuple[str, State]]
 
 
-class Rules(NamedTuple):
-    """The lines of the code that the proof is about; a test takes each of them away."""
-
-    guards_first: bool = True
-    """The node starts the dead-man before it sends anything."""
-    stops_before_goodbye: bool = True
-    """A node that ends stops the wheels before it says goodbye."""
-    no_goodbye_when_lost: bool = True
-    """A node that lost its port lets the dead-man speak."""
-    speaks_at_the_end: bool = True
-    """The dead-man speaks when the pipe ends without a goodbye."""
-    speaks_when_suspended: bool = True
-    """The dead-man speaks when its node is suspended."""
-    speaks_again: bool = True
-    """It goes on to speak while its node stays suspended."""
-    starts_another: bool = True
-    """The node replaces a dead-man that was killed."""
-
-
-def steps(state: State, rules: Rules, most_faults: int) -> Steps:
+def steps(state: State, most_faults: int) -> Steps:
     """Yield what can happen next, by name, and what it leads to."""
     if state.node != GONE and not state.suspended:
-        yield from _node(state, rules)
+        yield from _node(state)
     if state.dead_man != NONE:
-        yield from _dead_man(state, rules)
+        yield from _dead_man(state)
     if len(state.faults) < most_faults:
-        for name, after in _faults(state, rules):
+        for name, after in _faults(state):
             yield name, after._replace(faults=(*state.faults, name))
 
 
-def _node(s: State, rules: Rules) -> Steps:
+def _node(s: State) -> Steps:
     if s.writing:
-        yield 'node writes', _wrote(s, 'writing') if s.cable else _failed(s, rules)
+        yield 'node writes', _wrote(s, 'writing') if s.cable else _failed(s)
         return
     match s.node:
         case 'closed' if s.cable:
             yield 'node opens', s._replace(node=OPENED)
         case 'opened':
-            if rules.guards_first:
-                yield 'node starts dead-man', _guarded(s)._replace(node=GUARDED)
-            else:
-                yield 'node wakes the robot', s._replace(node=GUARDED, writing=WAKE)
+            yield 'node starts dead-man', _guarded(s)._replace(node=GUARDED)
         case 'guarded':
-            after = s if rules.guards_first else _guarded(s)
-            yield 'node wakes the robot', after._replace(
-                node=READY, writing=WAKE if rules.guards_first else b'')
+            yield 'node wakes the robot', s._replace(node=READY, writing=WAKE)
         case 'ready':
-            if s.dead_man == NONE and rules.starts_another:
+            if s.dead_man == NONE:
                 yield 'node starts dead-man', _guarded(s)
             yield 'node drives', s._replace(writing=DRIVE)
             yield 'node stops', s._replace(writing=HALT.encode())
-            yield 'node ends', s._replace(
-                node=CLOSING, writing=FAREWELL if rules.stops_before_goodbye else b'')
+            yield 'node ends', s._replace(node=CLOSING, writing=FAREWELL)
         case 'closing':
             yield 'node says goodbye', s._replace(node=WAITING, pipe='goodbye')
         case 'losing':
-            yield 'node gives up the line', s._replace(node=RELEASING, pipe=_when_lost(rules))
+            yield 'node gives up the line', s._replace(node=RELEASING, pipe='end')
         case 'releasing' if s.dead_man == NONE:
             yield 'node closes', s._replace(node=CLOSED)
         case 'waiting' if s.dead_man == NONE:
             yield 'node closes', s._replace(node=GONE)
 
 
-def _failed(s: State, rules: Rules) -> State:
+def _failed(s: State) -> State:
     """Give up a line that takes no bytes: to open it again, or to end."""
     if s.node == CLOSING:
-        return s._replace(writing=b'', node=WAITING, pipe=_when_lost(rules))
+        return s._replace(writing=b'', node=WAITING, pipe='end')
     return s._replace(writing=b'', node=LOSING)
-
-
-def _when_lost(rules: Rules) -> str:
-    return 'end' if rules.no_goodbye_when_lost else 'goodbye'
 
 
 def _guarded(s: State) -> State:
     return s._replace(dead_man=WATCHES, pipe='', words=b'', unguarded=False)
 
 
-def _dead_man(s: State, rules: Rules) -> Steps:
+def _dead_man(s: State) -> Steps:
     if s.words:
         if not s.cable:
             yield 'dead-man fails to write', s._replace(words=b'')
@@ -168,17 +139,15 @@ def _dead_man(s: State, rules: Rules) -> Steps:
     elif s.pipe == 'goodbye':
         yield 'dead-man hears goodbye', s._replace(dead_man=NONE)
     elif s.pipe == 'end':
-        yield 'dead-man hears the end', s._replace(
-            dead_man=SPEAKS, words=DEAD_MAN_STOP if rules.speaks_at_the_end else b'')
+        yield 'dead-man hears the end', s._replace(dead_man=SPEAKS, words=DEAD_MAN_STOP)
     elif not s.suspended:
         if s.dead_man != WATCHES:
             yield 'dead-man sees it run', s._replace(dead_man=WATCHES)
     elif s.dead_man == WATCHES:
         yield 'dead-man suspects', s._replace(dead_man=SUSPECTS)
-    elif s.dead_man == SUSPECTS or rules.speaks_again:
+    else:
         yield 'dead-man sees it suspended', s._replace(
-            dead_man=SPEAKS_AND_WATCHES,
-            words=DEAD_MAN_STOP if rules.speaks_when_suspended else b'')
+            dead_man=SPEAKS_AND_WATCHES, words=DEAD_MAN_STOP)
 
 
 def _wrote(s: State, what: str) -> State:
@@ -191,7 +160,7 @@ def _wrote(s: State, what: str) -> State:
     return s._replace(robot=robot, reached=True, **{what: rest})
 
 
-def _faults(s: State, rules: Rules) -> Steps:
+def _faults(s: State) -> Steps:
     """
     Yield what may go wrong.
 
@@ -199,7 +168,7 @@ def _faults(s: State, rules: Rules) -> Steps:
     before it has started another, and its last write does not fail.
     """
     alive = s.node != GONE
-    if alive and not (s.unguarded and rules.starts_another):
+    if alive and not s.unguarded:
         yield 'node is killed', s._replace(
             node=GONE, writing=b'', suspended=False, pipe=s.pipe or 'end')
     if alive and not s.suspended:
@@ -213,7 +182,7 @@ def _faults(s: State, rules: Rules) -> Steps:
     elif alive:
         yield 'cable is plugged in', s._replace(cable=True)
     if alive and not s.suspended and s.writing and not (s.unguarded and s.node == CLOSING):
-        yield 'write fails', _failed(s, rules)
+        yield 'write fails', _failed(s)
 
 
 def _continued(s: State) -> State:
@@ -222,12 +191,10 @@ def _continued(s: State) -> State:
     return s._replace(suspended=False, writing=s.writing + stop)
 
 
-def is_bad(s: State, rules: Rules) -> bool:
+def is_bad(s: State) -> bool:
     """Tell whether nobody is left to stop wheels that turn, on a robot within reach."""
-    replaced_soon = s.unguarded and rules.starts_another and s.node != GONE
+    replaced_soon = s.unguarded and s.node != GONE
     silent = s.dead_man == NONE and not replaced_soon
-    if s.dead_man == SPEAKS_AND_WATCHES and not s.words and not s.pipe:
-        silent = not (rules.speaks_again and rules.speaks_when_suspended)
     return (s.node == GONE or s.suspended) and silent and s.robot.drives and s.reached
 
 
@@ -241,7 +208,7 @@ class Found(NamedTuple):
     """The steps that were taken anywhere."""
 
 
-def explore(rules: Rules, most_faults: int = 3) -> Found:
+def explore(most_faults: int) -> Found:
     """Visit every state; stop at the first bad one, the nearest."""
     start = State()
     came: dict[State, tuple[State, str] | None] = {start: None}
@@ -249,10 +216,10 @@ def explore(rules: Rules, most_faults: int = 3) -> Found:
     while frontier:
         following = []
         for state in frontier:
-            if is_bad(state, rules):
+            if is_bad(state):
                 return Found(len(came), ends, _way(came, state), frozenset(names))
             count = 0
-            for name, after in steps(state, rules, most_faults):
+            for name, after in steps(state, most_faults):
                 count += 1
                 names.add(name)
                 if after not in came:
