@@ -35,7 +35,7 @@ from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameters, topics
 from .actions import Actions
 from .graph_watch import GraphWatch
-from .model_keeper import ModelKeeper
+from .odometry_model import ModelKeeper
 from .performances import ALL_ACTIONS, Performances
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import CLOCK_WARNING_INTERVAL, ContactCloud, FramePublisher, publisher

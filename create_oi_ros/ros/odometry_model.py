@@ -3,21 +3,27 @@
 """
 The file of what the odometry knows of a robot: parameter `odometry_model`.
 
-YAML that people can read: hypotheses of the wheels with their probabilities, and numbers with
-their standard deviations. docs/robot_check.md describes it.
+The node reads it at start, and writes it on request and at the end. It is YAML that people can
+read: hypotheses of the wheels with their probabilities, and numbers with their standard
+deviations. docs/robot_check.md describes it.
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from enum import Enum
 from math import isfinite
+import os
 from pathlib import Path
+from stat import S_IMODE
 from typing import Any, TypeVar
 
+from rclpy.node import Node
 import yaml
 
+from ..driver import Outcome
 from ..driver.frame_clock import LONGEST, SHORTEST
+from ..link.session import Session
 from ..odometry import Hypothesis, Knowledge, Known, Response, Rounding, SignSource
-from .whole_file import write_whole
 
 FORMAT, OLD_FORMATS = 2, (1,)
 HEAD = """\
@@ -33,6 +39,11 @@ WHEELS = {'time': (1e-3, 10.0), 'of_speed': (0.0, 1.0), 'overshoot': (0.0, 0.9),
           'braking': (0.05, 20.0), 'dead_time': (0.0, 0.4), 'dead_band': (0.0, 0.1)}
 """The same of a hypothesis."""
 MOST_HYPOTHESES = 64
+MIN_READINGS = 30
+"""Readings since the start from which on the file is written at the end."""
+NO_FILE = ('parameter odometry_model is empty: start the node with '
+           '-p odometry_model:=FILE to have a file')
+NOTHING = 'nothing was learned yet: drive and turn the robot first'
 Kind = TypeVar('Kind', bound=Enum)
 
 
@@ -164,3 +175,95 @@ def _normalised(weights: Mapping[Thing, float], name: str) -> dict[Thing, float]
     if sum(weights.values()) <= 0:
         raise ValueError(f'{name}: no probability is above 0')
     return {kind: weight / sum(weights.values()) for kind, weight in weights.items()}
+
+
+class ModelKeeper:
+    """Keeps the file; a path that is empty keeps none."""
+
+    def __init__(self, node: Node, path: str) -> None:
+        """Read the file; ValueError says what is wrong with it."""
+        self._log = node.get_logger()
+        self._path = Path(path).expanduser() if path else None
+        self.robot: Knowledge | None = None
+        """What the file says; None where there is none."""
+        if self._path is None:
+            return
+        try:
+            self.robot = read(self._path)
+        except OldModel as error:
+            aside = self._path.with_name(f'{self._path.name}.old')
+            try:
+                self._path.replace(aside)
+            except OSError as why:
+                raise ValueError(f'parameter odometry_model: {self._path}: {error}, and it cannot '
+                                 f'be moved to {aside}: {why.strerror}') from why
+            self._log.warning(f'{self._path}: {error}: it is kept as {aside}, and the robot is '
+                              'learned anew')
+        except ValueError as error:
+            raise ValueError(f'parameter odometry_model: {error}') from error
+        self._log.info(
+            f'{self._path} does not exist: the odometry learns the robot, and the file is '
+            'written at the end' if self.robot is None else
+            f'the odometry starts with what {self._path} knows of this robot')
+
+    def save(self, session: Session) -> Outcome:
+        """Write what is known now."""
+        if self._path is None:
+            return Outcome(False, NO_FILE)
+        robot = _known_by(session)
+        if robot is None:
+            return Outcome(False, NOTHING)
+        try:
+            write(self._path, robot)
+        except OSError as error:
+            return Outcome(False, f'{self._path} cannot be written: {error.strerror}')
+        unsure = '' if robot.certain else '; the robot is not known well yet: drive and turn more'
+        return Outcome(True, f'written to {self._path}{unsure}')
+
+    def end(self, session: Session) -> None:
+        """Write what was learned, where it is more than the file says."""
+        robot = _known_by(session)
+        if self._path is None or robot is None:
+            return
+        if not robot.certain or robot.readings < MIN_READINGS:
+            self._log.info(f'too little was learned of the robot: {self._path} stays as it is')
+            return
+        outcome = self.save(session)
+        if outcome.ok:
+            self._log.info(f'what was learned of the robot is {outcome.text}')
+        else:
+            self._log.error(outcome.text)
+
+
+def _known_by(session: Session) -> Knowledge | None:
+    with session.request() as (driver, now):
+        return driver.health(now).robot
+
+
+def write_whole(target: Path, content: bytes) -> None:
+    """
+    Write a file beside the target and rename it, so that a full disk leaves the target as it was.
+
+    A device such as /dev/stdout is written directly. OSError: it cannot be; it names the target.
+    """
+    real = Path(os.path.realpath(target))
+    try:
+        if real.exists() and not real.is_file():
+            real.write_bytes(content)
+        else:
+            _replace(real, content)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from error
+
+
+def _replace(target: Path, content: bytes) -> None:
+    beside = target.with_name(f'.{target.name}.{os.getpid()}')
+    try:
+        beside.write_bytes(content)
+        if target.exists():
+            beside.chmod(S_IMODE(target.stat().st_mode))
+        beside.replace(target)
+    except OSError:
+        with suppress(FileNotFoundError):  # where it could not be created
+            beside.unlink()
+        raise

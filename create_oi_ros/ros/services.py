@@ -38,7 +38,7 @@ from ..driver.outbox import Awaited, refused
 from ..link.session import Session
 from . import messages
 from .messages import yaw_of
-from .model_keeper import ModelKeeper
+from .odometry_model import ModelKeeper
 
 Result = TypeVar('Result')
 QUEUE = QoSProfile(depth=200)

@@ -26,8 +26,8 @@ from create_oi_ros.driver import Driver, Settings
 from create_oi_ros.driver.goals import Code, Malformed
 from create_oi_ros.driver.outbox import WAKE_UP
 from create_oi_ros.ros.actions import ACTIONS
-from create_oi_ros.ros.model_keeper import ModelKeeper
 from create_oi_ros.ros.node import CreateNode
+from create_oi_ros.ros.odometry_model import ModelKeeper
 from create_oi_ros.ros.parameters import declare, Parameters
 from create_oi_ros.ros.services import SERVICES, Services
 from support.anything import anything

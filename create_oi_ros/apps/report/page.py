@@ -22,7 +22,7 @@ import zlib
 
 from ... import pages
 from ...pages.one_file import one_script
-from ...ros.whole_file import write_whole
+from ...ros.odometry_model import write_whole
 from .recording import Curve, Recording, Span, SPANS
 from .summary import absent, clock, events, summary, TimelineEvent, warnings
 
