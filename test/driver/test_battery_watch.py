@@ -152,12 +152,6 @@ def test_a_robot_that_may_be_restarted_is_restarted_once():
     assert dock.sent(99.0) == b''
 
 
-def test_a_frame_that_comes_late_is_late_enough():
-    dock = Dock(reset=False)
-    assert dock.said(0.0) == ''
-    assert dock.said(5.3) != ''
-
-
 def test_a_voltage_that_is_not_known_is_no_low_one():
     watch = BatteryWatch(LIMITS)
     for now in (0.0, 5.0):

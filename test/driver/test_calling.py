@@ -9,7 +9,6 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver, Settings, Severity
-from create_oi_ros.driver.connection import BaudSearch
 from create_oi_ros.driver.outbox import HALT
 from create_oi_ros.oi.codes import START_BAUDS
 from support.loop import Loop, said
@@ -66,17 +65,6 @@ def test_the_usual_rates_are_found_within_a_second(baud):
     assert loop.driver.state.answered
 
 
-def test_every_rate_is_tried():
-    search = BaudSearch(0)
-    tried = {search.next_baud() for _ in range(100)}
-    assert tried == set(RATES)
-
-
-def test_a_fixed_rate_stays():
-    search = BaudSearch(19200)
-    assert {search.next_baud() for _ in range(100)} == {19200}
-
-
 def test_a_silent_robot_is_told_of_once_with_what_to_look_at():
     loop = Loop(Settings(baud=0))
     loop.cut = True
@@ -90,22 +78,6 @@ def test_a_silent_robot_is_told_of_once_with_what_to_look_at():
         loop.driver.receive(b'$GPGGA,123519,4807' * 2, loop.now)
     assert said(loop, Severity.ERROR, 'is it another device? The driver keeps') == 1
     assert not said(loop, Severity.ERROR, 'baud: 0')
-
-
-def test_something_else_that_speaks_is_told_of():
-    loop = Loop()
-    loop.cut = True
-    for _ in range(20):
-        loop.run(0.1)
-        loop.driver.receive(b'$GPGGA,123519,4807' * 2, loop.now)
-    assert said(loop, Severity.ERROR, 'not like a Create') == 1
-    assert loop.driver.state.activity is Activity.CALLING
-
-
-def test_a_rate_that_is_too_slow_is_told_of():
-    loop = Loop(Settings(baud=9600), robot_baud=9600)
-    loop.run(1)
-    assert said(loop, Severity.ERROR, '9600 baud is too slow') == 1
 
 
 @pytest.mark.parametrize('baud', [9600, 14400])

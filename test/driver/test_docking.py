@@ -127,14 +127,6 @@ def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
     assert 'not driving' not in said(loop)
 
 
-def test_a_goal_ends_a_search_and_is_pursued():
-    loop = met()
-    running = start(loop, Dock(0.0))
-    loop.run(3.0)
-    assert pursue(loop, distance(-0.1)).code is Code.NONE
-    assert running.ending.code is Code.SUPERSEDED
-
-
 def test_set_mode_and_a_demo_take_over_from_a_search():
     for take_over in (lambda loop: loop.driver.set_mode(oi.Mode.FULL, loop.now),
                       lambda loop: loop.driver.demos.start(oi.DemoNumber.TAG),
@@ -215,13 +207,6 @@ def test_a_robot_in_full_stays_in_full():
     loop = docked(mode=oi.Mode.FULL)
     assert pursue(loop, undock()).code is Code.NONE
     assert loop.robot.mode is oi.Mode.FULL
-
-
-def test_off_the_dock_there_is_nothing_to_leave():
-    loop = met()
-    ending = pursue(loop, undock())
-    assert ending.code is Code.NO_DOCK
-    assert loop.body.truth().travelled == 0
 
 
 def test_a_robot_that_is_held_on_its_dock_stalls():

@@ -8,7 +8,6 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings
-from create_oi_ros.driver.outbox import DRAIN
 from support.loop import Loop, turn_difference
 
 # Connecting.
@@ -47,43 +46,12 @@ def test_the_list_of_packets_fits_the_slot_at_57600_baud():
         assert packets.budget(57600).fits
 
 
-def test_at_19200_baud_every_list_fits_and_all_readings_come():
-    loop = Loop(Settings(baud=19200))
-    loop.run(3)
-    for packets in loop.driver.plan.lists:
-        assert packets.budget(19200).fits
-    assert loop.moved[-1].readings.has('voltage', 'analog_signal', 'oi_mode')
-
-
 @pytest.mark.parametrize('checksum', list(oi.Checksum))
 def test_either_checksum_is_understood(checksum):
     loop = Loop(checksum=checksum)
     loop.run(0.3)
     assert loop.driver.health(loop.now).checksum is checksum
     assert loop.driver.counts.checksum_failures == 0
-
-
-@pytest.mark.parametrize(
-    'command', [command for command in oi.COMMANDS if not command.title.startswith('Wait')],
-    ids=lambda command: command.title)
-def test_a_command_cut_short_is_drained_and_moves_nothing(command):
-    """Whatever byte the robot has last heard, it wakes up; one that waits hears nothing."""
-    longest = [100] * 300
-    for length in range(1, command.size(bytes([command.opcode]))):
-        loop = Loop()
-        loop.robot.receive(oi.Start().encode() + oi.Full().encode(), loop.now)
-        loop.robot.receive(bytes([command.opcode, *longest[:length - 1]]), loop.now)
-        # A Query List of 255 packets is answered for more than a second.
-        loop.run(2.0)
-        assert loop.robot.mode is oi.Mode.SAFE, length
-        assert loop.robot.baud == 57600
-        assert loop.driver.state.answered
-        loop.run(0.5)
-        assert loop.body.truth().speed == 0
-
-
-def test_drain_holds_no_opcode():
-    assert not set(DRAIN) & set(oi.Command.by_opcode)
 
 
 def test_a_robot_that_drives_is_stopped_when_the_driver_connects():
@@ -101,14 +69,6 @@ def test_without_a_port_nothing_is_counted_and_a_stop_and_the_end_send_nothing()
     assert driver.stop(0.0).outcome.ok is False
     driver.shut_down(0.1)
     assert driver.data_to_send() == b''
-
-
-def test_the_odometry_starts_again_where_the_robot_is(loop):
-    loop.drive(0.2, 0.0, 2.0)
-    assert loop.estimate.x > 0.2
-    assert loop.driver.reset_odometry().outcome.ok
-    loop.run(0.1)
-    assert abs(loop.estimate.x) < 0.1
 
 
 def test_a_metre_and_a_turn_agree_with_the_truth(loop):

@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, MotionLimits, Settings
+from create_oi_ros.driver import Activity, Settings
 from create_oi_ros.driver.goal_control import MODE_WAIT
 from create_oi_ros.driver.goals import Code, Goal, Progress, Running
 from create_oi_ros.driver.goals.goal import DockDemo, Enter, Order, Over, View
@@ -188,12 +188,6 @@ def test_a_goal_that_needs_no_wheels_runs_in_passive_and_one_that_does_is_refuse
     assert sent(passive) == [] and passive.robot.mode is oi.Mode.PASSIVE
 
 
-def test_a_goal_that_is_refused_first_of_all_has_run_for_no_time(passive):
-    refused = passive.driver.goals.start(Told(AHEAD), passive.now)
-    assert ended(refused)[0] is Code.MODE
-    assert refused.ending.seconds == 0
-
-
 def test_a_goal_that_is_cancelled_before_its_first_frame_has_run_for_no_time(at_once):
     at_once.now += 0.001
     running = at_once.driver.goals.start(Told(AHEAD), at_once.now)
@@ -247,15 +241,6 @@ def test_a_dock_that_was_found_leaves_the_robot_as_it_is(at_once):
     assert ended(running)[0] is Code.NONE
     assert END_DEMO not in sent(at_once)
     assert at_once.robot.mode is oi.Mode.PASSIVE
-
-
-def test_velocities_do_not_end_a_goal_where_they_may_not():
-    loop = Loop(Settings(limits=MotionLimits(commands_interrupt=False)))
-    loop.run(0.3)
-    running = begun(loop, Told(AHEAD))
-    loop.driver.drive(0.3, 0.0, loop.now)
-    loop.run(0.1)
-    assert running.ending is None
 
 
 def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives(at_once):

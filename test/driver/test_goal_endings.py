@@ -13,7 +13,6 @@ from create_oi_ros.driver.battery import BatteryLimits, LowBatteryAction
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
 from create_oi_ros.driver.goals.approach import Learned
 from create_oi_ros.driver.state import Activity
-from create_oi_ros.driver.supervision import SETTLING
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
     angle,
@@ -68,14 +67,6 @@ def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped():
     assert pursue(loop, distance(0.1)).text.startswith('not started; no answer yet')
 
 
-def test_a_goal_that_was_refused_took_no_time():
-    loop = met()
-    pursue(loop, distance(0.1))
-    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
-    loop.run(0.2)
-    assert pursue(loop, WallFollow(-1, 5.0, 0.0)).seconds == 0
-
-
 # What the robot is.
 
 
@@ -115,15 +106,6 @@ def test_every_goal_ends_in_every_mode(mode, make):
     loop.run(0.5)
     assert loop.robot.mode is mode
     assert loop.robot.actuators.wheels == (0, 0)
-
-
-def test_passive_ends_a_motion_that_runs():
-    loop = met()
-    running = moving(loop)
-    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
-    ending = ended(loop, running, within=0.2)
-    assert ending.code is Code.MODE
-    assert 'PASSIVE' in ending.text
 
 
 def test_full_instead_of_safe_changes_nothing():
@@ -223,15 +205,6 @@ def test_a_driver_that_ends_ends_its_goal():
 # Who else gives orders.
 
 
-def test_time_that_is_over_ends_a_goal():
-    loop = met()
-    running = moving(loop, distance(1.0, allowance=1.5))
-    ending = ended(loop, running, within=0.6)
-    assert ending.code is Code.TIMEOUT
-    assert '1.5 s' in ending.text
-    assert ending.seconds == pytest.approx(1.5, abs=0.05)
-
-
 def test_time_that_the_driver_chose_is_said_to_be_twice_what_it_should_take():
     loop, goal = met(), distance(1.0)
     running = moving(loop, goal)
@@ -286,25 +259,6 @@ def test_a_cancel_asks_for_zero_at_once(make):
     assert running.ending.code is Code.CANCELED
 
 
-def test_a_cancel_that_comes_too_late_ends_no_other_goal():
-    loop = met()
-    first = moving(loop)
-    second = moving(loop)
-    loop.driver.goals.cancel(first, loop.now)
-    loop.driver.goals.abandon(first, loop.now)
-    loop.run(0.1)
-    assert second.ending is None
-
-
-def test_a_goal_whose_client_has_gone_is_stopped():
-    loop = met()
-    running = moving(loop)
-    loop.driver.goals.abandon(running, loop.now)
-    ending = ended(loop, running)
-    assert ending.code is Code.STOPPED
-    assert 'client has gone' in ending.text
-
-
 def test_what_comes_after_the_end_changes_nothing():
     loop = met()
     running = moving(loop)
@@ -315,52 +269,12 @@ def test_what_comes_after_the_end_changes_nothing():
     assert running.ending is before
 
 
-def test_a_robot_that_does_not_enter_its_mode_again_ends_a_goal():
-    loop = met()
-    loop.run(SETTLING)  # after that, leaving the mode is no late frame
-    loop.robot.receive(oi.Start().encode(), loop.now)
-    loop.run(2 * FRAME)
-    loop.robot.receive = lambda *_: None
-    running = start(loop, distance(0.3))
-    loop.run(1.2)
-    assert running.ending.code is Code.MODE
-
-
 def test_a_stop_always_wins():
     for interrupt in (True, False):
         loop = met(MotionLimits(commands_interrupt=interrupt))
         running = moving(loop)
         loop.driver.stop(loop.now)
         assert ended(loop, running, within=0.0).code is Code.STOPPED
-
-
-def test_ten_goals_at_once_leave_one():
-    loop = met()
-    begun = [start(loop, distance(0.1 + n / 100)) for n in range(10)]
-    assert [each.ending.code for each in begun[:-1]] == [Code.SUPERSEDED] * 9
-    assert until_ended(loop, begun[-1]).code is Code.NONE
-    assert loop.body.truth().travelled == pytest.approx(0.19, abs=0.01)
-
-
-def test_a_velocity_takes_over_and_drives():
-    loop = met()
-    running = moving(loop)
-    loop.driver.drive(-0.1, 0.0, loop.now)
-    assert running.ending.code is Code.SUPERSEDED
-    assert loop.driver.state.activity is Activity.DRIVING
-    loop.drive(-0.1, 0.0, 1.0)
-    assert loop.body.truth().speed == pytest.approx(-0.1, abs=0.01)
-
-
-def test_a_velocity_of_zero_and_one_that_may_not_interrupt_change_nothing():
-    for interrupt, velocity in ((True, (0.0, 0.0)), (False, (0.3, 1.0)), (False, (nan, 0.0))):
-        loop = met(MotionLimits(commands_interrupt=interrupt))
-        running = start(loop, distance(0.3))
-        while running.ending is None:
-            loop.driver.drive(*velocity, loop.now)
-            loop.run(0.1)
-        assert running.ending.code is Code.NONE
-        assert loop.body.truth().travelled == pytest.approx(0.3, abs=0.01)
 
 
 @pytest.mark.parametrize('velocity', [(nan, 0.0), (0.2, nan), (inf, 0.0)])

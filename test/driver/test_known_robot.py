@@ -71,9 +71,15 @@ def errors(loop: Loop, wishes: Iterable[Wish]) -> tuple[float, float]:
 
 
 @cache
+def lesson() -> tuple[Loop, Knowledge]:
+    """Return the most likely robot after two minutes, and what was learned of it."""
+    loop = robot()
+    return loop, taught(loop)
+
+
 def centre_robot() -> Knowledge:
     """Return what is learned of the most likely robot."""
-    return taught(robot())
+    return lesson()[1]
 
 
 def test_a_robot_is_known_after_two_minutes():
@@ -87,8 +93,7 @@ def test_a_robot_is_known_after_two_minutes():
 
 
 def test_its_acquaintance_is_made_once_in_one_line():
-    loop = robot()
-    taught(loop)
+    loop, _ = lesson()
     lines = [notice.text for notice in loop.notices if 'knows this robot' in notice.text]
     assert len(lines) == 1
     assert 'angle: cut off' in lines[0]

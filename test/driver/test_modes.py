@@ -6,7 +6,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, MotionLimits, Settings, Severity
+from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.events import ModeChanged
 from create_oi_ros.driver.modes import MODE_TIMEOUT
 from create_oi_ros.driver.supervision import CLEAR_FOR, SETTLING
@@ -64,10 +64,6 @@ def test_a_mode_that_a_deaf_robot_does_not_enter_is_given_up_after_its_time(loop
     loop.run(0.02)
     assert pending.outcome.ok is False
     assert pending.outcome.text.startswith(said)
-
-
-def test_set_mode_without_a_robot_answers_at_once():
-    assert Driver().set_mode(oi.Mode.SAFE, 0.0).outcome.ok is False
 
 
 @pytest.mark.parametrize(('lift', 'cause'), [

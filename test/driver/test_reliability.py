@@ -13,26 +13,7 @@ from create_oi_ros.driver.battery import SETTLE
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP
 from create_oi_ros.driver.stream import ALL
 from create_oi_ros.driver.supervision import CLEAR_FOR
-from create_oi_ros.driver.tracking import FASTEST, FASTEST_TURN, JumpCheck, SLACK
-from create_oi_ros.robot import Rounding
 from support.loop import Loop, said, texts
-
-# Last words.
-
-
-@pytest.mark.parametrize('begun', [b'', oi.DriveDirect(right=500, left=500).encode()[:3],
-                                   oi.Leds(bits=0, color=0, intensity=0).encode()[:2],
-                                   bytes([oi.Song.opcode, 3, 16, 60])])
-def test_last_words_stop_a_robot_whatever_it_was_being_told(begun):
-    loop = Loop()
-    loop.run(0.3)
-    loop.drive(0.3, 0.0, 0.5)
-    loop.robot.receive(begun + DEAD_MAN_STOP, loop.now)
-    loop.cut = True
-    loop.run(1.0)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-    assert loop.body.truth().speed == 0
-
 
 # What cannot be.
 
@@ -49,29 +30,6 @@ def test_an_impossible_jump_is_dropped_and_counted():
     loop.run(0.1)
     assert loop.driver.counts.impossible_jumps == 1
     assert loop.estimate.x == pytest.approx(before.x, abs=1e-6)
-
-
-def test_what_is_possible_passes():
-    jumps = JumpCheck()
-    reading = oi.Readings({'distance': 30000, 'angle': 0})
-    assert jumps.possible(reading, 0.0), 'the first spans an unknown time'
-    reading = oi.Readings({'distance': int(FASTEST * 1000) + SLACK, 'angle': -int(FASTEST_TURN)})
-    assert jumps.possible(reading, 1.0)
-    assert not jumps.possible(reading, 1.1)
-
-
-def test_a_reading_out_of_the_manuals_range_is_not_published():
-    loop = Loop()
-    loop.run(1)
-    seen = len(loop.moved)
-    forged = loop.driver.plan.full
-    values = [0] * len(forged.packets)
-    values[forged.names.index('wall')] = 7
-    loop.driver.receive(forged.pack_frame(values), loop.now)
-    while loop.driver.next_event() is not None:
-        seen += 1
-    assert seen == len(loop.moved)
-    assert loop.driver.counts.implausible_frames == 1
 
 
 def ruled_out() -> list[tuple[str, int]]:
@@ -97,16 +55,6 @@ def test_no_reading_next_to_the_manuals_range_is_published(name, value):
     assert loop.driver.next_event() is None
     assert loop.driver.counts.implausible_frames == 1
     assert len(loop.moved) == before
-
-
-def test_an_angle_that_never_changes_is_told_of():
-    # Asked in every frame, a robot that truncates never reports a slow turn.
-    loop = Loop(Settings(odometry_window=0.0), rounding=Rounding.TRUNCATE)
-    loop.run(0.5)
-    loop.drive(0.0, 1.0, 8.0)
-    assert said(loop, Severity.WARNING, 'the angle does not change') == 1
-    loop.drive(0.0, 3.0, 2.0)
-    assert not loop.driver.health(loop.now).angle_stuck
 
 
 # The battery.
@@ -142,17 +90,6 @@ def test_on_request_the_robot_looks_for_its_dock():
     loop = drained(LowBatteryAction.DOCK)
     assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
     assert said(loop, Severity.ERROR, 'nearly empty: the robot looks for its dock') == 1
-
-
-def test_a_short_dip_is_no_low_battery():
-    loop = Loop(Settings(battery=BatteryLimits(low=14.0, empty=13.9)))
-    loop.run(0.5)
-    loop.body.set_battery(charge=0.02)
-    loop.run(SETTLE / 2)
-    loop.body.set_battery(charge=0.9)
-    loop.run(SETTLE)
-    assert loop.driver.health(loop.now).battery is BatteryLevel.FINE
-    assert not said(loop, Severity.WARNING, 'battery')
 
 
 # A driver that was stopped.

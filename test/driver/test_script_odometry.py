@@ -10,7 +10,6 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings
-from create_oi_ros.driver.stream import StreamPlan
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
 from support.loop import AT_ONCE, Loop
@@ -82,7 +81,7 @@ def test_after_a_script_the_odometry_is_where_the_robot_is(
 
     A wheel that reverses is counted backwards while it brakes, so it must be known how it brakes.
     """
-    played = [play(learned(rounding, begin), script) for begin in range(len(LESSON))]
+    played = [play(learned(rounding, begin), script) for begin in range(0, len(LESSON), 2)]
     places, headings, _ = zip(*played)
     assert sqrt(fmean(each ** 2 for each in places)) < metres
     assert sqrt(fmean(each ** 2 for each in headings)) < turn
@@ -119,11 +118,3 @@ def test_a_script_that_is_refused_leaves_the_stream_as_it_is() -> None:
     assert loop.driver.scripts.play(loop.now, force=False).outcome.ok is False
     loop.run(0.1)
     assert not any(isinstance(each, oi.Drive) for each in loop.commands())
-
-
-@pytest.mark.parametrize('baud', [19200, 28800, 38400, 57600, 115200])
-def test_the_list_for_scripts_fits(baud: int) -> None:
-    plan = StreamPlan(baud)
-    assert plan.script.budget(baud).fits
-    assert plan.script in plan.lists
-    assert plan.script != plan.marker

@@ -96,16 +96,6 @@ def test_what_was_driven_while_frames_were_lost_is_not_what_is_driven_now(
     assert off() == pytest.approx((0.0, 0.0), abs=0.05)
 
 
-def test_shutting_down_stops_the_wheels_and_leaves_passive(loop):
-    loop.drive(0.2, 0.0, 0.5)
-    loop.commands()
-    loop.driver.shut_down(loop.now)
-    loop.robot.receive(loop.driver.data_to_send(), loop.now)
-    loop.run(1.0)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-    assert loop.body.truth().speed == 0
-
-
 def test_the_delay_of_the_line_does_not_matter():
     loop = Loop(delay=0.03)
     loop.run(0.5)

@@ -19,6 +19,11 @@ from support.loop import AT_ONCE, Loop, texts
 TIMEOUT = MotionLimits.timeout
 
 
+def drives(loop):
+    """Return what the robot was told of its wheels since the last time."""
+    return [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
+
+
 def test_a_velocity_becomes_drive_direct_right_wheel_first(at_once):
     loop = at_once
     loop.driver.drive(0.2, 1.0, loop.now)
@@ -29,8 +34,7 @@ def test_a_velocity_becomes_drive_direct_right_wheel_first(at_once):
 def test_an_unchanged_velocity_is_sent_once(at_once):
     loop = at_once
     loop.drive(0.1, 0.0, 1.0)
-    driven = [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
-    assert driven == [oi.DriveDirect(right=100, left=100)]
+    assert drives(loop) == [oi.DriveDirect(right=100, left=100)]
 
 
 def test_commands_faster_than_the_robot_listens_are_thinned_and_the_newest_wins(loop):
@@ -41,11 +45,6 @@ def test_commands_faster_than_the_robot_listens_are_thinned_and_the_newest_wins(
     sent = loop.commands()
     assert sent[-1] == oi.DriveDirect(right=100, left=100)
     assert len(sent) <= 100 * 0.005 / oi.SLOT + 2
-
-
-def drives(loop):
-    """Return what the robot was told of its wheels since the last time."""
-    return [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
 
 
 def test_a_command_before_the_robot_answers_moves_nothing_later():
@@ -123,36 +122,30 @@ def test_limits_may_change_while_the_robot_drives(loop):
     loop.drive(0.2, 0.0, 0.5)
     loop.driver.set_limits(MotionLimits(max_wheel_speed=0.1))
     loop.drive(0.2, 0.0, 0.5)
-    sent = [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
-    assert sent[-1] == oi.DriveDirect(right=100, left=100)
-
-
-def requested(loop: Loop) -> list[oi.DriveDirect]:
-    """Return the drives that the robot was sent since the last call."""
-    return [command for command in loop.commands() if isinstance(command, oi.DriveDirect)]
+    assert drives(loop)[-1] == oi.DriveDirect(right=100, left=100)
 
 
 @pytest.mark.parametrize('acceleration', [0.01, 0.5])
 def test_acceleration_is_limited_up_and_down_and_the_curve_is_kept(acceleration):
     loop = Loop(Settings(limits=MotionLimits(linear_acceleration=acceleration)))
     loop.run(0.3)
-    requested(loop)
+    drives(loop)
     loop.drive(0.2, 0.4, 0.3)
-    sent = requested(loop)
+    sent = drives(loop)
     assert sent[-1].right + sent[-1].left == pytest.approx(2000 * acceleration * 0.3, abs=20)
     for each in sent[len(sent) // 2:]:
         assert each.right == pytest.approx(each.left * 251.6 / 148.4, abs=1.5)
     loop.drive(0.2, 0.4, 0.3)
     loop.drive(0.0, 0.0, 0.1)
-    assert requested(loop)[-1].right > 0
+    assert drives(loop)[-1].right > 0
 
 
 def test_turning_acceleration_is_limited():
     loop = Loop(Settings(limits=MotionLimits(angular_acceleration=1.0)))
     loop.run(0.3)
-    requested(loop)
+    drives(loop)
     loop.drive(0.0, 2.0, 0.5)
-    last = requested(loop)[-1]
+    last = drives(loop)[-1]
     assert (last.right - last.left) / 258 == pytest.approx(0.5, abs=0.05)
 
 
@@ -161,22 +154,22 @@ def test_stop_and_the_end_of_commands_know_no_acceleration_limit():
     loop.run(0.3)
     for end in (lambda: loop.driver.stop(loop.now), lambda: loop.run(TIMEOUT)):
         loop.drive(0.2, 0.0, 0.5)
-        assert requested(loop)[-1].right > 50
+        assert drives(loop)[-1].right > 50
         end()
         loop.run(0.02)
-        assert requested(loop)[-1] == oi.DriveDirect(right=0, left=0)
+        assert drives(loop)[-1] == oi.DriveDirect(right=0, left=0)
 
 
 def test_a_robot_that_somebody_else_stopped_starts_from_rest():
     loop = Loop(Settings(limits=MotionLimits(linear_acceleration=0.5)))
     loop.run(0.3)
     loop.drive(0.3, 0.0, 1.0)
-    requested(loop)
+    drives(loop)
     loop.robot.receive(oi.DriveDirect(right=0, left=0).encode(), loop.now)
     loop.drive(0.3, 0.0, 0.3)
-    assert requested(loop)[0].right < 50
+    assert drives(loop)[0].right < 50
     loop.drive(0.3, 0.0, 1.0)
-    assert requested(loop)[-1].right == 300
+    assert drives(loop)[-1].right == 300
 
 
 # Beside a goal.
@@ -192,7 +185,7 @@ def test_any_velocity_but_zero_takes_over_from_a_goal(velocity):
     assert running.ending.code is Code.SUPERSEDED
     assert loop.driver.state.activity is Activity.DRIVING
     loop.turn()
-    halt, first, *_ = requested(loop)
+    halt, first, *_ = drives(loop)
     assert halt == oi.DriveDirect(right=0, left=0)
     assert abs(first.right) < 100 and abs(first.left) < 100, 'from rest'
 
@@ -265,18 +258,18 @@ def test_a_mode_that_does_not_come_is_a_warning_after_all():
 def test_a_robot_that_cannot_drive_is_sent_no_speeds(velocity):
     loop = Loop(Settings(mode_on_start=oi.Mode.PASSIVE))
     loop.run(0.5)
-    requested(loop)
+    drives(loop)
     loop.drive(*velocity, 0.5)
-    assert requested(loop) == []
+    assert drives(loop) == []
 
 
 def test_a_robot_that_plays_a_script_is_sent_only_the_stops_that_ask_for_its_end(loop):
     loop.driver.scripts.define(oi.Script(script=oi.WaitTime(time=20).encode()))
     loop.driver.scripts.play(loop.now, force=False)
     loop.run(0.2)
-    requested(loop)
+    drives(loop)
     loop.drive(0.1, 0.0, 0.5)
-    assert set(requested(loop)) == {oi.DriveDirect(right=0, left=0)}
+    assert set(drives(loop)) == {oi.DriveDirect(right=0, left=0)}
 
 
 @pytest.mark.parametrize(('count', 'more'), [
