@@ -24,11 +24,11 @@ FORMATS = {'b': 'signed byte', 'B': 'byte', 'h': 'signed word', 'H': 'word'}
 
 def commands_table() -> list[Row]:
     """Return the table of commands."""
-    rows: list[Row] = [('Opcode', 'Command', 'Data', 'Obeyed in', 'Enters', 'Section')]
+    rows: list[Row] = [('Opcode', 'Command', 'Data', 'Obeyed from', 'Enters')]
     for kind in COMMANDS:
-        modes = ', '.join(mode.name.capitalize() for mode in sorted(kind.modes))
         enters = kind.enters.name.capitalize() if kind.enters is not None else ''
-        rows.append((str(kind.opcode), kind.title, _payload(kind), modes, enters, kind.section))
+        lowest = min(kind.modes).name.capitalize()
+        rows.append((str(kind.opcode), kind.title, _payload(kind), lowest, enters))
     return rows
 
 
@@ -42,16 +42,16 @@ def _payload(kind: type[Command]) -> str:
 
 
 def _described(wire: Wire) -> str:
-    return f'{FORMATS[wire.format]}, {wire.describe()}'
+    bytes_ = FORMATS[wire.format]
+    if (wire.low, wire.high) == wire.limits and not wire.but:
+        return f'{bytes_} ({wire.unit})' if wire.unit else bytes_
+    return f'{bytes_}, {wire.describe()}'
 
 
 def packets_table(ids: Iterable[int] = PACKETS) -> list[Row]:
     """Return the table of single packets, or of some of them."""
-    rows: list[Row] = [('Packet', 'Name', 'Field', 'Value', 'Groups')]
-    for number in ids:
-        _, title, wire = PACKETS[number]
-        groups = ', '.join(str(group) for group, members in GROUPS.items() if number in members)
-        rows.append((str(number), title, NAMES[number], _described(wire), groups))
+    rows: list[Row] = [('Packet', 'Field', 'Value')]
+    rows += [(str(number), NAMES[number], _described(PACKETS[number].wire)) for number in ids]
     return rows
 
 
@@ -63,10 +63,10 @@ def groups_table() -> list[Row]:
 
 
 def codes_table() -> list[Row]:
-    """Return the table of named numbers in commands and packets."""
+    """Return the table of named numbers in commands and packets; the other tables have bits."""
     used: dict[type[IntEnum] | type[IntFlag], list[str]] = {}
     for title, wire in _wires():
-        if wire.names is not None:
+        if wire.names is not None and not wire.mask:
             used.setdefault(wire.names, []).append(title)
     rows: list[Row] = [('Names', 'Used in', 'Numbers')]
     for names, titles in used.items():
