@@ -5,21 +5,23 @@
 from .events import (
     BatteryLevel,
     BatteryLimits,
+    Cause,
     DriverEvent,
     Health,
     LinkCounts,
     LowBatteryAction,
     ModeChanged,
+    ModeStatus,
+    MotionLimits,
     Moved,
     Notice,
     Settings,
     Severity,
 )
 from .machine import Driver
-from .motion import MotionLimits, wheel_speeds
+from .motion import wheel_speeds
 from .outbox import DEAD_MAN_STOP, Outcome, Pending
 from .state import Activity
-from .supervision import Cause, ModeStatus
 
 __all__ = [
     'Activity', 'BatteryLevel', 'BatteryLimits', 'Cause', 'Driver', 'DriverEvent', 'Health',

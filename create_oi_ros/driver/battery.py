@@ -12,7 +12,7 @@ from .. import oi
 from ..robot import MILLI
 from .core import Core
 from .events import BatteryLevel, BatteryLimits, LowBatteryAction, Severity
-from .modes import Demos, Modes
+from .mode import Modes
 
 SETTLE = 5.0
 """Seconds that the voltage must stay below a limit: motors that start pull it down."""
@@ -64,11 +64,10 @@ DOES = {LowBatteryAction.DOCK: 'looks for its dock',
 class BatteryGuard:
     """Acts on the battery's level."""
 
-    def __init__(self, core: Core, demos: Demos, modes: Modes) -> None:
+    def __init__(self, core: Core, modes: Modes) -> None:
         self._core = core
         self._watch = BatteryWatch(core.settings.battery)
         self._action = core.settings.battery.action
-        self._demos = demos
         self._modes = modes
         self._due = False
         """Whether the action for an empty battery has still to be taken."""
@@ -83,7 +82,7 @@ class BatteryGuard:
         """Take readings in; when the level has just become worse, report it and act."""
         if self._watch.observe(readings, now):
             volts = readings.number('voltage', 0) * MILLI
-            self._core.events.notice(
+            self._core.notice(
                 Severity.WARNING, f'battery {self.level.value} ({volts:.1f} V): charge it')
             self._due, self._refusal = self._action is not LowBatteryAction.NONE, ''
         if self._due and self.level is BatteryLevel.EMPTY:
@@ -91,16 +90,16 @@ class BatteryGuard:
 
     def _act(self, now: float) -> None:
         """Do what the user chose; where the robot refuses it, say so once and try again."""
-        outcome = (self._demos.start(oi.DemoNumber.COVER_AND_DOCK)
+        outcome = (self._modes.start_demo(oi.DemoNumber.COVER_AND_DOCK)
                    if self._action is LowBatteryAction.DOCK else self._modes.rest(now)).outcome
         does = f'battery {self.level.value}: the robot {DOES[self._action]}'
         if outcome is None or outcome.ok:
             self._due = False
-            self._core.events.notice(
+            self._core.notice(
                 Severity.ERROR, f'{does}, as low_battery_action says; charge it')
         elif outcome.text != self._refusal:
             self._refusal = outcome.text
-            self._core.events.notice(
+            self._core.notice(
                 Severity.ERROR, f'{does} as soon as it can ({outcome.text}); charge it')
 
 
@@ -120,8 +119,9 @@ def charges(readings: oi.Readings) -> bool:
 class ChargeWatch:
     """Watches the charging state frame by frame."""
 
-    def __init__(self, core: Core) -> None:
+    def __init__(self, core: Core, modes: Modes) -> None:
         self._core = core
+        self._modes = modes
         self._reset = core.settings.reset_when_not_charging
         self._since: float | None = None
         self._was_reset = self._reported = False
@@ -129,7 +129,7 @@ class ChargeWatch:
     def observe(self, readings: oi.Readings, now: float) -> None:
         """Take readings in; report a robot that does not charge, and restart it once."""
         status = self._core.status
-        if not self._core.supervision.docked or not readings.has('charging_state'):
+        if not self._modes.docked or not readings.has('charging_state'):
             self._since, self._was_reset, self._reported = None, False, False
             return
         waits = readings.charging_state in NO_CURRENT
@@ -146,11 +146,11 @@ class ChargeWatch:
         says = f'the robot is on its dock and does not charge (state {state})'
         if self._reset and not self._was_reset:
             self._was_reset, self._since = True, None
-            self._core.events.notice(Severity.WARNING, f'{says}: restarting it (opcode 7)')
+            self._core.notice(Severity.WARNING, f'{says}: restarting it (opcode 7)')
             self._core.outbox.send_raw(RESET)
         elif not self._reported:
             self._reported = True
             advice = ('even after a restart: are the contacts clean, is the battery in?'
                       if self._was_reset else 'clean the contacts, or set '
                       'reset_when_not_charging, which restarts it')
-            self._core.events.notice(Severity.WARNING, f'{says}: {advice}')
+            self._core.notice(Severity.WARNING, f'{says}: {advice}')

@@ -195,7 +195,7 @@ class Connection:
         """Note that the first frame has come; `event` is ANSWERED or RETURNED."""
         slow = self._search.raised_from
         if slow is not None:
-            self._core.events.notice(Severity.WARNING, (
+            self._core.notice(Severity.WARNING, (
                 f'the robot was at {slow} baud, too slow for its stream: it is at {self.baud} '
                 'now, until it is switched off'))
         self._core.handle(event)
@@ -216,7 +216,7 @@ class Connection:
             self._search.restart()
             why = self.frame_budget.why_silent(self.plan.budget, self.baud)
             self._silence = f'no frame for {SILENCE} s: {why}; calling it until it answers'
-            self._core.events.notice(Severity.ERROR, self._silence)
+            self._core.notice(Severity.ERROR, self._silence)
         rest = self.reader.flush()
         if rest is not None:
             self._search.add_garbage(rest.data)
@@ -232,7 +232,7 @@ class Connection:
             self._stood_still(now - before, now)
 
     def _stood_still(self, seconds: float, now: float) -> None:
-        self._core.events.notice(
+        self._core.notice(
             Severity.WARNING, f'the driver stood still for {seconds:.1f} s (Ctrl-Z, a debugger, a '
             'computer that slept or was too busy); calling the robot again')
         self._core.outbox.clear(HALT)
@@ -259,11 +259,11 @@ class Connection:
         elif news is CommandNews.WAKE:
             self._core.outbox.send_raw(WAKE_UP)
         elif news is CommandNews.IGNORES:
-            self._core.events.notice(Severity.ERROR, IGNORES)
+            self._core.notice(Severity.ERROR, IGNORES)
         if now >= self.frame_budget.check_at and self.frame_budget.check(
                 self.baud, now, fits=self.plan.budget.fits):
             problem = self.frame_budget.problem
-            self._core.events.notice(
+            self._core.notice(
                 Severity.WARNING if problem else Severity.INFO,
                 problem or 'frames arrive in time again')
         return news is CommandNews.OBEYS_AGAIN
@@ -324,5 +324,5 @@ class Connection:
     def _check_rate(self) -> None:
         slow = too_slow(self.plan.budget, self.plan.baud)
         if slow is not None and slow != self._slow_notice:
-            self._core.events.notice(Severity.ERROR, slow)
+            self._core.notice(Severity.ERROR, slow)
         self._slow_notice = slow

@@ -1,20 +1,20 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the parts of the driver share: state, outbox, events, and the robot's mode.
+What the parts of the driver share: state, outbox, events, the robot's mode and readings.
 
 A command that somebody asks for and that the robot would ignore, because of its mode or because no
 robot answers, is refused in words that say what to do.
 """
 
+from collections import deque
 from collections.abc import Callable
 
 from .. import oi
 from .command_watch import CommandWatch, IGNORES
-from .events import EventQueue, LinkCounts, Settings, Severity
-from .outbox import Outbox, Pending, refused
+from .events import DriverEvent, LinkCounts, ModeStatus, Notice, Settings, Severity
+from .outbox import MODE_COMMANDS, Outbox, Pending, refused
 from .state import Activity, REFUSALS, State, StateEvent
-from .supervision import MODE_COMMANDS, ModeStatus, Supervision
 
 
 class Core:
@@ -23,11 +23,17 @@ class Core:
     def __init__(self, settings: Settings, follow: Callable[[StateEvent], None]) -> None:
         """`follow` is called after each event, once the state has changed."""
         self.settings = settings
+        self.limits = settings.limits
+        """Limits of the next velocities."""
         self.state = State()
+        self.status = ModeStatus(None, settings.mode_on_start)
+        """The wanted mode, the actual one, and why they differ."""
+        self.readings = oi.Readings()
+        """The newest of every packet that has arrived so far."""
         self.outbox = Outbox()
-        self.events = EventQueue()
+        self.events: deque[DriverEvent] = deque()
+        """What has happened, oldest first."""
         self.counts = LinkCounts()
-        self.supervision = Supervision(settings.mode_on_start, recover=settings.recover_mode)
         self.watch = CommandWatch()
         self._follow = follow
         self._mistakes: set[str] = set()
@@ -46,12 +52,11 @@ class Core:
                    'expect it, and is ignored: please report this')
         if mistake not in self._mistakes:
             self._mistakes.add(mistake)
-            self.events.notice(Severity.WARNING, mistake)
+            self.notice(Severity.WARNING, mistake)
 
-    @property
-    def status(self) -> ModeStatus:
-        """The wanted mode, the actual one, and why they differ."""
-        return self.supervision.status
+    def notice(self, severity: Severity, text: str) -> None:
+        """Tell the user something."""
+        self.events.append(Notice(severity, text))
 
     def refusal(self, command: type[oi.Command]) -> str | None:
         """Say why a command cannot be sent now, and what to do; None where it can."""
@@ -68,12 +73,12 @@ class Core:
         why = f' ({status.reason})' if status.unknown else ''
         return f'robot is in {status.name}{why}: call set_mode with SAFE first'
 
-    def request(self, command: oi.Command, done: str, *, pause: float = 0.0) -> Pending:
+    def request(self, command: oi.Command, done: str) -> Pending:
         """Send a command, or refuse it; the outcome's text is `done` once it is written."""
         why = self.refusal(type(command))
         if why is not None:
             return refused(why)
         try:
-            return self.outbox.request(command, done, pause=pause)
+            return self.outbox.send(command, done)
         except ValueError as error:
             return refused(str(error))

@@ -3,21 +3,20 @@
 """
 What goes into the driver and comes out: its settings, what it reports, its health.
 
-Settings are fixed before it starts; events are frames, mode changes and notices; `Health` is all
-that is known at one moment, for diagnostics and status lines.
+Settings are fixed before it starts, but for the limits of motion; events are frames, mode changes
+and notices; `Health` is all that is known at one moment, for diagnostics and status lines.
 """
 
-from collections import deque
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 from typing import NamedTuple
 
 from .. import oi
 from ..odometry import Estimate, Geometry, Knowledge, Known
 from ..oi.codes import START_BAUDS
-from .motion import MotionLimits
+from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .state import Activity
-from .supervision import Cause, ModeStatus
 
 
 class LowBatteryAction(Enum):
@@ -46,6 +45,27 @@ class BatteryLimits:
 
 
 @dataclass(frozen=True)
+class MotionLimits:
+    """Limits on the wheel speeds that are sent."""
+
+    wheel_separation: float = WHEEL_SEPARATION
+    """Metres between the wheels' contact points."""
+    max_wheel_speed: float = TOP_SPEED
+    """m/s for either wheel."""
+    timeout: float = 0.5
+    """Seconds that a command holds."""
+    linear_acceleration: float = 1.0
+    """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it. Wheels can follow
+    the default, so the odometry is right: docs/odometry.md has what else was tried."""
+    angular_acceleration: float = 4.0
+    """rad/s², likewise."""
+    bump_stop: bool = False
+    """Whether a pressed bumper lets no command drive forward."""
+    commands_interrupt: bool = True
+    """Whether a velocity command ends a goal that runs; else it is ignored meanwhile."""
+
+
+@dataclass(frozen=True)
 class Settings:
     """Settings in SI units."""
 
@@ -66,6 +86,62 @@ class Settings:
     """x, y and yaw of a robot on its dock in the odometry frame, m and rad; None: not known."""
     robot: Knowledge | None = None
     """What is known of this robot; None: the odometry learns everything."""
+
+
+NO_ROBOT = 'no robot answers'
+"""Why the mode is not known, as a rule."""
+
+
+class Cause(Enum):
+    """What takes the robot out of Safe mode."""
+
+    CLIFF_LEFT = 'cliff left'
+    CLIFF_FRONT_LEFT = 'cliff front left'
+    CLIFF_FRONT_RIGHT = 'cliff front right'
+    CLIFF_RIGHT = 'cliff right'
+    WHEEL_DROP_LEFT = 'left wheel dropped'
+    WHEEL_DROP_RIGHT = 'right wheel dropped'
+    WHEEL_DROP_CASTER = 'caster dropped'
+    CHARGER = 'charger powered'
+    POWER = 'robot was switched off'
+    MODE_UNKNOWN = 'it reports a mode that the manual does not have'
+    UNKNOWN = 'unknown cause'
+
+
+@dataclass(frozen=True)
+class ModeStatus:
+    """
+    What is known of the robot's mode.
+
+    `actual` is None while there is no robot, and where it reports a mode that does not exist:
+    then the cause is MODE_UNKNOWN.
+    """
+
+    actual: oi.Mode | None
+    wanted: oi.Mode
+    causes: tuple[Cause, ...] = ()
+
+    @cached_property
+    def can_drive(self) -> bool:
+        """Whether the robot follows velocities in its mode."""
+        return self.actual in oi.DriveDirect.modes
+
+    @cached_property
+    def unknown(self) -> bool:
+        """Whether the robot reports a mode that does not exist: it must stop, as if it drove."""
+        return Cause.MODE_UNKNOWN in self.causes
+
+    @property
+    def reason(self) -> str:
+        """Why the robot is not in the wanted mode, for people; empty where it is."""
+        if self.actual is None and not self.causes:
+            return NO_ROBOT
+        return ', '.join(cause.value for cause in self.causes)
+
+    @property
+    def name(self) -> str:
+        """The name of the mode, for people."""
+        return 'no known mode' if self.actual is None else self.actual.name
 
 
 class Severity(Enum):
@@ -100,14 +176,6 @@ class ModeChanged(NamedTuple):
 
 
 DriverEvent = Notice | Moved | ModeChanged
-
-
-class EventQueue(deque[DriverEvent]):
-    """Events on their way to whoever uses the driver, oldest first."""
-
-    def notice(self, severity: Severity, text: str) -> None:
-        """Append a notice."""
-        self.append(Notice(severity, text))
 
 
 @dataclass

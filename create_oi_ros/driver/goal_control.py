@@ -11,16 +11,15 @@ from math import inf
 
 from .. import oi
 from .core import Core
-from .events import Moved, Severity
+from .events import Cause, Moved, Severity
 from .goals import Code, Ending, Goal, Running
 from .goals.approach import Learned
 from .goals.goal import DockDemo, docked, Enter, Order, Over, View
 from .goals.hazards import AGAIN, FROM_CLIFF, TO_FLOOR
-from .modes import Demos, Modes
-from .motion import Velocity, WheelCommands
+from .mode import Modes
+from .motion import Motion, Velocity
 from .outbox import END_DEMO, HALT
 from .state import Activity, Owner, REFUSALS, StateEvent
-from .supervision import Cause
 from .tracking import Tracking
 
 MODE_WAIT = 1.0
@@ -57,15 +56,11 @@ CLIFFS = (Cause.CLIFF_LEFT, Cause.CLIFF_FRONT_LEFT, Cause.CLIFF_FRONT_RIGHT, Cau
 class GoalControl:
     """Pursues the goal that was started last."""
 
-    def __init__(
-        self, core: Core, wheels: WheelCommands, modes: Modes, demos: Demos, tracking: Tracking,
-    ) -> None:
+    def __init__(self, core: Core, motion: Motion, modes: Modes, tracking: Tracking) -> None:
         self._core = core
-        self._tracking = tracking
         self._odometry = tracking.odometry
-        self._wheels = wheels
+        self._motion = motion
         self._modes = modes
-        self._demos = demos
         self.straight, self.turning = Learned(), Learned()
         """How the robot coasts, straight and turning."""
         self._goal: Goal | None = None
@@ -92,7 +87,7 @@ class GoalControl:
         self._mode_before = self._core.status.wanted
         self._core.handle(StateEvent.GOAL_STARTED)
         if goal.hint:
-            self._core.events.notice(Severity.WARNING, goal.hint)
+            self._core.notice(Severity.WARNING, goal.hint)
         return running
 
     @property
@@ -140,7 +135,7 @@ class GoalControl:
         assert self._goal is not None, 'no goal runs'
         self._seen_at = now
         view = View(
-            now, dt, moved.estimate, moved.readings, measured, self._wheels.limits)
+            now, dt, moved.estimate, moved.readings, measured, self._core.limits)
         if not self._begun and not self._begin(self._goal, view):
             return
         if self._goal.needs_driving and not self._core.status.can_drive:
@@ -210,19 +205,20 @@ class GoalControl:
     def _obey(self, order: Order, now: float) -> None:
         match order:
             case Velocity(linear, angular):
-                self._wheels.command(linear, angular, now)
+                self._motion.follow(linear, angular, now)
             case Over():
                 self._finish(order, now)
             case Enter(mode, why):
                 self._enter(mode, why, now)
             case DockDemo.PLAY:
-                self._demos.seek_dock()
+                self._modes.play_demo(
+                    oi.DemoNumber.COVER_AND_DOCK, StateEvent.DOCKING_STARTED)
 
     def _enter(self, mode: oi.Mode, why: str, now: float) -> None:
         if why:
-            self._core.events.notice(Severity.WARNING, why)
-        self._wheels.command(0.0, 0.0, now)
-        self._core.supervision.want(mode)
+            self._core.notice(Severity.WARNING, why)
+        self._motion.follow(0.0, 0.0, now)
+        self._modes.want(mode)
         self._modes.enter(mode, now)
 
     # How a goal ends.
@@ -236,7 +232,7 @@ class GoalControl:
         self._conclude(over)
         self._core.handle(StateEvent.GOAL_ENDED)
         if gives_up:
-            self._core.supervision.want(self._mode_before)
+            self._modes.want(self._mode_before)
             self._modes.enter(self._mode_before, now)
 
     def _conclude(self, over: Over) -> None:
@@ -256,7 +252,7 @@ class GoalControl:
         """Tell who waits how the goal ended."""
         text = over.text if over.code is Code.NONE else f'{how}; {over.text}'
         ending = Ending(over.code, text, seconds=seconds)
-        readings = self._tracking.readings
+        readings = self._core.readings
         if readings.has('oi_mode'):
             ending = ending._replace(
                 estimate=self._odometry.estimate, docked=docked(readings))

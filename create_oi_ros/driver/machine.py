@@ -18,23 +18,29 @@ from math import inf, isfinite
 
 from .. import oi
 from ..odometry import Odometry
-from .acquaintance import Acquaintance
 from .battery import BatteryGuard, ChargeWatch
 from .connection import Connection
 from .core import Core
-from .events import DriverEvent, Health, ModeChanged, Moved, Settings, Severity
+from .events import (
+    DriverEvent,
+    Health,
+    ModeChanged,
+    ModeStatus,
+    MotionLimits,
+    Moved,
+    Settings,
+    Severity,
+)
 from .goal_control import GoalControl
-from .goals.hazards import BUMPS
-from .modes import Demos, Modes
-from .motion import MotionLimits, WheelCommands
+from .learned_robot import LearnedRobot
+from .mode import causes_in, Modes
+from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
-from .script import requested_speeds, ScriptControl
+from .script import ScriptControl
 from .state import Activity, Owner, StateEvent
 from .stream import StreamPlan
-from .supervision import causes_in, ModeStatus
 from .tracking import ANGLE_STUCK, Taken, Tracking, TurnCheck
-from .velocity_control import VelocityControl
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
@@ -42,8 +48,6 @@ SLOW_CHECK_INTERVAL = 0.1
 """Seconds between two checks of what changes within seconds."""
 FARTHEST = 1e6
 """Metres from the origin where the robot can be said to be."""
-SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
-"""Events after which the wheels still run at the speeds that were sent last."""
 
 
 class Driver:
@@ -53,25 +57,23 @@ class Driver:
         self, settings: Settings | None = None, odometry: Odometry | None = None,
     ) -> None:
         """Drive by these settings; `odometry` replaces the usual one."""
-        self.settings = settings = settings or Settings()
-        self.core = core = Core(settings, self._follow)
+        self.core = core = Core(settings or Settings(), self._follow)
+        self.settings = core.settings
         self.state = core.state
         self.counts = core.counts
-        self._wheels = WheelCommands(settings.limits)
-        self._tracking = Tracking(settings, self.counts, odometry)
+        self._connection = Connection(core)
+        self._tracking = Tracking(core, odometry)
+        self.outputs = Outputs(core)
+        self.modes = Modes(core, self.outputs)
+        self.motion = Motion(core, self.modes)
+        self.scripts = ScriptControl(core, self._connection.plan)
+        self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
+        self._battery = BatteryGuard(core, self.modes)
+        self._charging = ChargeWatch(core, self.modes)
+        self._learned = LearnedRobot(core, self._tracking)
+        self._turn_check = TurnCheck(core.limits.wheel_separation)
         self._on_dock = False
         """Whether the robot was on its dock, and no goal drove it, when that was checked last."""
-        self._acquaintance = Acquaintance(settings.robot, self.core.events)
-        self._turn_check = TurnCheck(settings.limits.wheel_separation)
-        self._connection = Connection(core)
-        self.outputs = Outputs(core, self._tracking)
-        self.demos = Demos(core)
-        self.scripts = ScriptControl(core, self._connection.plan)
-        self._modes = Modes(core, self.outputs)
-        self._battery = BatteryGuard(core, self.demos, self._modes)
-        self._charging = ChargeWatch(core)
-        self.goals = GoalControl(core, self._wheels, self._modes, self.demos, self._tracking)
-        self._velocity = VelocityControl(core, self._wheels, self._modes, self.goals)
         self._unchecked: deque[tuple[Taken, Moved]] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
         self._check_at = -inf
@@ -79,18 +81,15 @@ class Driver:
 
     def _follow(self, event: StateEvent) -> None:
         """Tell the wheels and the other parts what follows from an event."""
-        if not self.state.moving:
-            self._wheels.stop()
+        self.motion.handled(event)
         if self.state.owner is not Owner.ROBOT:
             self.core.outbox.call_off_motion()
-        if event not in SPEEDS_HOLD:
-            self._wheels.forget_sent()
         if event in ROBOT_UNKNOWN:
             self.outputs.fail(LOST)
             self._connection.forget()
             self._tracking.restart()
-            self.core.supervision.lost()
-            self._wheels.hold(False)
+            self.modes.forget()
+            self.motion.hold(False)
             self.scripts.forget()
             self._unchecked.clear()
         self.goals.handled(event)
@@ -106,7 +105,7 @@ class Driver:
         self._connection.reader.flush()
         self.core.outbox.clear()
         self.core.handle(StateEvent.PORT_CLOSED)
-        self._modes.fail(f'port lost: {why}')
+        self.modes.fail(f'port lost: {why}')
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in bytes that came from the robot."""
@@ -142,11 +141,11 @@ class Driver:
                 self._connection.frame_at = now
             self.scripts.poll(now, self._connection.frame_at)
         self._connection.check_silence(now)
-        self._modes.check_timeout(now)
+        self.modes.poll(now)
         self.outputs.check_timeout(now)
         if self.goals.active:
             self.goals.poll(now)
-        self._velocity.poll(now)
+        self.motion.poll(now)
         if self._connection.probe(now):
             self._send_again()
         if (self.state.takes_commands and not self.core.watch.suspects
@@ -165,7 +164,7 @@ class Driver:
         """Remove and return what has happened, oldest first."""
         if self.core.events:
             return self.core.events.popleft()
-        before, status = self._reported_status, self.core.supervision.status
+        before, status = self._reported_status, self.core.status
         if status is before:
             return None
         self._reported_status = status
@@ -176,7 +175,7 @@ class Driver:
     @property
     def status(self) -> ModeStatus:
         """The wanted mode, the actual one, and why they differ."""
-        return self.core.supervision.status
+        return self.core.status
 
     @property
     def baud(self) -> int:
@@ -195,7 +194,7 @@ class Driver:
 
     def health(self, now: float) -> Health:
         """Return what is known of driver, line and robot."""
-        readings, connection = self._tracking.readings, self._connection
+        readings, connection = self.core.readings, self._connection
         return Health(
             activity=self.state.activity, answered=self.state.answered,
             busy=self.scripts.status(now) or self.state.refusal,
@@ -214,14 +213,22 @@ class Driver:
 
     def drive(self, linear: float, angular: float, now: float) -> None:
         """Follow a velocity, m/s and rad/s, until the next command or the timeout."""
-        self._velocity.command(linear, angular, now)
+        finite = self.motion.check_numbers(linear, angular)
+        if self.state.pursues:
+            if not (finite and self.core.limits.commands_interrupt and (linear or angular)):
+                return
+            docking = self.state.activity is Activity.DOCKING
+            self.goals.interrupt(now)
+            if docking:
+                return  # the robot first has to enter its mode
+        self.motion.command(linear, angular, now)
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
         activity = self.state.activity
         sends = activity is not Activity.CLOSED and (
             activity is not Activity.SCRIPT or self.scripts.may_stop())
-        if sends and not (self._wheels.held and self._wheels.stop_sent):
+        if sends and not (self.motion.held and self.motion.stop_sent):
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
@@ -239,11 +246,7 @@ class Driver:
 
     def set_limits(self, limits: MotionLimits) -> None:
         """Change the limits, from the next command on."""
-        self._wheels.limits = limits
-
-    def set_mode(self, mode: oi.Mode, now: float) -> Pending:
-        """Want a mode; the request ends when the robot reports it, or after a timeout."""
-        return self._modes.set(mode, now)
+        self.core.limits = limits
 
     def reset_odometry(self) -> Pending:
         """Put the origin of the odometry frame where the robot is; not while a goal needs it."""
@@ -269,10 +272,10 @@ class Driver:
         try:
             mode = oi.Mode.PASSIVE if self._may_play_demo else self.status.actual
             self.core.outbox.clear(*farewell(mode, self.settings.mode_on_exit))
-            self._modes.fail('driver is shutting down')
+            self.modes.fail('driver is shutting down')
             script = self.scripts.status(now)
             if script is not None:
-                self.core.events.notice(
+                self.core.notice(
                     Severity.ERROR, f'the driver ends, but {script}; the script moves the wheels')
             self.goals.driver_ends()
         finally:
@@ -282,14 +285,14 @@ class Driver:
 
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
-        before = self._tracking.readings
+        before = self.core.readings
         taken = self._tracking.take(frame, self._connection.baud, now)
         self._connection.add_frame(frame.packets)
         self._connection.frame_at = now
         if taken is None:
             return
         for text in self._tracking.odd.news:
-            self.core.events.notice(Severity.WARNING, text)
+            self.core.notice(Severity.WARNING, text)
         self._tracking.odd.news.clear()
         activity = self.state.activity
         if activity is Activity.CALLING:
@@ -304,24 +307,23 @@ class Driver:
     def _found(self, before: oi.Readings, now: float) -> None:
         """Enter the wanted mode; `before` is what was known before this first frame."""
         had, mode = (each.oi_mode if each.has('oi_mode') else None
-                     for each in (before, self._tracking.readings))
+                     for each in (before, self.core.readings))
         away = self._connection.was_away(now) or had is not None and (
             had is not mode or mode not in oi.ACTUATE)
         self._connection.answered(StateEvent.RETURNED if away else StateEvent.ANSWERED)
-        self._velocity.report_next_refusal()
         wanted = self.status.wanted
-        self.core.events.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
+        self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
         self.outputs.restore_songs()
-        self._modes.enter(wanted, now)
+        self.modes.enter(wanted, now)
 
     def _after_script(self) -> None:
         if self.scripts.resets_accumulators:
             self._tracking.odometry.recounted()
-        self.core.events.notice(Severity.INFO, (
+        self.core.notice(Severity.INFO, (
             'the robot obeys between the rounds of its script, which may go on: an empty script '
             '(define_script) ends it' if self.scripts.goes_on else
             'the script has ended; wheels stopped'))
-        if self._tracking.readings.oi_mode in oi.ACTUATE:
+        if self.core.readings.oi_mode in oi.ACTUATE:
             self.outputs.restore()
         else:
             self.core.handle(StateEvent.MODE_LEFT)
@@ -329,53 +331,40 @@ class Driver:
     def _check_frame(self, taken: Taken, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
-        self._wheels.blocked = bool(readings.number('bumps_and_wheel_drops', 0) & BUMPS)
         if self.goals.active:
             self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
             if self.goals.wants_reading:
                 self._tracking.odometry.hurry()
-        self.outputs.observe(moved.readings, now)
-        if self._modes.observe(readings, now):
-            self._velocity.report_next_refusal()
-        status = self.status
-        drives = status.can_drive
-        right, left = requested_speeds(readings)
-        seen = (drives or status.unknown) and None not in (right, left)
-        if seen and self.state.takes_commands:
-            self._wheels.reported(right, left, now)
-        else:
-            self._wheels.missed_since = None
-        if self._connection.check_line(self._wheels.missed_since, now):
+        self.outputs.observe(readings, now)
+        self.modes.observe(readings, now)
+        self.motion.observe(readings, now)
+        if self._connection.check_line(self.motion.missed_since, now):
             self._send_again()
-        elif self.core.watch.suspects is not self._wheels.held:
-            self._wheels.hold(self.core.watch.suspects)
-        if status.actual is not status.wanted and not self.core.watch.suspects:
-            self._modes.retry(now)
-        if self._turn_check.observe(taken.readings, taken.dt, drives=drives):
-            self.core.events.notice(Severity.WARNING, ANGLE_STUCK)
+        elif self.core.watch.suspects is not self.motion.held:
+            self.motion.hold(self.core.watch.suspects)
+        if (self.state.takes_commands and not self.core.watch.suspects
+                and self.modes.must_retry(now)):
+            self.modes.enter(self.status.wanted, now)
+        if self._turn_check.observe(taken.readings, taken.dt, drives=self.status.can_drive):
+            self.core.notice(Severity.WARNING, ANGLE_STUCK)
         if now >= self._check_at:
             self._check_at = now + SLOW_CHECK_INTERVAL
             self._check_slow(readings, now)
 
     def _check_slow(self, readings: oi.Readings, now: float) -> None:
-        """Check what changes within seconds: battery, charger, what is known of the robot."""
+        """Check what changes within seconds: battery, dock, what is known of the robot."""
         self._battery.observe(readings, now)
         self._charging.observe(readings, now)
-        self._place_on_dock()
-        if self._acquaintance.due(now):
-            self._acquaintance.look(self._tracking.robot)
-
-    def _place_on_dock(self) -> None:
-        """Let the odometry go on from the dock's place once the robot is there."""
-        before, pose = self._on_dock, self.settings.dock_pose
-        self._on_dock = self.core.supervision.docked and self.state.activity is not Activity.GOAL
-        if pose is not None and self._on_dock and not before:
+        self._learned.observe(now)
+        was_on_dock, pose = self._on_dock, self.settings.dock_pose
+        self._on_dock = self.modes.docked and self.state.activity is not Activity.GOAL
+        if pose is not None and self._on_dock and not was_on_dock:
             self._tracking.odometry.reset(*pose)
-            self.core.events.notice(Severity.INFO, 'on the dock: odom goes on from dock_pose')
+            self.core.notice(Severity.INFO, 'on the dock: odom goes on from dock_pose')
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
-        self._wheels.hold(False)
+        self.motion.hold(False)
         self.outputs.restore_songs()
         if self.status.actual in oi.ACTUATE:
             self.outputs.restore()

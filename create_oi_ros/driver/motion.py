@@ -1,15 +1,42 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From a commanded velocity to the wheel speeds that are sent to the robot."""
+"""
+From a commanded velocity to the wheel speeds that are sent to the robot.
 
-from dataclasses import dataclass
-from math import inf
+The Open Interface has no timeout: the robot keeps the last speeds for ever. So a velocity command
+holds only for `MotionLimits.timeout`. Then the wheels stop.
+"""
+
+from math import inf, isfinite
 from typing import NamedTuple
 
 from .. import oi
 from ..oi.steering import WheelSpeeds
-from ..robot import MM_PER_M, SLOT, TOP_SPEED, WHEEL_SEPARATION
+from ..robot import MM_PER_M, SLOT
+from .core import Core
+from .events import MotionLimits, Severity
+from .mode import Modes, PAUSE
 from .outbox import HALT
+from .state import Activity, Owner, StateEvent
+from .stream import requested_speeds
+
+REPORT_TIMEOUT = 10 * SLOT
+"""Seconds after which the robot should report the speeds that it was sent."""
+RAMP_STEP = 2 * SLOT
+"""Most seconds of acceleration between two commands, however far apart they are."""
+IN_PLACE = 1e-6
+"""mm/s of the mean below which the robot turns in place."""
+STOPPED = WheelSpeeds(0.0, 0.0)
+BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
+ENDED_BY_PAUSE = (Activity.HOLDING, Activity.DRIVING)
+"""Activities that end when no command comes for the timeout."""
+SHORT = (Activity.SILENCING, Activity.READING)
+"""Activities that end within a second."""
+SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
+"""Events after which the wheels still run at the speeds that were sent last."""
+AWAY = 'the robot was away, or in another mode, while commands went on'
+LEAST_SENSIBLE = 1e-6
+"""Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0."""
 
 
 class Velocity(NamedTuple):
@@ -19,36 +46,6 @@ class Velocity(NamedTuple):
     """m/s, forward."""
     angular: float = 0.0
     """rad/s, counter-clockwise."""
-
-
-@dataclass(frozen=True)
-class MotionLimits:
-    """Limits on the wheel speeds that are sent."""
-
-    wheel_separation: float = WHEEL_SEPARATION
-    """Metres between the wheels' contact points."""
-    max_wheel_speed: float = TOP_SPEED
-    """m/s for either wheel."""
-    timeout: float = 0.5
-    """Seconds that a command holds."""
-    linear_acceleration: float = 1.0
-    """m/s², faster and slower; 0 is no limit. A stop and the watchdog ignore it. Wheels can follow
-    the default, so the odometry is right: docs/odometry.md has what else was tried."""
-    angular_acceleration: float = 4.0
-    """rad/s², likewise."""
-    bump_stop: bool = False
-    """Whether a pressed bumper lets no command drive forward."""
-    commands_interrupt: bool = True
-    """Whether a velocity command ends a goal that runs; else it is ignored meanwhile."""
-
-
-REPORT_TIMEOUT = 10 * SLOT
-"""Seconds after which the robot should report the speeds that it was sent."""
-RAMP_STEP = 2 * SLOT
-"""Most seconds of acceleration between two commands, however far apart they are."""
-IN_PLACE = 1e-6
-"""mm/s of the mean below which the robot turns in place."""
-STOPPED = WheelSpeeds(0.0, 0.0)
 
 
 def wheel_speeds(linear: float, angular: float, limits: MotionLimits) -> WheelSpeeds:
@@ -109,33 +106,108 @@ def without_forward(speeds: WheelSpeeds) -> WheelSpeeds:
     return WheelSpeeds(speeds.right - forward, speeds.left - forward)
 
 
-class WheelCommands:
-    """The newest velocity command, and the wheel speeds that were sent to follow it."""
+class Motion:
+    """Follows the newest velocity: decides whether the robot may, and sends the wheel speeds."""
 
-    def __init__(self, limits: MotionLimits) -> None:
-        self.limits = limits
+    def __init__(self, core: Core, modes: Modes) -> None:
+        self._core = core
+        self._modes = modes
         self._wanted = STOPPED
+        """Wheel speeds of the newest velocity."""
         self._commanded_at = -inf
         self._speeds = STOPPED
         """Wheel speeds that the acceleration limits have allowed so far."""
         self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
+        """What was sent last; None where it must be sent again."""
         self._rounded: WheelSpeeds | None = None
-        """What `_sent` was rounded from; None where it must be sent again."""
+        """What `_sent` was rounded from."""
         self._sent_at = -inf
-        self._taken: tuple[int, int] | None = None
+        self._reported: tuple[int, int] | None = None
         """What the robot reports."""
-        self.blocked = False
+        self._blocked = False
         """Whether the bumper is pressed."""
         self.missed_since: float | None = None
         """When the first of the speeds was sent that the robot has not taken; None: none was."""
         self.held = False
         """Whether the robot may not obey: then only a stop is sent, and once."""
+        self._refusal_reported = self._tiny_reported = False
+        self._not_finite = 0
+        """Commands in a row that were not finite."""
 
-    def command(self, linear: float, angular: float, now: float) -> bool:
-        """Take a command, m/s and rad/s; True when it asks for motion."""
+    # Velocity commands.
+
+    def command(self, linear: float, angular: float, now: float) -> None:
+        """Follow a command, m/s and rad/s, until the next one or the timeout; or say why not."""
+        if not (isfinite(linear) and isfinite(angular)):
+            self.stop()
+            linear = angular = 0.0
+        state = self._core.state
+        if not self.follow(linear, angular, now):
+            if state.activity is Activity.HOLDING:
+                self._core.handle(StateEvent.HALTED)
+        elif state.owner is Owner.NOBODY:
+            self.stop()
+        elif why := self._refusal(now):
+            self.stop()
+            if state.activity is Activity.DRIVING:
+                self._core.handle(StateEvent.HALTED)
+            # The first of some in a row, unless they end by themselves at once.
+            if not self._refusal_reported and state.activity not in SHORT:
+                self._refusal_reported = True
+                self._core.notice(Severity.WARNING, f'not driving: {why}')
+        else:
+            self._refusal_reported = False
+            self._core.handle(StateEvent.VELOCITY)
+        self._send_speeds(now)
+
+    def _refusal(self, now: float) -> str | None:
+        """Say why a command is not followed, and what to do; None where it is."""
+        if self._core.state.drive_refusal is not None:
+            return self._core.state.drive_refusal
+        if self._core.state.activity is not Activity.HOLDING:
+            why = self._modes.allow_driving(now)
+            return None if why is None else f'{why}; {self._modes.advice()}'
+        if self._core.status.causes:
+            return f'{self._modes.wrong_mode()}; {self._modes.advice()}'
+        return f'{AWAY}; {PAUSE}, or call set_mode with SAFE'
+
+    def check_numbers(self, linear: float, angular: float) -> bool:
+        """Tell whether a command is finite; report the first of several that are not, or tiny."""
+        if not (isfinite(linear) and isfinite(angular)):
+            self._not_finite += 1
+            if self._not_finite == 1:
+                does = 'ignored, since a goal runs' if self._core.state.pursues else 'stopped'
+                self._core.notice(
+                    Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
+                    f'{does}; send finite numbers, and -1.0, not -1')
+            return False
+        more, self._not_finite = self._not_finite - 1, 0
+        if more > 0:
+            self._core.notice(
+                Severity.WARNING,
+                f'velocities are finite again; before, {more} more than the first were not')
+        for speed in linear, angular:
+            if 0 < abs(speed) < LEAST_SENSIBLE and not self._tiny_reported:
+                self._tiny_reported = True
+                self._core.notice(
+                    Severity.WARNING, f'cmd_vel asks for a speed of {speed:.3g}, which moves '
+                    'nothing: did the sender write 1 for 1.0?')
+        return True
+
+    def poll(self, now: float) -> None:
+        """Stop the wheels when the newest command is too old; send speeds that have changed."""
+        if (now > self._commanded_at + self._core.limits.timeout
+                and self._core.state.activity in ENDED_BY_PAUSE):
+            self._core.handle(StateEvent.HALTED)
+        self._send_speeds(now)
+
+    # The wheels.
+
+    def follow(self, linear: float, angular: float, now: float) -> bool:
+        """Want a velocity, m/s and rad/s; True when it asks for motion."""
         self._commanded_at = now
-        self._wanted = wheel_speeds(linear, angular, self.limits)
+        self._wanted = wheel_speeds(linear, angular, self._core.limits)
         return self._wanted != STOPPED
 
     def stop(self) -> None:
@@ -143,49 +215,64 @@ class WheelCommands:
         self._wanted = self._speeds = STOPPED
 
     @property
-    def at_rest(self) -> bool:
-        """Whether the wheels stand, or are to stand at once."""
-        return self._wanted == self._speeds == STOPPED
-
-    def expired(self, now: float) -> bool:
-        """Tell whether the newest command is too old to hold."""
-        return now > self._commanded_at + self.limits.timeout
-
-    def forget_sent(self) -> None:
-        """Forget which speeds were sent last, so that they are sent again."""
-        if not self.held:
-            self._sent = self._rounded = None
-
-    def hold(self, held: bool) -> None:
-        """Hold speeds back, or send them again, on from those that the robot reports."""
-        if self.held and not held:
-            self._speeds = WheelSpeeds(*(self._taken or STOPPED))
-            self.missed_since = None
-        self.held = held
-        self.forget_sent()
-
-    @property
     def stop_sent(self) -> bool:
         """Whether a stop was sent last."""
         return self._sent == (0, 0)
 
-    def reported(self, right: int, left: int, now: float) -> None:
+    def hold(self, held: bool) -> None:
+        """Hold speeds back, or send them again, on from those that the robot reports."""
+        if self.held and not held:
+            self._speeds = WheelSpeeds(*(self._reported or STOPPED))
+            self.missed_since = None
+        self.held = held
+        self._send_again()
+
+    def _send_again(self) -> None:
+        if not self.held:
+            self._sent = self._rounded = None
+
+    def handled(self, event: StateEvent) -> None:
+        """Stop, or send the speeds again, as an event demands that has changed the state."""
+        if not self._core.state.moving:
+            self.stop()
+        if event not in SPEEDS_HOLD:
+            self._send_again()
+        if event in (StateEvent.ANSWERED, StateEvent.RETURNED, StateEvent.MODE_LEFT):
+            self._refusal_reported = False
+
+    def observe(self, readings: oi.Readings, now: float) -> None:
         """
-        Note the requested speeds that the robot reports, mm/s; what it missed is sent again.
+        Take in a frame: the bumper, and the requested speeds; what the robot missed is sent again.
 
         A robot that stopped without being told, for somebody pressed a button or another program
         did it, starts from rest. While speeds are held back, only a change shows that it obeys.
         """
-        changed, self._taken = (right, left) != self._taken, (right, left)
-        if self._sent == self._taken:
-            if changed or not self.held:
+        self._blocked = bool(readings.number('bumps_and_wheel_drops', 0) & BUMPS)
+        status, reported, before = self._core.status, requested_speeds(readings), self._reported
+        if (None in reported or not self._core.state.takes_commands
+                or not (status.can_drive or status.unknown)):
+            self.missed_since = None
+            return
+        self._reported = reported
+        if self._sent == reported:
+            if before != reported or not self.held:
                 self.missed_since = None
         elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
             if self.missed_since is None:
                 self.missed_since = self._sent_at
-                if self._taken == (0, 0):
+                if reported == (0, 0):
                     self._speeds = STOPPED
-            self.forget_sent()
+            self._send_again()
+
+    def _send_speeds(self, now: float) -> None:
+        status = self._core.status
+        if self._core.state.takes_commands and (status.can_drive or status.unknown):
+            drive = self.next_drive(now)
+            if drive is not None:
+                self._core.outbox.send_at_once(drive, now)
+        if (self._core.state.activity is Activity.DRIVING
+                and self._wanted == self._speeds == STOPPED):
+            self._core.handle(StateEvent.HALTED)
 
     def next_drive(self, now: float) -> oi.DriveDirect | None:
         """
@@ -193,8 +280,9 @@ class WheelCommands:
 
         At most one a slot, since the robot takes no more; but a stop never waits.
         """
+        limits = self._core.limits
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
-        blocked = self.blocked and self.limits.bump_stop
+        blocked = self._blocked and limits.bump_stop
         if self.held:
             if self.stop_sent or not blocked and self._wanted != STOPPED:
                 return None
@@ -202,7 +290,7 @@ class WheelCommands:
             return HALT
         if self._wanted == self._speeds == self._rounded and not blocked:
             return None  # as in most frames
-        self._speeds = next_speeds(self._speeds, self._wanted, since, self.limits)
+        self._speeds = next_speeds(self._speeds, self._wanted, since, limits)
         if blocked:
             self._speeds = without_forward(self._speeds)
         # While they change, an error lasts a slot: each wheel follows its own ramp.

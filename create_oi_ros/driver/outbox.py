@@ -13,8 +13,8 @@ from math import inf
 from typing import Generic, NamedTuple, TypeVar
 
 from .. import oi
-from .supervision import MODE_COMMANDS
 
+MODE_COMMANDS = {oi.Mode.PASSIVE: oi.Start, oi.Mode.SAFE: oi.Safe, oi.Mode.FULL: oi.Full}
 HALT = oi.DriveDirect(right=0, left=0)
 DRAIN = bytes(2 * HALT.opcode)
 """Ends any command that was cut short after a `HALT` (manual: "waiting" state).
@@ -119,9 +119,11 @@ LOST = 'the robot was lost before the command was written: try again when it ans
 
 class _Queued(NamedTuple):
     encoded: bytes
-    pause: float
-    request: Pending | None
-    done: str
+    request: Pending
+    done: str = ''
+    """How the request ends once it is written."""
+    pause: float = 0.0
+    """Seconds to leave after it."""
     moves: bool = False
     """Whether it lets the robot move by itself."""
 
@@ -133,31 +135,25 @@ class Outbox:
         self._queue: deque[_Queued] = deque()
         self._free_at = -inf
         self._ready = b''
-        self._unconfirmed: list[tuple[Pending, str]] = []
-        """Requests whose bytes were made ready, with the texts for when they are written."""
+        self._unconfirmed: list[_Queued] = []
+        """What was made ready, and is not known to be written."""
 
-    def send(self, command: oi.Command, *, pause: float = 0.0) -> None:
-        """Queue a command; ValueError, and nothing queued, where it is out of range."""
-        self._append(command, pause, None, '')
+    def send(self, command: oi.Command, done: str = '', *, pause: float = 0.0) -> Pending:
+        """
+        Queue a command; the request ends with `done` when it is written.
 
-    def request(self, command: oi.Command, done: str, *, pause: float = 0.0) -> Pending:
-        """Queue a command like `send`; the request ends with `done` when it is written."""
-        request = Pending()
-        self._append(command, pause, request, done)
-        return request
-
-    def _append(
-        self, command: oi.Command, pause: float, request: Pending | None, done: str,
-    ) -> None:
+        ValueError, and nothing queued, where it is out of range.
+        """
         if command.enters is not None:
             pause = max(pause, MODE_PAUSE)
-        self._queue.append(_Queued(
-            command.encode(), pause, request, done,
-            isinstance(command, MOTION) and command != END_DEMO))
+        queued = _Queued(command.encode(), Pending(), done, pause,
+                         isinstance(command, MOTION) and command != END_DEMO)
+        self._queue.append(queued)
+        return queued.request
 
     def send_raw(self, encoded: bytes) -> None:
         """Queue bytes that are no command."""
-        self._queue.append(_Queued(encoded, 0.0, None, ''))
+        self._queue.append(_Queued(encoded, Pending()))
 
     def send_at_once(self, command: oi.Command, now: float) -> None:
         """Release a command ahead of the queue; for stopping."""
@@ -171,22 +167,19 @@ class Outbox:
 
     def clear(self, *instead: oi.Command) -> None:
         """Drop all that has not been written, and release commands instead; requests are lost."""
-        lost = [queued.request for queued in self._queue if queued.request is not None]
-        lost += [request for request, _ in self._unconfirmed]
+        lost = (*self._queue, *self._unconfirmed)
         self._queue.clear()
         self._ready, self._unconfirmed = b''.join(each.encode() for each in instead), []
         self._free_at = -inf
-        for request in lost:
-            request.end(False, LOST)
+        for queued in lost:
+            queued.request.end(False, LOST)
 
     def call_off_motion(self) -> bool:
         """Drop queued commands that let the robot move by itself; True when there were any."""
         dropped = [queued for queued in self._queue if queued.moves]
-        if dropped:
-            self._queue = deque(queued for queued in self._queue if not queued.moves)
-            for queued in dropped:
-                if queued.request is not None:
-                    queued.request.end(False, CALLED_OFF)
+        for queued in dropped:
+            self._queue.remove(queued)
+            queued.request.end(False, CALLED_OFF)
         return bool(dropped)
 
     def release(self, now: float) -> None:
@@ -195,8 +188,7 @@ class Outbox:
             queued = self._queue.popleft()
             self._ready += queued.encoded
             self._free_at = now + queued.pause
-            if queued.request is not None:
-                self._unconfirmed.append((queued.request, queued.done))
+            self._unconfirmed.append(queued)
 
     def take_ready(self) -> bytes:
         """Return the bytes to write now, once."""
@@ -205,7 +197,6 @@ class Outbox:
 
     def confirm(self) -> None:
         """End the requests whose bytes have been written."""
-        if self._unconfirmed:
-            written, self._unconfirmed = self._unconfirmed, []
-            for request, text in written:
-                request.end(True, text)
+        written, self._unconfirmed = self._unconfirmed, []
+        for queued in written:
+            queued.request.end(True, queued.done)

@@ -16,7 +16,6 @@ from ..oi.commands import DUTY, NOTE_TIME
 from ..robot import MILLI
 from .core import Core
 from .outbox import done, Outcome, Pending, refused
-from .tracking import Tracking
 from .tunes import MOST_NOTES, SHORTEST_SEEN, SONG_TIMEOUT, SONGS, Tunes
 
 LONGEST_NOTE = NOTE_TIME.high / oi.NOTES_PER_SECOND
@@ -30,9 +29,8 @@ WAIT = 'wait until the topic `song` says that it has ended'
 class Outputs:
     """Everything that a request can set, except mode, wheels, demos and scripts."""
 
-    def __init__(self, core: Core, tracking: Tracking) -> None:
+    def __init__(self, core: Core) -> None:
         self._core = core
-        self._tracking = tracking
         self.songs: dict[int, oi.Song] = {}
         """The songs that were defined, by number."""
         self.tunes = Tunes(core, self.songs, self._cannot_play)
@@ -150,7 +148,7 @@ class Outputs:
     def _cannot_play(self) -> str | None:
         if self.tunes.tune is not None:
             return 'a tune plays: cancel its goal, or wait until that has ended'
-        readings = self._tracking.readings
+        readings = self._core.readings
         if readings.has('song_playing') and readings.song_playing:
             return f'a song plays: {WAIT}'
         if self.awaited:

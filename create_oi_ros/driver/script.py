@@ -34,15 +34,13 @@ from .command_watch import PAUSE, POLL_INTERVAL, Probe
 from .core import Core
 from .outbox import done, HALT, Pending, refused
 from .state import Activity, StateEvent
-from .stream import DRIVE_REQUEST, StreamPlan
+from .stream import DRIVE_REQUEST, requested_speeds, StreamPlan
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
 
 Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
-requested_speeds = oi.Readings.numbers('requested_right_velocity', 'requested_left_velocity')
-"""What the last Drive Direct asked for, as the robot reports it in every frame, mm/s."""
 
 
 class ScriptSpeeds:

@@ -36,6 +36,8 @@ SLOW = (
     'charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
     'battery_capacity',
 )
+requested_speeds = oi.Readings.numbers('requested_right_velocity', 'requested_left_velocity')
+"""What the last Drive Direct asked for, as the robot reports it in every frame, mm/s."""
 DRIVE_REQUEST = ('requested_velocity', 'requested_radius')
 """What the last Drive asked for; only scripts use Drive."""
 ALL = ESSENTIAL + FREQUENT + MOTION + SLOW

@@ -23,9 +23,11 @@ from ..robot import (
     MOST_CAPACITY,
     MOST_CHARGE,
 )
-from .events import LinkCounts, Moved, Settings
+from .core import Core
+from .events import LinkCounts, Moved
 from .frame_clock import FrameClock, LEAST_STEP
-from .script import requested_speeds, Speeds
+from .script import Speeds
+from .stream import requested_speeds
 
 BATTERY = {
     'voltage': BATTERY_MILLIVOLTS, 'current': BATTERY_MILLIAMPS,
@@ -181,17 +183,13 @@ class Taken(NamedTuple):
 class Tracking:
     """Follows the robot from frame to frame."""
 
-    def __init__(
-        self, settings: Settings, counts: LinkCounts, odometry: Odometry | None = None,
-    ) -> None:
-        robot = settings.robot
+    def __init__(self, core: Core, odometry: Odometry | None = None) -> None:
+        settings, robot = core.settings, core.settings.robot
         self.odometry = odometry or Odometry(
             settings.geometry, window=settings.odometry_window, robot=robot)
-        self.readings = oi.Readings()
-        """The newest of every packet that has arrived so far."""
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
-        self._counts = counts
-        self.odd = OddValues(counts)
+        self._core = core
+        self.odd = OddValues(core.counts)
         self._jumps = JumpCheck()
         self._reading_dropped = False
         """Whether a frame with distance and angle was dropped since the last one taken."""
@@ -231,8 +229,8 @@ class Tracking:
             self._reading_dropped |= 'distance' in frame.packets.names
             return None
         dt, self._unseen = self._unseen, 0.0
-        self._counts.frames += 1
-        self.readings = self.readings.updated(readings)
+        self._core.counts.frames += 1
+        self._core.readings = self._core.readings.updated(readings)
         return Taken(readings, stamp, dt)
 
     def moved(self, taken: Taken, speeds: Speeds | None) -> Moved:
@@ -240,10 +238,10 @@ class Tracking:
         readings = taken.readings
         asked = readings.has('distance', 'angle')
         if asked and not self._jumps.possible(readings, taken.stamp, self.clock.absent):
-            self._counts.impossible_jumps += 1
+            self._core.counts.impossible_jumps += 1
             asked = False
         estimate = self._estimate(taken, speeds, asked=asked)
-        return Moved(taken.stamp, self.readings, estimate)
+        return Moved(taken.stamp, self._core.readings, estimate)
 
     def _estimate(self, taken: Taken, speeds: Speeds | None, *, asked: bool) -> Estimate:
         readings = taken.readings

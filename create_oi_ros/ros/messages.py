@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 from .. import oi
 from ..driver import ModeStatus
-from ..driver.supervision import NO_ROBOT
+from ..driver.events import NO_ROBOT
 from ..odometry import Estimate
 from ..oi import (
     BumpsAndWheelDrops,

@@ -51,7 +51,7 @@ def set_mode(driver: Driver, request: SetMode.Request, now: float) -> Pending:
     """Enter a mode."""
     if request.mode not in list(oi.Mode):
         return refused(f'mode {request.mode} is none of {MODES}')
-    return driver.set_mode(oi.Mode(request.mode), now)
+    return driver.modes.set(oi.Mode(request.mode), now)
 
 
 def reset_pose(driver: Driver, request: ResetPose.Request, _now: float) -> Pending:
@@ -86,7 +86,7 @@ def start_demo(driver: Driver, request: StartDemo.Request, _now: float) -> Pendi
     """Start a demo."""
     if request.demo not in list(oi.DemoNumber):
         return refused(f'demo {request.demo} is none of {DEMOS}')
-    return driver.demos.start(oi.DemoNumber(request.demo))
+    return driver.modes.start_demo(oi.DemoNumber(request.demo))
 
 
 def define_script(driver: Driver, request: DefineScript.Request, _now: float) -> Pending:
@@ -167,11 +167,11 @@ SERVICES = (
         name='start_demo', type=StartDemo, request=start_demo,
         about='let the robot play a built-in demo, 0 (Cover) to 9 (Banjo)'),
     Service(
-        name='stop_demo', type=Trigger, request=lambda driver, _, now: driver.demos.stop(),
+        name='stop_demo', type=Trigger, request=lambda driver, _, now: driver.modes.stop_demo(),
         about='end the demo; the robot stays in Passive'),
     Service(
         name='dock', type=Trigger,
-        request=lambda driver, _, now: driver.demos.start(oi.DemoNumber.COVER_AND_DOCK),
+        request=lambda driver, _, now: driver.modes.start_demo(oi.DemoNumber.COVER_AND_DOCK),
         about='start the demo that looks for the Home Base, and answer at once; the action `dock` '
         'also says how it ends'),
     Service(

@@ -33,7 +33,7 @@ from sensor_msgs.msg import BatteryState, JointState, PointCloud2
 
 from tf2_msgs.msg import TFMessage
 
-from ..driver.goals.hazards import BUMPS
+from ..driver.motion import BUMPS
 from ..oi import Readings
 from . import messages
 from .messages import Values

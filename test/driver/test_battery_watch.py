@@ -8,6 +8,9 @@ from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, Settings
 from create_oi_ros.driver.battery import BatteryWatch, ChargeWatch
 from create_oi_ros.driver.core import Core
+from create_oi_ros.driver.mode import Modes
+from create_oi_ros.driver.outputs import Outputs
+from create_oi_ros.driver.state import StateEvent
 from support.views import QUIET
 
 FINE, LOW, EMPTY = BatteryLevel
@@ -90,7 +93,10 @@ class Dock:
     def __init__(self, *, reset: bool) -> None:
         self.core = Core(Settings(
             mode_on_start=oi.Mode.PASSIVE, reset_when_not_charging=reset), lambda _: None)
-        self.watch = ChargeWatch(self.core)
+        self.modes = Modes(self.core, Outputs(self.core))
+        self.watch = ChargeWatch(self.core, self.modes)
+        self.core.handle(StateEvent.OPENED)
+        self.core.handle(StateEvent.ANSWERED)
 
     def said(self, now: float, state: int = 0, *, docked: bool = True,
              mode: oi.Mode = oi.Mode.PASSIVE) -> str:
@@ -98,11 +104,11 @@ class Dock:
         frame = oi.Readings({
             **QUIET, 'oi_mode': int(mode), 'charging_state': state,
             'charging_sources': 2 if docked else 0})
-        self.core.supervision.observe(frame, now)
-        self.watch.observe(frame, now)
-        said = ' '.join(event.text for event in self.core.events)
+        self.core.readings = frame
+        self.modes.observe(frame, now)
         self.core.events.clear()
-        return said
+        self.watch.observe(frame, now)
+        return ' '.join(event.text for event in self.core.events)
 
     def sent(self, now: float) -> bytes:
         """Return what is sent to the robot."""
@@ -134,9 +140,9 @@ def test_a_robot_that_charges_begins_anew(state):
 def test_only_passive_is_waited_in():
     dock = Dock(reset=False)
     assert dock.said(0.0) == dock.said(4.0, mode=oi.Mode.SAFE) == dock.said(6.0) == ''
-    dock.core.supervision.want(oi.Mode.SAFE)
+    dock.modes.want(oi.Mode.SAFE)
     assert dock.said(50.0) == ''
-    dock.core.supervision.want(oi.Mode.PASSIVE)
+    dock.modes.want(oi.Mode.PASSIVE)
     assert dock.said(60.0) == dock.said(64.9) == ''
     assert dock.said(65.0) != ''
 

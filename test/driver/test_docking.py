@@ -33,7 +33,7 @@ def docked(guesses: Guesses | None = None, mode: oi.Mode = oi.Mode.PASSIVE, **se
     loop = met(guesses, **settings)
     loop.body.place(ON_BASE)
     loop.run(0.1)
-    assert loop.driver.set_mode(mode, loop.now) and loop.body.sense().home_base
+    assert loop.driver.modes.set(mode, loop.now) and loop.body.sense().home_base
     loop.run(0.3)
     return loop
 
@@ -128,9 +128,9 @@ def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
 
 
 def test_set_mode_and_a_demo_take_over_from_a_search():
-    for take_over in (lambda loop: loop.driver.set_mode(oi.Mode.FULL, loop.now),
-                      lambda loop: loop.driver.demos.start(oi.DemoNumber.TAG),
-                      lambda loop: loop.driver.demos.stop()):
+    for take_over in (lambda loop: loop.driver.modes.set(oi.Mode.FULL, loop.now),
+                      lambda loop: loop.driver.modes.start_demo(oi.DemoNumber.TAG),
+                      lambda loop: loop.driver.modes.stop_demo()):
         loop = met()
         running = start(loop, Dock(0.0))
         loop.run(3.0)
@@ -263,7 +263,7 @@ def test_a_command_to_a_docked_robot_is_answered_with_undock():
         assert 'send the goal undock, it is on its dock' in ending.text
         loop.drive(0.1, 0.0, 0.3)
         assert 'send the goal undock, it is on its dock' in said(loop)
-    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    pending = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
     loop.run(1.0)
     assert 'send the goal undock' in pending.outcome.text
 

@@ -85,7 +85,7 @@ def test_a_metre_and_a_turn_agree_with_the_truth(loop):
 
 def test_a_driver_is_busy_until_its_commands_are_made_ready(loop):
     assert not loop.driver.busy
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     assert loop.driver.busy
     loop.run(0.3)
     assert not loop.driver.busy

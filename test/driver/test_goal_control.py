@@ -9,7 +9,7 @@ from create_oi_ros.driver import Activity, Settings
 from create_oi_ros.driver.goal_control import MODE_WAIT
 from create_oi_ros.driver.goals import Code, Goal, Progress, Running
 from create_oi_ros.driver.goals.goal import DockDemo, Enter, Order, Over, View
-from create_oi_ros.driver.modes import DOCK_PAUSE
+from create_oi_ros.driver.mode import DOCK_PAUSE
 from create_oi_ros.driver.motion import Velocity
 from support.loop import AT_ONCE, Loop, STEP
 
@@ -220,7 +220,7 @@ def test_a_goal_that_enters_a_mode_stands_meanwhile(at_once):
 @pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
 def test_a_search_for_the_dock_that_is_ended_stops_the_robot_and_brings_its_mode_back(
         at_once, mode):
-    at_once.driver.set_mode(mode, at_once.now)
+    at_once.driver.modes.set(mode, at_once.now)
     at_once.run(0.3)
     goal, running = searching(at_once)
     assert SEEK in sent(at_once)
@@ -264,7 +264,7 @@ def test_a_goal_is_as_good_as_a_pause_of_commands(at_once):
 
 def test_a_goal_ends_when_the_robot_enters_no_mode_to_drive_in_while_it_runs(at_once):
     running = begun(at_once, Told(AHEAD))
-    at_once.driver.set_mode(oi.Mode.FULL, at_once.now)
+    at_once.driver.modes.set(oi.Mode.FULL, at_once.now)
     at_once.forged = {'oi_mode': int(oi.Mode.PASSIVE)}
     at_once.run(0.2)
     assert ended(running)[0] is Code.MODE

@@ -72,7 +72,7 @@ def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped():
 
 def test_a_robot_in_passive_says_what_to_do():
     loop = met()
-    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
     loop.run(0.2)
     ending = pursue(loop, distance(0.1))
     assert ending.code is Code.MODE
@@ -94,7 +94,7 @@ def test_every_goal_ends_in_every_mode(mode, make):
         loop.robot.power(False, loop.now)
         loop.run(2.0)
     else:
-        loop.driver.set_mode(mode, loop.now)
+        loop.driver.modes.set(mode, loop.now)
         loop.run(0.2)
     if mode is oi.Mode.OFF:
         expected = Code.NO_ROBOT
@@ -111,7 +111,7 @@ def test_every_goal_ends_in_every_mode(mode, make):
 def test_full_instead_of_safe_changes_nothing():
     loop = met()
     running = moving(loop, distance(0.5))
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     assert until_ended(loop, running).code is Code.NONE
 
 
@@ -142,7 +142,7 @@ def test_a_goal_brings_back_the_mode_once_the_hazard_has_gone():
 def test_a_demo_keeps_goals_away_and_takes_over_from_one():
     loop = met()
     running = moving(loop)
-    loop.driver.demos.start(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    loop.driver.modes.start_demo(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     assert running.ending is not None
     assert running.ending.code is Code.SUPERSEDED
     loop.run(0.5)

@@ -58,7 +58,7 @@ def test_a_bumper_that_is_pressed_again_while_the_robot_backs_off_ends_that():
 @pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
 def test_a_cliff_ends_a_motion_and_says_where(mode):
     loop = met()
-    loop.driver.set_mode(mode, loop.now)
+    loop.driver.modes.set(mode, loop.now)
     loop.run(0.2)
     running = moving(loop)
     loop.body.force(cliff_front_left=1)
@@ -69,7 +69,7 @@ def test_a_cliff_ends_a_motion_and_says_where(mode):
 
 def test_at_a_cliff_in_full_mode_only_the_way_back_is_open():
     loop = met()
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     loop.run(0.2)
     loop.body.force(cliff_right=1)
     loop.run(0.1)
@@ -112,7 +112,7 @@ def test_a_robot_that_was_lifted_says_that_it_must_stand_on_the_floor():
 
 def test_a_robot_in_the_air_begins_nothing():
     loop = met()
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     loop.run(0.2)
     loop.body.lift(True)
     loop.run(0.1)

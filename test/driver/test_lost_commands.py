@@ -35,7 +35,7 @@ def test_a_mode_that_the_robot_did_not_hear_of_is_entered_again():
     loop = Loop()
     loop.run(0.5)
     lose_next(loop, oi.Full)
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     loop.run(0.5)
     assert loop.robot.mode is oi.Mode.FULL
 

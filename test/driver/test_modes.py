@@ -8,8 +8,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.events import ModeChanged
-from create_oi_ros.driver.modes import MODE_TIMEOUT
-from create_oi_ros.driver.supervision import CLEAR_FOR, SETTLING
+from create_oi_ros.driver.mode import CLEAR_FOR, MODE_TIMEOUT, SETTLING
 from create_oi_ros.sim.world import shipped
 from support.loop import Loop, texts
 
@@ -18,16 +17,16 @@ TIMEOUT = MotionLimits.timeout
 
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
 def test_set_mode_answers_when_the_robot_reports_the_mode(loop, mode):
-    pending = loop.driver.set_mode(mode, loop.now)
+    pending = loop.driver.modes.set(mode, loop.now)
     loop.run(0.2)
     assert pending.outcome.ok
     assert loop.robot.mode is mode
 
 
 def test_set_mode_does_not_believe_a_frame_from_before_it(loop):
-    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
     loop.delay = 0.02
-    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    pending = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
     for _ in range(4):
         loop.turn()
     assert pending.outcome is None
@@ -37,7 +36,7 @@ def test_set_mode_does_not_believe_a_frame_from_before_it(loop):
 
 
 def test_off_cannot_be_set(loop):
-    outcome = loop.driver.set_mode(oi.Mode.OFF, loop.now).outcome
+    outcome = loop.driver.modes.set(oi.Mode.OFF, loop.now).outcome
     assert outcome.ok is False
     assert 'allowed' in outcome.text
 
@@ -45,7 +44,7 @@ def test_off_cannot_be_set(loop):
 def test_set_mode_says_why_the_robot_did_not_follow(loop):
     loop.body.plug_charger(True)
     loop.run(0.1)
-    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    pending = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
     loop.run(1.0)
     assert pending.outcome.ok is False
     assert pending.outcome.text.startswith(
@@ -58,7 +57,7 @@ def test_set_mode_says_why_the_robot_did_not_follow(loop):
 def test_a_mode_that_a_deaf_robot_does_not_enter_is_given_up_after_its_time(loop, hears, said):
     loop.robot.receive = lambda *_: None
     loop.cut = not hears
-    pending = loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    pending = loop.driver.modes.set(oi.Mode.FULL, loop.now)
     loop.run(MODE_TIMEOUT - 0.01)
     assert pending.outcome is None
     loop.run(0.02)
@@ -170,7 +169,7 @@ def test_leds_are_set_again_in_a_mode_that_has_them_and_only_there(loop, mode, s
     loop.driver.outputs.set_leds(oi.LedBits(0), 7, 8)
     loop.run(0.1)
     loop.commands()
-    loop.driver.set_mode(mode, loop.now)
+    loop.driver.modes.set(mode, loop.now)
     loop.run(0.2)
     assert [each for each in loop.commands()
             if not isinstance(each, oi.DriveDirect | oi.Stream)] == sent
@@ -190,10 +189,10 @@ def test_a_demo_is_ended_only_where_nothing_else_can_have_changed_the_mode(loop,
 
 
 def test_safe_is_not_taken_as_entered_while_the_robot_reports_full(loop):
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     loop.run(0.2)
     loop.robot.receive = lambda *_: None
-    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    pending = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
     loop.run(MODE_TIMEOUT + 0.01)
     assert pending.outcome.text == (
         'robot stays in FULL instead of entering SAFE: in SAFE it needs all wheels down, no cliff '
@@ -214,14 +213,14 @@ def test_a_refused_velocity_says_how_to_drive_again(loop, hazard, why):
 
 def test_on_the_dock_the_way_to_drive_is_a_goal(loop):
     loop.body.force(home_base=1)
-    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
     loop.run(0.3)
     loop.drive(0.1, 0.0, 0.3)
     advice = 'send the goal undock, it is on its dock (dock and undock are actions)'
     last = texts(loop.notices, Severity.WARNING)[-1]
     assert last == f'not driving: robot is in PASSIVE; {advice}'
     loop.robot.receive = lambda *_: None
-    pending = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    pending = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
     loop.run(MODE_TIMEOUT + 0.01)
     assert pending.outcome.text == (
         f'robot stays in PASSIVE (charger powered) instead of entering SAFE: {advice}')
@@ -229,7 +228,7 @@ def test_on_the_dock_the_way_to_drive_is_a_goal(loop):
 
 @pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
 def test_stop_ends_a_demo_only_where_one_can_run(loop, mode):
-    loop.driver.set_mode(mode, loop.now)
+    loop.driver.modes.set(mode, loop.now)
     loop.run(0.3)
     loop.commands()
     loop.driver.stop(loop.now)
@@ -248,7 +247,7 @@ def test_each_change_of_mode_is_an_event_once(loop):
 
     loop.driver.next_event = heard
     for mode in (oi.Mode.FULL, oi.Mode.FULL, oi.Mode.PASSIVE):
-        loop.driver.set_mode(mode, loop.now)
+        loop.driver.modes.set(mode, loop.now)
         loop.run(0.3)
     safe, full, passive = oi.Mode.SAFE, oi.Mode.FULL, oi.Mode.PASSIVE
     assert changes == [(safe, full), (full, full), (full, passive), (passive, passive)]

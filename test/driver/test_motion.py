@@ -5,17 +5,21 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import MotionLimits, wheel_speeds
+from create_oi_ros.driver import Activity, ModeStatus, MotionLimits, Settings, wheel_speeds
+from create_oi_ros.driver.core import Core
+from create_oi_ros.driver.mode import Modes
 from create_oi_ros.driver.motion import (
+    Motion,
     next_speeds,
     RAMP_STEP,
     REPORT_TIMEOUT,
     rounded,
     STOPPED,
     Velocity,
-    WheelCommands,
     without_forward,
 )
+from create_oi_ros.driver.outputs import Outputs
+from create_oi_ros.driver.state import StateEvent
 from create_oi_ros.oi.steering import WheelSpeeds
 from support.loop import AT_ONCE
 
@@ -26,10 +30,33 @@ HALT = oi.DriveDirect(right=0, left=0)
 SLOT = 0.015
 
 
-def commanded(linear: float, angular: float, limits: MotionLimits = AT_ONCE) -> WheelCommands:
+class Wheels(Motion):
+    """The motion of a robot that obeys."""
+
+    def __init__(self, limits: MotionLimits) -> None:
+        self.core = Core(Settings(limits=limits), lambda event: self.handled(event))
+        super().__init__(self.core, Modes(self.core, Outputs(self.core)))
+        self.core.handle(StateEvent.OPENED)
+        self.core.handle(StateEvent.ANSWERED)
+        self.core.status = ModeStatus(oi.Mode.SAFE, oi.Mode.SAFE)
+
+    def drives(self, now: float) -> bool:
+        """Let time pass; return whether a velocity command holds then."""
+        self.poll(now)
+        return self.core.state.activity is Activity.DRIVING
+
+
+def report(wheels: Wheels, right: int, left: int, now: float, bumps: int = 0) -> None:
+    """Let the robot report the speeds that it was asked for, and its bumper."""
+    wheels.observe(oi.Readings({
+        'requested_right_velocity': right, 'requested_left_velocity': left,
+        'bumps_and_wheel_drops': bumps}), now)
+
+
+def commanded(linear: float, angular: float, limits: MotionLimits = AT_ONCE) -> Wheels:
     """Return wheels that a velocity was commanded to at second 8, and have been told."""
-    wheels = WheelCommands(limits)
-    assert wheels.command(linear, angular, 8.0) == bool(linear or angular)
+    wheels = Wheels(limits)
+    assert wheels.follow(linear, angular, 8.0) == bool(linear or angular)
     wheels.next_drive(8.0)
     return wheels
 
@@ -115,28 +142,28 @@ def test_rounding_to_whole_millimetres_keeps_the_turn_and_the_limit(linear) -> N
 
 
 def test_nobody_commands_anything_before_the_first_command() -> None:
-    wheels = WheelCommands(AT_ONCE)
-    assert wheels.at_rest and wheels.expired(0.0)
-    assert wheels.missed_since is None and not wheels.blocked
+    wheels = Wheels(AT_ONCE)
+    assert wheels.missed_since is None
     assert wheels.next_drive(0.0) == HALT, 'the wheels may have turned before'
     assert wheels.next_drive(1.0) is None
 
 
 def test_a_command_holds_for_its_time_and_no_longer() -> None:
-    wheels = commanded(0.25, 0.0)
-    assert not wheels.expired(8.0) and not wheels.expired(8.5)
-    assert wheels.expired(8.5 + 1e-6)
+    wheels = Wheels(AT_ONCE)
+    wheels.command(0.25, 0.0, 8.0)
+    assert wheels.drives(8.0) and wheels.drives(8.5)
+    assert not wheels.drives(8.5 + 1e-6)
     wheels.command(0.25, 0.0, 8.5)
-    assert not wheels.expired(9.0)
+    assert wheels.drives(9.0)
 
 
 def test_a_robot_is_told_once_a_slot_but_a_stop_does_not_wait() -> None:
     wheels = commanded(0.25, 0.0)
-    wheels.command(0.125, 0.0, 8.0)
+    wheels.follow(0.125, 0.0, 8.0)
     assert wheels.next_drive(8.0 + SLOT * 0.95) is None
     assert wheels.next_drive(8.0 + SLOT * 1.01) == straight(125)
     assert wheels.next_drive(9.0) is None, 'nothing new'
-    wheels.command(0.25, 0.0, 9.0)
+    wheels.follow(0.25, 0.0, 9.0)
     assert wheels.next_drive(9.0) == straight(250)
     wheels.stop()
     assert wheels.next_drive(9.001) == HALT
@@ -145,7 +172,7 @@ def test_a_robot_is_told_once_a_slot_but_a_stop_does_not_wait() -> None:
 
 def test_backwards_the_robot_is_told_once_a_slot_too() -> None:
     wheels = commanded(-0.25, 0.0)
-    wheels.command(-0.125, 0.0, 8.0)
+    wheels.follow(-0.125, 0.0, 8.0)
     assert wheels.next_drive(8.001) is None
     assert wheels.next_drive(8.1) == straight(-125)
 
@@ -157,50 +184,52 @@ def test_a_velocity_of_which_nothing_is_said_is_zero() -> None:
 def test_one_wheel_alone_waits_for_the_slot_as_well() -> None:
     for turn in (1.0, -1.0):
         wheels = commanded(0.25, 0.0, FREE)
-        wheels.command(0.125, turn, 8.0)
+        wheels.follow(0.125, turn, 8.0)
         assert wheels.next_drive(8.001) is None
         assert wheels.next_drive(8.1) == oi.DriveDirect(
             right=round(125 + 125 * turn), left=round(125 - 125 * turn))
 
 
 def test_a_stop_ends_motion_at_once_though_acceleration_is_limited() -> None:
-    wheels = commanded(0.5, 0.0, RAMPED)
-    assert not wheels.at_rest
-    assert wheels.next_drive(8.0 + SLOT * 1.01) is not None
+    wheels = Wheels(RAMPED)
+    wheels.command(0.5, 0.0, 8.0)
+    assert wheels.drives(8.0 + SLOT * 1.01)
     wheels.command(0.0, 0.0, 8.1)
-    assert not wheels.at_rest, 'a command of zero slows down'
+    assert wheels.drives(8.1), 'a command of zero slows down'
     wheels.stop()
-    assert wheels.at_rest
     assert wheels.next_drive(8.1) == HALT
+    assert not wheels.drives(8.1)
 
 
-def test_wheels_are_at_rest_once_they_have_followed_a_command_of_zero() -> None:
-    wheels = commanded(0.25, 0.0)
-    wheels.command(0.0, 0.0, 8.1)
-    assert not wheels.at_rest
-    assert wheels.next_drive(8.1) == HALT
-    assert wheels.at_rest
+def test_a_command_of_zero_ends_motion_once_the_wheels_have_followed_it() -> None:
+    wheels = Wheels(AT_ONCE)
+    wheels.command(0.25, 0.0, 8.0)
+    wheels.core.outbox.take_ready()
+    wheels.follow(0.0, 0.0, 8.1)
+    assert wheels.core.state.activity is Activity.DRIVING
+    assert not wheels.drives(8.1)
+    assert wheels.core.outbox.take_ready() == HALT.encode()
 
 
 @pytest.mark.parametrize('velocity', [(0.25, 0.0), (-0.25, 0.0), (0.0, 1.0), (0.0, -1.0)])
 def test_wheels_that_have_not_begun_to_turn_are_not_at_rest(velocity: tuple[float, float]) -> None:
-    wheels = WheelCommands(RAMPED)
+    wheels = Wheels(RAMPED)
     wheels.command(*velocity, 8.0)
-    assert not wheels.at_rest
+    assert wheels.drives(8.0)
 
 
 def test_a_command_after_a_pause_gets_the_acceleration_of_two_slots() -> None:
     assert RAMP_STEP == 2 * SLOT
-    wheels = WheelCommands(RAMPED)
-    wheels.command(0.5, 0.0, 8.0)
+    wheels = Wheels(RAMPED)
+    wheels.follow(0.5, 0.0, 8.0)
     assert wheels.next_drive(8.0) == straight(30)
     assert wheels.next_drive(8.02) == straight(50)
     assert wheels.next_drive(9.0) == straight(80)
 
 
 def test_wheels_that_wait_for_their_slot_go_on_being_accelerated() -> None:
-    wheels = WheelCommands(RAMPED)
-    wheels.command(0.5, 0.0, 8.0)
+    wheels = Wheels(RAMPED)
+    wheels.follow(0.5, 0.0, 8.0)
     assert wheels.next_drive(8.0) == straight(30)
     assert wheels.next_drive(8.01) is None
     assert wheels.next_drive(8.02) == straight(50)
@@ -210,12 +239,12 @@ def test_wheels_that_wait_for_their_slot_go_on_being_accelerated() -> None:
     (False, False, 100), (True, False, 100), (False, True, 100), (True, True, 0)])
 def test_a_pressed_bumper_lets_nothing_drive_forward_where_that_is_asked_for(
         blocked: bool, bump_stop: bool, told: int) -> None:
-    wheels = WheelCommands(MotionLimits(
+    wheels = Wheels(MotionLimits(
         linear_acceleration=0.0, angular_acceleration=0.0, bump_stop=bump_stop))
-    wheels.blocked = blocked
-    wheels.command(0.1, 0.0, 8.0)
+    report(wheels, 0, 0, 8.0, bumps=blocked)
+    wheels.follow(0.1, 0.0, 8.0)
     assert wheels.next_drive(8.0) == straight(told)
-    wheels.command(-0.1, 0.0, 9.0)
+    wheels.follow(-0.1, 0.0, 9.0)
     assert wheels.next_drive(9.0) == straight(-100)
 
 
@@ -225,16 +254,16 @@ def test_a_pressed_bumper_lets_nothing_drive_forward_where_that_is_asked_for(
 def test_speeds_that_the_robot_did_not_take_in_time_are_sent_again() -> None:
     assert REPORT_TIMEOUT == pytest.approx(0.15)
     wheels = commanded(0.25, 0.0)
-    wheels.reported(0, 0, 8.1499)
+    report(wheels, 0, 0, 8.1499)
     assert wheels.next_drive(8.1499) is None and wheels.missed_since is None, 'it may still come'
-    wheels.reported(0, 0, 8.1501)
+    report(wheels, 0, 0, 8.1501)
     assert wheels.missed_since == 8.0
     assert wheels.next_drive(8.16) == straight(250)
-    wheels.reported(250, 0, 8.17)
-    wheels.reported(250, 0, 8.4)
+    report(wheels, 250, 0, 8.17)
+    report(wheels, 250, 0, 8.4)
     assert wheels.missed_since == 8.0
     wheels.next_drive(8.7)
-    wheels.reported(250, 250, 8.71)
+    report(wheels, 250, 250, 8.71)
     assert wheels.missed_since is None
     assert wheels.next_drive(9.0) is None
 
@@ -243,13 +272,15 @@ def test_a_stop_that_the_robot_did_not_take_is_sent_again() -> None:
     wheels = commanded(0.25, 0.0)
     wheels.stop()
     assert wheels.next_drive(8.1) == HALT
-    wheels.reported(250, 250, 8.2)
+    report(wheels, 250, 250, 8.2)
     assert wheels.next_drive(8.2) is None
-    wheels.reported(250, 250, 8.3)
+    report(wheels, 250, 250, 8.3)
     assert wheels.next_drive(8.3) == HALT
 
 
 def test_what_was_sent_and_is_forgotten_is_sent_again() -> None:
-    wheels = commanded(0.25, 0.0)
-    wheels.forget_sent()
+    wheels = Wheels(AT_ONCE)
+    wheels.command(0.25, 0.0, 8.0)
+    assert wheels.next_drive(8.5) is None
+    wheels.core.handle(StateEvent.MODE_ENTERED)
     assert wheels.next_drive(9.0) == straight(250)

@@ -54,7 +54,7 @@ def test_after_a_mode_the_robot_has_time_to_enter_it(mode: type[oi.Command]) -> 
 def test_a_pause_that_was_asked_for_is_kept_unless_the_mode_needs_a_longer_one() -> None:
     for command, asked, pause in ((OFF, 0.5, 0.5), (oi.Safe(), 0.5, 0.5), (oi.Safe(), 0.01, 0.02)):
         outbox = Outbox()
-        outbox.request(command, 'done', pause=asked)
+        outbox.send(command, 'done', pause=asked)
         outbox.send(OFF)
         assert released(outbox, 8.0) == command.encode()
         assert released(outbox, 8.0 + pause - 0.001) == b''
@@ -79,8 +79,8 @@ def test_a_stop_overtakes_all_that_waits() -> None:
 
 def test_a_request_ends_when_its_bytes_are_written_and_not_before() -> None:
     outbox = Outbox()
-    first, second = outbox.request(OFF, 'off'), outbox.request(oi.Safe(), 'safe', pause=1.0)
-    third = outbox.request(OFF, 'later')
+    first, second = outbox.send(OFF, 'off'), outbox.send(oi.Safe(), 'safe', pause=1.0)
+    third = outbox.send(OFF, 'later')
     outbox.confirm()
     assert first.outcome is None
     outbox.release(8.0)
@@ -92,10 +92,10 @@ def test_a_request_ends_when_its_bytes_are_written_and_not_before() -> None:
 
 def test_what_was_not_written_is_lost_and_never_leaves() -> None:
     outbox = Outbox()
-    written = outbox.request(OFF, 'off')
+    written = outbox.send(OFF, 'off')
     outbox.release(8.0)
     outbox.confirm()
-    ready, queued = outbox.request(oi.Safe(), 'safe', pause=9.0), outbox.request(OFF, 'off')
+    ready, queued = outbox.send(oi.Safe(), 'safe', pause=9.0), outbox.send(OFF, 'off')
     outbox.send(OFF)
     outbox.release(8.5)
     outbox.clear()

@@ -175,11 +175,11 @@ def test_a_mode_that_does_not_exist_stops_the_wheels_and_says_what_to_do() -> No
     assert loop.moved[-1].readings.requested_right_velocity == 0
     assert said(loop, Severity.WARNING, 'robot left SAFE for no known mode') == 1
     assert said(loop, Severity.WARNING, 'call set_mode with SAFE; if that does not help') == 1
-    request = loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    request = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
     loop.run(1.0)
     assert request.outcome is not None and not request.outcome.ok
     assert 'stays in no known mode' in request.outcome.text
-    refusal = loop.driver.demos.start(oi.DemoNumber.COVER).outcome
+    refusal = loop.driver.modes.start_demo(oi.DemoNumber.COVER).outcome
     assert refusal is not None and 'no known mode' in refusal.text
     loop.forged = {}
     loop.drive(0.3, 0.0, 1.0)

@@ -10,9 +10,9 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, LowBatteryAction, Settings, Severity
 from create_oi_ros.driver.battery import SETTLE
+from create_oi_ros.driver.mode import CLEAR_FOR
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP
 from create_oi_ros.driver.stream import ALL
-from create_oi_ros.driver.supervision import CLEAR_FOR
 from support.loop import Loop, said, texts
 
 # What cannot be.

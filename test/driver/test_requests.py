@@ -137,7 +137,7 @@ def test_a_song_too_short_to_be_seen_is_said_to_be_sent(loop):
     lambda driver: driver.outputs.set_drivers((0, 0, 1)),
     lambda driver: driver.outputs.send_ir(1),
     lambda driver: driver.outputs.define_song(0, [60], [0.5]),
-    lambda driver: driver.demos.start(oi.DemoNumber.COVER),
+    lambda driver: driver.modes.start_demo(oi.DemoNumber.COVER),
     lambda driver: driver.scripts.define(WAITING),
     lambda driver: driver.scripts.play(0.0, force=True),
     lambda driver: driver.stop(0.0),
@@ -171,8 +171,8 @@ def test_in_passive_the_reply_says_what_to_do(loop, request_of):
 @pytest.mark.parametrize('request_of', [
     lambda driver: driver.outputs.define_song(0, [60], [0.5]),
     lambda driver: driver.outputs.set_leds(BLUE, 0, 0),
-    lambda driver: driver.demos.start(oi.DemoNumber.COVER),
-    lambda driver: driver.demos.stop(),
+    lambda driver: driver.modes.start_demo(oi.DemoNumber.COVER),
+    lambda driver: driver.modes.stop_demo(),
     lambda driver: driver.scripts.define(WAITING),
     lambda driver: driver.scripts.play(0.0, force=True),
     lambda driver: driver.scripts.show(0.0),
@@ -193,7 +193,7 @@ def test_before_the_mode_is_known_every_request_is_refused():
 
 
 def test_abort_is_no_demo_to_start(loop):
-    refused = ask(loop, loop.driver.demos.start, oi.DemoNumber.ABORT)
+    refused = ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.ABORT)
     assert not refused.ok
     assert 'stop_demo' in refused.text
 
@@ -280,25 +280,25 @@ def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
 
 
 def test_a_demo_ends_when_the_driver_does(loop):
-    ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     loop.driver.shut_down(loop.now)
     loop.turn()
     assert loop.robot.demo is None
 
 
 def test_a_demo_runs_until_it_is_stopped(loop):
-    answer = ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    answer = ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     assert answer.ok
     assert loop.robot.demo is oi.DemoNumber.DRIVE_FIGURE_EIGHT
     assert loop.driver.status.wanted is oi.Mode.PASSIVE
     assert loop.driver.status.reason == ''
-    assert ask(loop, loop.driver.demos.stop).ok
+    assert ask(loop, loop.driver.modes.stop_demo).ok
     assert loop.robot.demo is None
     assert loop.body.truth().speed == pytest.approx(0, abs=0.2)
 
 
 def test_stop_ends_a_demo_too(loop):
-    ask(loop, loop.driver.demos.start, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     assert loop.driver.stop(loop.now).outcome.ok
     loop.run(0.5)
     assert loop.robot.demo is None
@@ -306,12 +306,12 @@ def test_stop_ends_a_demo_too(loop):
 
 
 def test_stopping_no_demo_leaves_the_mode(loop):
-    assert ask(loop, loop.driver.demos.stop).ok
+    assert ask(loop, loop.driver.modes.stop_demo).ok
     assert loop.robot.mode is oi.Mode.SAFE
 
 
 def test_before_docking_the_robot_rests_a_second_in_passive(loop):
-    pending = loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK)
+    pending = loop.driver.modes.start_demo(oi.DemoNumber.COVER_AND_DOCK)
     loop.run(0.9)
     assert pending.outcome is None
     assert loop.robot.mode is oi.Mode.PASSIVE
@@ -321,7 +321,7 @@ def test_before_docking_the_robot_rests_a_second_in_passive(loop):
 
 
 def test_stop_ends_a_demo_that_is_about_to_begin(loop):
-    loop.driver.demos.start(oi.DemoNumber.COVER_AND_DOCK)
+    loop.driver.modes.start_demo(oi.DemoNumber.COVER_AND_DOCK)
     loop.run(0.5)
     assert loop.driver.stop(loop.now).outcome.ok
     loop.run(1.0)

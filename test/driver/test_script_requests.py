@@ -49,7 +49,7 @@ def test_while_a_script_plays_nothing_is_promised(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
     for answer in (ask(loop, loop.driver.outputs.set_leds, BLUE, 0, 0),
-                   ask(loop, loop.driver.set_mode, oi.Mode.PASSIVE, loop.now)):
+                   ask(loop, loop.driver.modes.set, oi.Mode.PASSIVE, loop.now)):
         assert answer.ok is False
         assert 'script' in answer.text
     stopped = loop.driver.stop(loop.now).outcome

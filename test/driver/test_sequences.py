@@ -123,7 +123,7 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(mode=st.sampled_from(MODES))
     def set_mode(self, mode):
-        self.loop.request(self.driver.set_mode(mode, self.loop.now))
+        self.loop.request(self.driver.modes.set(mode, self.loop.now))
 
     @rule()
     def stop(self):
@@ -133,11 +133,11 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(demo=st.sampled_from(oi.DemoNumber))
     def start_demo(self, demo):
-        self.loop.request(self.driver.demos.start(demo))
+        self.loop.request(self.driver.modes.start_demo(demo))
 
     @rule()
     def stop_demo(self):
-        self.loop.request(self.driver.demos.stop())
+        self.loop.request(self.driver.modes.stop_demo())
 
     @rule(number=st.integers(0, 15))
     def play_song(self, number):

@@ -86,9 +86,9 @@ def test_the_activity_follows_what_is_asked_for():
     note(0.1)
     driver.stop(loop.now)
     note(0.1)
-    driver.demos.start(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    driver.modes.start_demo(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
     note(0.1)
-    driver.demos.stop()
+    driver.modes.stop_demo()
     note(0.1)
     driver.scripts.define(oi.Script(script=oi.WaitTime(time=10).encode()))
     driver.scripts.play(loop.now, force=False)
@@ -134,14 +134,14 @@ def in_safe(**settings) -> Loop:
 @pytest.mark.parametrize('demo', [oi.DemoNumber.COVER, oi.DemoNumber.COVER_AND_DOCK])
 @pytest.mark.parametrize('wait', [0.0, 0.01, 0.3])
 @pytest.mark.parametrize('stop', [
-    lambda driver, now: driver.stop(now), lambda driver, now: driver.demos.stop(),
-    lambda driver, now: driver.set_mode(oi.Mode.SAFE, now),
-    lambda driver, now: driver.set_mode(oi.Mode.PASSIVE, now),
+    lambda driver, now: driver.stop(now), lambda driver, now: driver.modes.stop_demo(),
+    lambda driver, now: driver.modes.set(oi.Mode.SAFE, now),
+    lambda driver, now: driver.modes.set(oi.Mode.PASSIVE, now),
     lambda driver, now: driver.shut_down(now)],
     ids=['stop', 'stop_demo', 'safe', 'passive', 'shut_down'])
 def test_a_demo_that_was_stopped_never_begins_later(demo, wait, stop):
     loop = in_safe()
-    started = loop.driver.demos.start(demo)
+    started = loop.driver.modes.start_demo(demo)
     loop.run(wait)
     waits = started.outcome is None
     stop(loop.driver, loop.now)
@@ -185,7 +185,7 @@ def test_passive_stops_a_robot_that_drives_before_anything_else():
     loop = in_safe()
     loop.drive(0.3, 0.0, 1.0)
     loop.commands()
-    loop.driver.set_mode(oi.Mode.PASSIVE, loop.now)
+    loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
     loop.driver.drive(0.3, 0.0, loop.now)
     loop.turn()
     assert loop.commands()[:2] == [HALT, oi.Start()]
@@ -266,6 +266,6 @@ def test_setting_the_mode_is_as_good_as_a_pause():
     loop.cut = False
     loop.drive(0.2, 0.0, 1.0)
     assert loop.driver.state.activity is Activity.HOLDING
-    loop.driver.set_mode(oi.Mode.SAFE, loop.now)
+    loop.driver.modes.set(oi.Mode.SAFE, loop.now)
     loop.drive(0.2, 0.0, 1.0)
     assert loop.driver.state.activity is Activity.DRIVING

@@ -5,37 +5,66 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.supervision import (
-    Cause,
+from create_oi_ros.driver import Cause, ModeStatus, Settings
+from create_oi_ros.driver.core import Core
+from create_oi_ros.driver.mode import (
     causes_in,
     CLEAR_FOR,
+    Modes,
     MOST_TRIES,
     RETRY_INTERVAL,
     SETTLING,
-    Supervision,
 )
+from create_oi_ros.driver.outputs import Outputs
+from create_oi_ros.driver.state import StateEvent
 
 OFF, PASSIVE, SAFE, FULL = oi.Mode.OFF, oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL
 LITTLE = 1e-6
 
 
 def frame(mode: oi.Mode, *, drops: int = 0, cliff: int = 0, charger: int = 0) -> oi.Readings:
-    """Return the readings that supervision needs."""
+    """Return the readings that it takes to watch the mode."""
     return oi.Readings({
         'oi_mode': mode, 'bumps_and_wheel_drops': drops, 'cliff_left': 0, 'cliff_front_left': 0,
         'cliff_front_right': 0, 'cliff_right': cliff, 'charging_sources': charger})
 
 
-def entered(wanted: oi.Mode = SAFE, *, recover: bool = True) -> Supervision:
-    """Return the supervision of a robot that entered its mode at second 8."""
-    watch = Supervision(wanted, recover=recover)
-    watch.entering(8.0)
+class Watch:
+    """The modes of a robot that answers."""
+
+    def __init__(self, wanted: oi.Mode, *, recover: bool) -> None:
+        self.core = Core(Settings(mode_on_start=wanted, recover_mode=recover), lambda _: None)
+        self.modes = Modes(self.core, Outputs(self.core))
+        self.core.handle(StateEvent.OPENED)
+        self.core.handle(StateEvent.ANSWERED)
+
+    @property
+    def status(self) -> ModeStatus:
+        """What is known of the mode."""
+        return self.core.status
+
+    def observe(self, readings: oi.Readings, now: float) -> bool:
+        """Take a frame in; return whether the robot is said to have left its mode."""
+        self.core.events.clear()
+        self.core.readings = readings
+        self.modes.observe(readings, now)
+        return bool(self.core.events)
+
+    def enter(self, now: float) -> None:
+        """Tell the robot to enter the wanted mode."""
+        self.modes.enter(self.status.wanted, now)
+
+
+def entered(wanted: oi.Mode = SAFE, *, recover: bool = True) -> Watch:
+    """Return the modes of a robot that entered its mode at second 8."""
+    watch = Watch(wanted, recover=recover)
+    watch.enter(8.0)
     assert not watch.observe(frame(wanted), 8.0)
     return watch
 
 
-def fallen(at: float = 16.0, *, recover: bool = True) -> Supervision:
-    """Return the supervision of a robot that fell to Passive at a cliff that is gone since."""
+def fallen(at: float = 16.0, *, recover: bool = True) -> Watch:
+    """Return the modes of a robot that fell to Passive at a cliff that is gone since."""
     watch = entered(recover=recover)
     assert watch.observe(frame(PASSIVE, cliff=1), at)
     return watch
@@ -61,9 +90,9 @@ def test_each_hazard_is_named_alone(name: str, value: int, cause: Cause) -> None
 @pytest.mark.parametrize(('sources', 'docked'), [(0, False), (1, False), (2, True), (3, True)])
 def test_only_the_contacts_of_a_home_base_are_a_dock(sources: int, docked: bool) -> None:
     watch = entered()
-    assert not watch.docked
+    assert not watch.modes.docked
     watch.observe(frame(SAFE, charger=sources), 9.0)
-    assert watch.docked is docked
+    assert watch.modes.docked is docked
 
 
 @pytest.mark.parametrize(('mode', 'cause'), [(OFF, Cause.POWER), (PASSIVE, Cause.UNKNOWN)])
@@ -89,10 +118,10 @@ def test_a_cause_is_over_when_the_mode_is_back_or_another_is_wanted() -> None:
     assert not watch.observe(frame(SAFE), 17.0)
     assert watch.status.causes == () and watch.status.can_drive
     watch = fallen()
-    watch.want(FULL)
+    watch.modes.want(FULL)
     assert watch.status.causes == () and watch.status.wanted is FULL
     watch = fallen()
-    watch.lost()
+    watch.modes.forget()
     assert (watch.status.actual, watch.status.wanted, watch.status.causes) == (None, SAFE, ())
     assert watch.status.reason == 'no robot answers'
 
@@ -104,7 +133,7 @@ def test_a_mode_that_seems_left_soon_after_it_was_asked_for_is_only_entered_agai
     watch = entered()
     assert not watch.observe(frame(PASSIVE), 8.0 + SETTLING)
     assert watch.status.causes == ()
-    assert watch.must_enter_again(8.0 + SETTLING)
+    assert watch.modes.must_retry(8.0 + SETTLING)
     watch = entered()
     assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
     watch = entered()
@@ -112,9 +141,9 @@ def test_a_mode_that_seems_left_soon_after_it_was_asked_for_is_only_entered_agai
 
 
 def test_trying_again_does_not_prolong_the_time_in_which_old_frames_may_come() -> None:
-    watch = Supervision(SAFE, recover=True)
-    watch.entering(8.0)
-    watch.entering(9.5)
+    watch = Watch(SAFE, recover=True)
+    watch.enter(8.0)
+    watch.enter(9.5)
     watch.observe(frame(SAFE), 9.6)
     assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
 
@@ -122,8 +151,8 @@ def test_trying_again_does_not_prolong_the_time_in_which_old_frames_may_come() -
 def test_a_mode_that_only_seemed_left_is_entered_again_at_most_twice() -> None:
     watch, tries, now = entered(), 0, 9.0
     watch.observe(frame(PASSIVE), now)
-    while watch.must_enter_again(now):
-        watch.entering(now)
+    while watch.modes.must_retry(now):
+        watch.enter(now)
         tries, now = tries + 1, now + 1.0
     assert tries == MOST_TRIES - 1
 
@@ -132,14 +161,14 @@ def test_a_mode_that_only_seemed_left_is_entered_again_at_most_twice() -> None:
 
 
 def test_a_mode_that_the_robot_missed_is_entered_again_after_a_while_and_not_for_ever() -> None:
-    watch = Supervision(SAFE, recover=True)
+    watch = Watch(SAFE, recover=True)
     watch.observe(frame(PASSIVE), 1.0)
-    assert not watch.must_enter_again(2.0), 'nobody has asked for it yet'
+    assert not watch.modes.must_retry(2.0), 'nobody has asked for it yet'
     for number in range(1, MOST_TRIES + 1):
-        watch.entering(8.0 * number)
+        watch.enter(8.0 * number)
         watch.observe(frame(PASSIVE), 8.0 * number + RETRY_INTERVAL / 2)
-        assert not watch.must_enter_again(8.0 * number + RETRY_INTERVAL - LITTLE)
-        again = watch.must_enter_again(8.0 * number + RETRY_INTERVAL + LITTLE)
+        assert not watch.modes.must_retry(8.0 * number + RETRY_INTERVAL - LITTLE)
+        again = watch.modes.must_retry(8.0 * number + RETRY_INTERVAL + LITTLE)
         assert again is (number < MOST_TRIES)
         if again:
             watch.observe(frame(PASSIVE), 8.0 * number + RETRY_INTERVAL + LITTLE)
@@ -151,28 +180,28 @@ def test_a_mode_that_the_robot_missed_is_entered_again_after_a_while_and_not_for
 
 
 def test_a_mode_that_was_tried_too_often_is_given_up_with_a_cause() -> None:
-    watch = Supervision(SAFE, recover=True)
+    watch = Watch(SAFE, recover=True)
     watch.observe(frame(PASSIVE, cliff=1), 7.0)
     assert watch.status.causes == (), 'nobody has asked for it yet'
     for _ in range(MOST_TRIES + 1):
-        watch.entering(8.0)
-    assert not watch.must_enter_again(9.0)
+        watch.enter(8.0)
+    assert not watch.modes.must_retry(9.0)
     watch.observe(frame(PASSIVE), 9.0)
     assert watch.status.causes == (Cause.UNKNOWN,)
 
 
 @pytest.mark.parametrize('mode', [PASSIVE, SAFE, FULL])
 def test_of_a_robot_that_was_told_no_mode_yet_only_full_is_undone(mode: oi.Mode) -> None:
-    watch = Supervision(SAFE, recover=True)
+    watch = Watch(SAFE, recover=True)
     watch.observe(frame(mode), 8.0)
-    assert watch.must_enter_again(8.0) is (mode is FULL)
+    assert watch.modes.must_retry(8.0) is (mode is FULL)
 
 
 def test_a_robot_in_its_mode_or_away_is_told_nothing() -> None:
     watch = entered()
-    assert not watch.must_enter_again(100.0)
-    watch.lost()
-    assert not watch.must_enter_again(100.0)
+    assert not watch.modes.must_retry(100.0)
+    watch.modes.forget()
+    assert not watch.modes.must_retry(100.0)
 
 
 def test_the_times_to_wait_are_those_of_the_pages() -> None:
@@ -180,13 +209,13 @@ def test_the_times_to_wait_are_those_of_the_pages() -> None:
 
 
 def test_a_hazard_ends_the_tries_at_the_first_one() -> None:
-    watch = Supervision(SAFE, recover=True)
-    watch.entering(8.0)
+    watch = Watch(SAFE, recover=True)
+    watch.enter(8.0)
     watch.observe(frame(PASSIVE, charger=1), 8.0 + RETRY_INTERVAL - LITTLE)
     assert watch.status.causes == ()
     watch.observe(frame(PASSIVE, charger=1), 8.0 + RETRY_INTERVAL + LITTLE)
     assert watch.status.causes == (Cause.CHARGER,)
-    assert not watch.must_enter_again(9.0)
+    assert not watch.modes.must_retry(9.0)
 
 
 @pytest.mark.parametrize(('wanted', 'actual', 'again'), [
@@ -196,34 +225,35 @@ def test_full_for_safe_is_no_safety_stop_and_is_always_undone(
         wanted: oi.Mode, actual: oi.Mode, again: bool) -> None:
     watch = entered(wanted)
     assert watch.observe(frame(actual), 16.0)
-    assert watch.must_enter_again(16.0) is again
-    assert watch.may_recover(17.0)
+    assert watch.modes.must_retry(16.0) is again
+    assert watch.modes.may_recover(17.0)
 
 
 def test_a_mode_that_was_entered_gives_all_tries_back() -> None:
-    watch = Supervision(SAFE, recover=True)
+    watch = Watch(SAFE, recover=True)
     for number in range(MOST_TRIES):
-        watch.entering(8.0 + number)
+        watch.enter(8.0 + number)
     watch.observe(frame(SAFE), 12.0)
-    watch.entering(12.5)
+    watch.enter(12.5)
     watch.observe(frame(PASSIVE), 12.6)
-    assert watch.must_enter_again(13.0)
+    assert watch.modes.must_retry(13.0)
 
 
 @pytest.mark.parametrize('change', [
-    lambda watch: watch.lost(), lambda watch: watch.want(FULL)], ids=['lost', 'another mode'])
+    lambda watch: watch.modes.forget(), lambda watch: watch.modes.want(FULL)],
+    ids=['lost', 'another mode'])
 def test_a_robot_that_came_back_and_another_mode_have_all_tries(change) -> None:
     watch = entered()
-    watch.entering(9.0)
+    watch.enter(9.0)
     change(watch)
     tries, now = 0, 20.0
-    watch.entering(now)
+    watch.enter(now)
     while True:
         watch.observe(frame(PASSIVE), now + RETRY_INTERVAL / 2)
-        if not watch.must_enter_again(now + 2 * RETRY_INTERVAL):
+        if not watch.modes.must_retry(now + 2 * RETRY_INTERVAL):
             break
         now, tries = now + 2 * RETRY_INTERVAL, tries + 1
-        watch.entering(now)
+        watch.enter(now)
     assert tries == MOST_TRIES - 1
 
 
@@ -232,11 +262,11 @@ def test_a_robot_that_came_back_and_another_mode_have_all_tries(change) -> None:
 
 def test_the_mode_comes_back_a_second_after_the_hazard() -> None:
     watch = fallen(16.0)
-    assert not watch.may_recover(17.0 - LITTLE)
-    assert watch.may_recover(17.0)
+    assert not watch.modes.may_recover(17.0 - LITTLE)
+    assert watch.modes.may_recover(17.0)
     watch.observe(frame(PASSIVE, cliff=1), 18.0)
-    assert not watch.may_recover(18.5)
-    assert watch.may_recover(19.0)
+    assert not watch.modes.may_recover(18.5)
+    assert watch.modes.may_recover(19.0)
 
 
 def test_full_mode_that_nobody_wanted_does_not_clear_the_cause() -> None:
@@ -247,20 +277,20 @@ def test_full_mode_that_nobody_wanted_does_not_clear_the_cause() -> None:
 
 def test_nothing_is_brought_back_that_was_not_lost_or_is_not_to_be() -> None:
     watch = fallen(recover=False)
-    assert not watch.may_recover(20.0)
+    assert not watch.modes.may_recover(20.0)
     watch = fallen()
     watch.observe(frame(SAFE), 20.0)
-    assert not watch.may_recover(21.0)
+    assert not watch.modes.may_recover(21.0)
     watch = fallen()
-    watch.lost()
-    assert not watch.may_recover(21.0)
-    watch = Supervision(SAFE, recover=True)
+    watch.modes.forget()
+    assert not watch.modes.may_recover(21.0)
+    watch = Watch(SAFE, recover=True)
     watch.observe(frame(PASSIVE), 8.0)
-    assert not watch.may_recover(21.0), 'it has not been in that mode'
+    assert not watch.modes.may_recover(21.0), 'it has not been in that mode'
 
 
 def test_a_robot_that_has_not_said_so_is_on_no_dock():
-    watch = Supervision(SAFE, recover=True)
-    assert not watch.docked
+    watch = Watch(SAFE, recover=True)
+    assert not watch.modes.docked
     watch.observe(frame(PASSIVE, charger=2), 1.0)
-    assert watch.docked
+    assert watch.modes.docked

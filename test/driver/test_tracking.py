@@ -6,7 +6,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings
-from create_oi_ros.driver.events import LinkCounts
+from create_oi_ros.driver.core import Core
 from create_oi_ros.driver.frame_clock import LEAST_STEP
 from create_oi_ros.driver.tracking import Tracking
 from create_oi_ros.odometry import Estimate, Increment
@@ -43,8 +43,9 @@ class Line:
     """Frames on their way to a tracking, at one slot or another."""
 
     def __init__(self) -> None:
-        self.odometry, self.counts = Heard(), LinkCounts()
-        self.tracking = Tracking(Settings(), self.counts, self.odometry)
+        self.odometry, self.core = Heard(), Core(Settings(), lambda _: None)
+        self.counts = self.core.counts
+        self.tracking = Tracking(self.core, self.odometry)
 
     def frame(self, slot: float, reading: tuple[int, int] | None = None, speeds=SPEEDS,
               **values: int) -> list[Increment]:
@@ -169,7 +170,7 @@ def test_a_robot_that_was_away_is_begun_anew(line):
 def test_all_readings_are_kept_until_newer_ones_come(line):
     line.frame(41, (3, 4))
     line.frame(42, cliff_left=1)
-    assert line.tracking.readings.distance == 3 and line.tracking.readings.cliff_left
+    assert line.core.readings.distance == 3 and line.core.readings.cliff_left
 
 
 def test_frames_lost_before_one_that_cannot_be_are_time_of_the_next_one(line):

@@ -224,7 +224,7 @@ def drive_all_the_time(loop: Loop, seconds: float) -> None:
 def test_a_robot_that_is_found_or_enters_a_mode_under_commands_drives_without_a_warning():
     loop = Loop()
     drive_all_the_time(loop, 1.0)
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     drive_all_the_time(loop, 0.5)
     assert loop.driver.scripts.show(loop.now).outcome is not None  # refused: the robot drives
     assert loop.body.truth().speed == pytest.approx(0.1, abs=0.01)

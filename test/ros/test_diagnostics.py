@@ -58,7 +58,7 @@ def test_without_a_robot_the_link_is_the_error_and_stale_is_left_to_aggregators(
 
 
 def test_a_mode_that_is_being_entered_is_no_warning(loop):
-    loop.driver.set_mode(oi.Mode.FULL, loop.now)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
     status = all_of(loop)['mode']
     assert (status.level, status.message) == (OK, 'SAFE, entering FULL')
 

@@ -19,7 +19,7 @@ def ask(loop: Loop, request, *arguments, seconds: float = 0.2, **named) -> Outco
 
 def in_mode(loop: Loop, mode: oi.Mode) -> None:
     """Have the robot in a mode."""
-    assert ask(loop, loop.driver.set_mode, mode, loop.now).ok
+    assert ask(loop, loop.driver.modes.set, mode, loop.now).ok
 
 
 def power_cycle(loop: Loop) -> None:

@@ -100,7 +100,7 @@ class RobotLine:
     def enter(self, mode: oi.Mode) -> Outcome:
         """Ask for a mode; return how that ended."""
         with self.session.request() as (driver, now):
-            pending = driver.set_mode(mode, now)
+            pending = driver.modes.set(mode, now)
         while pending.outcome is None:
             time.sleep(TURN)
         return pending.outcome

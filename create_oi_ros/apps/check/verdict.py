@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ... import oi
-from ...driver.acquaintance import in_words
+from ...driver.learned_robot import in_words
 from ...odometry import Knowledge, Response, Rounding, SignSource
 from ...robot import MILLI, SLOT
 

@@ -11,8 +11,8 @@ begin to charge.
 from ... import oi
 from ...oi.codes import BEAMS
 from ..battery import charges
-from ..motion import MotionLimits, Velocity
-from ..supervision import Cause
+from ..events import Cause, MotionLimits
+from ..motion import Velocity
 from .approach import Learned
 from .goal import (
     Code,

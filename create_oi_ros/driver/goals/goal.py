@@ -16,7 +16,8 @@ from typing import NamedTuple
 from ... import oi
 from ...odometry import Estimate
 from ...robot import MILLI
-from ..motion import MotionLimits, Velocity
+from ..events import MotionLimits
+from ..motion import Velocity
 from ..outbox import Awaited
 
 LONGEST, MOST_TURN = 1000.0, 1000 * tau

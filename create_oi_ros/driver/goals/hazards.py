@@ -3,10 +3,9 @@
 """What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow."""
 
 from ... import oi
-from ..motion import Velocity
+from ..motion import BUMPS, Velocity
 from .goal import Code, LEAST_SPEED, Over, View
 
-BUMPS = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 DROPS = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
             | oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER)
 WHEELS = int(oi.Overcurrents.LEFT_WHEEL | oi.Overcurrents.RIGHT_WHEEL)

@@ -11,7 +11,8 @@ from abc import ABC, abstractmethod
 from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
 
 from ...odometry import Estimate
-from ..motion import MotionLimits, Velocity
+from ..events import MotionLimits
+from ..motion import Velocity
 from .approach import Approach, Learned, Remaining
 from .goal import View
 

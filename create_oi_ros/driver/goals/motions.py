@@ -8,7 +8,8 @@ from math import atan2, degrees, hypot, remainder, tau
 from typing import NamedTuple
 
 from ...odometry import Estimate
-from ..motion import MotionLimits, Velocity
+from ..events import MotionLimits
+from ..motion import Velocity
 from .approach import Learned
 from .goal import (
     check_amount,

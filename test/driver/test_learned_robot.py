@@ -3,12 +3,13 @@
 """What people are told of a robot that has become known."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
-from create_oi_ros.driver import Notice
-from create_oi_ros.driver.acquaintance import Acquaintance, EVERY, in_words
-from create_oi_ros.driver.events import EventQueue
+from create_oi_ros.driver import Notice, Settings
+from create_oi_ros.driver.core import Core
+from create_oi_ros.driver.learned_robot import in_words, INTERVAL, LearnedRobot
 from create_oi_ros.odometry import Hypothesis, Knowledge, Known, Response, SignSource
 from create_oi_ros.robot import Rounding
 
@@ -45,27 +46,42 @@ def test_each_response_has_its_words(wheels: Hypothesis, answer: str) -> None:
     assert in_words(robot(wheels=wheels))['response'].startswith(f'{answer} (')
 
 
+class Told:
+    """What people are told of a robot, as the odometry learns of it."""
+
+    def __init__(self, known_before: Knowledge | None = None) -> None:
+        self.core = Core(Settings(robot=known_before), lambda _: None)
+        self.tracking = SimpleNamespace(robot=None)
+        self.watch = LearnedRobot(self.core, self.tracking)
+        self.now = 3.0
+
+    def of(self, known: Knowledge | None, after: float = INTERVAL) -> list[str]:
+        """Let the odometry know this robot some seconds later; return what was said."""
+        self.now += after
+        self.tracking.robot = known
+        self.core.events.clear()
+        self.watch.observe(self.now)
+        return [each.text for each in self.core.events if isinstance(each, Notice)]
+
+
 def test_people_are_told_once_and_again_of_another_robot() -> None:
-    events = EventQueue()
-    watch = Acquaintance(None, events)
-    for known in (None, replace(robot(), right_gain=Known(1.0, 0.1)), robot(), robot(),
-                  robot(Rounding.ROUND)):
-        watch.look(known)
-    first, second = (each.text for each in events if isinstance(each, Notice))
+    told = Told()
+    assert told.of(None) == told.of(replace(robot(), right_gain=Known(1.0, 0.1))) == []
+    first, = told.of(robot())
     assert first.startswith('the odometry knows this robot now: fractions of distance and '
                             'angle: cut off')
+    assert told.of(robot()) == []
+    second, = told.of(robot(Rounding.ROUND))
     assert second.startswith('this is another robot than odometry_model says; the odometry has '
                              'learned: fractions of distance and angle: rounded')
 
 
 @pytest.mark.parametrize('rounding', [Rounding.TRUNCATE, Rounding.CARRY])
 def test_of_a_robot_that_was_known_before_nobody_is_told(rounding: Rounding) -> None:
-    events = EventQueue()
-    Acquaintance(robot(rounding), events).look(robot())
-    assert bool(events) is (rounding is not Rounding.TRUNCATE)
+    assert bool(Told(robot(rounding)).of(robot())) is (rounding is not Rounding.TRUNCATE)
 
 
 def test_it_looks_from_time_to_time() -> None:
-    watch = Acquaintance(None, EventQueue())
-    assert [watch.due(now) for now in (3.0, 3.0 + EVERY - 0.1, 3.0 + EVERY)] == [
-        True, False, True]
+    told = Told()
+    assert told.of(None) == told.of(robot(), INTERVAL - 0.1) == []
+    assert told.of(robot(), 0.2)

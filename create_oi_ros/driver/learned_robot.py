@@ -10,10 +10,12 @@ from ..odometry import Hypothesis, Knowledge, Known, Response, Rounding, SignSou
 from ..odometry.hypotheses import REFERENCE_SPEED
 from ..odometry.knowledge import delay_of, QUICK
 from ..robot import FIRMWARE_SEPARATION, MILLI
-from .events import EventQueue, Severity
+from .core import Core
+from .events import Severity
+from .tracking import Tracking
 
-EVERY = 5.0
-"""Seconds between two looks."""
+INTERVAL = 5.0
+"""Seconds between two checks."""
 FRACTIONS = {
     Rounding.TRUNCATE: 'cut off and lost at each reading',
     Rounding.ROUND: 'rounded, and the rest is lost',
@@ -25,31 +27,29 @@ SIGNS = {
     SignSource.MOTION: 'of the motion itself'}
 
 
-class Acquaintance:
-    """Watches what the odometry knows."""
+class LearnedRobot:
+    """Reports a robot once the odometry is certain of it."""
 
-    def __init__(self, robot: Knowledge | None, events: EventQueue) -> None:
-        """Start with what is known of the robot."""
-        self._told = None if robot is None else robot.likeliest
-        self._events = events
-        self._look_at = 0.0
+    def __init__(self, core: Core, tracking: Tracking) -> None:
+        robot = core.settings.robot
+        self._core = core
+        self._tracking = tracking
+        self._reported = None if robot is None else robot.likeliest
+        self._check_at = 0.0
 
-    def due(self, now: float) -> bool:
-        """Tell whether it is time to look again."""
-        if now < self._look_at:
-            return False
-        self._look_at = now + EVERY
-        return True
-
-    def look(self, robot: Knowledge | None) -> None:
+    def observe(self, now: float) -> None:
         """Report a robot that has become known, or that is another than was thought."""
-        if robot is None or not robot.certain or robot.likeliest == self._told:
+        if now < self._check_at:
             return
-        known = 'the odometry knows this robot now' if self._told is None else (
+        self._check_at = now + INTERVAL
+        robot, before = self._tracking.robot, self._reported
+        if robot is None or not robot.certain or robot.likeliest == before:
+            return
+        self._reported = robot.likeliest
+        known = 'the odometry knows this robot now' if before is None else (
             'this is another robot than odometry_model says; the odometry has learned')
-        self._told = robot.likeliest
         said = '; '.join(f'{what}: {answer}' for what, answer in in_words(robot).items())
-        self._events.notice(Severity.INFO, f'{known}: {said}')
+        self._core.notice(Severity.INFO, f'{known}: {said}')
 
 
 def in_words(robot: Knowledge) -> dict[str, str]:

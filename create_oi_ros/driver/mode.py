@@ -1,0 +1,285 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The wanted mode and the actual one: why the robot left it, and how it gets into it.
+
+In Safe mode the robot itself falls to Passive on a cliff, a wheel drop or a powered charger
+(manual: Safe Mode). The driver notices, names the cause, and enters the wanted mode: on request,
+when the robot missed the command, and when a fresh velocity comes after the hazard is gone. The
+robot's demos are here, too: it plays them in Passive, where it follows no velocity.
+"""
+
+from math import inf
+
+from .. import oi
+from .core import Core
+from .events import Cause, ModeStatus, Severity
+from .outbox import done, END_DEMO, MODE_COMMANDS, Pending, refused
+from .outputs import Outputs
+from .state import Owner, StateEvent
+
+PAUSE = 'let commands pause and send again'
+CLEAR_FOR = 1.0
+"""Seconds that the cause must have been gone before the wanted mode may be entered again."""
+RETRY_INTERVAL, MOST_TRIES = 0.2, 3
+"""Seconds after which a mode should have been entered, and how often it is tried."""
+SETTLING = 2.0
+"""Seconds after the robot was found, or a mode was asked for, in which frames from before may
+still come on a busy computer."""
+MODE_TIMEOUT = 0.5
+"""Seconds within which the robot must report a requested mode."""
+OLD = 0.06
+"""Seconds in which frames may come that the robot sent before it was told to enter a mode."""
+DOCK_PAUSE = 1.0
+"""Seconds that the robot must be in Passive before it is sent to its dock (reported)."""
+SETTABLE = ', '.join(f'{mode.value} {mode.name}' for mode in MODE_COMMANDS)
+LEFT_DROP, RIGHT_DROP, CASTER_DROP = map(int, (
+    oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT, oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
+    oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER))
+HOME_BASE = int(oi.ChargingSources.HOME_BASE)
+hazard_numbers = oi.Readings.numbers(
+    'bumps_and_wheel_drops', 'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
+
+
+def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
+    """Name what in these readings would take the robot out of Safe mode."""
+    hazards, sources = hazard_numbers(readings), readings.number('charging_sources', 0)
+    if not sources and not any(hazards):
+        return ()  # as in nearly all frames
+    drops, left, front_left, front_right, right = hazards
+    seen = (
+        (Cause.CLIFF_LEFT, left), (Cause.CLIFF_FRONT_LEFT, front_left),
+        (Cause.CLIFF_FRONT_RIGHT, front_right), (Cause.CLIFF_RIGHT, right),
+        (Cause.WHEEL_DROP_LEFT, drops & LEFT_DROP), (Cause.WHEEL_DROP_RIGHT, drops & RIGHT_DROP),
+        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP), (Cause.CHARGER, sources))
+    return tuple(cause for cause, present in seen if present)
+
+
+class Modes:
+    """Keeps the robot in the wanted mode as far as safety allows; starts and ends demos."""
+
+    def __init__(self, core: Core, outputs: Outputs) -> None:
+        self._core = core
+        self._outputs = outputs
+        self._causes_before: tuple[Cause, ...] = ()
+        """What the frame before showed."""
+        self._cause_seen_at = -inf
+        self._tries = 0
+        """How often the wanted mode was commanded since it was wanted, or entered last."""
+        self._first_try_at = self._tried_at = -inf
+        self._request = done('no request')
+        self._requested = oi.Mode.OFF
+        """The mode that the request is for."""
+        self._deadline = self._valid_at = 0.0
+        """When the request has failed, and from when on frames count."""
+
+    @property
+    def docked(self) -> bool:
+        """Whether the robot is on the contacts of a Home Base."""
+        return bool(self._core.readings.number('charging_sources', 0) & HOME_BASE)
+
+    # How the robot gets into a mode.
+
+    def set(self, mode: oi.Mode, now: float) -> Pending:
+        """Want a mode; the request ends when the robot reports it, or does not in time."""
+        if mode not in MODE_COMMANDS:
+            return refused(f'mode {mode.name} cannot be set; allowed: {SETTABLE}')
+        why = self._core.refusal(MODE_COMMANDS[mode])
+        if why is not None:
+            return refused(why)
+        self.fail('another request came before the robot answered')
+        self._request, self._requested = Pending(), mode
+        self._deadline = now + MODE_TIMEOUT
+        self._valid_at = now + OLD if self._core.status.actual is mode else -inf
+        self._core.handle(StateEvent.MODE_SET if mode in oi.ACTUATE else StateEvent.PASSIVE_SET)
+        self.want(mode)
+        self.enter(mode, now)
+        return self._request
+
+    def fail(self, why: str) -> None:
+        """End a request that has not been answered."""
+        self._request.end(False, why)
+
+    def want(self, mode: oi.Mode) -> None:
+        """Change the wanted mode; why the robot left the last one no longer matters."""
+        status = self._core.status
+        self._core.status = ModeStatus(
+            status.actual, mode, status.causes if status.actual is None else ())
+        self._tries = 0
+
+    def enter(self, mode: oi.Mode, now: float) -> None:
+        """Tell the robot to enter a mode, and set the outputs that this resets."""
+        if self._tries == 0:
+            self._first_try_at = now
+        self._tries += 1
+        self._tried_at = now
+        self._core.handle(StateEvent.MODE_ENTERED)
+        self._core.outbox.send(MODE_COMMANDS[mode]())
+        if mode in oi.ACTUATE:
+            self._outputs.restore()
+
+    def must_retry(self, now: float) -> bool:
+        """Tell whether the robot seems to have missed the command to enter the wanted mode."""
+        status = self._core.status
+        if status.actual in (None, status.wanted) or now - self._tried_at <= RETRY_INTERVAL:
+            return False
+        # Full instead of Safe, or Safe instead of Full: no safety stop, but a damaged command.
+        damaged = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
+        return damaged or not status.causes and 0 < self._tries < MOST_TRIES
+
+    def may_recover(self, now: float) -> bool:
+        """Tell whether a fresh velocity may bring back the mode that the robot has left."""
+        status = self._core.status
+        return (
+            self._core.settings.recover_mode and bool(status.causes)
+            and status.actual is not None and status.actual != status.wanted
+            and now - self._cause_seen_at >= CLEAR_FOR)
+
+    def allow_driving(self, now: float) -> str | None:
+        """
+        Say why a fresh velocity is not followed, `advice` tells what to do; None where it is.
+
+        While the robot enters a mode to drive in, a velocity waits for it. Where the robot has
+        left the wanted mode, and may enter it again, tell it to.
+        """
+        status = self._core.status
+        if status.wanted not in oi.ACTUATE:
+            return self.wrong_mode()
+        if status.can_drive or 0 < self._tries and not status.causes:
+            return None
+        if not self.may_recover(now):
+            return self.wrong_mode()
+        if not self._core.outbox.busy:
+            self._core.notice(
+                Severity.INFO, f'{status.reason} is gone: entering {status.wanted.name} again')
+            self.enter(status.wanted, now)
+        return None
+
+    def rest(self, now: float) -> Pending:
+        """Stop for an empty battery, and want Passive from now on; refused while that is vain."""
+        why = self._core.refusal(oi.Start)
+        if why is not None:
+            return refused(why)
+        self._core.handle(StateEvent.RESTED)
+        self.want(oi.Mode.PASSIVE)
+        self.enter(oi.Mode.PASSIVE, now)
+        return done('resting')
+
+    # What the robot reports.
+
+    def forget(self) -> None:
+        """Forget the actual mode: no robot answers."""
+        self._core.status = ModeStatus(None, self._core.status.wanted)
+        self._tries = 0
+
+    def observe(self, readings: oi.Readings, now: float) -> None:
+        """Take a frame's mode in: notice a mode that was left, and one that was requested."""
+        present = causes_in(readings)
+        if present:
+            self._cause_seen_at = now
+        before, actual = self._core.status, readings.oi_mode
+        causes = before.causes
+        left = before.actual == before.wanted != actual
+        # Without a cause it may only seem so: a frame from before the mode was entered came late.
+        dropped = left and (bool(present) or now - self._first_try_at > SETTLING)
+        dropped |= actual is None and (left or before.can_drive)
+        tried_in_vain = (
+            not causes and 0 < self._tries and now - self._tried_at > RETRY_INTERVAL
+            and (bool(present) or self._tries >= MOST_TRIES))
+        if actual is None:
+            causes = (Cause.MODE_UNKNOWN,)
+        elif dropped:
+            causes = present or self._causes_before or (
+                (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
+        elif actual == before.wanted:
+            causes, self._tries = (), 0
+        elif left:
+            self._tries = 1
+        elif before.unknown or tried_in_vain:
+            causes = present or (Cause.UNKNOWN,)
+        self._causes_before = present
+        if (actual, causes) != (before.actual, before.causes):
+            self._core.status = ModeStatus(actual, before.wanted, causes)
+        if dropped:
+            self._mode_left(now)
+        if self._request.outcome is None:
+            if actual is not self._requested:
+                self._valid_at = -inf  # no old frame: the next one with that mode is the answer
+            elif now > self._valid_at:
+                self._request.end(True, f'robot is in {self._requested.name}')
+
+    def _mode_left(self, now: float) -> None:
+        """Report why the robot left the wanted mode; end a demo that nobody asked for."""
+        status = self._core.status
+        self._core.handle(StateEvent.MODE_LEFT)
+        self._core.notice(
+            Severity.WARNING, f'robot left {status.wanted.name} for {status.name}: '
+            f'{status.reason}')
+        if status.causes == (Cause.UNKNOWN,) or (
+                status.unknown and status.wanted is oi.Mode.PASSIVE):
+            self._core.outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
+
+    def poll(self, now: float) -> None:
+        """End a request whose mode the robot did not report in time."""
+        if self._request.outcome is not None or now <= self._deadline:
+            return
+        status = self._core.status
+        lost = status.actual is None and not status.unknown
+        stays = 'does not answer' if lost else f'stays in {status.name}'
+        why = f' ({status.reason})' if status.reason else ''
+        needs = (self.advice() if self.docked or status.unknown else
+                 'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
+        self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: {needs}')
+
+    # In words.
+
+    def wrong_mode(self) -> str:
+        """Say in which mode the robot is that is told to drive and does not."""
+        status = self._core.status
+        if status.can_drive:
+            return f'robot is to enter {status.wanted.name}'
+        why = f' ({status.reason})' if status.reason else ''
+        return f'robot is in {status.name}{why}'
+
+    def advice(self, again: str = PAUSE) -> str:
+        """Say how a robot that is in no mode to drive is brought to drive."""
+        causes = self._core.status.causes
+        if self._core.status.unknown:
+            return 'call set_mode with SAFE; if that does not help, switch the robot off and on'
+        if self.docked:
+            return 'send the goal undock, it is on its dock (dock and undock are actions)'
+        if Cause.CHARGER in causes:
+            return f"pull the charger's plug, {again}"
+        if not causes:
+            return 'call set_mode with SAFE'
+        return f'{again}, or call set_mode with SAFE'
+
+    # Demos; Passive is the wanted mode from then on.
+
+    def start_demo(self, demo: oi.DemoNumber) -> Pending:
+        """Let the robot play a demo; the request ends when the command is written."""
+        if demo is oi.DemoNumber.ABORT:
+            return refused('no demo: call stop_demo to end one')
+        why = self._core.refusal(oi.Demo)
+        return refused(why) if why is not None else self.play_demo(demo, StateEvent.DEMO_STARTED)
+
+    def play_demo(self, demo: oi.DemoNumber, event: StateEvent) -> Pending:
+        """Tell a robot that takes commands to play a demo; `event` says for whom."""
+        pauses = demo is oi.DemoNumber.COVER_AND_DOCK and self._core.status.can_drive
+        self._core.handle(event)
+        self.want(oi.Mode.PASSIVE)
+        if pauses:
+            self._core.outbox.send(oi.Start(), pause=DOCK_PAUSE)
+        return self._core.outbox.send(
+            oi.Demo(demo=demo), f'demo {demo.name} sent; call stop_demo to end it')
+
+    def stop_demo(self) -> Pending:
+        """End the demo that runs, if any; the robot stays in Passive."""
+        why = self._core.refusal(oi.Demo)
+        if why is not None:
+            return refused(why)
+        if self._core.state.owner is not Owner.ROBOT and self._core.status.can_drive:
+            return done('no demo runs: the robot obeys cmd_vel')
+        self._core.handle(StateEvent.DEMO_ENDED)
+        return self._core.outbox.send(
+            END_DEMO, 'end of the demo sent; call set_mode with SAFE to drive again')
