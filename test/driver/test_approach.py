@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The speed along one way, frame by frame: faster, slower, stop, settle, correct."""
 
-from math import sqrt
 
 import pytest
 
@@ -22,14 +21,6 @@ def at(left: float, speed: float = 0.0, doubt: float = 0.0, dt: float = DT,
     return Remaining(left, speed, doubt, dt, measured)
 
 
-def at_top(limit: float = 0.0) -> Approach:
-    """Return an approach at its top speed."""
-    begun = approach(limit=limit)
-    for _ in range(30):
-        begun.step(at(9.0))
-    return begun
-
-
 def stopped(left: float, pace: float = 0.0, learned: Learned | None = None) -> Approach:
     """Return an approach that has just told the wheels to stand, with so much left."""
     begun = approach(learned)
@@ -44,84 +35,6 @@ def frames_until_moving(begun: Approach, frame: Remaining) -> int:
     while begun.step(frame) == 0.0 and not begun.correcting:
         count += 1
     return count
-
-
-def test_a_way_within_the_tolerance_is_no_way():
-    assert approach().step(at(TOLERANCE)) is None
-    assert approach().step(at(-TOLERANCE)) is None
-    assert approach().step(at(TOLERANCE + 0.001)) == 0.03
-
-
-@pytest.mark.parametrize('sign', [1, -1])
-def test_speed_rises_evenly_to_the_top(sign):
-    begun = approach()
-    told = [begun.step(at(sign * 9.0)) for _ in range(8)]
-    assert told == pytest.approx([sign * v for v in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.3, 0.3)])
-
-
-@pytest.mark.parametrize(('limit', 'rise'), [(0.2, 0.2), (0.7, 0.5)])
-def test_a_limit_of_acceleration_bounds_the_rise(limit, rise):
-    begun = approach(limit=limit)
-    begun.step(at(9.0))
-    before = begun.step(at(9.0))
-    assert begun.step(at(9.0)) - before == pytest.approx(rise * DT)
-
-
-@pytest.mark.parametrize(('limit', 'braking'), [(0.0, 0.25), (0.4, 0.25), (0.1, 0.1)])
-def test_it_brakes_so_that_it_creeps_at_the_place_where_a_stop_leaves_the_robot(limit, braking):
-    begun = at_top(limit)
-    room = 0.2 - TOP * COAST - 0.01
-    assert begun.step(at(0.2, TOP)) == pytest.approx(sqrt(0.03 ** 2 + 2 * braking * room))
-
-
-@pytest.mark.parametrize(('doubt', 'earlier'), [(0.01, 0.02), (0.03, 0.06), (1.0, 0.08)])
-def test_where_the_place_is_in_doubt_it_creeps_earlier(doubt, earlier):
-    room = 0.2 - TOP * COAST - 0.01 - earlier
-    assert at_top().step(at(0.2, TOP, doubt)) == pytest.approx(sqrt(0.03 ** 2 + 0.5 * room))
-
-
-def test_in_the_last_five_centimetres_it_no_longer_speeds_up():
-    for left, faster in ((0.0605, True), (0.0595, False)):
-        begun = approach()
-        before = begun.step(at(9.0))
-        assert (begun.step(at(left)) > before) == faster
-
-
-def test_it_stands_where_its_coast_carries_it_to_the_end():
-    for sign in (1, -1):
-        begun = approach()
-        begun.step(at(sign * 1.0))
-        assert abs(begun.step(at(sign * 0.071, sign * 0.2))) >= 0.03
-        assert begun.step(at(sign * 0.0699, sign * 0.2)) == 0.0
-
-
-def test_a_motion_the_other_way_is_no_coast():
-    begun = approach()
-    begun.step(at(1.0))
-    assert begun.step(at(0.01, -0.2)) == 0.03
-    assert begun.step(at(0.0, -0.2)) == 0.0
-
-
-def test_a_reading_after_a_rest_confirms_the_place():
-    """0.15 s of rest; the next reading; 0.25 s in which the odometry takes it in."""
-    frame = at(0.0, dt=0.01, measured=True)
-    assert frames_until_moving(stopped(0.0), frame) == pytest.approx(15 + 25, abs=1)
-    late = stopped(0.0)
-    assert {late.step(at(0.0, dt=0.01)) for _ in range(50)} == {0.0}
-    assert frames_until_moving(late, frame) == pytest.approx(25, abs=1)
-
-
-def test_without_a_reading_it_waits_a_while_and_no_longer():
-    assert frames_until_moving(stopped(0.0), at(0.0, dt=0.01)) == pytest.approx(139, abs=1)
-
-
-def test_a_robot_that_still_moves_does_not_rest():
-    begun = stopped(0.0)
-    for _ in range(200):
-        assert begun.step(at(0.0, 0.004, dt=0.01, measured=True)) == 0.0
-        assert begun.step(at(0.0, -0.004, dt=0.01, measured=True)) == 0.0
-    assert frames_until_moving(begun, at(0.0, 0.0039, dt=0.01, measured=True)) == pytest.approx(
-        40, abs=1)
 
 
 def test_a_stop_teaches_the_coast():
@@ -145,31 +58,12 @@ def test_a_coast_that_cannot_be_is_not_believed(way, coast):
     assert learned.coast == pytest.approx(coast, abs=0.001)
 
 
-@pytest.mark.parametrize(('pace', 'teaches'), [(0.016, True), (0.015, False)])
-def test_the_way_after_a_stop_is_the_coast_unless_the_robot_crept_too_slowly(pace, teaches):
-    learned = Learned()
-    begun = stopped(0.005, pace, learned)
-    frames_until_moving(begun, at(0.003))
-    expected = Learned()
-    if teaches:
-        expected.stopped(pace, 0.002)
-    assert learned.coast == pytest.approx(expected.coast)
-
-
 @pytest.mark.parametrize('sign', [1, -1])
 def test_a_short_rest_of_the_way_is_a_push_of_its_length(sign):
     begun = stopped(0.0)
     frames_until_moving(begun, at(sign * 0.015))
     told = [begun.step(at(sign * 0.015, dt=0.01)) for _ in range(60)]
     assert told == 50 * [sign * 0.03] + 10 * [0.0]
-
-
-def test_a_longer_rest_of_the_way_is_crept_by_the_odometry():
-    begun = stopped(0.0)
-    frames_until_moving(begun, at(0.02))
-    for _ in range(5):
-        assert begun.step(at(0.02, 0.03)) == 0.03
-    assert begun.step(at(0.03 * COAST, 0.03)) == 0.0
 
 
 def test_it_corrects_three_times_at_most():
@@ -230,18 +124,6 @@ def test_a_push_that_led_too_far_makes_the_next_one_shorter(sign):
     assert learned.push == pytest.approx(expected.push)
 
 
-def test_it_wants_a_reading_once_the_robot_rests_and_until_one_comes():
-    begun = approach()
-    begun.step(at(1.0))
-    assert not begun.wants_reading
-    begun.step(at(0.0))
-    wants = []
-    for frame in range(30):
-        begun.step(at(0.0, dt=0.01, measured=frame == 20))
-        wants.append(begun.wants_reading)
-    assert (wants.index(True), wants[19], wants[20:]) == (15, True, 10 * [False])
-
-
 def test_wheels_that_do_not_move_are_told_to_creep_faster_each_time():
     begun = approach()
     begun.step(at(0.05, 0.004))
@@ -249,17 +131,6 @@ def test_wheels_that_do_not_move_are_told_to_creep_faster_each_time():
     assert sorted(set(told)) == pytest.approx([0.03, 0.04, 0.05, 0.06, 0.07, 0.08])
     assert told.count(told[0]) == pytest.approx(0.7 / 0.05 + 1, abs=1)
     assert begun.step(at(0.01, 0.004, dt=0.05)) == pytest.approx(0.08)
-
-
-def test_wheels_that_move_are_not_told_to_creep_faster():
-    begun = approach()
-    begun.step(at(0.05))
-    assert {begun.step(at(0.01, 0.004)) for _ in range(150)} == {0.03}
-
-
-def test_it_creeps_no_faster_than_its_top_speed():
-    begun = approach(top=0.02)
-    assert {begun.step(at(0.05)) for _ in range(60)} == {0.02}
 
 
 def test_how_long_a_way_takes_at_most():

@@ -44,15 +44,6 @@ def test_a_battery_is_better_again_above_its_limit_and_a_bit():
     assert watch.level is FINE
 
 
-def test_limits_count_to_the_last_millivolt():
-    """One above a limit is as good as a full volt."""
-    for millivolts, level in ((13501, FINE), (13500, LOW), (12501, LOW), (12500, EMPTY)):
-        watch = BatteryWatch(LIMITS)
-        for now in (0.0, 5.0, 10.0):
-            watch.observe(readings(millivolts), now)
-        assert watch.level is level
-
-
 def test_a_dip_that_ends_before_begins_anew():
     watch = BatteryWatch(LIMITS)
     for now, millivolts in ((0.0, 13000), (4.0, 14000), (4.5, 13000), (9.4, 13000)):
@@ -68,20 +59,6 @@ def test_a_battery_that_is_charged_is_fine():
         watch.observe(readings(12000, sources), 6.0)
         assert watch.level is FINE
     assert not watch.observe(readings(12000), 6.5)
-
-
-def test_frames_without_a_voltage_say_nothing():
-    watch = BatteryWatch(LIMITS)
-    assert not watch.observe(oi.Readings({'voltage': 1}), 0.0)
-    assert not watch.observe(oi.Readings({'charging_sources': 0}), 99.0)
-    assert not watch.observe(readings(13000), 100.0)
-
-
-def test_limits_that_are_the_wrong_way_round_both_count():
-    watch = BatteryWatch(BatteryLimits(low=12.0, empty=13.0))
-    watch.observe(readings(12900), 0.0)
-    assert watch.observe(readings(12900), 5.0)
-    assert watch.level is EMPTY
 
 
 # A dock that does not charge.
@@ -128,34 +105,6 @@ def test_a_robot_that_does_not_charge_for_five_seconds_is_reported_once(state):
     dock.said(100.0, state, docked=False)
     assert dock.said(101.0, state) == ''
     assert dock.said(106.0, state) != ''
-
-
-@pytest.mark.parametrize('state', [1, 2, 3, 4])
-def test_a_robot_that_charges_begins_anew(state):
-    dock = Dock(reset=False)
-    assert dock.said(0.0) == dock.said(4.0, state) == dock.said(6.0) == dock.said(10.9) == ''
-    assert dock.said(11.0) != ''
-
-
-def test_only_passive_is_waited_in():
-    dock = Dock(reset=False)
-    assert dock.said(0.0) == dock.said(4.0, mode=oi.Mode.SAFE) == dock.said(6.0) == ''
-    dock.modes.want(oi.Mode.SAFE)
-    assert dock.said(50.0) == ''
-    dock.modes.want(oi.Mode.PASSIVE)
-    assert dock.said(60.0) == dock.said(64.9) == ''
-    assert dock.said(65.0) != ''
-
-
-def test_a_robot_that_may_be_restarted_is_restarted_once():
-    dock = Dock(reset=True)
-    dock.said(0.0)
-    assert 'restarting it (opcode 7)' in dock.said(5.0)
-    assert dock.sent(5.0) == bytes([7])
-    assert dock.said(6.0) == dock.said(10.9) == ''
-    assert 'even after a restart: are the contacts clean' in dock.said(11.0)
-    assert dock.said(99.0) == ''
-    assert dock.sent(99.0) == b''
 
 
 def test_a_voltage_that_is_not_known_is_no_low_one():

@@ -2,78 +2,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """What ends a motion, frame by frame: the bumper, a cliff, a wheel in the air, a stall."""
 
-from dataclasses import replace
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.goals import Code, Malformed, Phase, WallFollow
+from create_oi_ros.driver.goals import Code, Phase, WallFollow
 from create_oi_ros.driver.goals.goal import Over
 from create_oi_ros.driver.goals.hazards import Hazards, Stall
 from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
-from support.views import LIMITS, view
+from support.views import view
 
 BUMP = {'bumps_and_wheel_drops': int(oi.BumpsAndWheelDrops.BUMP_LEFT)}
 CLIFF = {'cliff_front_right': 1}
-DROPS = (oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT, oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
-         oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER)
-
-
 def code(over: Over | None) -> Code:
     """Return how a motion ended; NONE if it goes on."""
     return Code.NONE if over is None else over.code
-
-
-@pytest.mark.parametrize('drop', DROPS)
-def test_a_wheel_in_the_air_ends_all(drop):
-    lifted = view(bumps_and_wheel_drops=int(drop), **CLIFF)
-    assert code(Hazards().begin(lifted, forward=False, backward=True)) is Code.WHEEL_DROP
-    assert code(Hazards(bumper=False).check(lifted, forward=False)) is Code.WHEEL_DROP
-
-
-@pytest.mark.parametrize(('felt', 'forward', 'backward', 'turn'), [
-    (BUMP, Code.BUMP, Code.NONE, Code.NONE), (CLIFF, Code.CLIFF, Code.NONE, Code.CLIFF),
-    ({}, Code.NONE, Code.NONE, Code.NONE)])
-def test_what_is_there_lets_a_motion_begin_that_leads_away(felt, forward, backward, turn):
-    at = view(**felt)
-    assert code(Hazards().begin(at, forward=True, backward=False)) is forward
-    assert code(Hazards().begin(at, forward=False, backward=True)) is backward
-    assert code(Hazards().begin(at, forward=False, backward=False)) is turn
-
-
-@pytest.mark.parametrize(('felt', 'ends'), [(BUMP, Code.BUMP), (CLIFF, Code.CLIFF)])
-def test_what_was_there_ends_a_motion_once_it_has_gone_and_come_back(felt, ends):
-    hazards, there, gone = Hazards(), view(**felt), view()
-    assert code(hazards.check(there, forward=False)) is Code.NONE
-    assert code(hazards.check(there, forward=False)) is Code.NONE
-    assert code(hazards.check(there, forward=True)) is ends
-    assert code(hazards.check(gone, forward=True)) is Code.NONE
-    assert code(hazards.check(there, forward=False)) is ends
 
 
 def test_a_cliff_that_comes_after_a_bump_is_new():
     hazards = Hazards()
     assert code(hazards.check(view(**BUMP), forward=False)) is Code.NONE
     assert code(hazards.check(view(**BUMP, **CLIFF), forward=False)) is Code.CLIFF
-
-
-def test_a_goal_that_touches_walls_ends_at_cliffs_only():
-    hazards = Hazards(bumper=False)
-    assert code(hazards.begin(view(**BUMP), forward=True, backward=False)) is Code.NONE
-    assert code(hazards.check(view(**BUMP), forward=True)) is Code.NONE
-    assert code(hazards.begin(view(**CLIFF), forward=True, backward=False)) is Code.CLIFF
-
-
-@pytest.mark.parametrize(('felt', 'where'), [
-    ({'bumps_and_wheel_drops': 1}, 'pressed on the right: '),
-    ({'bumps_and_wheel_drops': 2}, 'pressed on the left: '),
-    ({'bumps_and_wheel_drops': 3}, 'pressed in front: '),
-    ({'cliff_left': 1}, 'no floor on the left: '),
-    ({'cliff_front_left': 1, 'cliff_right': 1},
-     'no floor at the front left, on the right: ')])
-def test_it_is_said_where_something_is(felt, where):
-    assert where in Hazards().check(view(**felt), forward=True).text
 
 
 @pytest.mark.parametrize('wheel', [oi.Overcurrents.LEFT_WHEEL, oi.Overcurrents.RIGHT_WHEEL])
@@ -183,36 +133,3 @@ def test_it_ends_after_its_time():
     *told, = steps(goal, 2.1)
     assert set(told[:-1]) == {Velocity(0.15, 0.0)}
     assert told[-1] == Over(Code.NONE, 'followed for 2 s')
-
-
-def test_its_time_begins_with_it():
-    goal = WallFollow(-1, 2.0, 0.0)
-    goal.begin(view(now=70.0))
-    assert goal.progress.phase is Phase.SEARCHING
-    assert goal.step(view(now=71.9, estimate=Estimate(linear=0.15))) == Velocity(0.15, 0.0)
-    assert goal.step(view(now=72.0, estimate=Estimate(linear=0.15))).code is Code.NONE
-
-
-def test_how_long_it_takes_and_may_take():
-    assert WallFollow(-1, 7.0, 0.0).allowance == 14.0
-    assert WallFollow(-1, 7.0, 3.0).allowance == 3.0
-    assert WallFollow(-1, 0.0, 0.0).allowance == 120.0
-    for side in (1, 0, -2):
-        with pytest.raises(Malformed, match=f'follow_side = {side}; allowed: -1'):
-            WallFollow(side, 7.0, 0.0)
-
-
-def test_a_cliff_ends_it_unless_it_drives_backwards():
-    goal = follower()
-    assert goal.step(view(now=0.0, **CLIFF)) == Velocity(0.15, 0.0)  # it was there at the start
-    assert goal.step(view(now=0.1, **CLIFF)).code is Code.CLIFF
-    back = follower()
-    back.step(view(now=0.0, **BUMP, **CLIFF))
-    assert back.step(view(now=0.1, **CLIFF)) == Velocity(-0.1, 0.0)
-
-
-def test_it_begins_neither_at_a_cliff_nor_with_wheels_that_may_not_turn():
-    assert WallFollow(-1, 7.0, 0.0).begin(view(**CLIFF)).code is Code.CLIFF
-    assert WallFollow(-1, 7.0, 0.0).begin(view(**BUMP)) is None
-    stands = view(limits=replace(LIMITS, max_wheel_speed=0.0))
-    assert WallFollow(-1, 7.0, 0.0).begin(stands).code is Code.STALL

@@ -34,34 +34,6 @@ def test_a_list_that_does_not_come_is_news_after_a_while():
     assert watch.check(None, 9.1) is AGAIN
 
 
-def test_the_list_that_comes_already_is_not_waited_for():
-    watch = CommandWatch()
-    watch.asked(ONE, 0.0)  # no frame has come yet
-    watch.seen(ONE)
-    watch.asked(ONE, 1.0)
-    assert watch.check(None, 99.0) is None
-
-
-def test_the_first_list_that_did_not_come_counts_not_the_last():
-    watch = CommandWatch()
-    watch.seen(ONE)
-    watch.asked(OTHER, 0.0)
-    watch.asked(OTHER, 0.5)
-    watch.seen((*ONE,))  # the same numbers in another tuple
-    assert watch.check(None, 0.35) is SUSPECT
-
-
-def test_a_restart_forgets_all():
-    watch = CommandWatch()
-    watch.seen(ONE)
-    watch.asked(OTHER, 0.0)
-    assert watch.check(None, 9.0) is IGNORES
-    watch.restart()
-    assert (watch.check(None, 9.0), watch.ignores) == (None, False)
-    watch.asked(OTHER, 9.0)
-    assert watch.check(None, 99.0) is None
-
-
 # Whether frames arrive.
 
 
@@ -86,13 +58,6 @@ def test_fewer_than_four_fifths_are_a_problem_until_nine_tenths_come():
         now += 3.0
 
 
-def test_no_frames_at_all_are_silence_and_no_problem_of_this_kind():
-    budget = FrameBudget()
-    budget.check(57600, 0.0, fits=True)
-    assert not seconds(budget, 0.0, 0, more=500)
-    assert budget.problem is None
-
-
 @pytest.mark.parametrize(('more', 'fits', 'damaged'), [
     (2710, True, True), (2690, True, False), (2710, False, False)])
 def test_bytes_that_came_though_frames_did_not_were_damaged(more, fits, damaged):
@@ -113,16 +78,6 @@ def test_a_slow_line_says_its_numbers_and_what_to_do(baud, advice):
     seconds(budget, 0.0, 100, baud=baud)
     assert ('a frame of 30 bytes every 15 ms is 2000 bytes/s, and 1000 came at '
             f'{baud} {advice} adapter, network and cable') in budget.problem
-
-
-def test_each_window_counts_anew_and_a_restart_begins_one():
-    budget = FrameBudget()
-    budget.check(57600, 0.0, fits=True)
-    seconds(budget, 0.0, 200)
-    assert seconds(budget, 3.0, 100)
-    budget.restart()
-    assert not budget.check(57600, 90.0, fits=True)
-    assert seconds(budget, 90.0, 200)
 
 
 def test_why_a_line_is_silent():
@@ -173,20 +128,6 @@ def test_bytes_that_are_no_frames_are_shown_once_there_are_enough():
 # Which packets are asked for.
 
 
-def test_motion_is_asked_for_one_slot_and_the_usual_list_follows():
-    plan = StreamPlan(57600)
-    full, short = plan.full.ids, plan.short.ids
-    assert plan.next_stream(0.0, motion_due=False).packets == full
-    assert plan.next_stream(0.0149, motion_due=False) is None
-    assert plan.next_stream(0.015, motion_due=True) is None
-    assert plan.next_stream(0.015, motion_due=False).packets == short
-    assert plan.next_stream(1.0, motion_due=False) is None
-    assert plan.next_stream(1.0, motion_due=True).packets == full
-    assert plan.next_stream(1.0149, motion_due=False) is None
-    plan.restart()
-    assert plan.next_stream(1.0, motion_due=False).packets == full
-
-
 def test_on_a_slow_line_the_rest_comes_in_turns():
     plan = StreamPlan(19200)
     asked = [plan.next_stream(slot * 0.0151, motion_due=slot == 4).packets for slot in range(14)]
@@ -214,20 +155,3 @@ def test_a_list_for_scripts_tells_the_last_drive_and_what_has_room(baud):
     assert not {19, 20} & set(plan.script.ids)
     assert plan.budget == plan.full.budget(baud)
     assert {plan.short, plan.full, plan.marker, plan.script} <= set(plan.lists)
-
-
-@pytest.mark.parametrize('baud', [19200, 57600])
-def test_frames_of_every_list_that_is_asked_for_may_come(baud):
-    plan = StreamPlan(baud)
-    for slot in range(12):
-        stream = plan.next_stream(slot * 0.0151, motion_due=slot % 5 == 0)
-        assert stream is None or oi.PacketList(stream.packets) in plan.lists
-
-
-def test_another_rate_is_planned_for_from_the_start():
-    plan = StreamPlan(57600)
-    plan.next_stream(0.0, motion_due=False)
-    plan.tune(19200)
-    assert plan.baud == 19200
-    assert plan.next_stream(0.0, motion_due=False).packets == plan.full.ids
-    assert plan.lists == StreamPlan(19200).lists

@@ -15,7 +15,6 @@ from create_oi_ros.driver.motion import (
     REPORT_TIMEOUT,
     rounded,
     STOPPED,
-    Velocity,
     without_forward,
 )
 from create_oi_ros.driver.outputs import Outputs
@@ -141,22 +140,6 @@ def test_rounding_to_whole_millimetres_keeps_the_turn_and_the_limit(linear) -> N
             assert abs(right - speeds.right) <= 0.5
 
 
-def test_nobody_commands_anything_before_the_first_command() -> None:
-    wheels = Wheels(AT_ONCE)
-    assert wheels.missed_since is None
-    assert wheels.next_drive(0.0) == HALT, 'the wheels may have turned before'
-    assert wheels.next_drive(1.0) is None
-
-
-def test_a_command_holds_for_its_time_and_no_longer() -> None:
-    wheels = Wheels(AT_ONCE)
-    wheels.command(0.25, 0.0, 8.0)
-    assert wheels.drives(8.0) and wheels.drives(8.5)
-    assert not wheels.drives(8.5 + 1e-6)
-    wheels.command(0.25, 0.0, 8.5)
-    assert wheels.drives(9.0)
-
-
 def test_a_robot_is_told_once_a_slot_but_a_stop_does_not_wait() -> None:
     wheels = commanded(0.25, 0.0)
     wheels.follow(0.125, 0.0, 8.0)
@@ -170,37 +153,6 @@ def test_a_robot_is_told_once_a_slot_but_a_stop_does_not_wait() -> None:
     assert wheels.next_drive(9.5) is None
 
 
-def test_backwards_the_robot_is_told_once_a_slot_too() -> None:
-    wheels = commanded(-0.25, 0.0)
-    wheels.follow(-0.125, 0.0, 8.0)
-    assert wheels.next_drive(8.001) is None
-    assert wheels.next_drive(8.1) == straight(-125)
-
-
-def test_a_velocity_of_which_nothing_is_said_is_zero() -> None:
-    assert Velocity() == (0.0, 0.0)
-
-
-def test_one_wheel_alone_waits_for_the_slot_as_well() -> None:
-    for turn in (1.0, -1.0):
-        wheels = commanded(0.25, 0.0, FREE)
-        wheels.follow(0.125, turn, 8.0)
-        assert wheels.next_drive(8.001) is None
-        assert wheels.next_drive(8.1) == oi.DriveDirect(
-            right=round(125 + 125 * turn), left=round(125 - 125 * turn))
-
-
-def test_a_stop_ends_motion_at_once_though_acceleration_is_limited() -> None:
-    wheels = Wheels(RAMPED)
-    wheels.command(0.5, 0.0, 8.0)
-    assert wheels.drives(8.0 + SLOT * 1.01)
-    wheels.command(0.0, 0.0, 8.1)
-    assert wheels.drives(8.1), 'a command of zero slows down'
-    wheels.stop()
-    assert wheels.next_drive(8.1) == HALT
-    assert not wheels.drives(8.1)
-
-
 def test_a_command_of_zero_ends_motion_once_the_wheels_have_followed_it() -> None:
     wheels = Wheels(AT_ONCE)
     wheels.command(0.25, 0.0, 8.0)
@@ -211,13 +163,6 @@ def test_a_command_of_zero_ends_motion_once_the_wheels_have_followed_it() -> Non
     assert wheels.core.outbox.take_ready() == HALT.encode()
 
 
-@pytest.mark.parametrize('velocity', [(0.25, 0.0), (-0.25, 0.0), (0.0, 1.0), (0.0, -1.0)])
-def test_wheels_that_have_not_begun_to_turn_are_not_at_rest(velocity: tuple[float, float]) -> None:
-    wheels = Wheels(RAMPED)
-    wheels.command(*velocity, 8.0)
-    assert wheels.drives(8.0)
-
-
 def test_a_command_after_a_pause_gets_the_acceleration_of_two_slots() -> None:
     assert RAMP_STEP == 2 * SLOT
     wheels = Wheels(RAMPED)
@@ -225,27 +170,6 @@ def test_a_command_after_a_pause_gets_the_acceleration_of_two_slots() -> None:
     assert wheels.next_drive(8.0) == straight(30)
     assert wheels.next_drive(8.02) == straight(50)
     assert wheels.next_drive(9.0) == straight(80)
-
-
-def test_wheels_that_wait_for_their_slot_go_on_being_accelerated() -> None:
-    wheels = Wheels(RAMPED)
-    wheels.follow(0.5, 0.0, 8.0)
-    assert wheels.next_drive(8.0) == straight(30)
-    assert wheels.next_drive(8.01) is None
-    assert wheels.next_drive(8.02) == straight(50)
-
-
-@pytest.mark.parametrize(('blocked', 'bump_stop', 'told'), [
-    (False, False, 100), (True, False, 100), (False, True, 100), (True, True, 0)])
-def test_a_pressed_bumper_lets_nothing_drive_forward_where_that_is_asked_for(
-        blocked: bool, bump_stop: bool, told: int) -> None:
-    wheels = Wheels(MotionLimits(
-        linear_acceleration=0.0, angular_acceleration=0.0, bump_stop=bump_stop))
-    report(wheels, 0, 0, 8.0, bumps=blocked)
-    wheels.follow(0.1, 0.0, 8.0)
-    assert wheels.next_drive(8.0) == straight(told)
-    wheels.follow(-0.1, 0.0, 9.0)
-    assert wheels.next_drive(9.0) == straight(-100)
 
 
 # What the robot reports.
@@ -276,11 +200,3 @@ def test_a_stop_that_the_robot_did_not_take_is_sent_again() -> None:
     assert wheels.next_drive(8.2) is None
     report(wheels, 250, 250, 8.3)
     assert wheels.next_drive(8.3) == HALT
-
-
-def test_what_was_sent_and_is_forgotten_is_sent_again() -> None:
-    wheels = Wheels(AT_ONCE)
-    wheels.command(0.25, 0.0, 8.0)
-    assert wheels.next_drive(8.5) is None
-    wheels.core.handle(StateEvent.MODE_ENTERED)
-    assert wheels.next_drive(9.0) == straight(250)

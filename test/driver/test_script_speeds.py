@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.script import CLEARED, ScriptSpeeds
+from create_oi_ros.driver.script import ScriptSpeeds
 from create_oi_ros.oi.script import build_script
 
 DIRECT = oi.DriveDirect(right=100, left=-100)
@@ -25,24 +25,6 @@ def test_a_script_of_one_kind_of_drive_is_followed_by_its_packets():
     assert (right, left) == pytest.approx((0.25, 0.15))  # 125 mm beside the middle, of 500
 
 
-def test_a_script_without_wheels_keeps_the_last_speeds():
-    assert speeds(oi.WaitTime(time=1)).speeds(oi.Readings(REPORTED)) == (0.3, -0.15)
-
-
-def test_a_drive_that_was_not_reported_yet_stands():
-    direct = {name: REPORTED[name] for name in list(REPORTED)[:3]}
-    assert speeds(DRIVE).speeds(oi.Readings(direct)) == (0.0, 0.0)
-
-
-@pytest.mark.parametrize('sign', [1, -1])
-def test_no_wheel_is_faster_than_it_can_be(sign):
-    fast = oi.Readings({**REPORTED, 'requested_velocity': sign * 500})
-    assert speeds(DRIVE).speeds(fast) == pytest.approx((sign * 0.5, sign * 0.375))
-    turned = oi.Readings({**REPORTED, 'requested_velocity': sign * 500,
-                          'requested_radius': -500})
-    assert speeds(DRIVE).speeds(turned) == pytest.approx((sign * 0.375, sign * 0.5))
-
-
 @pytest.mark.parametrize(('commands', 'known'), [
     ((DIRECT,), True), ((DRIVE,), True), ((), True), ((DRIVE, DIRECT), False),
     ((DRIVE, oi.Script(script=b'')), False)])
@@ -57,10 +39,6 @@ def test_speeds_are_known_of_a_script_that_uses_one_kind_of_drive(commands, know
     ((DRIVE, oi.WaitTime(time=9)), False), ((DRIVE, DIRECT, oi.WaitAngle(angle=9)), False)])
 def test_waits_for_a_way_reset_what_is_counted(commands, resets):
     assert speeds(*commands).resets_accumulators == resets
-
-
-def test_what_is_sent_before_a_script_moves_nothing_and_clears_the_last_drive():
-    assert CLEARED.encode() == bytes([137, 0, 0, 128, 0])
 
 
 def test_a_speed_that_the_robot_reports_oddly_is_not_known():

@@ -87,14 +87,6 @@ def test_each_hazard_is_named_alone(name: str, value: int, cause: Cause) -> None
     assert causes_in(readings) == (cause,)
 
 
-@pytest.mark.parametrize(('sources', 'docked'), [(0, False), (1, False), (2, True), (3, True)])
-def test_only_the_contacts_of_a_home_base_are_a_dock(sources: int, docked: bool) -> None:
-    watch = entered()
-    assert not watch.modes.docked
-    watch.observe(frame(SAFE, charger=sources), 9.0)
-    assert watch.modes.docked is docked
-
-
 @pytest.mark.parametrize(('mode', 'cause'), [(OFF, Cause.POWER), (PASSIVE, Cause.UNKNOWN)])
 def test_a_mode_that_was_left_without_a_hazard_has_a_cause_all_the_same(
         mode: oi.Mode, cause: Cause) -> None:
@@ -104,26 +96,6 @@ def test_a_mode_that_was_left_without_a_hazard_has_a_cause_all_the_same(
     assert watch.status.reason == cause.value
     assert not watch.status.can_drive
     assert not watch.observe(frame(mode), 16.5), 'it is told once'
-
-
-def test_a_hazard_that_was_over_in_the_frame_that_left_is_the_cause() -> None:
-    watch = entered()
-    assert not watch.observe(frame(SAFE, drops=4), 16.0)
-    assert watch.observe(frame(PASSIVE), 16.1)
-    assert watch.status.causes == (Cause.WHEEL_DROP_RIGHT,)
-
-
-def test_a_cause_is_over_when_the_mode_is_back_or_another_is_wanted() -> None:
-    watch = fallen()
-    assert not watch.observe(frame(SAFE), 17.0)
-    assert watch.status.causes == () and watch.status.can_drive
-    watch = fallen()
-    watch.modes.want(FULL)
-    assert watch.status.causes == () and watch.status.wanted is FULL
-    watch = fallen()
-    watch.modes.forget()
-    assert (watch.status.actual, watch.status.wanted, watch.status.causes) == (None, SAFE, ())
-    assert watch.status.reason == 'no robot answers'
 
 
 # A frame from before the mode was entered.
@@ -138,14 +110,6 @@ def test_a_mode_that_seems_left_soon_after_it_was_asked_for_is_only_entered_agai
     assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
     watch = entered()
     assert watch.observe(frame(PASSIVE, cliff=1), 8.5), 'a hazard needs no second frame'
-
-
-def test_trying_again_does_not_prolong_the_time_in_which_old_frames_may_come() -> None:
-    watch = Watch(SAFE, recover=True)
-    watch.enter(8.0)
-    watch.enter(9.5)
-    watch.observe(frame(SAFE), 9.6)
-    assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
 
 
 def test_a_mode_that_only_seemed_left_is_entered_again_at_most_twice() -> None:
@@ -179,43 +143,8 @@ def test_a_mode_that_the_robot_missed_is_entered_again_after_a_while_and_not_for
     assert watch.status.causes == (Cause.UNKNOWN,)
 
 
-def test_a_mode_that_was_tried_too_often_is_given_up_with_a_cause() -> None:
-    watch = Watch(SAFE, recover=True)
-    watch.observe(frame(PASSIVE, cliff=1), 7.0)
-    assert watch.status.causes == (), 'nobody has asked for it yet'
-    for _ in range(MOST_TRIES + 1):
-        watch.enter(8.0)
-    assert not watch.modes.must_retry(9.0)
-    watch.observe(frame(PASSIVE), 9.0)
-    assert watch.status.causes == (Cause.UNKNOWN,)
-
-
-@pytest.mark.parametrize('mode', [PASSIVE, SAFE, FULL])
-def test_of_a_robot_that_was_told_no_mode_yet_only_full_is_undone(mode: oi.Mode) -> None:
-    watch = Watch(SAFE, recover=True)
-    watch.observe(frame(mode), 8.0)
-    assert watch.modes.must_retry(8.0) is (mode is FULL)
-
-
-def test_a_robot_in_its_mode_or_away_is_told_nothing() -> None:
-    watch = entered()
-    assert not watch.modes.must_retry(100.0)
-    watch.modes.forget()
-    assert not watch.modes.must_retry(100.0)
-
-
 def test_the_times_to_wait_are_those_of_the_pages() -> None:
     assert (RETRY_INTERVAL, MOST_TRIES, SETTLING, CLEAR_FOR) == (0.2, 3, 2.0, 1.0)
-
-
-def test_a_hazard_ends_the_tries_at_the_first_one() -> None:
-    watch = Watch(SAFE, recover=True)
-    watch.enter(8.0)
-    watch.observe(frame(PASSIVE, charger=1), 8.0 + RETRY_INTERVAL - LITTLE)
-    assert watch.status.causes == ()
-    watch.observe(frame(PASSIVE, charger=1), 8.0 + RETRY_INTERVAL + LITTLE)
-    assert watch.status.causes == (Cause.CHARGER,)
-    assert not watch.modes.must_retry(9.0)
 
 
 @pytest.mark.parametrize(('wanted', 'actual', 'again'), [
@@ -229,34 +158,6 @@ def test_full_for_safe_is_no_safety_stop_and_is_always_undone(
     assert watch.modes.may_recover(17.0)
 
 
-def test_a_mode_that_was_entered_gives_all_tries_back() -> None:
-    watch = Watch(SAFE, recover=True)
-    for number in range(MOST_TRIES):
-        watch.enter(8.0 + number)
-    watch.observe(frame(SAFE), 12.0)
-    watch.enter(12.5)
-    watch.observe(frame(PASSIVE), 12.6)
-    assert watch.modes.must_retry(13.0)
-
-
-@pytest.mark.parametrize('change', [
-    lambda watch: watch.modes.forget(), lambda watch: watch.modes.want(FULL)],
-    ids=['lost', 'another mode'])
-def test_a_robot_that_came_back_and_another_mode_have_all_tries(change) -> None:
-    watch = entered()
-    watch.enter(9.0)
-    change(watch)
-    tries, now = 0, 20.0
-    watch.enter(now)
-    while True:
-        watch.observe(frame(PASSIVE), now + RETRY_INTERVAL / 2)
-        if not watch.modes.must_retry(now + 2 * RETRY_INTERVAL):
-            break
-        now, tries = now + 2 * RETRY_INTERVAL, tries + 1
-        watch.enter(now)
-    assert tries == MOST_TRIES - 1
-
-
 # Coming back.
 
 
@@ -267,30 +168,3 @@ def test_the_mode_comes_back_a_second_after_the_hazard() -> None:
     watch.observe(frame(PASSIVE, cliff=1), 18.0)
     assert not watch.modes.may_recover(18.5)
     assert watch.modes.may_recover(19.0)
-
-
-def test_full_mode_that_nobody_wanted_does_not_clear_the_cause() -> None:
-    watch = fallen()
-    watch.observe(frame(FULL), 17.0)
-    assert watch.status.causes == (Cause.CLIFF_RIGHT,)
-
-
-def test_nothing_is_brought_back_that_was_not_lost_or_is_not_to_be() -> None:
-    watch = fallen(recover=False)
-    assert not watch.modes.may_recover(20.0)
-    watch = fallen()
-    watch.observe(frame(SAFE), 20.0)
-    assert not watch.modes.may_recover(21.0)
-    watch = fallen()
-    watch.modes.forget()
-    assert not watch.modes.may_recover(21.0)
-    watch = Watch(SAFE, recover=True)
-    watch.observe(frame(PASSIVE), 8.0)
-    assert not watch.modes.may_recover(21.0), 'it has not been in that mode'
-
-
-def test_a_robot_that_has_not_said_so_is_on_no_dock():
-    watch = Watch(SAFE, recover=True)
-    assert not watch.modes.docked
-    watch.observe(frame(PASSIVE, charger=2), 1.0)
-    assert watch.modes.docked
