@@ -19,7 +19,7 @@ from time import sleep
 from typing import NamedTuple
 
 from create_oi_ros.ros.topics import PUBLISHED
-from processes import family, processor_shares, resident
+from processes import processor_shares, resident
 from results import Figure, figures_of, load, repeated, run
 from scene import scene
 
@@ -36,13 +36,11 @@ MESSAGES = (
 
 
 class Node(NamedTuple):
-    """What a node takes, with its dead-man: shares of a core in %, memory in MB."""
+    """What a node takes: shares of a core in %, with its dead-man; its own memory in MB."""
 
     standing: float
     driving: float
     memory: float
-    """Of the node alone."""
-    dead_man: float
 
 
 def floor() -> tuple[float, float]:
@@ -57,27 +55,26 @@ def floor() -> tuple[float, float]:
         return share, resident(driver.pid)
 
 
-def node(*topics: str, **parameters: float) -> Node:
+def node(*topics: str) -> Node:
     """Return what the node takes with these topics heard."""
     with scene() as stage:
         stage.robot()
         listener = stage.listener(*topics)
-        driver = stage.driver(**parameters)
+        driver = stage.driver()
         listener.line()
         sleep(SETTLE)
         standing, = processor_shares([driver.pid], WATCH)
         stage.program('circle')
         sleep(SETTLE)
         driving, = processor_shares([driver.pid], DRIVE)
-        return Node(standing, driving, resident(driver.pid),
-                    sum(resident(child) for child in family(driver.pid)[1:]))
+        return Node(standing, driving, resident(driver.pid))
 
 
 def measure() -> list[Figure]:
     """Run all in turn; return the figures."""
-    runs = [(*floor(), node(*ALL), node('odom'), node(*ALL, odom_rate=10.0))
+    runs = [(*floor(), node(*ALL), node('odom'))
             for _ in range(REPETITIONS)]
-    floors, memory, most, heard, thinned = zip(*runs)
+    floors, memory, most, heard = zip(*runs)
     theirs = [figure.value for figure in figures_of(load(), 'create_driver')]
     return [
         repeated('floor: processor', floors, '% of a core'),
@@ -85,10 +82,8 @@ def measure() -> list[Figure]:
         compared('node, driving', [each.driving for each in most], floors, theirs[0]),
         compared('node, only odom heard, driving', [each.driving for each in heard], floors,
                  theirs[1]),
-        compared('node, odom_rate 10, driving', [each.driving for each in thinned], floors),
         repeated('floor: memory', memory, 'MB'),
-        repeated('node: memory', [each.memory for each in most], 'MB'),
-        repeated('dead-man: memory', [each.dead_man for each in most], 'MB')]
+        repeated('node: memory', [each.memory for each in most], 'MB')]
 
 
 def compared(what: str, shares: Sequence[float], floors: Sequence[float],

@@ -139,15 +139,12 @@ class Scene:
                     return answer.removeprefix('ok ')
                 yield send
 
-    def driver(self, *, floor: bool = False, imports: tuple[str, ...] = (),
-               **parameters: float) -> Process:
+    def driver(self, *, floor: bool = False, imports: tuple[str, ...] = ()) -> Process:
         """Start the node, or the floor (programs/floor.py)."""
         if floor:
             return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
                                 str(oi.DriveDirect.opcode), *imports)
-        set_ = [word for name, value in parameters.items() for word in ('-p', f'{name}:={value}')]
-        return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p',
-                          f'port:={self.port}', *set_)
+        return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
 
     def listener(self, *topics: str) -> Process:
         """Start a subscriber to these topics; wait until it has subscribed."""
