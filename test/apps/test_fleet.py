@@ -115,15 +115,6 @@ def test_simulated_robots_need_no_ports(tmp_path):
         assert f'export ROS_DOMAIN_ID={stage.domain}' in program.output
 
 
-def test_a_wrong_parameter_starts_nothing(tmp_path):
-    with scene(tmp_path) as stage:
-        program = stage.program('create_fleet', 'robot1=/dev/none', '--ros-args',
-                                '-p', 'cmd_vel_timeout:=20')
-        assert program.ended() == 2
-        assert program.output.strip().endswith(
-            'create_fleet: parameter cmd_vel_timeout = 20; allowed: 0.05 to 10')
-
-
 @pytest.mark.parametrize(('arguments', 'words'), [
     ([], 'give NAME=PORT for each robot, or --simulated COUNT'),
     (['a=/dev/x', '--simulated', '2'], 'give NAME=PORT for each robot, or --simulated COUNT'),

@@ -16,9 +16,8 @@ pytest.importorskip('rosbags')
 from rosbags.rosbag2 import Reader
 
 from create_oi_ros.apps.report.bag_reader import read
-from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import PUBLISHED
-from support.ros import Program, scene
+from support.ros import scene
 from support.terminal import terminals
 
 CTRL_C = '\x03'
@@ -89,16 +88,6 @@ def test_an_existing_folder_is_left_alone(stage, tmp_path):
     recorder = stage.program('create_record', '-o', str(tmp_path))
     assert recorder.ended() == 2
     assert recorder.output.endswith(f'create_record: error: {tmp_path} is there already\n')
-
-
-def test_a_missing_library_is_named_with_how_to_install_it(stage, tmp_path):
-    code = f'import sys; sys.modules["rosbags.rosbag2"] = None; {PROGRAMS["create_record"]}'
-    recorder = Program('-c', code, '-o', str(tmp_path / 'walk'), domain=stage.domain)
-    try:
-        assert recorder.ended() == 2
-    finally:
-        recorder.close()
-    assert '-m pip install rosbags' in recorder.output
 
 
 def recorded(recorder, stage) -> Path:

@@ -142,7 +142,7 @@ def test_a_foreign_bag_gets_a_sentence(tmp_path, capsys):
     assert '/chatter' in refusal(tmp_path / 'bag', capsys)
 
 
-@pytest.mark.parametrize('part', [0.0, 0.01, 0.3, 0.5, 0.9, 0.999])
+@pytest.mark.parametrize('part', [0.0, 0.3, 0.999])
 def test_a_bag_that_was_cut_off_is_no_traceback(bag, tmp_path, capsys, part):
     file, = (path for path in bag.iterdir() if path.suffix != '.yaml')
     whole = file.read_bytes()
@@ -170,7 +170,7 @@ def test_the_intact_part_of_an_unclosed_bag_is_shown(tmp_path, capsys):
     assert 'when the recorder was killed' in refusal(bag, capsys)
 
 
-@pytest.mark.parametrize('start', range(100, 20000, 3301))
+@pytest.mark.parametrize('start', range(100, 20000, 6602))
 def test_a_bag_with_rubbish_in_it_is_no_traceback(bag, tmp_path, capsys, start):
     file, = (path for path in bag.iterdir() if path.suffix != '.yaml')
     spoilt = bytearray(file.read_bytes())
@@ -254,14 +254,6 @@ def test_the_node_does_not_import_what_reports_need():
         [sys.executable, '-c', 'import sys, create_oi_ros.ros.node; '
          'print({"rosbags", "mcap"} & set(sys.modules))'], capture_output=True, text=True)
     assert done.stdout == 'set()\n', done.stderr
-
-
-def test_it_is_a_program(bag, tmp_path):
-    done = subprocess.run(
-        [sys.executable, '-c', PROGRAMS['create_report'], str(bag), '-o',
-         str(tmp_path / 'page.html')], capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (0, '')
-    assert (tmp_path / 'page.html').exists()
 
 
 def test_a_reindexed_bag_is_read(bag, recording, tmp_path):

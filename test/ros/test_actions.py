@@ -138,15 +138,11 @@ def test_the_robot_drives_to_a_place_that_is_published(start):
 
 @pytest.mark.parametrize(('type_', 'name', 'fields', 'says'), [
     (DriveDistance, 'drive_distance', {'distance': nan}, 'distance = nan m is not finite'),
-    (DriveDistance, 'drive_distance', {'distance': 1e6}, 'allowed: -1000 to 1000'),
-    (DriveDistance, 'drive_distance', {'distance': 1.0, 'max_translation_speed': 0.0},
-     'max_translation_speed = 0 m/s; allowed: 0.001 or more'),
     (DriveDistance, 'drive_distance', {'distance': 1.0, 'time_allowance': Duration(sec=-1)},
      'time_allowance = -1 s'),
     (RotateAngle, 'rotate_angle', {'angle': inf}, 'angle = inf rad is not finite'),
     (DriveArc, 'drive_arc', {'angle': 1.0, 'radius': 0.0, 'translate_direction': 1},
      'radius = 0 m; allowed: above 0'),
-    (DriveArc, 'drive_arc', {'angle': 1.0, 'radius': 1.0}, 'translate_direction = 0; allowed'),
     (NavigateToPosition, 'navigate_to_position',
      {'goal_pose': PoseStamped(header=Header(frame_id='map'))},
      "goal_pose is in frame 'map'; allowed: 'odom'"),
@@ -191,11 +187,8 @@ def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driv
 
 @pytest.mark.parametrize(('happens', 'code'), [
     (lambda driving: driving.robot.body.force(bump_right=1), Code.BUMP),
-    (lambda driving: driving.robot.body.force(cliff_left=1), Code.CLIFF),
-    (lambda driving: driving.robot.soon(lambda: driving.robot.body.lift(True)), Code.WHEEL_DROP),
-    (lambda driving: driving.robot.body.hold(right=True, left=True), Code.STALL),
     (lambda driving: driving.robot.body.plug_charger(True), Code.MODE),
-], ids=['BUMP', 'CLIFF', 'WHEEL_DROP', 'STALL', 'MODE'])
+], ids=['BUMP', 'MODE'])
 def test_what_happens_to_the_robot_is_the_reason(driving, happens, code):
     sent = driving.moving()
     happens(driving)
@@ -265,11 +258,10 @@ rclpy.spin(node)
 """
 
 
-def test_a_goal_ends_when_its_client_has_gone(stage):
-    ready = Ready(stage)
-    script = stage.folder / 'brief.py'
+def test_a_goal_ends_when_its_client_has_gone(ready):
+    script = ready.stage.folder / 'brief.py'
     script.write_text(CLIENT)
-    client = stage.script(script)
+    client = ready.stage.script(script)
     ready.ros.until(lambda: 'accepted True' in client.output, 'the goal is accepted')
     ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1, 'the robot moves')
     client.send(signal.SIGINT)

@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every topic and service as a user sees it: through ROS, with the node as a process."""
 
+from math import hypot
 import signal
 from statistics import median
+import struct
 
 from create_oi_msgs.msg import (
     Buttons,
@@ -33,10 +35,12 @@ from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import BatteryState, JointState
+from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
+from create_oi_ros.driver.contacts import OUTSIDE
+from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import messages
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
@@ -74,6 +78,37 @@ def test_what_the_robot_senses_is_published(ready):
     late = ready.ros.listen(Buttons, 'buttons', LATCHED)
     until(lambda: late and late[-1].advance, 'the state for one who comes late')
     assert len(buttons) == 2, 'only changes are published'
+
+
+def points(cloud: PointCloud2) -> list[tuple[float, ...]]:
+    """Return the points of a cloud, as its fields describe them."""
+    assert [(each.name, each.offset, each.datatype) for each in cloud.fields] == [
+        ('x', 0, PointField.FLOAT32), ('y', 4, PointField.FLOAT32), ('z', 8, PointField.FLOAT32)]
+    assert cloud.row_step == cloud.width * cloud.point_step == len(cloud.data)
+    assert not cloud.is_bigendian and cloud.height == 1
+    return list(struct.iter_unpack('<fff', bytes(cloud.data)))
+
+
+def test_bumps_and_cliffs_are_points_for_a_while(ready):
+    """With the QoS of Nav2's obstacle layer."""
+    body, until = ready.robot.body, ready.ros.until
+    assert ready.set('contact_persistence', 0.5)
+    clouds = ready.ros.listen(PointCloud2, 'contacts', BEST_EFFORT)
+    until(lambda: clouds and not clouds[-1].width, 'a cloud')
+    assert points(clouds[-1]) == []
+    assert clouds[-1].header.frame_id == 'base_footprint'
+    assert clouds[-1].header.stamp.sec > 0
+    body.force(bump_left=1, cliff_right=1)
+    until(lambda: clouds[-1].width == 2, 'two points')
+    for x, y, z in points(clouds[-1]):
+        assert hypot(x, y) == pytest.approx(BODY_RADIUS + OUTSIDE, abs=1e-3)
+        assert 0 < z < 0.1
+    body.unforce('cliff_right')
+    until(lambda: clouds[-1].width == 1, 'one point')
+    (x, y, _), = points(clouds[-1])
+    assert x > 0 and y > 0
+    body.unforce()
+    until(lambda: clouds[-1].width == 0, 'no points')
 
 
 def test_songs_play_and_are_published(ready):
@@ -228,32 +263,6 @@ def test_stale_commands_are_dropped_by_their_stamp(stage):
     assert ready.robot.body.truth().travelled == 0
     old[0] = 0.0
     ready.ros.until(lambda: ready.robot.body.truth().speed > 0.1)
-
-
-def test_two_robots_in_two_namespaces_do_not_touch_each_other(stage):
-    robots = {}
-    for name in ('one', 'two'):
-        robots[name] = stage.robot(name)
-        stage.node(robots[name].link, f'__ns:=/{name}', odom_frame=f'{name}/odom',
-                   base_frame=f'{name}/base_footprint')
-    odoms = {name: stage.ros.listen(Odometry, f'{name}/odom') for name in robots}
-    modes = {name: stage.ros.listen(Mode, f'{name}/mode', LATCHED) for name in robots}
-    frames = stage.ros.listen(TFMessage, '/tf', 100)
-    stage.ros.until(lambda: all(heard and heard[-1].mode == Mode.SAFE for heard in modes.values()))
-    velocity = stage.ros.node.create_publisher(Twist, 'one/cmd_vel', 1)
-    timer = stage.ros.node.create_timer(
-        0.1, lambda: velocity.publish(Twist(linear=Vector3(x=0.2))))
-    stage.ros.until(lambda: odoms['one'] and odoms['one'][-1].pose.pose.position.x > 0.2)
-    stage.ros.node.destroy_timer(timer)
-    assert robots['two'].body.truth().pose.x == 0
-    assert odoms['two'][-1].pose.pose.position.x == 0
-    for name in robots:
-        assert odoms[name][-1].header.frame_id == f'{name}/odom'
-    assert {(each.header.frame_id, each.child_frame_id)
-            for message in frames for each in message.transforms} == {
-        (f'{name}/odom', f'{name}/base_footprint') for name in robots}
-    assert stage.ros.call(SetMode, 'two/set_mode', mode=Mode.FULL).success
-    assert modes['one'][-1].mode == Mode.SAFE
 
 
 @pytest.mark.parametrize(('ours', 'core'), [

@@ -191,11 +191,10 @@ def test_stop_and_reset_odometry(ready):
     assert ready.set('cmd_vel_timeout', 0.5)
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_stops_the_wheels_and_leaves_passive(stage, number):
+def test_a_signal_stops_the_wheels_and_leaves_passive(stage):
     ready = Ready(stage, cmd_vel_timeout=10.0)
     ready.drive(0.2, 0.0, lambda: ready.robot.body.truth().speed > 0.1)
-    ready.node.send(number)
+    ready.node.send(signal.SIGTERM)  # nightly: all signals
     assert ready.node.ended() == 0
     ready.ros.until(lambda: ready.robot.body.truth().speed == 0)
     assert ready.robot.create.mode is oi.Mode.PASSIVE

@@ -96,7 +96,7 @@ def test_a_topic_that_changes_in_each_frame_comes_once_and_delays_no_other(frame
     assert sum('Cliff' in names for names in told) == round(200 * oi.SLOT / PERIOD)
 
 
-@pytest.mark.parametrize('rate', [10, 20, 40, 66])
+@pytest.mark.parametrize('rate', [20, 66])
 def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, rate):
     frames.motion_period = 1 / rate
     frames.quiet()
