@@ -4,7 +4,7 @@
 
 import pytest
 
-from create_oi_ros.driver import Activity, Driver, MotionLimits, Settings, Severity
+from create_oi_ros.driver import Activity, Driver, Settings, Severity
 from create_oi_ros.driver.outbox import HALT, WAKE_UP
 from create_oi_ros.oi import Start, Stream
 from support.typed_frames import answered, BEGIN, called, heard, LAST, notices, polled
@@ -43,12 +43,6 @@ def test_half_a_second_without_a_frame_is_silence():
     assert driver.health(LAST + 0.51).frame_age == 0.0
 
 
-def test_who_polls_within_a_second_has_not_stood_still():
-    driver = answered()
-    driver.receive(b'', LAST + 0.99)
-    assert not [text for _, text in notices(driver) if 'stood still' in text]
-
-
 def test_after_a_standstill_the_wheels_are_stopped_and_the_robot_is_called():
     driver = answered()
     now = LAST + 1.01
@@ -64,31 +58,6 @@ def test_after_a_standstill_the_wheels_are_stopped_and_the_robot_is_called():
     assert polled(driver, now + 0.051) == HALT.encode() + KNOCK
     heard(driver, now + 0.06)
     assert driver.state.answered
-
-
-def test_a_standstill_of_a_driver_whose_robot_is_away_is_nothing_new():
-    driver = called()
-    polled(driver, BEGIN + 5.0)
-    assert not [text for _, text in notices(driver) if 'stood still' in text]
-
-
-def test_bytes_that_are_no_frame_are_counted_and_shown():
-    driver = called()
-    driver.receive(b'\7' * 1000, BEGIN + 0.1)
-    for number in range(1, 5):
-        polled(driver, BEGIN + 0.31 * number)
-    assert 700 < driver.counts.garbage_bytes <= 1000
-    assert any('not like a Create at 57600 baud (it sent 7 7 7' in text
-               for _, text in notices(driver))
-
-
-def test_a_port_that_is_opened_again_is_called_anew():
-    driver = answered()
-    driver.disconnected('cable out')
-    assert polled(driver, LAST + 50.0) == b''
-    driver.connected(LAST + 60.0)
-    assert polled(driver, LAST + 60.0).startswith(WAKE_UP)
-    assert not [text for _, text in notices(driver) if 'stood still' in text]
 
 
 @pytest.mark.parametrize(('baud', 'slow'), [(9600, 1), (19200, 0)])
@@ -108,14 +77,3 @@ def test_a_driver_that_ends_stops_the_robot_and_says_no_more():
     assert driver.state.activity is Activity.CLOSED
     driver.shut_down(LAST + 0.2)
     assert polled(driver, LAST + 9.0) == b''
-
-
-def test_a_robot_that_touches_nothing_is_not_blocked():
-    driver = Driver(Settings(limits=MotionLimits(
-        bump_stop=True, linear_acceleration=0.0, angular_acceleration=0.0)))
-    driver.connected(BEGIN)
-    for slot in range(1, 20):
-        heard(driver, BEGIN + slot * 0.015)
-        polled(driver, BEGIN + slot * 0.015)
-    driver.drive(0.2, 0.0, LAST + 0.02)
-    assert bytes([145, 0, 200, 0, 200]) in polled(driver, LAST + 0.02)

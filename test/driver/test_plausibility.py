@@ -8,7 +8,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
-from create_oi_ros.driver.stream import ALL, SLOW
+from create_oi_ros.driver.stream import ALL
 from create_oi_ros.driver.tracking import JumpCheck, POSSIBLE, RUNNING, TurnCheck
 from create_oi_ros.robot import Rounding
 from support.loop import AT_ONCE, Loop, said, texts
@@ -66,20 +66,6 @@ def test_an_angle_is_stuck_after_one_turn_that_was_asked_for(side: int) -> None:
         assert not again and check.stuck, 'it is told once'
         changed = check.observe(turning(250, -250, angle=1), 1.0, drives=True)
         assert not changed and not check.stuck, 'the turn begins anew'
-
-
-def test_turns_to_and_fro_need_not_change_the_angle() -> None:
-    check = TurnCheck(0.25)
-    for _ in range(10):
-        assert not check.observe(turning(250, -250), 2.0, drives=True)
-        assert not check.observe(turning(-250, 250), 2.0, drives=True)
-
-
-@pytest.mark.parametrize(('right', 'left', 'drives'), [(250, 250, True), (250, -250, False)])
-def test_a_robot_that_does_not_turn_keeps_its_angle(right: int, left: int, drives: bool) -> None:
-    check = TurnCheck(0.25)
-    assert not check.observe(turning(right, left), 100.0, drives=drives)
-    assert not check.stuck
 
 
 def test_a_robot_that_turns_between_two_readings_is_not_stuck() -> None:
@@ -194,14 +180,3 @@ def test_a_song_plays_though_its_number_is_not_known() -> None:
     request = loop.driver.outputs.play_song(1, loop.now)
     loop.run(0.5)
     assert request.outcome is not None and request.outcome.ok
-
-
-@pytest.mark.parametrize('name', SLOW[1:])
-def test_what_the_battery_cannot_have_is_not_known(name: str) -> None:
-    loop = Loop()
-    loop.run(1)
-    frames = loop.driver.counts.frames
-    loop.forged = {name: oi.PACKETS[oi.NUMBERS[name]].wire.limits[1]}
-    loop.drive(0.1, 0.0, 1.0)
-    assert getattr(loop.moved[-1].readings, name) is None
-    assert loop.driver.counts.frames - frames > 60, 'the manual allows it: no frame is dropped'
