@@ -13,7 +13,7 @@ from typing import NamedTuple
 from .. import oi
 from ..odometry import Estimate
 from ..robot import BODY_RADIUS, BUMPER_BEARING, CLIFF_BEARINGS
-from .goals.hazards import CLIFFS
+from .goals.goal import CLIFFS
 
 OUTSIDE = 0.085
 """Metres outside the hull. A costmap clears each cell that the robot's footprint touches. So this

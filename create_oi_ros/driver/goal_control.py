@@ -13,9 +13,8 @@ from .. import oi
 from .core import Core
 from .events import Cause, Moved, Severity
 from .goals import Code, Ending, Goal, Running
-from .goals.approach import Learned
-from .goals.goal import DockDemo, docked, Enter, Order, Over, View
-from .goals.hazards import AGAIN, FROM_CLIFF, TO_FLOOR
+from .goals.goal import AGAIN, docked, Enter, FROM_CLIFF, Instruction, Order, Over, TO_FLOOR, View
+from .goals.legs import StoppingModel
 from .mode import Modes
 from .motion import Motion, Velocity
 from .outbox import END_DEMO, HALT
@@ -41,6 +40,8 @@ TAKEN_OVER = {
         Code.LINK, 'the port is gone: check the cable, the driver keeps trying'),
 }
 """What an event means for the goal that it ends."""
+CANCELED = Over(Code.CANCELED, 'canceled')
+CLIENT_GONE = Over(Code.STOPPED, 'its client has gone')
 DRIVER_ENDS = Over(Code.LINK, 'the driver ends: start it again')
 MAY_MOVE = (Code.SUPERSEDED, Code.LINK)
 """Endings after which the robot may still move."""
@@ -61,30 +62,25 @@ class GoalControl:
         self._odometry = tracking.odometry
         self._motion = motion
         self._modes = modes
-        self.straight, self.turning = Learned(), Learned()
+        self.straight, self.turning = StoppingModel(), StoppingModel()
         """How the robot coasts, straight and turning."""
-        self._goal: Goal | None = None
-        self._running = Running()
-        self._begun = False
-        self._started_at = 0.0
-        self._seen_at = 0.0
+        self._running: Running | None = None
+        """The goal that was started last."""
         self._mode_before = oi.Mode.SAFE
 
     def start(self, goal: Goal, now: float) -> Running:
         """Pursue a goal from the next frame on; one that runs is superseded."""
-        running = Running()
+        running = Running(goal, now)
         refused = self._refusal(goal, now)
         if refused is not None:
             self._end(running, refused)
             return running
-        if self._goal is not None:
+        if self.active:
             self._finish(ANOTHER_GOAL, now)
         if self._core.state.activity is Activity.HOLDING:
             # A goal is as good as a pause of commands.
             self._core.handle(StateEvent.HALTED)
-        self._goal, self._running = goal, running
-        self._begun, self._started_at = False, now
-        self._mode_before = self._core.status.wanted
+        self._running, self._mode_before = running, self._core.status.wanted
         self._core.handle(StateEvent.GOAL_STARTED)
         if goal.hint:
             self._core.notice(Severity.WARNING, goal.hint)
@@ -93,22 +89,12 @@ class GoalControl:
     @property
     def active(self) -> bool:
         """Whether a goal runs."""
-        return self._goal is not None
+        return self._core.state.pursues
 
-    @property
-    def wants_reading(self) -> bool:
-        """Whether the goal that runs cannot go on before the robot says how far it went."""
-        return self._goal is not None and self._goal.wants_reading
-
-    def cancel(self, running: Running, now: float) -> None:
+    def cancel(self, running: Running, now: float, why: Over = CANCELED) -> None:
         """End this goal, if it still runs."""
-        if running is self._running and self.active:
-            self._finish(Over(Code.CANCELED, 'canceled'), now)
-
-    def abandon(self, running: Running, now: float) -> None:
-        """End this goal, if it still runs: nobody waits for it any more."""
-        if running is self._running and self.active:
-            self._finish(Over(Code.STOPPED, 'its client has gone'), now)
+        if running.ending is None:
+            self._finish(why, now)
 
     def interrupt(self, now: float) -> None:
         """End the goal that runs: a velocity command takes over."""
@@ -117,41 +103,42 @@ class GoalControl:
 
     def driver_ends(self) -> None:
         """End the goal that runs."""
-        if self.active:
-            self._conclude(DRIVER_ENDS)
+        if self._running is not None and self.active:
+            self._end(self._running, DRIVER_ENDS)
 
     def handled(self, event: StateEvent) -> None:
         """End the goal after an event that has led out of its activities."""
-        if self._goal is None or self._core.state.pursues or event is StateEvent.GOAL_ENDED:
-            return
-        if event is StateEvent.MODE_LEFT:
-            over = self._left_mode()
-        else:
-            over = Over(*TAKEN_OVER[event])
-        self._conclude(over)
+        if self._running is not None and self._running.ending is None and not self.active:
+            over = (self._left_mode() if event is StateEvent.MODE_LEFT
+                    else Over(*TAKEN_OVER[event]))
+            self._end(self._running, over)
 
     def see(self, moved: Moved, dt: float, *, measured: bool, now: float) -> None:
         """Pursue the goal that runs in a new frame."""
-        assert self._goal is not None, 'no goal runs'
-        self._seen_at = now
-        view = View(
-            now, dt, moved.estimate, moved.readings, measured, self._core.limits)
-        if not self._begun and not self._begin(self._goal, view):
+        assert self._running is not None
+        running, goal = self._running, self._running.goal
+        if goal.needs_driving and not self._core.status.can_drive:
+            if running.begun_at is not None:
+                self._finish(self._wrong_mode(), now)
             return
-        if self._goal.needs_driving and not self._core.status.can_drive:
-            self._finish(self._wrong_mode(), now)
-            return
-        order = self._goal.step(view)
-        self._running.progress = self._goal.progress
-        self._obey(order, now)
+        view = View(now, dt, moved.estimate, moved.readings, measured, self._core.limits)
+        if running.begun_at is None:
+            over = goal.begin(view)
+            if over is not None:
+                self._finish(over, now)
+                return
+            running.begun_at = now
+        self._obey(goal.step(view), now)
 
     def poll(self, now: float) -> None:
         """End the goal that runs if its time is over."""
-        assert self._goal is not None, 'no goal runs'
-        if not self._begun and now - self._started_at > MODE_WAIT:
-            self._finish(self._wrong_mode(), now)
-        elif self._begun and now - self._started_at > (self._goal.allowance or inf):
-            self._finish(self._goal.timed_out(), now)
+        assert self._running is not None
+        running, goal = self._running, self._running.goal
+        if running.begun_at is None:
+            if now - running.given_at > MODE_WAIT:
+                self._finish(self._wrong_mode(), now)
+        elif now - running.begun_at > (goal.allowance or inf):
+            self._finish(goal.timed_out(), now)
 
     # How a goal begins.
 
@@ -160,24 +147,13 @@ class GoalControl:
         state = self._core.state
         if state.owner is Owner.NOBODY:
             return Over(Code.NO_ROBOT, REFUSALS[state.activity])
-        if state.pursues and self._goal is not None:
+        if state.pursues:
             return None
         why = state.drive_refusal if goal.needs_driving else state.refusal
         if why is None and goal.needs_driving:
             why = self._modes.allow_driving(now)
             why = why and f'{why}: {self._advice()}'
         return Over(Code.MODE, why) if why else None
-
-    def _begin(self, goal: Goal, view: View) -> bool:
-        """Let a goal begin once the robot follows velocities; False where it has not yet."""
-        if goal.needs_driving and not self._core.status.can_drive:
-            return False
-        self._started_at = view.now
-        over = goal.begin(view)
-        self._begun = over is None
-        if over is not None:
-            self._finish(over, view.now)
-        return self._begun
 
     def _wrong_mode(self) -> Over:
         name = self._core.status.name
@@ -210,9 +186,12 @@ class GoalControl:
                 self._finish(order, now)
             case Enter(mode, why):
                 self._enter(mode, why, now)
-            case DockDemo.PLAY:
+            case Instruction.SEEK_DOCK:
                 self._modes.play_demo(
                     oi.DemoNumber.COVER_AND_DOCK, StateEvent.DOCKING_STARTED)
+            case Instruction.MEASURE:
+                self._motion.follow(0.0, 0.0, now)
+                self._odometry.hurry()
 
     def _enter(self, mode: oi.Mode, why: str, now: float) -> None:
         if why:
@@ -229,31 +208,26 @@ class GoalControl:
         self._core.outbox.send_at_once(HALT, now)
         if gives_up:
             self._core.outbox.send_at_once(END_DEMO, now)
-        self._conclude(over)
+        assert self._running is not None
+        self._end(self._running, over)
         self._core.handle(StateEvent.GOAL_ENDED)
         if gives_up:
             self._modes.want(self._mode_before)
             self._modes.enter(self._mode_before, now)
 
-    def _conclude(self, over: Over) -> None:
-        """End the goal that runs, and say how far it has got."""
-        goal, self._goal = self._goal, None
-        if goal is not None and goal.hint:
-            over = over._replace(text=f'{over.text} ({goal.hint})')
-        if goal is None or not self._begun:
-            self._end(self._running, over)
-            return
-        seconds = self._seen_at - self._started_at
-        verb = 'ended' if over.code in MAY_MOVE else 'stopped'
-        self._end(self._running, over, how=f'{verb} {goal.way(seconds)}', seconds=seconds)
-
-    def _end(self, running: Running, over: Over, *, how: str = 'not started',
-             seconds: float = 0.0) -> None:
-        """Tell who waits how the goal ended."""
-        text = over.text if over.code is Code.NONE else f'{how}; {over.text}'
-        ending = Ending(over.code, text, seconds=seconds)
-        readings = self._core.readings
+    def _end(self, running: Running, over: Over) -> None:
+        """Tell who waits how a goal ended, and how far it got."""
+        goal, text, how, seconds = running.goal, over.text, 'not started', 0.0
+        if goal.hint and running is self._running:
+            text = f'{text} ({goal.hint})'
+        if running.begun_at is not None:
+            seconds = goal.view.now - running.begun_at
+            verb = 'ended' if over.code in MAY_MOVE else 'stopped'
+            how = f'{verb} {goal.way(seconds)}'
+        if over.code is not Code.NONE:
+            text = f'{how}; {text}'
+        ending, readings = Ending(over.code, text, seconds=seconds), self._core.readings
         if readings.has('oi_mode'):
             ending = ending._replace(
                 estimate=self._odometry.estimate, docked=docked(readings))
-        running.end(ending)
+        running.settle(ending)

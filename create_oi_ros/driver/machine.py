@@ -333,8 +333,6 @@ class Driver:
         readings = moved.readings
         if self.goals.active:
             self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
-            if self.goals.wants_reading:
-                self._tracking.odometry.hurry()
         self.outputs.observe(readings, now)
         self.modes.observe(readings, now)
         self.motion.observe(readings, now)

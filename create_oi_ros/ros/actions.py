@@ -32,8 +32,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from ..driver import goals
+from ..driver.goal_control import CLIENT_GONE
 from ..driver.goals import Code, Ending, Goal, Malformed, Phase, Progress, Running
-from ..driver.goals.approach import Learned
+from ..driver.goals.legs import StoppingModel
 from ..driver.goals.motions import Circle, TargetPose
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
@@ -64,15 +65,15 @@ SEARCH = {
 class StoppingModels(Protocol):
     """How far a robot coasts, as goals learn it."""
 
-    straight: Learned
-    turning: Learned
+    straight: StoppingModel
+    turning: StoppingModel
 
 
 class DefaultStoppingModels:
     """Those of a robot of which nothing is learned yet."""
 
     def __init__(self) -> None:
-        self.straight, self.turning = Learned(), Learned()
+        self.straight, self.turning = StoppingModel(), StoppingModel()
 
 
 def distance_left(feedback: Any, progress: Progress) -> None:
@@ -325,7 +326,7 @@ class Actions:
             return
         if pursued.client.lost():
             with self._session.request() as (driver, now):
-                driver.goals.abandon(pursued.running, now)
+                driver.goals.cancel(pursued.running, now, CLIENT_GONE)
 
     # On the session's thread.
 

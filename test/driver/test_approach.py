@@ -5,14 +5,16 @@
 
 import pytest
 
-from create_oi_ros.driver.goals.approach import Approach, COAST, Learned, Remaining
+from create_oi_ros.driver.goals.goal import Instruction
+from create_oi_ros.driver.goals.legs import Approach, COAST, Remaining, StoppingModel
 
 TOP, TOLERANCE, DT = 0.3, 0.002, 0.1
 
 
-def approach(learned: Learned | None = None, top: float = TOP, limit: float = 0.0) -> Approach:
+def approach(learned: StoppingModel | None = None, top: float = TOP,
+             limit: float = 0.0) -> Approach:
     """Return an approach that has not begun."""
-    return Approach(top, TOLERANCE, learned or Learned(), limit)
+    return Approach(top, TOLERANCE, learned or StoppingModel(), limit)
 
 
 def at(left: float, speed: float = 0.0, doubt: float = 0.0, dt: float = DT,
@@ -21,24 +23,30 @@ def at(left: float, speed: float = 0.0, doubt: float = 0.0, dt: float = DT,
     return Remaining(left, speed, doubt, dt, measured)
 
 
-def stopped(left: float, pace: float = 0.0, learned: Learned | None = None) -> Approach:
+def step(begun: Approach, frame: Remaining) -> float | None:
+    """Return the speed that a frame leads to: 0 too where it asks for a reading."""
+    speed = begun.step(frame)
+    return 0.0 if speed is Instruction.MEASURE else speed
+
+
+def stopped(left: float, pace: float = 0.0, learned: StoppingModel | None = None) -> Approach:
     """Return an approach that has just told the wheels to stand, with so much left."""
     begun = approach(learned)
-    begun.step(at(1.0))
-    assert begun.step(at(left, pace)) == 0.0
+    step(begun, at(1.0))
+    assert step(begun, at(left, pace)) == 0.0
     return begun
 
 
 def frames_until_moving(begun: Approach, frame: Remaining) -> int:
     """Return after how many frames an approach that stands has arrived or goes on."""
     count = 0
-    while begun.step(frame) == 0.0 and not begun.correcting:
+    while step(begun, frame) == 0.0 and not begun.correcting:
         count += 1
     return count
 
 
 def test_a_stop_teaches_the_coast():
-    learned = Learned()
+    learned = StoppingModel()
     learned.stopped(0.3, 0.06)
     # Variances before and of the measurement, s²: 0.12² + 0.02², and (2 mm / pace)².
     first = 0.0148 / (0.0148 + (0.002 / 0.3) ** 2)
@@ -52,7 +60,7 @@ def test_a_stop_teaches_the_coast():
 
 @pytest.mark.parametrize(('way', 'coast'), [(9.0, 0.8), (-1.0, 0.03)])
 def test_a_coast_that_cannot_be_is_not_believed(way, coast):
-    learned = Learned()
+    learned = StoppingModel()
     for _ in range(50):
         learned.stopped(0.3, way)
     assert learned.coast == pytest.approx(coast, abs=0.001)
@@ -62,13 +70,13 @@ def test_a_coast_that_cannot_be_is_not_believed(way, coast):
 def test_a_short_rest_of_the_way_is_a_push_of_its_length(sign):
     begun = stopped(0.0)
     frames_until_moving(begun, at(sign * 0.015))
-    told = [begun.step(at(sign * 0.015, dt=0.01)) for _ in range(60)]
+    told = [step(begun, at(sign * 0.015, dt=0.01)) for _ in range(60)]
     assert told == 50 * [sign * 0.03] + 10 * [0.0]
 
 
 def test_it_corrects_three_times_at_most():
     begun, left, corrections, before = stopped(0.0), 0.01, 0, 0.0
-    while (speed := begun.step(at(left))) is not None:
+    while (speed := step(begun, at(left))) is not None:
         corrections += bool(speed and not before)
         if before and not speed:
             left = -left  # each leads too far
@@ -81,7 +89,7 @@ def test_it_corrects_three_times_at_most():
 def test_a_correction_that_moves_nothing_is_none_and_the_next_is_faster(way, sign):
     begun, told, before = stopped(0.0), [], 0.0
     left = at(sign * way)
-    while (speed := begun.step(left)) is not None:
+    while (speed := step(begun, left)) is not None:
         if speed and not before:
             told.append(speed)
         before = speed
@@ -92,7 +100,7 @@ def test_a_correction_that_moves_nothing_is_none_and_the_next_is_faster(way, sig
 
 
 def test_a_push_teaches_how_far_pushes_lead():
-    learned = Learned()
+    learned = StoppingModel()
     learned.pushed(0.01, 0.02)
     gain = 0.5 ** 2 / (0.5 ** 2 + 0.1 ** 2)
     assert learned.push == pytest.approx(1 + gain)
@@ -104,7 +112,7 @@ def test_a_push_teaches_how_far_pushes_lead():
 
 @pytest.mark.parametrize(('way', 'push'), [(0.1, 3.0), (-0.1, 0.3)])
 def test_a_push_that_cannot_be_is_not_believed(way, push):
-    learned = Learned()
+    learned = StoppingModel()
     for _ in range(50):
         learned.pushed(0.01, way)
     assert learned.push == pytest.approx(push, abs=0.001)
@@ -112,25 +120,25 @@ def test_a_push_that_cannot_be_is_not_believed(way, push):
 
 @pytest.mark.parametrize('sign', [1, -1])
 def test_a_push_that_led_too_far_makes_the_next_one_shorter(sign):
-    learned = Learned()
+    learned = StoppingModel()
     begun = stopped(0.0, learned=learned)
     frames_until_moving(begun, at(sign * 0.015))
-    while begun.step(at(sign * 0.015, dt=0.01)):
+    while step(begun, at(sign * 0.015, dt=0.01)):
         pass
-    told = [begun.step(at(-sign * 0.015, dt=0.01, measured=True)) for _ in range(200)]
+    told = [step(begun, at(-sign * 0.015, dt=0.01, measured=True)) for _ in range(200)]
     assert told.count(-sign * 0.03) == round(50 / learned.push)
-    expected = Learned()
+    expected = StoppingModel()
     expected.pushed(0.015, 0.03)
     assert learned.push == pytest.approx(expected.push)
 
 
 def test_wheels_that_do_not_move_are_told_to_creep_faster_each_time():
     begun = approach()
-    begun.step(at(0.05, 0.004))
-    told = [begun.step(at(0.01, dt=0.05)) for _ in range(150)]
+    step(begun, at(0.05, 0.004))
+    told = [step(begun, at(0.01, dt=0.05)) for _ in range(150)]
     assert sorted(set(told)) == pytest.approx([0.03, 0.04, 0.05, 0.06, 0.07, 0.08])
     assert told.count(told[0]) == pytest.approx(0.7 / 0.05 + 1, abs=1)
-    assert begun.step(at(0.01, 0.004, dt=0.05)) == pytest.approx(0.08)
+    assert step(begun, at(0.01, 0.004, dt=0.05)) == pytest.approx(0.08)
 
 
 def test_how_long_a_way_takes_at_most():
@@ -138,3 +146,11 @@ def test_how_long_a_way_takes_at_most():
     settling = 4 * (1.4 + 0.02 / 0.03)
     for way in (1.5, -1.5):
         assert approach().seconds(way) == pytest.approx(1.5 / TOP + ramps + settling)
+
+
+def test_a_robot_that_stands_is_asked_how_far_it_went_until_a_reading_comes():
+    begun = approach()
+    assert begun.step(at(1.0)) > 0
+    assert begun.step(at(0.0)) == 0.0
+    told = [begun.step(at(0.0, dt=0.01, measured=frame == 20)) for frame in range(30)]
+    assert told == 15 * [0.0] + 5 * [Instruction.MEASURE] + 10 * [0.0]

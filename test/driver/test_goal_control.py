@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """What becomes of a goal's orders, byte for byte, and how each thing that ends a goal ends it."""
 
+from collections.abc import Iterator
+
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Settings
-from create_oi_ros.driver.goal_control import MODE_WAIT
+from create_oi_ros.driver.goal_control import CLIENT_GONE, MODE_WAIT
 from create_oi_ros.driver.goals import Code, Goal, Progress, Running
-from create_oi_ros.driver.goals.goal import DockDemo, Enter, Order, Over, View
+from create_oi_ros.driver.goals.goal import Enter, Instruction, Order, Over, View
 from create_oi_ros.driver.mode import DOCK_PAUSE
 from create_oi_ros.driver.motion import Velocity
 from support.loop import AT_ONCE, Loop, STEP
@@ -29,20 +31,21 @@ class Told(Goal):
         self.views: list[View] = []
         self.begun = 0
 
-    def begin(self, view: View) -> Over | None:
+    def obstacle(self) -> Over | None:
         """Count how often the goal begins."""
         self.begun += 1
         return self._over
 
-    def step(self, view: View) -> Order:
-        """Order it."""
-        self.views.append(view)
-        return self.order
+    def hazard(self) -> Over | None:
+        """Count the steps."""
+        self.views.append(self.view)
+        self.progress = Progress(distance=len(self.views))
+        return None
 
-    @property
-    def progress(self) -> Progress:
-        """Tell how many steps were taken."""
-        return Progress(distance=len(self.views))
+    def orders(self) -> Iterator[Order]:
+        """Order it."""
+        while True:
+            yield self.order
 
 
 AHEAD = Velocity(0.1, 0.0)
@@ -62,11 +65,11 @@ def begun(loop: Loop, goal: Goal) -> Running:
 
 def searching(loop: Loop) -> tuple[Told, Running]:
     """Let a goal search for the dock until the robot does."""
-    goal = Told(DockDemo.PLAY, needs_driving=False)
+    goal = Told(Instruction.SEEK_DOCK, needs_driving=False)
     running = loop.driver.goals.start(goal, loop.now)
     while loop.driver.state.activity is not Activity.DOCKING:
         loop.turn()
-    goal.order = DockDemo.GO_ON
+    goal.order = Instruction.GO_ON
     loop.run(DOCK_PAUSE + 0.1)
     return goal, running
 
@@ -113,7 +116,7 @@ def test_a_goal_that_is_over_when_it_begins_takes_no_step(at_once):
 
 @pytest.mark.parametrize(('end', 'code', 'text'), [
     (lambda goals, *each: goals.cancel(*each), Code.CANCELED, 'canceled'),
-    (lambda goals, *each: goals.abandon(*each), Code.STOPPED, 'its client has gone')])
+    (lambda goals, *each: goals.cancel(*each, CLIENT_GONE), Code.STOPPED, 'its client has gone')])
 def test_only_the_goal_that_runs_can_be_ended_by_its_client(at_once, end, code, text):
     goals = at_once.driver.goals
     first = begun(at_once, Told(AHEAD))
@@ -176,7 +179,7 @@ def test_a_goal_whose_mode_does_not_come_is_given_up(loop):
 
 
 def test_a_goal_that_needs_no_wheels_runs_in_passive_and_one_that_does_is_refused(passive):
-    waiting = begun(passive, Told(DockDemo.GO_ON, needs_driving=False))
+    waiting = begun(passive, Told(Instruction.GO_ON, needs_driving=False))
     assert waiting.ending is None and waiting.progress.distance > 3
     passive.driver.goals.cancel(waiting, passive.now)
     passive.run(0.1)

@@ -10,8 +10,9 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.battery import BatteryLimits, LowBatteryAction
+from create_oi_ros.driver.goal_control import CLIENT_GONE
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
-from create_oi_ros.driver.goals.approach import Learned
+from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
@@ -83,7 +84,7 @@ GOALS = {
     'drive_distance': lambda: distance(0.03), 'rotate_angle': lambda: angle(10),
     'drive_arc': lambda: arc(10, 0.2), 'navigate_to_position': lambda: place(0.03, 0.0),
     'wall_follow': lambda: WallFollow(-1, 0.5, 0.0), 'dock': lambda: Dock(1.0),
-    'undock': lambda: Undock(0.0, Learned())}
+    'undock': lambda: Undock(0.0, StoppingModel())}
 
 
 @pytest.mark.parametrize('make', GOALS.values(), ids=GOALS)
@@ -243,7 +244,7 @@ def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(ac
 def test_a_goal_of_a_kilometre_has_a_time_and_can_be_canceled():
     loop = met()
     running = moving(loop, distance(1000.0))
-    assert 6000 < loop.driver.goals._goal.allowance < 8000
+    assert 6000 < running.goal.allowance < 8000
     loop.driver.goals.cancel(running, loop.now)
     assert ended(loop, running).code is Code.CANCELED
 
@@ -264,7 +265,7 @@ def test_what_comes_after_the_end_changes_nothing():
     running = moving(loop)
     loop.driver.goals.cancel(running, loop.now)
     before = running.ending
-    loop.driver.goals.abandon(running, loop.now)
+    loop.driver.goals.cancel(running, loop.now, CLIENT_GONE)
     loop.driver.goals.interrupt(loop.now)
     assert running.ending is before
 
@@ -312,5 +313,5 @@ def test_an_ending_is_told_to_who_asks_before_and_after():
     until_ended(loop, running)
     running.then(heard.append)
     assert [each.code for each in heard] == [Code.NONE] * 2
-    running.end(Ending(Code.BUMP, 'too late'))
+    running.settle(Ending(Code.BUMP, 'too late'))
     assert running.ending.code is Code.NONE

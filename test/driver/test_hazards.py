@@ -7,8 +7,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver.goals import Code, Phase, WallFollow
-from create_oi_ros.driver.goals.goal import Over
-from create_oi_ros.driver.goals.hazards import Hazards, Stall
+from create_oi_ros.driver.goals.goal import Hazards, Over, Stall
 from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
 from support.views import view

@@ -15,8 +15,9 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver.goal_control import CANCELED, CLIENT_GONE
 from create_oi_ros.driver.goals import Dock, Undock, WallFollow
-from create_oi_ros.driver.goals.approach import Learned
+from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.sim.body.config import DEFAULT_BODY, IDEAL
 from create_oi_ros.sim.world import parse, World
@@ -37,7 +38,7 @@ GOALS = {
     'little time': lambda: distance(1.0, allowance=0.5), 'turn': lambda: angle(90),
     'arc': lambda: arc(120, 0.3), 'place': lambda: place(-0.3, 0.2, 90),
     'wall': lambda: WallFollow(-1, 2.0, 0.0), 'dock': lambda: Dock(20.0),
-    'undock': lambda: Undock(0.0, Learned())}
+    'undock': lambda: Undock(0.0, StoppingModel())}
 TIMES = st.sampled_from((0.005, 0.02, 0.1, 0.3, 0.7, 1.5))
 SHARES = st.sampled_from((0.05, 0.3, 1.0))
 SCRIPT = build_script([
@@ -108,9 +109,9 @@ class Sequences(RuleBasedStateMachine):
     @rule(number=st.sampled_from((-1, -1, -2)), gone=st.booleans())
     def end_goal(self, number, gone):
         """Cancel a goal, or let its client go; it may have ended, or another may run."""
-        goals = self.driver.goals
         for each in self.loop.pursuits[number:][:1]:
-            (goals.abandon if gone else goals.cancel)(each.running, self.loop.now)
+            self.driver.goals.cancel(
+                each.running, self.loop.now, CLIENT_GONE if gone else CANCELED)
 
     @rule()
     def until_goal_ends(self):

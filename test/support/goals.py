@@ -16,7 +16,7 @@ from create_oi_ros.driver.goals import (
     RotateAngle,
     Running,
 )
-from create_oi_ros.driver.goals.approach import Learned
+from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.driver.goals.motions import Circle, TargetPose
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
@@ -30,24 +30,24 @@ PATIENCE = 200.0
 
 def distance(metres: float, speed: float = SPEED, allowance: float = 0.0) -> DriveDistance:
     """Return a goal that drives straight."""
-    return DriveDistance(metres, speed, allowance, Learned())
+    return DriveDistance(metres, speed, allowance, StoppingModel())
 
 
 def angle(turn: float, speed: float = TURNING, allowance: float = 0.0) -> RotateAngle:
     """Return a goal that turns, by degrees."""
-    return RotateAngle(radians(turn), speed, allowance, Learned())
+    return RotateAngle(radians(turn), speed, allowance, StoppingModel())
 
 
 def arc(turn: float, radius: float, direction: int = 1, speed: float = SPEED) -> DriveArc:
     """Return a goal that drives on a circle, by degrees."""
-    return DriveArc(Circle(radians(turn), radius, direction), speed, 0.0, Learned())
+    return DriveArc(Circle(radians(turn), radius, direction), speed, 0.0, StoppingModel())
 
 
 def place(x: float, y: float, heading: float | None = None) -> NavigateToPosition:
     """Return a goal that drives to a place, with a heading in degrees."""
     return NavigateToPosition(
         TargetPose(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0,
-        Learned(), Learned())
+        StoppingModel(), StoppingModel())
 
 
 def start(loop: Loop, goal: Goal) -> Running:

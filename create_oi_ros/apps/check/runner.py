@@ -5,7 +5,7 @@
 from enum import Enum
 
 from ...driver import Driver, MotionLimits
-from ...driver.goals.hazards import bumps
+from ...driver.goals.goal import bumps
 from ...robot import MM_PER_M
 from .moves import Move, Reads
 from .notebook import Notebook, PENDING

@@ -8,27 +8,31 @@ real robots there: docked in Safe one may not move until it is full, and one in 
 begin to charge.
 """
 
+from collections.abc import Generator, Iterator
+
 from ... import oi
 from ...oi.codes import BEAMS
 from ..battery import charges
-from ..events import Cause, MotionLimits
+from ..events import Cause
 from ..motion import Velocity
-from .approach import Learned
 from .goal import (
     Code,
-    DockDemo,
     docked,
+    dropped,
     Enter,
     Goal,
+    Hazards,
+    Instruction,
     LEAST_SPEED,
+    LIFTED,
+    NO_SPEED,
     Order,
     Over,
     Phase,
     Progress,
-    View,
+    Stall,
 )
-from .hazards import dropped, Hazards, LIFTED, NO_SPEED, Stall
-from .legs import Straight
+from .legs import StoppingModel, Straight
 
 SEARCH = 240.0
 """Seconds in which the Home Base must be found."""
@@ -50,58 +54,52 @@ class Dock(Goal):
         """Take seconds; 0: as long as a search may take."""
         super().__init__(allowance)
         self.allowance = self.allowance or SEARCH
-        self._progress = Progress()
         self._seen = False
-        self._contact = 0.0
-        """Seconds on the contacts."""
-        self._begun = False
+        """Whether a beam of the dock was seen."""
 
-    def begin(self, view: View) -> Over | None:
-        """Start, unless a wheel hangs in the air."""
-        return LIFTED if dropped(view.readings) else None
+    def obstacle(self) -> Over | None:
+        """Return why the robot cannot begin: a wheel hangs in the air."""
+        return LIFTED if dropped(self.view.readings) else None
 
-    def step(self, view: View) -> Order:
-        """Let the demo run until the robot charges."""
-        readings = view.readings
-        self._look(readings)
-        if readings.oi_mode is None:
-            return Over(Code.MODE, f'{Cause.MODE_UNKNOWN.value}: switch the robot off and on')
-        if dropped(readings):
-            return LIFTED
-        if docked(readings):
-            return self._on_contacts(view)
-        self._contact = 0.0
-        order = DockDemo.GO_ON if self._begun else DockDemo.PLAY
-        self._begun = True
-        return order
-
-    def _on_contacts(self, view: View) -> Order:
-        readings = view.readings
-        if readings.oi_mode is not oi.Mode.PASSIVE:
-            return Enter(oi.Mode.PASSIVE)
-        self._contact += view.dt
-        if charges(readings):
-            full = readings.charging_state in (oi.ChargingState.TRICKLE, oi.ChargingState.WAITING)
-            return Over(Code.NONE, f'docked; the battery {"is full" if full else "charges"}')
-        if self._contact > CHARGE_WAIT:
-            unknown = readings.charging_state is None
-            return Over(Code.NONE, 'docked; whether the battery charges is not known' if unknown
-                        else 'docked, but the battery does not charge: see the log')
-        return DockDemo.GO_ON
-
-    def _look(self, readings: oi.Readings) -> None:
-        seen = readings.infrared if readings.has('infrared') else 0
-        sees = BEAMS < seen < oi.Infrared.NONE
+    def hazard(self) -> Over | None:
+        """Look for the dock; return what ends the search."""
+        readings = self.view.readings
+        beams = readings.infrared if readings.has('infrared') else 0
+        sees = BEAMS < beams < oi.Infrared.NONE
         self._seen = self._seen or sees
         phase = Phase.SEES_DOCK if sees else Phase.LOOKING
         if docked(readings):
             phase = Phase.CHARGING if charges(readings) else Phase.DOCKED
-        self._progress = Progress(phase=phase, infrared=seen if sees else BEAMS)
+        self.progress = Progress(phase=phase, infrared=beams if sees else BEAMS)
+        if readings.oi_mode is None:
+            return Over(Code.MODE, f'{Cause.MODE_UNKNOWN.value}: switch the robot off and on')
+        return LIFTED if dropped(readings) else None
 
-    @property
-    def progress(self) -> Progress:
-        """Whether the dock is seen, and which of its beams."""
-        return self._progress
+    def orders(self) -> Iterator[Order]:
+        """Let the demo run until the robot charges."""
+        yield from self._charge()
+        yield Instruction.SEEK_DOCK
+        while True:
+            yield from self._charge()
+            yield Instruction.GO_ON
+
+    def _charge(self) -> Iterator[Order]:
+        """Wait on the contacts until the robot charges; end when they are lost."""
+        seconds = 0.0
+        while docked(readings := self.view.readings):
+            if readings.oi_mode is not oi.Mode.PASSIVE:
+                yield Enter(oi.Mode.PASSIVE)
+                continue
+            seconds += self.view.dt
+            if charges(readings):
+                full = readings.charging_state in (
+                    oi.ChargingState.TRICKLE, oi.ChargingState.WAITING)
+                yield Over(Code.NONE, f'docked; the battery {"is full" if full else "charges"}')
+            if seconds > CHARGE_WAIT:
+                unknown = readings.charging_state is None
+                yield Over(Code.NONE, 'docked; whether the battery charges is not known' if unknown
+                           else 'docked, but the battery does not charge: see the log')
+            yield Instruction.GO_ON
 
     def timed_out(self) -> Over:
         """Return how the goal ends when its time is over."""
@@ -117,94 +115,103 @@ class Undock(Goal):
 
     needs_driving = False
 
-    def __init__(self, allowance: float, learned: Learned) -> None:
+    def __init__(self, allowance: float, learned: StoppingModel) -> None:
         """Take seconds; 0: twice what it should take."""
         super().__init__(allowance)
         self._learned = learned
-        self._leg: Straight | None = None
-        self._hazards, self._stall = Hazards(), Stall()
-        self._told = Velocity()
-        self._mode = oi.Mode.SAFE
-        self._tried = 0.0
-        """Seconds since the mode was ordered."""
-        self._ordered: oi.Mode | None = None
-        self._by_full = False
+        self._hazards = Hazards()
+        self._leg: Straight
+        self._stall: Stall
+        self._by = ''
 
-    def begin(self, view: View) -> Over | None:
-        """Start, unless the robot is on no dock."""
-        if not docked(view.readings):
+    def obstacle(self) -> Over | None:
+        """Return why the robot cannot begin: it is on no dock, or something is in the way."""
+        if not self._docked:
             return Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
-        limits = view.limits
-        if limits.max_wheel_speed < LEAST_SPEED:
+        if self.view.limits.max_wheel_speed < LEAST_SPEED:
             return NO_SPEED
-        if view.readings.oi_mode is oi.Mode.FULL:
-            self._mode = oi.Mode.FULL
-        self._leg = self._way(view)
+        self._start_anew()
         self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD + 2 * MODE_WAIT)
-        return self._hazards.begin(view, forward=False, backward=True)
+        return self._hazards.begin(self.view, forward=False, backward=True)
 
-    def step(self, view: View) -> Order:
-        """Enter a mode that lets the robot go, and drive backwards."""
-        if docked(view.readings):
+    def hazard(self) -> Over | None:
+        """Return what ends the motion."""
+        if self._docked:
             self._hazards = Hazards()  # the dock may press the bumper, and let it go, and press it
-        over = self._hazards.check(view, forward=False)
-        if over is not None:
-            return over
-        if self._by_full and self._mode is oi.Mode.FULL and not docked(view.readings):
-            self._mode = oi.Mode.SAFE
-        if view.readings.oi_mode is not self._mode:
-            return self._wait_for_mode(view)
-        self._tried += view.dt
-        if self._ordered is not None:
-            self._ordered, self._tried = None, 0.0
-        held = docked(view.readings) and self._tried > HELD
-        if held and self._mode is oi.Mode.SAFE:
-            return self._go_by_full(view, 'docked in SAFE the robot does not move')
-        return self._drive(view)
+        return self._hazards.check(self.view, forward=False)
 
-    def _wait_for_mode(self, view: View) -> Order:
-        self._told = Velocity()
-        if self._ordered is not self._mode:
-            self._ordered, self._tried = self._mode, 0.0
-            return Enter(self._mode)
-        self._tried += view.dt
-        if self._tried < MODE_WAIT:
-            return Velocity()
-        if docked(view.readings) and self._mode is oi.Mode.SAFE:
-            return self._go_by_full(view, 'docked, the robot does not stay in SAFE')
-        return Over(Code.MODE, f'the robot does not enter {self._mode.name}: send the goal again, '
-                    'or pull it off its dock')
+    def orders(self) -> Iterator[Order]:
+        """Drive back; where Safe holds the robot, leave the dock in Full, and return to Safe."""
+        if self._mode is oi.Mode.FULL:
+            yield from self._drive(oi.Mode.FULL)
+        while True:
+            held = yield from self._drive(oi.Mode.SAFE)
+            self._start_anew()  # while it is held the odometry may believe that it moves
+            self._by = ', by FULL, now in SAFE again'
+            yield from self._drive(
+                oi.Mode.FULL, f'{held}: it leaves the dock in FULL, then returns to SAFE')
 
-    def _go_by_full(self, view: View, why: str) -> Order:
-        self._by_full = True
-        self._mode = self._ordered = oi.Mode.FULL
-        self._tried = 0.0
-        self._leg, self._stall = self._way(view), Stall()
-        return Enter(oi.Mode.FULL, f'{why}: it leaves the dock in FULL, then returns to SAFE')
+    def _drive(self, mode: oi.Mode, why: str = '') -> Generator[Order, None, str]:
+        """
+        Drive back in a mode, to the end of the way.
 
-    def _drive(self, view: View) -> Order:
-        assert self._leg is not None
-        over = self._stall.check(view, self._told)
-        if over is not None and (self._mode is oi.Mode.FULL or not docked(view.readings)):
-            return over
-        velocity = self._leg.step(view)
-        if velocity is not None:
-            self._told = velocity
-            return velocity
-        by = ', by FULL, now in SAFE again' if self._by_full else ''
-        if docked(view.readings):
+        Return early why Safe holds the robot; with a reason, once it is off its dock.
+        """
+        off_dock = bool(why)
+        seconds = 0.0
+        while self._docked or not off_dock:
+            if self._mode is not mode:
+                yield Enter(mode, why)
+                if not (yield from self._wait_for(mode)):
+                    return 'docked, the robot does not stay in SAFE'
+                seconds, why = 0.0, ''
+                continue
+            held = self._docked and mode is oi.Mode.SAFE
+            if held and seconds > HELD:
+                return 'docked in SAFE the robot does not move'
+            over = self._stall.check(self.view, self.told)
+            yield self._step() if over is None or held else over
+            seconds += self.view.dt
+        return ''
+
+    def _wait_for(self, mode: oi.Mode) -> Generator[Order, None, bool]:
+        """Wait for a mode; return whether it was entered, False where the dock may prevent it."""
+        waited = 0.0
+        while self._mode is not mode:
+            waited += self.view.dt
+            if waited < MODE_WAIT:
+                yield Velocity()
+            elif self._docked and mode is oi.Mode.SAFE:
+                return False
+            else:
+                yield Over(Code.MODE, f'the robot does not enter {mode.name}: send the goal '
+                           'again, or pull it off its dock')
+        return True
+
+    def _step(self) -> Order:
+        """Follow the way."""
+        order = self._leg.step(self.view)
+        self.progress = Progress(distance=abs(self._leg.distance))
+        if order is not None:
+            return order
+        if self._docked:
             return Over(Code.STALL, 'the robot still feels the contacts of its dock: if it takes '
                         'the dock along, lift it off')
-        return Over(Code.NONE, f'left the dock{by}')
+        return Over(Code.NONE, f'left the dock{self._by}')
 
-    def _way(self, view: View) -> Straight:
-        limits: MotionLimits = view.limits
-        return Straight(view.estimate, -AWAY, view.estimate.yaw, SPEED, self._learned, limits)
+    def _start_anew(self) -> None:
+        at = self.view.estimate
+        self._leg = Straight(at, -AWAY, at.yaw, SPEED, self._learned, self.view.limits)
+        self._stall = Stall()
+        self.progress = Progress(distance=AWAY)
 
     @property
-    def progress(self) -> Progress:
-        """How far the robot still has to go."""
-        return Progress(distance=AWAY if self._leg is None else abs(self._leg.distance))
+    def _docked(self) -> bool:
+        return docked(self.view.readings)
+
+    @property
+    def _mode(self) -> oi.Mode | None:
+        return self.view.readings.oi_mode
 
     def way(self, seconds: float) -> str:
         """Say how far the robot has gone."""

@@ -1,23 +1,25 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a goal is: it takes every frame, and returns an order for the driver; how far it is and ends.
+What a goal is: it takes every frame, and returns an order for the driver; and what ends it.
 
 A goal has no clock and touches nothing. `begin` gets the first view, `step` that and each later
-one. The driver carries out what they order, and ends the goal for reasons that are not its own: a
+one. What a goal does reads from top to bottom in its generator `orders`, which runs on with each
+view. The driver carries out the orders, and ends the goal for reasons that are not its own: a
 stop, another goal, a lost robot.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from enum import auto, Enum, IntEnum
-from math import isfinite, tau
+from math import inf, isfinite, tau
 from typing import NamedTuple
 
 from ... import oi
 from ...odometry import Estimate
 from ...robot import MILLI
 from ..events import MotionLimits
-from ..motion import Velocity
+from ..motion import BUMPS, Velocity
 from ..outbox import Awaited
 
 LONGEST, MOST_TURN = 1000.0, 1000 * tau
@@ -88,23 +90,6 @@ class Ending(NamedTuple):
     """Whether the robot was on the contacts of a Home Base then."""
 
 
-class Running(Awaited[Ending]):
-    """A goal that was given to the driver."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.progress = Progress()
-
-    @property
-    def ending(self) -> Ending | None:
-        """How it ended; None while it runs."""
-        return self.result
-
-    def end(self, ending: Ending) -> None:
-        """End the goal."""
-        self.settle(ending)
-
-
 class Malformed(ValueError):
     """A goal that no robot could follow: what is wrong with it, and what is allowed."""
 
@@ -132,11 +117,15 @@ class Enter(NamedTuple):
     """What to tell the user; empty: nothing."""
 
 
-class DockDemo(Enum):
-    """An order about the demo that finds the Home Base."""
+class Instruction(Enum):
+    """An order without a value."""
 
-    PLAY = auto()
+    SEEK_DOCK = auto()
+    """Let the robot play the demo that finds the Home Base."""
     GO_ON = auto()
+    """Let the robot do what it does."""
+    MEASURE = auto()
+    """Stand still, and ask soon how far the robot went."""
 
 
 class Over(NamedTuple):
@@ -146,7 +135,7 @@ class Over(NamedTuple):
     text: str
 
 
-Order = Velocity | Enter | DockDemo | Over
+Order = Velocity | Enter | Instruction | Over
 """A velocity to drive at, or one of the orders above."""
 
 
@@ -160,29 +149,40 @@ class Goal(ABC):
 
     def __init__(self, allowance: float) -> None:
         """Take the seconds that the goal may take; 0 leaves that to the goal."""
-        check_number('time_allowance', allowance, 's')
-        if allowance < 0:
-            raise Malformed(f'time_allowance = {allowance:g} s; allowed: 0 or more')
+        check_range('time_allowance', allowance, 's', 0.0)
         self.allowance = allowance
         self._allowed = allowance > 0
+        self.progress = Progress()
+        """How far the goal is."""
+        self.view: View
+        """The newest view."""
+        self.told = Velocity()
+        """The velocity since the view before."""
+        self._orders = self.orders()
 
-    @abstractmethod
     def begin(self, view: View) -> Over | None:
         """Start here and now; or say why that is not possible, or not necessary."""
+        self.view = view
+        return self.obstacle()
 
-    @abstractmethod
     def step(self, view: View) -> Order:
         """Return what to do until the next frame."""
+        self.view = view
+        order = self.hazard() or next(self._orders)
+        self.told = order if isinstance(order, Velocity) else Velocity()
+        return order
 
-    @property
     @abstractmethod
-    def progress(self) -> Progress:
-        """How far the goal is."""
+    def obstacle(self) -> Over | None:
+        """Return why the goal cannot begin; None where it can."""
 
-    @property
-    def wants_reading(self) -> bool:
-        """Whether the robot should be asked soon how far it went."""
-        return False
+    @abstractmethod
+    def hazard(self) -> Over | None:
+        """Return what ends the goal in this view; None where it goes on."""
+
+    @abstractmethod
+    def orders(self) -> Iterator[Order]:
+        """Yield an order for each view, the last of which is `Over`."""
 
     def way(self, seconds: float) -> str:
         """Say how far the goal has got in so many seconds, as in "stopped after 0.42 m"."""
@@ -197,43 +197,200 @@ class Goal(ABC):
                     'is something in the way, or do the wheels slip?')
 
 
-def check_number(name: str, value: float, unit: str) -> None:
+class Running(Awaited[Ending]):
+    """A goal that was given to the driver."""
+
+    def __init__(self, goal: Goal, given_at: float) -> None:
+        super().__init__()
+        self.goal = goal
+        self.given_at = given_at
+        self.begun_at: float | None = None
+        """When the robot was in its mode and the goal began; None before."""
+
+    @property
+    def progress(self) -> Progress:
+        """How far the goal is."""
+        return self.goal.progress
+
+    @property
+    def ending(self) -> Ending | None:
+        """How it ended; None while it runs."""
+        return self.result
+
+
+def check_finite(name: str, value: float, unit: str) -> None:
     """Refuse a value that is no number."""
     if not isfinite(value):
         raise Malformed(f'{name} = {value} {unit} is not finite')
 
 
-def check_amount(name: str, value: float, most: float, unit: str) -> None:
-    """Refuse a distance or an angle that is no number, or too long."""
-    check_number(name, value, unit)
-    if abs(value) > most * (1 + ROUNDING):
-        raise Malformed(f'{name} = {value:g} {unit}; allowed: {-most:g} to {most:g}')
-
-
-def check_positive(name: str, value: float, unit: str) -> None:
-    """Refuse a radius that is not above 0."""
-    check_number(name, value, unit)
-    if value <= 0:
-        raise Malformed(f'{name} = {value:g} {unit}; allowed: above 0')
+def check_range(name: str, value: float, unit: str, least: float, most: float = inf) -> None:
+    """Refuse a value that is no number, or beyond its limits."""
+    check_finite(name, value, unit)
+    if not least - ROUNDING * abs(least) <= value <= most * (1 + ROUNDING):
+        allowed = f'{least:g} or more' if most == inf else f'{least:g} to {most:g}'
+        raise Malformed(f'{name} = {value:g} {unit}; allowed: {allowed}')
 
 
 def check_speed(value: float) -> None:
     """Refuse m/s that are no whole mm/s for the wheels."""
-    _check_least('max_translation_speed', value, LEAST_SPEED, 'm/s')
+    check_range('max_translation_speed', value, 'm/s', LEAST_SPEED)
 
 
 def check_turning(value: float) -> None:
     """Refuse rad/s that are no whole mm/s for the wheels."""
-    _check_least('max_rotation_speed', value, LEAST_TURN, 'rad/s')
-
-
-def _check_least(name: str, value: float, least: float, unit: str) -> None:
-    check_number(name, value, unit)
-    if value < least:
-        raise Malformed(f'{name} = {value:g} {unit}; allowed: {least:g} or more')
+    check_range('max_rotation_speed', value, 'rad/s', LEAST_TURN)
 
 
 def docked(readings: oi.Readings) -> bool:
     """Tell whether the robot is on the contacts of a Home Base; charging or full."""
     return (readings.has('charging_sources')
             and oi.ChargingSources.HOME_BASE in readings.charging_sources)
+
+
+# What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow.
+
+DROPS = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
+            | oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER)
+WHEELS = int(oi.Overcurrents.LEFT_WHEEL | oi.Overcurrents.RIGHT_WHEEL)
+OVERLOADED = 0.5
+"""Seconds for which a wheel must draw too much current to count as held."""
+WATCHED, FOLLOWED = 0.15, 0.3
+"""Metres of a wheel after which it is compared with what it was told, and the least part of that
+which a wheel that is not held travels."""
+AT_LEAST = 2.0
+"""Seconds over which it is compared at least."""
+SIDES = {BUMPS: 'in front', int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'on the left',
+         int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'on the right'}
+CLIFFS = {'cliff_left': 'on the left', 'cliff_front_left': 'at the front left',
+          'cliff_front_right': 'at the front right', 'cliff_right': 'on the right'}
+FROM_CLIFF = 'call set_mode with SAFE, then drive backwards'
+"""Advice at a cliff, where the robot leaves Safe by itself."""
+AGAIN = 'wait a second, then send the goal again'
+TO_FLOOR = f'put the robot on the floor, {AGAIN}'
+LIFTED = Over(Code.WHEEL_DROP, f'a wheel hangs in the air: {TO_FLOOR}')
+NO_SPEED = Over(
+    Code.STALL, 'max_wheel_speed is 0, or too little to turn a wheel: set the parameter to '
+    f'{LEAST_SPEED} m/s or more')
+
+
+def bumps(readings: oi.Readings) -> int:
+    """Return the bits of the bumper's halves that are pressed."""
+    return int(readings.bumps_and_wheel_drops) & BUMPS
+
+
+def dropped(readings: oi.Readings) -> bool:
+    """Tell whether a wheel hangs in the air."""
+    return bool(int(readings.bumps_and_wheel_drops) & DROPS)
+
+
+def cliffs(readings: oi.Readings) -> list[str]:
+    """Return where a cliff is seen."""
+    return [where for name, where in CLIFFS.items() if getattr(readings, name)]
+
+
+class Hazards:
+    """
+    Watches a motion.
+
+    What is there when the motion begins does not end it while it leads away: backwards, or for the
+    bumper in place. Once it has gone and come back, it does.
+    """
+
+    def __init__(self, *, bumper: bool = True) -> None:
+        """Watch the bumper too, unless bumps are no error for the goal."""
+        self._bumper = bumper
+        self._known_bump = self._known_cliff = True
+
+    def begin(self, view: View, *, forward: bool, backward: bool) -> Over | None:
+        """Return why the motion cannot begin; tell which way it leads, neither for a turn."""
+        readings = view.readings
+        if dropped(readings):
+            return LIFTED
+        if forward and self._bumper and bumps(readings):
+            return _bump(readings)
+        if not backward and cliffs(readings):
+            return _cliff(readings)
+        return None
+
+    def check(self, view: View, *, forward: bool) -> Over | None:
+        """Return what ends the motion in this frame; `forward` says where it leads now."""
+        readings = view.readings
+        if dropped(readings):
+            return LIFTED
+        cliff = bool(cliffs(readings))
+        self._known_cliff = self._known_cliff and cliff
+        if cliff and (forward or not self._known_cliff):
+            return _cliff(readings)
+        bump = self._bumper and bool(bumps(readings))
+        self._known_bump = self._known_bump and bump
+        if bump and (forward or not self._known_bump):
+            return _bump(readings)
+        return None
+
+
+class Stall:
+    """Notices wheels that do not follow what they are told."""
+
+    def __init__(self) -> None:
+        self._overloaded = 0.0
+        self._restart()
+
+    def _restart(self) -> None:
+        self._told = self._went = self._seconds = 0.0
+
+    def check(self, view: View, told: Velocity) -> Over | None:
+        """Return what ends the motion; `told` is the velocity since the frame before."""
+        readings, dt = view.readings, view.dt
+        overloaded = readings.has('overcurrents') and int(readings.overcurrents) & WHEELS
+        self._overloaded = self._overloaded + dt if overloaded else 0.0
+        if self._overloaded > OVERLOADED:
+            return Over(Code.STALL, 'a wheel draws too much current: is it held or blocked?')
+        half = view.limits.wheel_separation / 2
+        self._told += (abs(told.linear) + abs(told.angular) * half) * dt
+        self._went += (abs(view.estimate.linear) + abs(view.estimate.angular) * half) * dt
+        self._seconds += dt
+        if self._told < WATCHED or self._seconds < AT_LEAST:
+            return None
+        stalled = self._went < FOLLOWED * self._told
+        self._restart()
+        if not stalled:
+            return None
+        return Over(Code.STALL, 'the wheels do not follow: are they held, or is the robot stuck?')
+
+
+def _bump(readings: oi.Readings) -> Over:
+    return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive backwards or '
+                'turn away')
+
+
+def _cliff(readings: oi.Readings) -> Over:
+    return Over(Code.CLIFF, f'there is no floor {", ".join(cliffs(readings))}: {FROM_CLIFF}')
+
+
+class DrivingGoal(Goal):
+    """A goal that drives the wheels: hazards end it, and wheels that do not follow."""
+
+    def __init__(self, allowance: float, direction: int = 0, *, bumper: bool = True) -> None:
+        """
+        Take the way that the motion leads first: 1 forward, -1 backward, 0 a turn.
+
+        Without `bumper` a bump is no hazard.
+        """
+        super().__init__(allowance)
+        self._direction = direction
+        self._hazards, self._stall = Hazards(bumper=bumper), Stall()
+        self.forward = False
+        """Whether the motion leads forward now."""
+
+    def obstacle(self) -> Over | None:
+        """Return why the motion cannot begin."""
+        if self.view.limits.max_wheel_speed < LEAST_SPEED:
+            return NO_SPEED
+        return self._hazards.begin(
+            self.view, forward=self._direction > 0, backward=self._direction < 0)
+
+    def hazard(self) -> Over | None:
+        """Return what ends the motion."""
+        return (self._hazards.check(self.view, forward=self.forward)
+                or self._stall.check(self.view, self.told))

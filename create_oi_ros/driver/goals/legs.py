@@ -1,20 +1,26 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The ways that motions are made of: a straight line, a turn in place, an arc.
+The ways that motions are made of: a straight line, and a part of a circle or a turn in place.
 
 A leg measures what is left of it and steers along it, by the odometry. All lengths that it gives
-the approach are metres of the faster wheel, so that one profile fits all.
+the approach are metres of the faster wheel, so that one profile of speeds fits all.
+The profile is a trapezoid, closed in every frame by the odometry.
+A robot does not follow at once. What it still travels after its wheels were told to stand, its
+coast, is its speed times a time that differs from robot to robot. So the profile brakes for the
+place where a stop would leave the robot, the last centimetre is slow, and the coast is learned at
+each stop. Where a stop left it short or too far, the robot creeps on, or back.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
+from typing import NamedTuple
 
 from ...odometry import Estimate
 from ..events import MotionLimits
 from ..motion import Velocity
-from .approach import Approach, Learned, Remaining
-from .goal import View
+from .goal import Instruction, View
 
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
@@ -24,6 +30,200 @@ STEEPEST = 0.5
 """Radians at most at which a robot drives back to its line."""
 SHARPEST, MOST_BEND = 0.8, 4.0
 """rad/s of steering at most, and rad/s per m/s."""
+
+COAST, SPREAD = 0.35, 0.12
+"""Coast, s, that is assumed before it is learned, and its standard deviation. It is longer than
+that of most robots, so that they stop short."""
+LEAST_COAST, MOST_COAST = 0.03, 0.8
+DRIFT, NOISE = 0.02, 0.002
+"""Seconds by which the coast differs from stop to stop, and metres by which one is measured
+wrongly."""
+ACCELERATION, BRAKING = 0.5, 0.25
+"""m/s² of a wheel."""
+CREEP, CREEP_DISTANCE = 0.03, 0.01
+"""m/s and m of a wheel at the end: slower, some robots do not move."""
+DOUBT, MOST_DOUBT = 2.0, 0.08
+"""Standard deviations by which the robot creeps earlier where the odometry is not sure of the way,
+and metres at most."""
+LAST = 0.05
+"""Metres before the end in which the robot no longer speeds up."""
+STUCK, FASTER = 0.7, 0.01
+"""Seconds of creeping without motion after which a wheel creeps faster, and by how many m/s."""
+FASTEST_CREEP = 0.08
+"""m/s at most."""
+UNMOVED = 0.25
+"""A correction that makes less than this part of its way has moved nothing: the next is faster."""
+STANDING = 0.004
+"""m/s below which a wheel counts as standing."""
+SETTLE, BLEND, LATEST = 0.15, 0.25, 1.4
+"""Seconds of standing before a reading can confirm the place; seconds in which the odometry takes
+that reading in; seconds of standing after which the robot waits no longer for one."""
+NUDGE = 0.02
+"""Metres up to which a correction is a push of a set length: its way is its speed times its
+length, whatever the coast."""
+PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
+"""Standard deviations of the way of a push over its speed times its length, from robot to robot
+and from push to push; and metres by which one is measured wrongly."""
+LEAST_PUSH, MOST_PUSH = 0.3, 3.0
+CORRECTIONS = 3
+"""How often the robot creeps on or back at most."""
+
+
+class StoppingModel:
+    """What one approach teaches the next, of one robot."""
+
+    def __init__(self) -> None:
+        self.coast = COAST
+        """Seconds of its speed that the robot travels on after a stop."""
+        self._variance = SPREAD ** 2
+        self.push = 1.0
+        """The way of a push over its speed times its length."""
+        self._push_variance = PUSH_SPREAD ** 2
+
+    def pushed(self, asked: float, way: float) -> None:
+        """Learn from a push that was to lead a way `asked`, m, and led another."""
+        gain = self._push_variance / (self._push_variance + (PUSH_NOISE / asked) ** 2)
+        ratio = max(LEAST_PUSH, min(MOST_PUSH, way / asked * self.push))
+        self.push += gain * (ratio - self.push)
+        self._push_variance = self._push_variance * (1 - gain) + PUSH_DRIFT ** 2
+
+    def stopped(self, pace: float, way: float) -> None:
+        """Learn from a stop at a pace, m/s, after which the robot still travelled a way, m."""
+        self._variance += DRIFT ** 2
+        gain = self._variance / (self._variance + (NOISE / pace) ** 2)
+        coast = max(LEAST_COAST, min(MOST_COAST, way / pace))
+        self.coast += gain * (coast - self.coast)
+        self._variance *= 1 - gain
+
+
+class Remaining(NamedTuple):
+    """What one frame says about the way; metres of a wheel, signed: behind is negative."""
+
+    left: float
+    """What is left of the way."""
+    speed: float
+    """m/s along it."""
+    doubt: float
+    """Standard deviation of what is left."""
+    dt: float
+    measured: bool
+    """Whether the robot has just been asked how far it went."""
+
+
+class Approach:
+    """Speeds along one way; metres of a wheel for straight ways, arcs and turns alike."""
+
+    def __init__(self, top: float, tolerance: float, learned: StoppingModel, limit: float) -> None:
+        """
+        Approach at a top speed, m/s, and stop within a tolerance, m.
+
+        `limit` is the highest acceleration, m/s²; 0: none is set.
+        """
+        self._top = top
+        self._tolerance = tolerance
+        self._learned = learned
+        self._up = min(ACCELERATION, limit or ACCELERATION)
+        self._down = min(BRAKING, limit or BRAKING)
+        self._creep = min(CREEP, top)
+        self.correcting = False
+        """Whether the robot creeps on or back, after a stop."""
+        self._at: Remaining
+        self._speeds = self._arrive()
+
+    def seconds(self, way: float) -> float:
+        """Return how long a way takes at most, about."""
+        ramps = self._top / 2 * (1 / self._up + 1 / self._down)
+        settling = (1 + CORRECTIONS) * (LATEST + NUDGE / self._creep)
+        return abs(way) / self._top + ramps + settling
+
+    def step(self, at: Remaining) -> float | Instruction | None:
+        """Return the speed for what is left of the way, or MEASURE; None: the robot is there."""
+        self._at = at
+        return next(self._speeds, None)
+
+    def _arrive(self) -> Iterator[float | Instruction]:
+        """Yield the speed for each frame until the robot has arrived."""
+        if abs(self._at.left) <= self._tolerance:
+            return
+        yield from self._drive(copysign(1.0, self._at.left))
+        corrections = 0
+        while abs(left := self._at.left) > self._tolerance and corrections < CORRECTIONS:
+            self.correcting = True
+            yield 0.0
+            sign, by_push = copysign(1.0, left), abs(left) < NUDGE
+            yield from self._push(left) if by_push else self._drive(sign)
+            went = (left - self._at.left) * sign
+            if went < UNMOVED * abs(left) and self._creep < self._faster():
+                self._creep = self._faster()  # and it was no correction
+                continue
+            if by_push:
+                self._learned.pushed(abs(left), went)
+            corrections += 1
+
+    def _drive(self, sign: float) -> Iterator[float | Instruction]:
+        """Drive until a stop leaves the robot at the end of the way; stop, and learn the coast."""
+        speed = crept = 0.0
+        while True:
+            at = self._at
+            pace = max(0.0, at.speed * sign)
+            ahead = at.left * sign
+            coast = pace * self._learned.coast
+            if ahead <= coast:
+                break
+            room = max(ahead - coast - CREEP_DISTANCE - min(DOUBT * at.doubt, MOST_DOUBT), 0.0)
+            wanted = min(self._top, sqrt(self._creep ** 2 + 2 * self._down * room),
+                         speed + self._up * at.dt)
+            if self.correcting or room < LAST:
+                wanted = min(wanted, speed)
+            speed = max(wanted, self._creep)
+            stuck = speed == self._creep and pace < STANDING
+            crept = crept + at.dt if stuck else 0.0
+            if crept > STUCK:
+                crept, self._creep = 0.0, self._faster()
+            yield sign * speed
+        yield 0.0
+        yield from self._settle()
+        if pace > CREEP / 2:
+            self._learned.stopped(pace, (at.left - self._at.left) * sign)
+
+    def _push(self, way: float) -> Iterator[float | Instruction]:
+        """Push the robot a short way, m: for a set time, rounded to frames."""
+        left = abs(way) / self._creep / self._learned.push
+        while left > self._at.dt / 2:
+            left -= self._at.dt
+            yield copysign(self._creep, way)
+        yield 0.0
+        yield from self._settle()
+
+    def _settle(self) -> Iterator[float | Instruction]:
+        """Wait until the robot stands and its place is known."""
+        stood, confirmed = 0.0, inf
+        while True:
+            stood = stood + self._at.dt if abs(self._at.speed) < STANDING else 0.0
+            if self._at.measured and stood > SETTLE:
+                confirmed = min(confirmed, stood)
+            if stood >= min(confirmed + BLEND, LATEST):
+                return
+            yield Instruction.MEASURE if stood > SETTLE and confirmed == inf else 0.0
+
+    def _faster(self) -> float:
+        """Return the next speed to creep at."""
+        return min(self._creep + FASTER, FASTEST_CREEP, self._top)
+
+
+class Place(NamedTuple):
+    """Where an estimate is on a leg."""
+
+    went: float
+    """Metres of the faster wheel since the estimate before."""
+    pace: float
+    """m/s of that wheel."""
+    variance: float
+    """Variance of the way, m²."""
+    aside: float
+    """Metres left of the line."""
+    off: float
+    """Radians left of the line's direction."""
 
 
 class Leg(ABC):
@@ -39,31 +239,26 @@ class Leg(ABC):
         self._least = inf
         """The least variance of the odometry since the start, m²."""
 
-    def step(self, view: View) -> Velocity | None:
-        """Return the velocity until the next frame; None: the robot is there."""
-        self._left -= self._went(view.estimate)
+    def step(self, view: View) -> Velocity | Instruction | None:
+        """Return the velocity until the next frame, or MEASURE; None: the robot is there."""
+        place = self._locate(view.estimate)
         self._last = view.estimate
-        variance = self._variance(view.estimate)
-        self._least = min(self._least, variance)
+        self._left -= place.went
+        self._least = min(self._least, place.variance)
         speed = self._approach.step(Remaining(
-            self._left, self._pace(view.estimate), sqrt(max(0.0, variance - self._least)),
-            view.dt, view.measured))
-        if speed is None:
-            return None
+            self._left, place.pace, sqrt(max(0.0, place.variance - self._least)), view.dt,
+            view.measured))
+        if not isinstance(speed, float):
+            return speed
         velocity = self._velocity(speed)
         if self._approach.correcting:  # too short a way to steer
             return velocity
-        return velocity._replace(
-            angular=velocity.angular + self._steering(velocity.linear, view.estimate))
+        return velocity._replace(angular=velocity.angular + steering(
+            velocity.linear, place.aside, place.off))
 
     def seconds(self) -> float:
         """Return how long what is left takes at most, about."""
         return self._approach.seconds(self._left)
-
-    @property
-    def wants_reading(self) -> bool:
-        """Whether the robot stands, and only a reading can tell where."""
-        return self._approach.wants_reading
 
     @property
     def distance(self) -> float:
@@ -76,24 +271,12 @@ class Leg(ABC):
         return 0.0
 
     @abstractmethod
-    def _went(self, estimate: Estimate) -> float:
-        """Return by how much less is left since the last estimate."""
-
-    @abstractmethod
-    def _variance(self, estimate: Estimate) -> float:
-        """Return how sure the odometry is of the way, m²."""
-
-    @abstractmethod
-    def _pace(self, estimate: Estimate) -> float:
-        """Return how fast the robot moves along the leg."""
+    def _locate(self, estimate: Estimate) -> Place:
+        """Return where an estimate is, after `_last`."""
 
     @abstractmethod
     def _velocity(self, speed: float) -> Velocity:
         """Return the velocity for a speed along the leg."""
-
-    def _steering(self, linear: float, estimate: Estimate) -> float:
-        """Return the rad/s that bring the robot back to the leg, at m/s."""
-        return 0.0
 
 
 class Straight(Leg):
@@ -101,7 +284,7 @@ class Straight(Leg):
 
     def __init__(
         self, estimate: Estimate, distance: float, heading: float, top: float,
-        learned: Learned, limits: MotionLimits,
+        learned: StoppingModel, limits: MotionLimits,
     ) -> None:
         """Drive a distance, m, along a heading, rad; negative: backwards."""
         super().__init__(estimate, distance, Approach(
@@ -109,7 +292,6 @@ class Straight(Leg):
             limits.linear_acceleration))
         self.forward = distance > 0
         self._heading = heading
-        self._off = remainder(estimate.yaw - heading, tau)
         self._aside = 0.0
 
     @property
@@ -117,77 +299,43 @@ class Straight(Leg):
         """Metres that are left, signed."""
         return self._left
 
-    def _went(self, estimate: Estimate) -> float:
+    def _locate(self, estimate: Estimate) -> Place:
+        c, s = cos(self._heading), sin(self._heading)
         dx, dy = estimate.x - self._last.x, estimate.y - self._last.y
-        c, s = cos(self._heading), sin(self._heading)
-        self._off = remainder(estimate.yaw - self._heading, tau)
         self._aside += dy * c - dx * s
-        return dx * c + dy * s
-
-    def _variance(self, estimate: Estimate) -> float:
         xx, xy, _, _, yy, *_ = estimate.pose_covariance
-        c, s = cos(self._heading), sin(self._heading)
-        return c * c * xx + 2 * c * s * xy + s * s * yy
-
-    def _pace(self, estimate: Estimate) -> float:
-        return estimate.linear
+        return Place(
+            dx * c + dy * s, estimate.linear, c * c * xx + 2 * c * s * xy + s * s * yy,
+            self._aside, remainder(estimate.yaw - self._heading, tau))
 
     def _velocity(self, speed: float) -> Velocity:
         return Velocity(speed, 0.0)
 
-    def _steering(self, linear: float, estimate: Estimate) -> float:
-        return steering(linear, self._aside, self._off)
-
-
-class Turn(Leg):
-    """A turn in place."""
-
-    def __init__(self, estimate: Estimate, angle: float, top: float, learned: Learned,
-                 limits: MotionLimits) -> None:
-        """Turn by an angle, rad, at this many rad/s at most."""
-        self._half = limits.wheel_separation / 2
-        super().__init__(estimate, angle * self._half, Approach(
-            min(top * self._half, limits.max_wheel_speed), TURN_TOLERANCE * self._half, learned,
-            limits.angular_acceleration * self._half))
-
-    @property
-    def angle(self) -> float:
-        """Radians that are left, signed."""
-        return self._left / self._half
-
-    def _went(self, estimate: Estimate) -> float:
-        return remainder(estimate.yaw - self._last.yaw, tau) * self._half
-
-    def _variance(self, estimate: Estimate) -> float:
-        return estimate.pose_covariance[8] * self._half ** 2
-
-    def _pace(self, estimate: Estimate) -> float:
-        return estimate.angular * self._half
-
-    def _velocity(self, speed: float) -> Velocity:
-        return Velocity(0.0, speed / self._half)
-
 
 class Arc(Leg):
-    """A part of a circle: the heading tells how far it is driven, steering keeps the radius."""
+    """
+    A part of a circle: the heading tells how far it is driven, steering keeps the radius.
+
+    On a radius of 0 it is a turn in place.
+    """
 
     def __init__(
         self, estimate: Estimate, angle: float, radius: float, direction: int, top: float,
-        learned: Learned, limits: MotionLimits,
+        learned: StoppingModel, limits: MotionLimits,
     ) -> None:
         """
-        Turn by an angle, rad, on a circle of a radius, m, at m/s of the robot's centre at most.
+        Turn by an angle, rad, on a circle of a radius, m, at this many rad/s at most.
 
         `direction` is 1 for forwards and -1 for backwards.
         """
-        half = limits.wheel_separation / 2
-        self._reach = radius + half
-        caps = [cap * self._reach for cap in (
-            limits.linear_acceleration / radius, limits.angular_acceleration) if cap]
+        self._reach = radius + limits.wheel_separation / 2
+        caps = [limits.angular_acceleration * self._reach]
+        if radius:
+            caps.append(limits.linear_acceleration / radius * self._reach)
         super().__init__(estimate, angle * self._reach, Approach(
-            min(top * self._reach / radius, limits.max_wheel_speed),
-            TURN_TOLERANCE * self._reach, learned, min(caps, default=0.0)))
-        self.forward = direction > 0
+            min(top * self._reach, limits.max_wheel_speed), TURN_TOLERANCE * self._reach, learned,
+            min(filter(None, caps), default=0.0)))
+        self.forward = radius > 0 and direction > 0
         self._radius = radius
         self._side = direction * copysign(1.0, angle)
         """1 where the circle's centre is on the robot's left, -1 on its right."""
@@ -199,25 +347,17 @@ class Arc(Leg):
         """Radians that are left, signed."""
         return self._left / self._reach
 
-    def _went(self, estimate: Estimate) -> float:
-        return remainder(estimate.yaw - self._last.yaw, tau) * self._reach
-
-    def _variance(self, estimate: Estimate) -> float:
-        return estimate.pose_covariance[8] * self._reach ** 2
-
-    def _pace(self, estimate: Estimate) -> float:
-        return estimate.angular * self._reach
+    def _locate(self, estimate: Estimate) -> Place:
+        x, y = estimate.x - self._centre[0], estimate.y - self._centre[1]
+        tangent = atan2(y, x) + self._side * pi / 2
+        return Place(
+            remainder(estimate.yaw - self._last.yaw, tau) * self._reach,
+            estimate.angular * self._reach, estimate.pose_covariance[8] * self._reach ** 2,
+            self._side * (self._radius - hypot(x, y)), remainder(estimate.yaw - tangent, tau))
 
     def _velocity(self, speed: float) -> Velocity:
         angular = speed / self._reach
         return Velocity(angular * self._side * self._radius, angular)
-
-    def _steering(self, linear: float, estimate: Estimate) -> float:
-        x, y = estimate.x - self._centre[0], estimate.y - self._centre[1]
-        tangent = atan2(y, x) + self._side * pi / 2
-        aside = self._side * (self._radius - hypot(x, y))
-        off = remainder(estimate.yaw - tangent, tau)
-        return steering(linear, aside, off)
 
 
 def steering(speed: float, aside: float, off: float) -> float:

@@ -7,19 +7,14 @@ from collections.abc import Iterator
 from math import atan2, degrees, hypot, remainder, tau
 from typing import NamedTuple
 
-from ...odometry import Estimate
 from ..events import MotionLimits
-from ..motion import Velocity
-from .approach import Learned
 from .goal import (
-    check_amount,
-    check_number,
-    check_positive,
+    check_finite,
+    check_range,
     check_speed,
     check_turning,
     Code,
-    Goal,
-    LEAST_SPEED,
+    DrivingGoal,
     LONGEST,
     Malformed,
     MOST_TURN,
@@ -28,145 +23,92 @@ from .goal import (
     Phase,
     Progress,
     ROUNDING,
-    View,
 )
-from .hazards import Hazards, NO_SPEED, Stall
-from .legs import Arc, Leg, Straight, STRAIGHT_TOLERANCE, Turn
+from .legs import Arc, Leg, StoppingModel, Straight, STRAIGHT_TOLERANCE
 
 Legs = Iterator[tuple[Phase | None, Leg]]
 MANY_TURNS = 4
 """Turns above which an angle may have been meant in degrees."""
 
 
-class MotionGoal(Goal):
+class MotionGoal(DrivingGoal):
     """A motion of one or more legs; each is made when the one before has ended."""
 
-    def __init__(self, allowance: float, learned: Learned, *, ahead: bool = False,
-                 back: bool = False) -> None:
-        """`ahead` and `back` tell which way the motion leads first; neither for a turn."""
-        super().__init__(allowance)
-        self._learned = learned
-        self._ahead, self._back = ahead, back
-        self._hazards, self._stall = Hazards(), Stall()
-        self._told = Velocity()
-        self._at = Estimate()
-        """x, y and yaw at the start."""
-        self._slowed = ''
-        self._legs: Legs = iter(())
-        self._phase: Phase | None = None
-        self._leg: Leg | None = None
+    _leg: Leg | None = None
+    """The leg that was begun last."""
 
-    def begin(self, view: View) -> Over | None:
-        """Start here, unless something is in the way."""
-        limits = view.limits
-        if limits.max_wheel_speed < LEAST_SPEED:
-            return NO_SPEED
-        self._at = view.estimate
-        self._slowed = ''.join(self._slower(limits))
-        self._legs = self._plan(limits)
-        if self.allowance == 0:
-            self.allowance = 2 * sum(leg.seconds() for leg in self._foreseen(limits))
-        return self._hazards.begin(view, forward=self._ahead, backward=self._back)
+    def obstacle(self) -> Over | None:
+        """Return why the motion cannot begin; work out how long it may take."""
+        over = super().obstacle()
+        if over is None and self.allowance == 0:
+            self.allowance = 2 * sum(leg.seconds() for _, leg in self.legs())
+        return over
 
-    def step(self, view: View) -> Order:
-        """Follow the present leg; after the last one the goal is over."""
-        forward = self._leg is not None and self._leg.forward
-        over = self._hazards.check(view, forward=forward) or self._stall.check(view, self._told)
-        if over is not None:
-            return over
-        self._at = view.estimate
-        while self._leg is None or (velocity := self._leg.step(view)) is None:
-            following = next(self._legs, None)
-            if following is None:
-                return Over(Code.NONE, self._done() + self._slowed)
-            self._phase, self._leg = following
-        self._told = velocity
-        return velocity
-
-    @property
-    def progress(self) -> Progress:
-        """What is left of the present leg."""
-        if self._leg is None:
-            return Progress()
-        return Progress(abs(self._leg.distance), abs(self._leg.angle), self._phase)
-
-    @property
-    def wants_reading(self) -> bool:
-        """Whether the present leg cannot tell whether it is at its end."""
-        return self._leg is not None and self._leg.wants_reading
+    def orders(self) -> Iterator[Order]:
+        """Follow one leg after the other."""
+        slowed = ''.join(self.slowed(self.view.limits))
+        for phase, leg in self.legs():
+            self._leg, self.forward = leg, leg.forward
+            while (order := leg.step(self.view)) is not None:
+                self.progress = Progress(abs(leg.distance), abs(leg.angle), phase)
+                yield order
+        yield Over(Code.NONE, self.done() + slowed)
 
     @abstractmethod
-    def _plan(self, limits: MotionLimits) -> Legs:
+    def legs(self) -> Legs:
         """Yield the legs, each made where the robot is when its turn comes."""
 
     @abstractmethod
-    def _done(self) -> str:
-        """Say what was done."""
+    def slowed(self, limits: MotionLimits) -> list[str]:
+        """Say which speeds are too fast, and what is used instead."""
 
     def way(self, seconds: float) -> str:
         """Say how far the robot has got."""
-        return 'at the start' if self._leg is None else self._went()
+        return 'at the start' if self._leg is None else self.went()
 
     @abstractmethod
-    def _went(self) -> str:
-        """Say how far the robot has got on its first leg or a later one."""
+    def went(self) -> str:
+        """Say how far the robot has got, on its first leg or a later one."""
 
     @abstractmethod
-    def _slower(self, limits: MotionLimits) -> list[str]:
-        """Say which speeds are too fast, and what is used instead."""
+    def done(self) -> str:
+        """Say what was done, after the last leg."""
 
-    def _foreseen(self, limits: MotionLimits) -> list[Leg]:
-        """Return the legs as they are known at the start, for how long they take."""
-        return [leg for _, leg in self._plan(limits)]
+    @property
+    def leg(self) -> Leg:
+        """The leg that was begun last."""
+        assert self._leg is not None
+        return self._leg
 
 
 class DriveDistance(MotionGoal):
     """Drive straight; a negative distance is backwards."""
 
     def __init__(self, distance: float, speed: float, allowance: float,
-                 learned: Learned) -> None:
+                 learned: StoppingModel) -> None:
         """Take metres, m/s and seconds; Malformed says what no robot could follow."""
-        check_amount('distance', distance, LONGEST, 'm')
+        check_range('distance', distance, 'm', -LONGEST, LONGEST)
         check_speed(speed)
-        super().__init__(allowance, learned, ahead=distance > 0, back=distance < 0)
-        self._distance, self._speed = distance, speed
+        super().__init__(allowance, (distance > 0) - (distance < 0))
+        self._distance, self._speed, self._learned = distance, speed, learned
 
-    def _plan(self, limits: MotionLimits) -> Legs:
+    def legs(self) -> Legs:
+        """Yield the straight line."""
+        at = self.view.estimate
         yield None, Straight(
-            self._at, self._distance, self._at.yaw, self._speed, self._learned, limits)
+            at, self._distance, at.yaw, self._speed, self._learned, self.view.limits)
 
-    def _done(self) -> str:
-        return f'drove {self._distance - _left(self._leg).distance:.3f} m'
+    def slowed(self, limits: MotionLimits) -> list[str]:
+        """Compare the speed with that of the wheels."""
+        return slowed('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
 
-    def _went(self) -> str:
-        return f'after {abs(self._distance - _left(self._leg).distance):.2f} m'
+    def went(self) -> str:
+        """Say how many metres."""
+        return f'after {abs(self._distance - self.leg.distance):.2f} m'
 
-    def _slower(self, limits: MotionLimits) -> list[str]:
-        return slower('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
-
-
-class RotateAngle(MotionGoal):
-    """Turn in place, counter-clockwise; any number of turns."""
-
-    def __init__(self, angle: float, speed: float, allowance: float, learned: Learned) -> None:
-        """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
-        check_amount('angle', angle, MOST_TURN, 'rad')
-        self.hint = degrees_meant(angle)
-        check_turning(speed)
-        super().__init__(allowance, learned)
-        self._angle, self._speed = angle, speed
-
-    def _plan(self, limits: MotionLimits) -> Legs:
-        yield None, Turn(self._at, self._angle, self._speed, self._learned, limits)
-
-    def _done(self) -> str:
-        return f'turned by {_angle(self._angle - _left(self._leg).angle)}'
-
-    def _went(self) -> str:
-        return _after(self._angle - _left(self._leg).angle)
-
-    def _slower(self, limits: MotionLimits) -> list[str]:
-        return slower('max_rotation_speed', self._speed, fastest_turn(limits), 'rad/s')
+    def done(self) -> str:
+        """Say how many metres."""
+        return f'drove {self._distance - self.leg.distance:.3f} m'
 
 
 class Circle(NamedTuple):
@@ -175,42 +117,80 @@ class Circle(NamedTuple):
     angle: float
     """Radians by which the robot turns, counter-clockwise."""
     radius: float
-    """Metres."""
+    """Metres; 0: it turns in place."""
     direction: int
     """1 for forwards, -1 for backwards."""
 
 
-class DriveArc(MotionGoal):
+class TurningGoal(MotionGoal):
+    """A turn by an angle, in place or on a circle; any number of turns."""
+
+    def __init__(self, circle: Circle, turning: float, allowance: float,
+                 learned: StoppingModel) -> None:
+        """Take a circle, rad/s and seconds."""
+        super().__init__(allowance, circle.direction if circle.radius else 0)
+        self._circle, self._turning, self._learned = circle, turning, learned
+        turns = abs(circle.angle) / tau
+        if turns > MANY_TURNS:
+            self.hint = f'{circle.angle:g} rad is {turns:.1f} turns: degrees?'
+
+    def legs(self) -> Legs:
+        """Yield the part of the circle."""
+        yield None, Arc(self.view.estimate, *self._circle, self._turning, self._learned,
+                        self.view.limits)
+
+    def went(self) -> str:
+        """Say how many degrees."""
+        return f'after {abs(degrees(self._circle.angle - self.leg.angle)):.0f} degrees'
+
+    def done(self) -> str:
+        """Say by which angle."""
+        turned = self._circle.angle - self.leg.angle
+        return f'turned by {turned:.3f} rad ({degrees(turned):.1f} degrees)'
+
+
+class RotateAngle(TurningGoal):
+    """Turn in place, counter-clockwise."""
+
+    def __init__(self, angle: float, speed: float, allowance: float,
+                 learned: StoppingModel) -> None:
+        """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
+        check_range('angle', angle, 'rad', -MOST_TURN, MOST_TURN)
+        check_turning(speed)
+        super().__init__(Circle(angle, 0.0, 1), speed, allowance, learned)
+
+    def slowed(self, limits: MotionLimits) -> list[str]:
+        """Compare the speed with that of the wheels."""
+        return slowed('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s')
+
+
+class DriveArc(TurningGoal):
     """Drive on a circle."""
 
-    def __init__(self, circle: Circle, speed: float, allowance: float, learned: Learned) -> None:
+    def __init__(self, circle: Circle, speed: float, allowance: float,
+                 learned: StoppingModel) -> None:
         """Take a circle, m/s and seconds; Malformed says what no robot could follow."""
-        check_amount('angle', circle.angle, MOST_TURN, 'rad')
-        self.hint = degrees_meant(circle.angle)
-        check_positive('radius', circle.radius, 'm')
-        check_amount('length of the arc', circle.angle * circle.radius, LONGEST, 'm')
+        check_range('angle', circle.angle, 'rad', -MOST_TURN, MOST_TURN)
+        check_finite('radius', circle.radius, 'm')
+        if circle.radius <= 0:
+            raise Malformed(f'radius = {circle.radius:g} m; allowed: above 0')
+        check_range('length of the arc', circle.angle * circle.radius, 'm', -LONGEST, LONGEST)
         check_speed(speed)
         if circle.direction not in (1, -1):
             raise Malformed(f'translate_direction = {circle.direction}; allowed: 1 forward, '
                             '-1 backward')
-        super().__init__(allowance, learned, ahead=circle.direction == 1,
-                         back=circle.direction == -1)
-        self._circle, self._speed = circle, speed
+        super().__init__(circle, speed / circle.radius, allowance, learned)
+        self._speed = speed
 
-    def _plan(self, limits: MotionLimits) -> Legs:
-        yield None, Arc(self._at, *self._circle, self._speed, self._learned, limits)
-
-    def _done(self) -> str:
-        return (f'turned by {_angle(self._circle.angle - _left(self._leg).angle)} on a radius of '
-                f'{self._circle.radius:g} m')
-
-    def _went(self) -> str:
-        return _after(self._circle.angle - _left(self._leg).angle)
-
-    def _slower(self, limits: MotionLimits) -> list[str]:
+    def slowed(self, limits: MotionLimits) -> list[str]:
+        """Compare the speed with that of the outer wheel."""
         radius = self._circle.radius
         most = limits.max_wheel_speed * radius / (radius + limits.wheel_separation / 2)
-        return slower('max_translation_speed', self._speed, most, 'm/s')
+        return slowed('max_translation_speed', self._speed, most, 'm/s')
+
+    def done(self) -> str:
+        """Say by which angle and on which radius."""
+        return f'{super().done()} on a radius of {self._circle.radius:g} m'
 
 
 class TargetPose(NamedTuple):
@@ -226,47 +206,56 @@ class NavigateToPosition(MotionGoal):
     """Turn to a place, drive there straight, and turn to a heading."""
 
     def __init__(self, place: TargetPose, speed: float, turning: float, allowance: float,
-                 learned: Learned, learned_turning: Learned) -> None:
+                 learned: StoppingModel, learned_turning: StoppingModel) -> None:
         """Take a place, m/s, rad/s and seconds; Malformed says what no robot could follow."""
-        check_amount('goal_pose.position.x', place.x, LONGEST, 'm')
-        check_amount('goal_pose.position.y', place.y, LONGEST, 'm')
-        check_number('heading of goal_pose', place.heading or 0.0, 'rad')
+        check_range('goal_pose.position.x', place.x, 'm', -LONGEST, LONGEST)
+        check_range('goal_pose.position.y', place.y, 'm', -LONGEST, LONGEST)
+        check_finite('heading of goal_pose', place.heading or 0.0, 'rad')
         check_speed(speed)
         check_turning(turning)
-        super().__init__(allowance, learned)
+        super().__init__(allowance)
         self._place, self._speed, self._turning = place, speed, turning
-        self._learned_turning = learned_turning
+        self._learned, self._learned_turning = learned, learned_turning
 
-    def _plan(self, limits: MotionLimits) -> Legs:
-        x, y, heading = self._place
-        if hypot(x - self._at.x, y - self._at.y) > STRAIGHT_TOLERANCE:
-            direction = atan2(y - self._at.y, x - self._at.x)
-            yield Phase.TURNING_TO_PLACE, self._turn_to(direction, limits)
-            at = self._at
-            direction = atan2(y - at.y, x - at.x)
-            yield Phase.DRIVING, Straight(at, hypot(x - at.x, y - at.y), direction, self._speed,
-                                          self._learned, limits)
-        if heading is not None:
-            yield Phase.TURNING_TO_HEADING, self._turn_to(heading, limits)
+    def legs(self) -> Legs:
+        """Yield a turn and a straight line to the place, unless the robot is there, and a turn."""
+        if self._far > STRAIGHT_TOLERANCE:
+            yield Phase.TURNING_TO_PLACE, self._turn_to(self._direction_to_place)
+            yield Phase.DRIVING, Straight(
+                self.view.estimate, self._far, self._direction_to_place, self._speed,
+                self._learned, self.view.limits)
+        if self._place.heading is not None:
+            yield Phase.TURNING_TO_HEADING, self._turn_to(self._place.heading)
 
-    def _turn_to(self, heading: float, limits: MotionLimits) -> Turn:
-        angle = remainder(heading - self._at.yaw, tau)
-        return Turn(self._at, angle, self._turning, self._learned_turning, limits)
-
-    def _done(self) -> str:
-        return f'at x {self._at.x:.3f} m, y {self._at.y:.3f} m, {self._far:.3f} m from the goal'
-
-    def _went(self) -> str:
-        return f'{self._far:.2f} m from the goal'
+    def _turn_to(self, heading: float) -> Arc:
+        at = self.view.estimate
+        return Arc(at, remainder(heading - at.yaw, tau), 0.0, 1, self._turning,
+                   self._learned_turning, self.view.limits)
 
     @property
     def _far(self) -> float:
-        return hypot(self._place.x - self._at.x, self._place.y - self._at.y)
+        at = self.view.estimate
+        return hypot(self._place.x - at.x, self._place.y - at.y)
 
-    def _slower(self, limits: MotionLimits) -> list[str]:
+    @property
+    def _direction_to_place(self) -> float:
+        at = self.view.estimate
+        return atan2(self._place.y - at.y, self._place.x - at.x)
+
+    def slowed(self, limits: MotionLimits) -> list[str]:
+        """Compare both speeds with those of the wheels."""
         return [
-            *slower('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s'),
-            *slower('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s')]
+            *slowed('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s'),
+            *slowed('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s')]
+
+    def went(self) -> str:
+        """Say how far the place is."""
+        return f'{self._far:.2f} m from the goal'
+
+    def done(self) -> str:
+        """Say where the robot is, and how far the place."""
+        at = self.view.estimate
+        return f'at x {at.x:.3f} m, y {at.y:.3f} m, {self._far:.3f} m from the goal'
 
 
 def fastest_turn(limits: MotionLimits) -> float:
@@ -274,27 +263,8 @@ def fastest_turn(limits: MotionLimits) -> float:
     return 2 * limits.max_wheel_speed / limits.wheel_separation
 
 
-def slower(name: str, speed: float, most: float, unit: str) -> list[str]:
+def slowed(name: str, speed: float, most: float, unit: str) -> list[str]:
     """Say that a speed is too fast; nothing where it is not."""
     if speed <= most * (1 + ROUNDING):
         return []
     return [f'; slowed to {most:.2f} {unit}: {name} = {speed:g} is beyond max_wheel_speed']
-
-
-def degrees_meant(angle: float) -> str:
-    """Ask whether an angle in rad of many turns was meant in degrees; empty where it is usual."""
-    turns = abs(angle) / tau
-    return f'{angle:g} rad is {turns:.1f} turns: degrees?' if turns > MANY_TURNS else ''
-
-
-def _left(leg: Leg | None) -> Leg:
-    assert leg is not None
-    return leg
-
-
-def _after(radians: float) -> str:
-    return f'after {abs(degrees(radians)):.0f} degrees'
-
-
-def _angle(radians: float) -> str:
-    return f'{radians:.3f} rad ({degrees(radians):.1f} degrees)'
