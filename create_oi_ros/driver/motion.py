@@ -11,7 +11,7 @@ from math import inf, isfinite
 from typing import NamedTuple
 
 from .. import oi
-from ..oi.steering import WheelSpeeds
+from ..oi.commands import WheelSpeeds
 from ..robot import MM_PER_M, SLOT
 from .core import Core
 from .events import MotionLimits, Severity

@@ -18,6 +18,7 @@ tells which of them came last. So a script is followed if it uses only one of th
 """
 
 from .. import oi
+from ..oi.commands import wheel_speeds
 from ..oi.script import (
     can_end,
     commands_of,
@@ -27,7 +28,6 @@ from ..oi.script import (
     SCRIPT_LIMIT,
     script_of_reply,
 )
-from ..oi.steering import wheel_speeds
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .command_watch import PAUSE, POLL_INTERVAL, Probe

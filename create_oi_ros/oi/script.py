@@ -27,9 +27,10 @@ from .commands import (
     WaitDistance,
     WaitEvent,
     WaitTime,
+    wheel_speeds,
+    WheelSpeeds,
 )
 from .declaration import Command
-from .steering import wheel_speeds, WheelSpeeds
 from .stream import CommandReader, UnknownOpcode
 
 assert Script.tail is not None

@@ -19,7 +19,7 @@ from create_oi_ros.driver.motion import (
 )
 from create_oi_ros.driver.outputs import Outputs
 from create_oi_ros.driver.state import StateEvent
-from create_oi_ros.oi.steering import WheelSpeeds
+from create_oi_ros.oi.commands import WheelSpeeds
 from support.loop import AT_ONCE
 
 FREE = MotionLimits(

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.oi.steering import wheel_speeds
+from create_oi_ros.oi.commands import wheel_speeds
 
 SEPARATION = 258.0
 

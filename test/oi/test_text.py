@@ -15,7 +15,6 @@ from create_oi_ros.oi.script import (
     SCRIPT_LIMIT,
     script_of_reply,
 )
-from create_oi_ros.oi.tools.notes import note_name, note_number
 from create_oi_ros.oi.tools.text import (
     format_command,
     format_commands,
@@ -24,6 +23,7 @@ from create_oi_ros.oi.tools.text import (
     parse_script,
     TextError,
 )
+from create_oi_ros.oi.tools.tunes import note_name, note_number
 from support.oi_strategies import commands
 import vectors
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.oi.commands import REST, SOUNDING
-from create_oi_ros.oi.tools.notes import note_name
-from create_oi_ros.oi.tools.tunes import parse_tune, sounding_name
+from create_oi_ros.oi.tools.tunes import note_name, parse_tune, sounding_name
 
 SCALE = 'c c# d d# e f f# g g# a a# b'.split()
 """An octave of a ring tone."""

@@ -21,8 +21,7 @@ from ..declaration import Command
 from ..packets import FRAME_LIMIT, HEADER, PACKET_IDS, PacketList, size_of
 from ..readings import NUMBERS, Packet, PACKETS, Readings, VOLTS_PER_STEP
 from ..stream import BY_TOTAL, Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
-from .grammar import label
-from .text import format_command
+from .text import format_command, label
 
 SEPARATORS = re.compile(r'[\s,;:|\[\](){}]+')
 CONVENTIONS = {

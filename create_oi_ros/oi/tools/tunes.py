@@ -1,10 +1,13 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Tunes as people write them: notes with their lengths, or a ring tone (RTTTL).
+Names of notes; tunes as people write them: notes with their lengths, or a ring tone (RTTTL).
 
-Notes are `C4:1/4 rest:0.5 60:1/8`, separated by spaces or commas: a name as in `notes`, `rest`, or
-a MIDI number, and a length in seconds. A ring tone is `name:d=4,o=5,b=160:8e6,8d6,f#,p,16a#.`: its
+The manual names notes without an octave (Song, Note Durations). Here the octave is that of
+scientific pitch: middle C, number 60 at 261.6 Hz, is C4; the lowest note that sounds, 31, is G1.
+
+Notes are `C4:1/4 rest:0.5 60:1/8`, separated by spaces or commas: a name, `rest`, or a MIDI
+number, and a length in seconds. A ring tone is `name:d=4,o=5,b=160:8e6,8d6,f#,p,16a#.`: its
 defaults (note value, octave, quarter notes a minute), then notes as [value]name[octave][.].
 """
 
@@ -14,8 +17,11 @@ from math import floor
 import re
 
 from ..commands import Note, NOTE_TIME, NOTES_PER_SECOND, REST, SOUNDING
-from .notes import note_name, note_number
 
+PITCHES = ('C', 'C#', 'D', 'D#', 'E', 'F', 'F#', 'G', 'G#', 'A', 'A#', 'B')
+"""The manual's names of the notes in an octave."""
+MIDDLE_C = 60
+NOTE_NAME = re.compile(r'([A-G])(#|b?)(\d)', re.IGNORECASE)
 SHORTEST, LONGEST = Fraction(1, NOTES_PER_SECOND), Fraction(NOTE_TIME.high, NOTES_PER_SECOND)
 """Seconds that a note can last."""
 LENGTH = re.compile(r'\d{1,6}(/[1-9]\d{0,5})?|\d{0,6}\.\d{1,6}', re.ASCII)
@@ -24,6 +30,36 @@ VALUES = (1, 2, 4, 8, 16, 32)
 DEFAULTS = {'d': 4, 'o': 6, 'b': 63}
 """What a ring tone leaves out: note value, octave, quarter notes a minute."""
 RING_NOTE = re.compile(r'(\d*)(p|[a-h]#?)(\.?)(\d?)(\.?)', re.ASCII | re.IGNORECASE)
+
+
+def note_name(number: int) -> str:
+    """Return the name of a note that sounds, such as 'C#4' for 61; ValueError for others."""
+    if number not in SOUNDING:
+        raise ValueError(f'note {number} makes no sound; allowed: {_described()}')
+    octave, pitch = divmod(number - MIDDLE_C, len(PITCHES))
+    return f'{PITCHES[pitch]}{4 + octave}'
+
+
+def note_number(name: str) -> int:
+    """
+    Return the number of a note that sounds, such as 61 for 'C#4', 'c#4' or 'Db4'.
+
+    ValueError if there is no such note or it makes no sound.
+    """
+    match = NOTE_NAME.fullmatch(name)
+    if match is None:
+        raise ValueError(f'{name!r} is not a note; allowed: names such as C4, C#4 or Db4')
+    letter, accidental, octave = match.groups()
+    number = MIDDLE_C + len(PITCHES) * (int(octave) - 4) + PITCHES.index(letter.upper())
+    number += {'#': 1, '': 0}.get(accidental, -1)
+    if number not in SOUNDING:
+        raise ValueError(f'{name} makes no sound; allowed: {_described()}')
+    return number
+
+
+def _described() -> str:
+    low, high = SOUNDING[0], SOUNDING[-1]
+    return f'{low} ({note_name(low)}) to {high} ({note_name(high)})'
 
 
 def parse_tune(text: str) -> tuple[Note, ...]:

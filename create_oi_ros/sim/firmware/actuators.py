@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from ... import oi
 from ...oi import DriverBits, LedBits, OutputBits
-from ...oi.commands import DUTY
-from ...oi.steering import wheel_speeds, WheelSpeeds
+from ...oi.commands import DUTY, wheel_speeds, WheelSpeeds
 from ...robot import BODY_RADIUS, MM_PER_M
 from ..body import Body
 

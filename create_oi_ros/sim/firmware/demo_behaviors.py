@@ -14,7 +14,7 @@ from random import Random
 
 from ...oi import DemoNumber, Infrared, Note
 from ...oi.codes import BEAMS, GREEN_BUOY, RED_BUOY
-from ...oi.steering import WheelSpeeds
+from ...oi.commands import WheelSpeeds
 from ...robot import MM_PER_M, SLOT
 from ..body import Body
 from ..body.sensed import Sensed
