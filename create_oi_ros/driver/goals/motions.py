@@ -41,42 +41,41 @@ class MotionGoal(DrivingGoal):
         """Return why the motion cannot begin; work out how long it may take."""
         over = super().obstacle()
         if over is None and self.allowance == 0:
-            self.allowance = 2 * sum(leg.seconds() for _, leg in self.legs())
+            self.allowance = 2 * sum(leg.seconds() for _, leg in self._legs())
         return over
 
     def orders(self) -> Iterator[Order]:
         """Follow one leg after the other."""
-        slowed = ''.join(self.slowed(self.view.limits))
-        for phase, leg in self.legs():
+        slowed = self._slowed(self.view.limits)
+        for phase, leg in self._legs():
             self._leg, self.forward = leg, leg.forward
             while (order := leg.step(self.view)) is not None:
                 self.progress = Progress(abs(leg.distance), abs(leg.angle), phase)
                 yield order
-        yield Over(Code.NONE, self.done() + slowed)
+        yield Over(Code.NONE, self._done() + slowed)
 
     @abstractmethod
-    def legs(self) -> Legs:
+    def _legs(self) -> Legs:
         """Yield the legs, each made where the robot is when its turn comes."""
 
     @abstractmethod
-    def slowed(self, limits: MotionLimits) -> list[str]:
-        """Say which speeds are too fast, and what is used instead."""
+    def _slowed(self, limits: MotionLimits) -> str:
+        """Say which speeds are too fast, and what is used instead; empty where none is."""
 
     def way(self, seconds: float) -> str:
         """Say how far the robot has got."""
-        return 'at the start' if self._leg is None else self.went()
+        return 'at the start' if self._leg is None else self._went()
 
     @abstractmethod
-    def went(self) -> str:
+    def _went(self) -> str:
         """Say how far the robot has got, on its first leg or a later one."""
 
     @abstractmethod
-    def done(self) -> str:
+    def _done(self) -> str:
         """Say what was done, after the last leg."""
 
     @property
-    def leg(self) -> Leg:
-        """The leg that was begun last."""
+    def _present(self) -> Leg:
         assert self._leg is not None
         return self._leg
 
@@ -92,23 +91,19 @@ class DriveDistance(MotionGoal):
         super().__init__(allowance, (distance > 0) - (distance < 0))
         self._distance, self._speed, self._learned = distance, speed, learned
 
-    def legs(self) -> Legs:
-        """Yield the straight line."""
+    def _legs(self) -> Legs:
         at = self.view.estimate
         yield None, Straight(
             at, self._distance, at.yaw, self._speed, self._learned, self.view.limits)
 
-    def slowed(self, limits: MotionLimits) -> list[str]:
-        """Compare the speed with that of the wheels."""
+    def _slowed(self, limits: MotionLimits) -> str:
         return slowed('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
 
-    def went(self) -> str:
-        """Say how many metres."""
-        return f'after {abs(self._distance - self.leg.distance):.2f} m'
+    def _went(self) -> str:
+        return f'after {abs(self._distance - self._present.distance):.2f} m'
 
-    def done(self) -> str:
-        """Say how many metres."""
-        return f'drove {self._distance - self.leg.distance:.3f} m'
+    def _done(self) -> str:
+        return f'drove {self._distance - self._present.distance:.3f} m'
 
 
 class Circle(NamedTuple):
@@ -134,18 +129,15 @@ class TurningGoal(MotionGoal):
         if turns > MANY_TURNS:
             self.hint = f'{circle.angle:g} rad is {turns:.1f} turns: degrees?'
 
-    def legs(self) -> Legs:
-        """Yield the part of the circle."""
+    def _legs(self) -> Legs:
         yield None, Arc(self.view.estimate, *self._circle, self._turning, self._learned,
                         self.view.limits)
 
-    def went(self) -> str:
-        """Say how many degrees."""
-        return f'after {abs(degrees(self._circle.angle - self.leg.angle)):.0f} degrees'
+    def _went(self) -> str:
+        return f'after {abs(degrees(self._circle.angle - self._present.angle)):.0f} degrees'
 
-    def done(self) -> str:
-        """Say by which angle."""
-        turned = self._circle.angle - self.leg.angle
+    def _done(self) -> str:
+        turned = self._circle.angle - self._present.angle
         return f'turned by {turned:.3f} rad ({degrees(turned):.1f} degrees)'
 
 
@@ -159,8 +151,7 @@ class RotateAngle(TurningGoal):
         check_turning(speed)
         super().__init__(Circle(angle, 0.0, 1), speed, allowance, learned)
 
-    def slowed(self, limits: MotionLimits) -> list[str]:
-        """Compare the speed with that of the wheels."""
+    def _slowed(self, limits: MotionLimits) -> str:
         return slowed('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s')
 
 
@@ -182,15 +173,13 @@ class DriveArc(TurningGoal):
         super().__init__(circle, speed / circle.radius, allowance, learned)
         self._speed = speed
 
-    def slowed(self, limits: MotionLimits) -> list[str]:
-        """Compare the speed with that of the outer wheel."""
+    def _slowed(self, limits: MotionLimits) -> str:
         radius = self._circle.radius
         most = limits.max_wheel_speed * radius / (radius + limits.wheel_separation / 2)
         return slowed('max_translation_speed', self._speed, most, 'm/s')
 
-    def done(self) -> str:
-        """Say by which angle and on which radius."""
-        return f'{super().done()} on a radius of {self._circle.radius:g} m'
+    def _done(self) -> str:
+        return f'{super()._done()} on a radius of {self._circle.radius:g} m'
 
 
 class TargetPose(NamedTuple):
@@ -217,7 +206,7 @@ class NavigateToPosition(MotionGoal):
         self._place, self._speed, self._turning = place, speed, turning
         self._learned, self._learned_turning = learned, learned_turning
 
-    def legs(self) -> Legs:
+    def _legs(self) -> Legs:
         """Yield a turn and a straight line to the place, unless the robot is there, and a turn."""
         if self._far > STRAIGHT_TOLERANCE:
             yield Phase.TURNING_TO_PLACE, self._turn_to(self._direction_to_place)
@@ -242,18 +231,14 @@ class NavigateToPosition(MotionGoal):
         at = self.view.estimate
         return atan2(self._place.y - at.y, self._place.x - at.x)
 
-    def slowed(self, limits: MotionLimits) -> list[str]:
-        """Compare both speeds with those of the wheels."""
-        return [
-            *slowed('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s'),
-            *slowed('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s')]
+    def _slowed(self, limits: MotionLimits) -> str:
+        return (slowed('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
+                + slowed('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s'))
 
-    def went(self) -> str:
-        """Say how far the place is."""
+    def _went(self) -> str:
         return f'{self._far:.2f} m from the goal'
 
-    def done(self) -> str:
-        """Say where the robot is, and how far the place."""
+    def _done(self) -> str:
         at = self.view.estimate
         return f'at x {at.x:.3f} m, y {at.y:.3f} m, {self._far:.3f} m from the goal'
 
@@ -263,8 +248,8 @@ def fastest_turn(limits: MotionLimits) -> float:
     return 2 * limits.max_wheel_speed / limits.wheel_separation
 
 
-def slowed(name: str, speed: float, most: float, unit: str) -> list[str]:
-    """Say that a speed is too fast; nothing where it is not."""
+def slowed(name: str, speed: float, most: float, unit: str) -> str:
+    """Say that a speed is too fast; empty where it is not."""
     if speed <= most * (1 + ROUNDING):
-        return []
-    return [f'; slowed to {most:.2f} {unit}: {name} = {speed:g} is beyond max_wheel_speed']
+        return ''
+    return f'; slowed to {most:.2f} {unit}: {name} = {speed:g} is beyond max_wheel_speed'
