@@ -24,7 +24,6 @@ from .explain import (
     explain_commands,
     explain_replies,
     explain_stream,
-    explain_unknown_stream,
     octets,
     understood,
 )
@@ -81,10 +80,9 @@ def _decode(options: Namespace, stdin: TextIO) -> Iterator[str]:
     if options.capture:
         return _capture(options)
     chunks = _chunks(options, stdin)
-    if options.stream == [ANY]:
-        return explain_unknown_stream(chunks)
     if options.stream:
-        return explain_stream(chunks, map(_packet_list, options.stream))
+        return explain_stream(
+            chunks, [] if options.stream == [ANY] else list(map(_packet_list, options.stream)))
     if options.reply:
         return explain_replies(chunks, _packet_list(options.reply))
     return explain_commands(chunks, at_length=options.explain)

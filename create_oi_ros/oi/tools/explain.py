@@ -11,7 +11,7 @@ fill exactly the length that it states, and its checksum is correct. A reader th
 request is safer: one damaged frame in some thousands looks like another list.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from enum import IntEnum, IntFlag
 from itertools import takewhile
 import re
@@ -93,41 +93,40 @@ def explain_command(command: Command, *, at_length: bool) -> str:
     return line
 
 
-def explain_stream(chunks: Iterable[bytes], lists: Iterable[PacketList]) -> Iterator[str]:
-    """Explain bytes that a robot sent, one line for each frame, as they arrive."""
-    return _explained(_events(chunks, StreamReader(lists)), announced=True)
+def explain_stream(
+    chunks: Iterable[bytes], lists: Sequence[PacketList] = (),
+) -> Iterator[str]:
+    """
+    Explain bytes that a robot sent, one line for each frame, as they arrive.
 
-
-def explain_unknown_stream(chunks: Iterable[bytes]) -> Iterator[str]:
-    """Explain such bytes by the lists that are found in them; a line names each list."""
-    finder, reader = ListFinder(), StreamReader()
-
-    def searched() -> Iterator[bytes]:
-        for chunk in chunks:
-            ready = finder.feed(chunk)
-            reader.expect(finder.lists)
-            yield ready
-        ready = finder.finish()
-        reader.expect(finder.lists)
-        yield ready
-
-    return _explained(_events(searched(), reader), announced=False)
-
-
-def _explained(events: Iterable[Frame | Garbage], *, announced: bool) -> Iterator[str]:
+    Without lists, explain them by those that are found in the bytes; a line names each.
+    """
+    reader = StreamReader(lists)
     convention: Checksum | None = None
-    lists: set[PacketList] = set()
-    for found in events:
+    named = set(lists)
+    for found in _events(chunks if lists else _searched(chunks, reader), reader):
         if isinstance(found, Garbage):
             yield _garbage(found)
             continue
         if found.checksum is not convention:
             convention = found.checksum
             yield CONVENTIONS[convention]
-        if not announced and found.packets not in lists:
-            lists.add(found.packets)
+        if found.packets not in named:
+            named.add(found.packets)
             yield FOUND + ','.join(map(str, found.packets.ids))
         yield explain_frame(found)
+
+
+def _searched(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[bytes]:
+    """Yield the bytes, each once the reader expects the lists of its frames."""
+    finder = ListFinder()
+    for chunk in chunks:
+        ready = finder.feed(chunk)
+        reader.expect(finder.lists)
+        yield ready
+    ready = finder.finish()
+    reader.expect(finder.lists)
+    yield ready
 
 
 def _events(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[Frame | Garbage]:
