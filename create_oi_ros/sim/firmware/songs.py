@@ -31,16 +31,9 @@ class Speaker:
         match command:
             case Song(number=number, notes=notes):
                 self.songs[number] = notes
-            case PlaySong(number=number):
-                self.play(number, time)
-
-    def play(self, number: int, time: float) -> bool:
-        """Play a stored song; False if there is none, or one already plays."""
-        if number not in self.songs or self.song_playing(time):
-            return False
-        self.number = number
-        self._begin(self.songs[number], time, is_song=True)
-        return True
+            case PlaySong(number=number) if number in self.songs and not self.song_playing(time):
+                self.number = number
+                self._begin(self.songs[number], time, is_song=True)
 
     def sound(self, notes: Sequence[Note], time: float) -> None:
         """Play a sound of the robot itself; a song that plays is not interrupted."""

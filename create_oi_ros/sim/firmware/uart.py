@@ -92,17 +92,14 @@ class Uart:
                 self._last_onset = onset
         return bytes(kept)
 
-    def reply(self, data: bytes, time: float) -> None:
-        """Send the reply to a command; none is ever lost."""
-        self._send(data, time)
-
     def stream(self, frame: bytes, time: float) -> None:
         """Send a frame of the stream, as much of it as fits into the buffer."""
         waiting = max(0.0, self._wire_free - time)
         room = self._buffer - int(waiting * self.baud / BITS_PER_BYTE)
-        self._send(frame[:max(0, room)], time)
+        self.reply(frame[:max(0, room)], time)
 
-    def _send(self, data: bytes, time: float) -> None:
+    def reply(self, data: bytes, time: float) -> None:
+        """Send the reply to a command, whole."""
         if self.paused(time):
             return
         self._wire_free = max(time, self._wire_free) + len(data) * BITS_PER_BYTE / self.baud

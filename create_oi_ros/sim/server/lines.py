@@ -47,7 +47,7 @@ class PathLock:
     """
 
     def __init__(self, path: Path) -> None:
-        """PathLock a path; FileExistsError says which live process has it."""
+        """Lock a path; FileExistsError says which live process has it."""
         whole = os.path.join(os.path.realpath(path.parent), path.name)
         name = '\0create_sim ' + hashlib.sha256(os.fsencode(whole)).hexdigest()
         self._socket = socket.socket(socket.AF_UNIX)
