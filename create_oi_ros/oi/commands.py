@@ -55,13 +55,11 @@ NOTES_PER_SECOND = 64
 """Note durations are in 64ths of a second (manual: Song)."""
 
 
-class Start(
-    Command, title='Start', opcode=128, section=START, modes=ANY, enters=Mode.PASSIVE,
-):
+class Start(Command, opcode=128, section=START, modes=ANY, enters=Mode.PASSIVE):
     """Start the Open Interface; the robot beeps if it was off. Send this before anything else."""
 
 
-class Baud(Command, title='Baud', opcode=129, section=START, modes=STARTED):
+class Baud(Command, opcode=129, section=START, modes=STARTED):
     """
     Change the baud rate until power is cycled; wait 100 ms before sending at the new rate.
 
@@ -71,31 +69,27 @@ class Baud(Command, title='Baud', opcode=129, section=START, modes=STARTED):
     code: Annotated[int, choice('B', BaudCode)]
 
 
-class Control(
-    Command, title='Control', opcode=130, section=MODES, modes=STARTED, enters=Mode.SAFE,
-):
+class Control(Command, opcode=130, section=MODES, modes=STARTED, enters=Mode.SAFE):
     """Enter Safe mode; an old form of Safe, kept for the Roomba Open Interface."""
 
 
-class Safe(Command, title='Safe', opcode=131, section=MODES, modes=STARTED, enters=Mode.SAFE):
+class Safe(Command, opcode=131, section=MODES, modes=STARTED, enters=Mode.SAFE):
     """Enter Safe mode: control with safety stops. Turns all LEDs off and ends charging."""
 
 
-class Full(Command, title='Full', opcode=132, section=MODES, modes=STARTED, enters=Mode.FULL):
+class Full(Command, opcode=132, section=MODES, modes=STARTED, enters=Mode.FULL):
     """Enter Full mode: control without safety stops. Ends charging."""
 
 
-class Spot(Command, title='Spot', opcode=134, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
+class Spot(Command, opcode=134, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
     """Start the Spot Cover demo."""
 
 
-class Cover(
-    Command, title='Cover', opcode=135, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE,
-):
+class Cover(Command, opcode=135, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
     """Start the Cover demo."""
 
 
-class Demo(Command, title='Demo', opcode=136, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
+class Demo(Command, opcode=136, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE):
     """Start a built-in demo, or abort the running one."""
 
     demo: Annotated[int, choice('b', DemoNumber)]
@@ -104,7 +98,7 @@ class Demo(Command, title='Demo', opcode=136, section=DEMOS, modes=STARTED, ente
 RADIUS = Wire('h', -2000, 2000, 'mm', names=Radius)
 
 
-class Drive(Command, title='Drive', opcode=137, section=ACTUATORS, modes=ACTUATE):
+class Drive(Command, opcode=137, section=ACTUATORS, modes=ACTUATE):
     """
     Drive along an arc; positive velocity is forward, positive radius turns left.
 
@@ -119,9 +113,7 @@ class Drive(Command, title='Drive', opcode=137, section=ACTUATORS, modes=ACTUATE
             object.__setattr__(self, 'radius', RADIUS.signed(self.radius))
 
 
-class LowSideDrivers(
-    Command, title='Low Side Drivers', opcode=138, section=ACTUATORS, modes=ACTUATE,
-):
+class LowSideDrivers(Command, opcode=138, section=ACTUATORS, modes=ACTUATE):
     """Switch the low side drivers on, at 100 % duty cycle, or off."""
 
     bits: Annotated[int, bits('B', DriverBits)]
@@ -142,7 +134,7 @@ class Note(NamedTuple):
     duration: int
 
 
-class Song(Command, title='Song', opcode=140, section=ACTUATORS, modes=STARTED):
+class Song(Command, opcode=140, section=ACTUATORS, modes=STARTED):
     """Store a song. Note numbers outside 31 to 127 are rests."""
 
     number: Annotated[int, SONG_NUMBER]
@@ -150,13 +142,13 @@ class Song(Command, title='Song', opcode=140, section=ACTUATORS, modes=STARTED):
         tuple[Note, ...], Counted(1, 16, (BYTE, NOTE_TIME), 'notes')]
 
 
-class PlaySong(Command, title='Play Song', opcode=141, section=ACTUATORS, modes=ACTUATE):
+class PlaySong(Command, opcode=141, section=ACTUATORS, modes=ACTUATE):
     """Play a stored song; ignored while a song is playing."""
 
     number: Annotated[int, SONG_NUMBER]
 
 
-class Sensors(Command, title='Sensors', opcode=142, section=INPUTS, modes=STARTED):
+class Sensors(Command, opcode=142, section=INPUTS, modes=STARTED):
     """Request one packet or group, once; the reply has no id and no checksum."""
 
     packet: Annotated[int, PACKET_ID]
@@ -166,8 +158,7 @@ class Sensors(Command, title='Sensors', opcode=142, section=INPUTS, modes=STARTE
 
 
 class CoverAndDock(
-    Command, title='Cover and Dock', opcode=143, section=DEMOS, modes=STARTED,
-    enters=Mode.PASSIVE,
+    Command, title='Cover and Dock', opcode=143, section=DEMOS, modes=STARTED, enters=Mode.PASSIVE,
 ):
     """Start the Cover and Dock demo."""
 
@@ -182,22 +173,20 @@ class PwmLowSideDrivers(
     driver_0: Annotated[int, DUTY]
 
 
-class DriveDirect(Command, title='Drive Direct', opcode=145, section=ACTUATORS, modes=ACTUATE):
+class DriveDirect(Command, opcode=145, section=ACTUATORS, modes=ACTUATE):
     """Set the wheel speeds; the right wheel comes first."""
 
     right: Annotated[int, SPEED]
     left: Annotated[int, SPEED]
 
 
-class DigitalOutputs(
-    Command, title='Digital Outputs', opcode=147, section=ACTUATORS, modes=ACTUATE,
-):
+class DigitalOutputs(Command, opcode=147, section=ACTUATORS, modes=ACTUATE):
     """Set the three digital outputs of the cargo bay."""
 
     bits: Annotated[int, bits('B', OutputBits)]
 
 
-class Stream(Command, title='Stream', opcode=148, section=INPUTS, modes=STARTED):
+class Stream(Command, opcode=148, section=INPUTS, modes=STARTED):
     """Request a list of packets every 15 ms, in frames with header, ids and checksum."""
 
     packets: Annotated[tuple[int, ...], Counted(0, len(PACKET_IDS), (PACKET_ID,), 'packets')]
@@ -206,7 +195,7 @@ class Stream(Command, title='Stream', opcode=148, section=INPUTS, modes=STARTED)
         object.__setattr__(self, 'packets', numbers_of(packets))
 
 
-class QueryList(Command, title='Query List', opcode=149, section=INPUTS, modes=STARTED):
+class QueryList(Command, opcode=149, section=INPUTS, modes=STARTED):
     """Request a list of packets, once; the reply has no ids and no checksum."""
 
     packets: Annotated[tuple[int, ...], Counted(0, 255, (PACKET_ID,), 'packets')]
@@ -229,39 +218,39 @@ class SendIr(Command, title='Send IR', opcode=151, section=ACTUATORS, modes=ACTU
     byte: Annotated[int, BYTE]
 
 
-class Script(Command, title='Script', opcode=152, section=SCRIPTS, modes=STARTED):
+class Script(Command, opcode=152, section=SCRIPTS, modes=STARTED):
     """Store a script: the bytes of other commands. An empty script clears the stored one."""
 
     script: Annotated[bytes, Counted(0, 100, (BYTE,), 'bytes')]
 
 
-class PlayScript(Command, title='Play Script', opcode=153, section=SCRIPTS, modes=STARTED):
+class PlayScript(Command, opcode=153, section=SCRIPTS, modes=STARTED):
     """Play the stored script; as the last command of a script, repeat it without end."""
 
 
-class ShowScript(Command, title='Show Script', opcode=154, section=SCRIPTS, modes=STARTED):
+class ShowScript(Command, opcode=154, section=SCRIPTS, modes=STARTED):
     """Request the stored script: its length in bytes, then the bytes. Pauses the stream."""
 
 
-class WaitTime(Command, title='Wait Time', opcode=155, section=WAITS, modes=STARTED):
+class WaitTime(Command, opcode=155, section=WAITS, modes=STARTED):
     """Wait for a time; the robot ignores all input until then. Resolution 15 ms."""
 
     time: Annotated[int, Wire('B', 0, 255, '1/10 s')]
 
 
-class WaitDistance(Command, title='Wait Distance', opcode=156, section=WAITS, modes=STARTED):
+class WaitDistance(Command, opcode=156, section=WAITS, modes=STARTED):
     """Wait until the robot has travelled a distance; resets packet 19."""
 
     distance: Annotated[int, Wire('h', *SIGNED_WORD, 'mm')]
 
 
-class WaitAngle(Command, title='Wait Angle', opcode=157, section=WAITS, modes=STARTED):
+class WaitAngle(Command, opcode=157, section=WAITS, modes=STARTED):
     """Wait until the robot has turned by an angle; resets packet 20."""
 
     angle: Annotated[int, Wire('h', *SIGNED_WORD, 'deg')]
 
 
-class WaitEvent(Command, title='Wait Event', opcode=158, section=WAITS, modes=STARTED):
+class WaitEvent(Command, opcode=158, section=WAITS, modes=STARTED):
     """Wait for an event; the negative of an event waits for its inverse."""
 
     event: Annotated[int, signed_choice('b', Event)]

@@ -10,11 +10,14 @@ annotated fields. No number of the manual stands here: they are all in `commands
 from collections.abc import Sequence
 from dataclasses import dataclass
 from inspect import Signature, signature
+import re
 import struct
 from typing import Any, ClassVar, dataclass_transform, get_args, get_origin, NamedTuple, Self
 
 from .codes import Mode
 from .wire import BIG_ENDIAN, Counted, Wire
+
+WORD_BEGINS = re.compile(r'(?<=[a-z])(?=[A-Z])')
 
 
 class Field(NamedTuple):
@@ -42,7 +45,7 @@ class Command:
 
     opcode: ClassVar[int]
     title: ClassVar[str]
-    """The manual's name."""
+    """The manual's name: that of the class with spaces, unless it is given."""
     section: ClassVar[str]
     """The manual's section."""
     modes: ClassVar[frozenset[Mode]]
@@ -66,15 +69,16 @@ class Command:
         return super().__new__(cls)
 
     def __init_subclass__(
-        cls, *, opcode: int, title: str, section: str,
-        modes: frozenset[Mode], enters: Mode | None = None,
+        cls, *, opcode: int, section: str, modes: frozenset[Mode], enters: Mode | None = None,
+        title: str = '',
     ) -> None:
         # Without slots=True, which would make a second class that lacks the facts above.
         dataclass(frozen=True, kw_only=True)(cls)
+        cls.title = title or WORD_BEGINS.sub(' ', cls.__name__)
         if opcode in cls.by_opcode:
             raise TypeError(
-                f'opcode {opcode} of {title} is already that of {cls.by_opcode[opcode].title}')
-        cls.opcode, cls.title, cls.section = opcode, title, section
+                f'opcode {opcode} of {cls.title} is already that of {cls.by_opcode[opcode].title}')
+        cls.opcode, cls.section = opcode, section
         cls.modes, cls.enters = modes, enters
         cls.fields, cls.tail = _declared(cls)
         # Else `inspect.signature` would show __new__, which takes anything.

@@ -200,7 +200,7 @@ class Text:
         if END.match(self._text, self._at) is None:
             self._take(SPACES)
             self._refuse(self._at, f'{kind.title}: expected name=value or line end')
-        lacking = [field for field in _declared(kind) if field not in values]
+        lacking = [field for field in kind.__signature__.parameters if field not in values]
         if lacking:
             self._refuse(start, f'{kind.title} lacks {", ".join(lacking)}')
         command = kind(**values)
@@ -220,7 +220,7 @@ class Text:
         return kind
 
     def _fields(self, kind: type[Command]) -> dict[str, Any]:
-        declared = {plain(name): name for name in _declared(kind)}
+        declared = {plain(name): name for name in kind.__signature__.parameters}
         values: dict[str, Any] = {}
         while (match := FIELD.match(self._text, self._at)) is not None:
             name = declared.get(plain(match[1]))
@@ -316,11 +316,6 @@ class Text:
         raise TextError(self._text, place, reason)
 
 
-def _declared(kind: type[Command]) -> list[str]:
-    names = [field.name for field in kind.fields]
-    return [*names, kind.tail.name] if kind.tail is not None else names
-
-
 def _meant(name: str) -> str:
     """Return the commands that a wrong name may mean, '' if none: Drive 200 means Drive."""
     begun = [key for key in KINDS if name.startswith(key)]
@@ -328,7 +323,7 @@ def _meant(name: str) -> str:
         from difflib import get_close_matches  # here: few programs ever need it
         return ', '.join(KINDS[key].title for key in get_close_matches(name, KINDS))
     kind = KINDS[max(begun, key=len)]
-    return ' '.join([kind.title, *(f'{field}=...' for field in _declared(kind))])
+    return ' '.join([kind.title, *(f'{field}=...' for field in kind.__signature__.parameters)])
 
 
 def _allowed(wire: Wire) -> str:
