@@ -26,8 +26,7 @@ from support.pages import Block, blocks, check_parameters, commands
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'tutorial.md'
 BLOCKS = blocks(PAGE)
-REASONS = {'ros2': {'ros2'}, 'sudo': {'sudo'}, 'build': {'git', 'cd', 'make'},
-           'robot': {'create_run', 'create_node', 'python'}}
+REASONS = {'ros2': {'ros2'}, 'robot': {'create_run', 'create_node', 'python'}}
 """Reasons for not running a block, and the programs that such a block may name."""
 JOIN = re.compile(r'export ROS_DOMAIN_ID=\d+')
 VARYING = re.compile(r'\b(left|right)$|\b(True|False)\b|[+-]?\d+(\.\d+)?(e-?\d+)?')
