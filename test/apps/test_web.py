@@ -232,7 +232,7 @@ def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(stage, p
 
 # Doing.
 
-def test_modes_songs_leds_dock_and_reset_are_done(stage, pages):
+def test_modes_tunes_leds_dock_and_reset_are_done(stage, pages):
     robot, address = started(stage)
     page = ready(pages(address))
 
@@ -244,9 +244,10 @@ def test_modes_songs_leds_dock_and_reset_are_done(stage, pages):
     lights = robot.create.lights
     stage.ros.until(lambda: (lights.bits, lights.color, lights.intensity) == (
         LedBits.PLAY, 200, 100))
-    done('song', notes=[[67, 0.25], [72, 0.5]])
+    page.send('audio_note_sequence', notes='G4:0.25 C5:0.5')
     stage.ros.until(lambda: robot.create.note == 72)
-    page.until(lambda: page.known['song']['number'] == 15)
+    page.until(lambda: page.known['song']['playing'])
+    assert page.reply()['ok']
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.1)
     page.send('release')
     page.until(lambda: page.known['pose']['speed'] == 0)
@@ -269,7 +270,7 @@ def test_bad_messages_are_answered_and_nothing_moves(stage, pages):
     for text in ('', '{', '[]', '[' * 2000, '{"type": "fly"}', '{"type": "drive"}',
                  '{"type": "drive", "linear": 9, "angular": 0, "seen": 0}',
                  '{"type": "drive", "linear": NaN, "angular": 0, "seen": 0}',
-                 '{"type": "mode", "mode": "off"}', '{"type": "song", "notes": [[0, 1]]}',
+                 '{"type": "mode", "mode": "off"}', '{"type": "dock", "far": 1}',
                  '{"type": "leds", "play": "<b>"}'):
         page.send_text(text)
         reply = page.reply()

@@ -9,6 +9,7 @@ the origin, in Safe, with nothing around it but a wall 1.5 m ahead.
 
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, closing
+import math
 import signal
 
 from create_oi_msgs.srv import SetMode
@@ -18,6 +19,9 @@ import pytest
 from sensor_msgs.msg import BatteryState
 from std_srvs.srv import Trigger
 
+from create_oi_ros.driver.goal_control import COMMANDED, TAKEN_OVER
+from create_oi_ros.driver.outputs import WAIT
+from create_oi_ros.driver.state import Activity, DRIVE_REFUSALS, REFUSALS, StateEvent
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse, Pose
 from support.browser import browsers, OpenPage
@@ -25,7 +29,7 @@ from support.ros import scene
 from support.web import free_port, PageClient, Relay, served, standing
 
 SIZES = {'telephone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
-         'desktop': (1920, 1080), 'wall': (2560, 1440), 'notebook': (1280, 720)}
+         'desktop': (1440, 900), 'wall': (2560, 1440), 'notebook': (1280, 720)}
 LONG = 10.0
 """`cmd_vel_timeout`, s: only page and server stop the wheels in time, not the driver."""
 GAMEPAD = """
@@ -365,19 +369,31 @@ def test_what_is_touched_lights_up_trembles_and_is_listed(robot, shown):
 
 # Layout.
 
-def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(shown):
-    for size, (_, height) in SIZES.items():
-        page = shown(size).page
+def covers(page, selector):
+    """Return the id of what a finger hits in the middle of an element."""
+    return page.locator(selector).evaluate("""element => {
+        const box = element.getBoundingClientRect();
+        return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2)?.id;
+    }""")
+
+
+def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(stage, shown):
+    page = shown()
+    assert stage.ros.call(SetMode, 'set_mode', mode=Mode.PASSIVE).success
+    page.until(why('Passive'))
+    page = page.page
+    for size, (width, height) in SIZES.items():
+        page.set_viewport_size({'width': width, 'height': height})
         assert page.evaluate('document.documentElement.scrollWidth <= innerWidth'), size
         for place in (0, 1e6):
             page.evaluate(f'scrollTo(0, {place})')
             box = page.locator('#stop').bounding_box()
             assert box['y'] >= 0 and box['y'] + box['height'] <= height, size
-            # Nothing lies over it.
-            assert page.evaluate("""() => {
-                const box = document.getElementById('stop').getBoundingClientRect();
-                return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2).id;
-            }""") == 'stop', size
+            assert covers(page, '#stop') == 'stop', size
+        for control in ('#limit', '#goal-go', '#tune-play', '#led-color'):
+            page.locator(control).evaluate("each => each.scrollIntoView({block: 'center'})")
+            assert covers(page, control) == control[1:], (
+                f'{size}: {control} is hidden by the panel of the stick')
         small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
             .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
         assert small == [], f'{size}: a thumb must hit every button'
@@ -458,7 +474,7 @@ def test_modes_and_leds_are_set_and_full_only_when_its_button_is_held(stage, rob
     stage.ros.until(lambda: robot.create.lights.bits & LedBits.ADVANCE)
 
 
-def test_notes_that_are_pressed_while_a_song_plays_are_played_after_it(stage, robot, shown):
+def test_tunes_are_played_and_notes_that_are_pressed_meanwhile_follow(stage, robot, shown):
     page, heard = shown('telephone').page, []
 
     def listen() -> None:
@@ -469,8 +485,17 @@ def test_notes_that_are_pressed_while_a_song_plays_are_played_after_it(stage, ro
         page.get_by_role('button', name=name, exact=True).click()
     stage.ros.until(lambda: heard == [72, 76, 79])
     page.wait_for_timeout(300)
-    page.get_by_role('button', name='Play a tune').click()
+    page.get_by_role('button', name='Play', exact=True).click()
     stage.ros.until(lambda: heard[3:] == [67, 72, 76, 79])
+    page.locator('#tune-text').fill('x:d=4,o=5,b=100:2c,2d,2e,2f,2g,2a')
+    page.get_by_role('button', name='Play', exact=True).click()
+    page.wait_for_selector('#tune-note:has-text("♪ D5, note 2")')
+    page.locator('#tune-cancel').click()
+    page.wait_for_selector('#tune-note:empty', state='attached')
+    assert page.locator('#toast').is_hidden()
+    page.locator('#tune-text').fill('H7')
+    page.get_by_role('button', name='Play', exact=True).click()
+    page.wait_for_selector('#toast:has-text("such as C4:1/4")')
 
 
 def tap(page, right: float, up: float) -> None:
@@ -526,6 +551,37 @@ def test_a_way_through_a_wall_is_red_and_a_cancel_is_no_error(stage, robot, show
     stage.ros.until(lambda: robot.create.demo is None)
 
 
+def test_the_way_that_a_form_asks_for_is_drawn_and_red_through_a_wall_before_go(robot, shown):
+    page = shown()
+    warns = "document.getElementById('goal-way').textContent.includes('through a wall')"
+
+    def color(right: float, up: float) -> str:
+        """Return the colour of the map in a place, metres from the robot."""
+        return page.evaluate(f"""(() => {{
+            const canvas = document.getElementById('map-canvas');
+            const metre = 90 * devicePixelRatio;
+            const [red, green, blue] = canvas.getContext('2d').getImageData(
+                canvas.width / 2 + {right} * metre, canvas.height / 2 - {up} * metre, 1, 1).data;
+            return red > 150 && green < 80 ? 'red' : blue > 100 && red < 60 ? 'blue' : '';
+        }})()""")
+    page.page.locator('#goal-distance').fill('1.2')
+    page.wait(lambda: color(0.6, 0) == 'blue', 'a way is drawn')
+    assert not page.evaluate(warns)
+    page.page.locator('#goal-distance').fill('1.5')
+    page.wait(lambda: color(0.6, 0) == 'red', 'it is red')
+    assert page.evaluate(warns)
+    page.page.locator('#goal-name').select_option('drive_arc')
+    page.page.locator('#goal-radius').fill('1')
+    page.page.locator('#goal-angle').fill('90')
+    page.wait(lambda: color(math.sin(0.7), 1 - math.cos(0.7)) == 'blue', 'a circle is drawn')
+    assert not page.evaluate(warns)
+    page.page.locator('#goal-angle').fill('-180')
+    page.page.locator('#goal-radius').fill('1.6')
+    page.until(warns)
+    page.page.mouse.click(5, 5)  # not in the form any more
+    page.wait(lambda: color(math.sin(0.7), math.cos(0.7) - 1) == '', 'nothing is drawn')
+
+
 def test_a_number_that_is_none_is_not_sent(stage, robot, shown):
     page = shown().page
     before = page.locator('#goal-text').inner_text()
@@ -554,6 +610,31 @@ def test_a_recording_is_made_and_its_report_is_offered(stage, robot, shown):
 
 
 # Texts, tokens, other servers.
+
+REPLIES = {
+    WAIT: 'wait until it has ended',
+    f'a song plays: {WAIT}': 'a song plays: wait until it has ended',
+    'robot is in PASSIVE: call set_mode with SAFE first': 'robot is in PASSIVE: press Safe',
+    DRIVE_REFUSALS[Activity.DEMO]: 'a demo runs: press STOP, then press Safe',
+    DRIVE_REFUSALS[Activity.DOCKING]: 'a goal looks for the dock: press Cancel, or press STOP',
+    REFUSALS[Activity.CLOSED]: REFUSALS[Activity.CLOSED],
+    'in PASSIVE: send the goal undock, it is on its dock (dock and undock are actions)':
+        'in PASSIVE: it is on its dock, press Leave the dock',
+    COMMANDED.text: 'a velocity command took over',
+    TAKEN_OVER[StateEvent.PASSIVE_SET][1]: 'PASSIVE was set: press Safe, then send the goal again',
+    'drive_distance: distance = 5000 m; allowed: -1000 to 1000':
+        'distance = 5000 m; allowed: -1000 to 1000',
+    'recording on: /home/ada/my_bags/record-1': 'recording on: /home/ada/my_bags/record-1',
+}
+
+
+def test_what_the_driver_says_to_programs_is_said_in_words_for_people(shown):
+    said = shown().evaluate("""async texts => {
+        const { forPeople } = await import('/panels.js');
+        return texts.map(forPeople);
+    }""", list(REPLIES))
+    assert said == list(REPLIES.values())
+
 
 def test_texts_of_others_are_no_html(stage, pages):
     page = pages(served(stage, '--ros-args', '-r', '__ns:=/third')[1])

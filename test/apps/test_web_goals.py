@@ -11,7 +11,7 @@ from create_oi_ros.sim.world import shipped
 from support.ros import scene
 from support.web import PageClient, ready, Relay, served, standing
 
-LONG_WAY = {'distance': 20.0, 'speed': 0.3}
+LONG_WAY = {'distance': 20.0, 'max_translation_speed': 0.3}
 
 
 @pytest.fixture
@@ -46,9 +46,9 @@ def pages(stage, driver):
         page.close()
 
 
-def goal_of(page) -> dict[str, object]:
-    """Return what a page knows of the newest goal."""
-    return dict(page.known.get('goal') or {})
+def goal_of(page, kind: str = 'goal') -> dict[str, object]:
+    """Return what a page knows of the newest goal, or tune."""
+    return dict(page.known.get(kind) or {})
 
 
 def pursued(page, name, **fields):
@@ -68,7 +68,7 @@ def sets_out(page, robot, name, **fields):
 
 def test_goals_are_sent_watched_and_reached(robot, pages):
     page, witness = pages(), pages()
-    sets_out(page, robot, 'drive_distance', distance=0.15, speed=0.3)
+    sets_out(page, robot, 'drive_distance', distance=0.15)
     way = witness.until(
         lambda: (goal_of(witness).get('feedback') or {}).get('remaining_travel_distance'))
     assert 0 < way <= 0.15
@@ -80,11 +80,12 @@ def test_goals_are_sent_watched_and_reached(robot, pages):
         'text': reply['text'], 'code': 0, 'feedback': None}
     assert 0.1 < robot.body.truth().pose.x < 0.25
     x, y = page.known['pose']['x'], page.known['pose']['y']
-    assert pursued(page, 'navigate_to_position', x=x + 0.05, y=y, heading=None, speed=0.2)['ok']
-    assert pursued(page, 'wall_follow', seconds=1)['ok']
+    place = {'pose': {'position': {'x': x + 0.05, 'y': y}}}
+    assert pursued(page, 'navigate_to_position', goal_pose=place)['ok']
+    assert pursued(page, 'wall_follow', follow_side=-1, max_runtime={'sec': 1})['ok']
     page.send('dock')
     page.until(lambda: (goal_of(page).get('feedback') or {}).get('sees_dock') is False)
-    page.send('cancel')
+    page.send('cancel', what='goal')
     assert not page.reply()['ok']
 
 
@@ -92,12 +93,11 @@ def test_a_goal_that_cannot_be_reached_says_why(robot, pages):
     page = pages()
     reply = pursued(page, 'undock')
     assert not reply['ok'] and reply['text']
-    reply = pursued(page, 'drive_arc', angle=900, radius=900, speed=0.2, backward=False)
-    assert (reply['ok'], reply['text']) == (
-        False, 'rejected as malformed: the log of the driver says why')
-    page.send('cancel')
+    reply = pursued(page, 'drive_arc', angle=900, radius=900, translate_direction=1)
+    assert not reply['ok'] and 'allowed' in reply['text']
+    page.send('cancel', what='goal')
     assert page.reply()['text'] == 'no goal of a page is under way'
-    page.send('drive_distance', distance='far', speed=0.2)
+    page.send('drive_distance', distance='far')
     assert not page.reply()['ok'] and standing(robot)
 
 
@@ -106,7 +106,7 @@ def test_a_goal_ends_by_cancel_stop_and_take_over(stage, robot, pages):
     for end in ('cancel', 'stop', 'take_over'):
         page.until(lambda: goal_of(page).get('state') not in ('sent', 'under way', 'canceling'))
         sets_out(page, robot, 'drive_distance', **LONG_WAY)
-        other.send(end)
+        other.send(end, **({'what': 'goal'} if end == 'cancel' else {}))
         assert not page.reply()['ok']
         stage.ros.until(lambda: standing(robot))
     page.send('drive_distance', **LONG_WAY)
@@ -154,3 +154,19 @@ def test_a_goal_ends_when_its_page_or_the_driver_goes(stage, robot, driver, page
     driver.send(signal.SIGTERM)
     assert not witness.reply()['ok']
     witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
+
+
+def test_a_tune_plays_while_the_robot_drives_and_is_canceled_by_itself(robot, pages):
+    page, witness = pages(), pages()
+    page.send('audio_note_sequence', notes='G4:0.1 C5:0.1')
+    assert page.reply()['ok']
+    sets_out(page, robot, 'drive_distance', **LONG_WAY)
+    page.send('audio_note_sequence', notes='G4:1/4 C5:1/4 ' * 20)
+    witness.until(lambda: goal_of(witness, 'tune').get('feedback'))
+    assert goal_of(witness, 'tune')['feedback']['note'] in ('G4', 'C5')
+    witness.until(lambda: goal_of(witness).get('state') == 'under way' and not standing(robot))
+    witness.send('cancel', what='tune')
+    reply = page.reply()
+    assert (reply['to'], reply['ok']) == ('audio_note_sequence', False)
+    witness.until(lambda: goal_of(witness, 'tune')['state'] == 'canceled')
+    assert not standing(robot)

@@ -3,9 +3,9 @@
 """What a page of `create_web` may send: every message, every goal, and what is refused."""
 
 import json
-from math import inf, nan, pi
+from math import inf, nan
 
-from create_oi_msgs.action import Dock, DriveArc, NavigateToPosition
+from create_oi_msgs.action import AudioNoteSequence, Dock, DriveArc, NavigateToPosition
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
@@ -13,44 +13,58 @@ import pytest
 from create_oi_ros.apps.web.driver_seat import TOP_TURN
 from create_oi_ros.apps.web.page_messages import (
     feedback_part,
-    GOALS,
     MessageError,
     MESSAGES,
     read,
 )
 from create_oi_ros.robot import TOP_SPEED
-from create_oi_ros.ros.actions import ACTIONS
+from create_oi_ros.ros.performances import ALL_ACTIONS
 
 GOOD = {
     'drive': {'linear': 0.1, 'angular': -1, 'seen': 12.5},
     'release': {}, 'stop': {}, 'take_over': {}, 'leave': {}, 'reset_odometry': {},
-    'cancel': {}, 'ping': {}, 'record': {'on': True},
+    'cancel': {'what': 'goal'}, 'ping': {}, 'record': {'on': True},
     'mode': {'mode': 'safe'},
-    'song': {'notes': [[60, 0.5], [127, 0]]},
     'leds': {'play': True, 'advance': False, 'color': 0, 'intensity': 255},
-    'drive_distance': {'distance': -0.5, 'speed': 0.2},
-    'rotate_angle': {'angle': 1.5, 'turn': 1},
-    'drive_arc': {'angle': 1.5, 'radius': 0.4, 'speed': 0.2, 'backward': True},
-    'navigate_to_position': {'x': 1, 'y': -2.5, 'heading': 1.5, 'speed': 0.2},
+}
+GOOD_GOALS = {
+    'drive_distance': {'distance': -0.5, 'max_translation_speed': 0.2},
+    'rotate_angle': {'angle': 1.5, 'max_rotation_speed': 1},
+    'drive_arc': {'angle': 1.5, 'radius': 0.4, 'translate_direction': -1},
+    'navigate_to_position': {'goal_pose': {'pose': {'position': {'x': 1, 'y': -2.5}}}},
     'dock': {}, 'undock': {},
-    'wall_follow': {'seconds': 30},
+    'wall_follow': {'follow_side': -1, 'max_runtime': {'sec': 30}},
+    'audio_note_sequence': {'notes': 'C4:1/4 60:0.5'},
 }
 BAD = [
     ('drive', 'linear', value) for value in (TOP_SPEED + 0.01, nan, inf, '0', None, True, [], {},
                                              10 ** 400)
 ] + [('drive', 'angular', -TOP_TURN - 0.1), ('drive', 'seen', -1), ('drive', 'seen', 'now'),
      ('mode', 'mode', 'off'), ('mode', 'mode', 'SAFE'), ('mode', 'mode', 2), ('mode', 'mode', []),
-     ('song', 'notes', []), ('song', 'notes', [[60, 0.5]] * 17), ('song', 'notes', [[30, 1]]),
-     ('song', 'notes', [[60, 4]]), ('song', 'notes', [[60.5, 1]]), ('song', 'notes', [[60]]),
-     ('song', 'notes', 'la'), ('song', 'notes', [60, 61]), ('leds', 'play', 1),
-     ('leds', 'color', 256), ('leds', 'color', 1.5), ('leds', 'intensity', True),
-     ('drive_distance', 'distance', 1001), ('drive_distance', 'distance', nan),
-     ('drive_distance', 'speed', 0), ('drive_distance', 'speed', TOP_SPEED + 0.01),
-     ('rotate_angle', 'angle', inf), ('rotate_angle', 'turn', -1),
-     ('drive_arc', 'radius', 0), ('drive_arc', 'backward', -1),
-     ('navigate_to_position', 'x', None), ('navigate_to_position', 'heading', 'north'),
-     ('navigate_to_position', 'heading', nan), ('wall_follow', 'seconds', 0),
-     ('wall_follow', 'seconds', 1e9)]
+     ('leds', 'play', 1), ('leds', 'color', 256), ('leds', 'color', 1.5),
+     ('leds', 'intensity', True), ('cancel', 'what', 'all'), ('record', 'on', 1)]
+TEN = 10 ** 400
+BAD_GOALS = [
+    ('drive_distance', {'distance': 1001}, 'allowed: -1000 to 1000'),
+    ('drive_distance', {'distance': nan}, 'not finite'),
+    ('drive_distance', {'distance': TEN}, 'distance is not allowed; .* of type float'),
+    ('drive_distance', {'distance': True}, 'distance is not allowed'),
+    ('drive_distance', {'distance': 1, 'max_translation_speed': 0}, 'allowed: 0.001 or more'),
+    ('drive_distance', {'far': 1}, 'allowed fields: distance, max_translation_speed'),
+    ('rotate_angle', {'angle': inf}, 'not finite'),
+    ('rotate_angle', {'angle': 1, 'max_rotation_speed': -1}, 'allowed'),
+    ('drive_arc', {'angle': 1, 'radius': 0, 'translate_direction': 1}, 'allowed'),
+    ('drive_arc', {'angle': 1, 'radius': 1, 'translate_direction': 1000}, 'of type int8'),
+    ('navigate_to_position', {'goal_pose': None}, 'of type geometry_msgs/PoseStamped'),
+    ('navigate_to_position', {'goal_pose': {'pose': {'position': {'x': 'far'}}}},
+     'goal_pose: pose: position: x is not allowed'),
+    ('navigate_to_position', {'goal_pose': {'pose': {'position': {'x': nan}}}}, 'not finite'),
+    ('dock', {'time_allowance': {'sec': -1}}, 'time_allowance'),
+    ('wall_follow', {'follow_side': -1, 'max_runtime': {'sec': 2 ** 40}}, 'of type int32'),
+    ('wall_follow', {'follow_side': 1}, 'allowed'),
+    ('audio_note_sequence', {'notes': 'la'}, 'such as C4:1/4'),
+    ('audio_note_sequence', {'notes': ['C4:1/4']}, 'of type string'),
+]
 
 
 @pytest.mark.parametrize('type_', MESSAGES)
@@ -101,33 +115,33 @@ def test_an_unknown_type_is_refused_with_those_that_are_known(type_):
         st.sampled_from(['type', 'linear', 'notes', 'mode']) | st.text(), inner)).map(json.dumps))
 def test_no_text_does_more_than_be_refused(text):
     try:
-        assert read(text).type in MESSAGES
+        assert read(text).type in (*MESSAGES, *GOOD_GOALS)
     except MessageError as error:
         assert len(str(error)) < 300
 
 
 # Goals.
 
-def test_every_action_has_a_goal_and_its_request_is_of_the_action_s_type():
-    assert GOALS.keys() == {action.name for action in ACTIONS}
-    for action in ACTIONS:
-        assert isinstance(GOALS[action.name].request(GOOD[action.name]), action.type.Goal)
+@pytest.mark.parametrize('action', ALL_ACTIONS, ids=lambda action: action.name)
+def test_every_action_takes_a_goal_with_its_own_fields(action):
+    goal = read(json.dumps({'type': action.name, **GOOD_GOALS[action.name]})).goal
+    assert isinstance(goal, action.type.Goal)
 
 
-def test_a_place_without_a_heading_asks_for_none():
-    goal = GOALS['navigate_to_position']
-    turned = goal.request({'x': 1, 'y': 2, 'heading': pi, 'speed': 0.1})
-    pose = turned.goal_pose.pose
-    assert (pose.position.x, pose.position.y, pose.orientation.z) == (1.0, 2.0, 1.0)
-    assert turned.achieve_goal_heading
-    assert goal.checks['heading'].passes(None)
-    assert not goal.request({'x': 1, 'y': 2, 'heading': None, 'speed': 0.1}).achieve_goal_heading
+def test_what_a_goal_leaves_out_has_its_default_and_what_it_has_is_taken():
+    goal = read(json.dumps({'type': 'drive_distance', 'distance': 1})).goal
+    assert (goal.distance, goal.max_translation_speed) == (1.0, pytest.approx(0.3))
+    goal = read(json.dumps(
+        {'type': 'navigate_to_position', **GOOD_GOALS['navigate_to_position']})).goal
+    place = goal.goal_pose.pose.position
+    assert (place.x, place.y, goal.achieve_goal_heading) == (1.0, -2.5, False)
 
 
-@pytest.mark.parametrize(('backward', 'direction'), [(False, 1), (True, -1)])
-def test_an_arc_has_a_direction(backward, direction):
-    goal = GOALS['drive_arc'].request({**GOOD['drive_arc'], 'backward': backward})
-    assert goal.translate_direction == direction
+@pytest.mark.parametrize(('type_', 'fields', 'why'), BAD_GOALS, ids=str)
+def test_a_goal_that_no_robot_could_follow_is_refused_by_name(type_, fields, why):
+    with pytest.raises(MessageError, match=f'^{type_}: .*{why}') as refused:
+        read(json.dumps({'type': type_, **fields}))
+    assert refused.value.to == type_
 
 
 def test_feedback_becomes_json_and_leaves_out_what_is_no_number():
@@ -136,3 +150,5 @@ def test_feedback_becomes_json_and_leaves_out_what_is_no_number():
     assert feedback_part(made) == {'navigate_state': 2, 'remaining_travel_distance': 0.123}
     assert feedback_part(Dock.Feedback(sees_dock=True))['sees_dock'] is True
     assert feedback_part(DriveArc.Feedback()) == {'remaining_angle_travel': 0.0}
+    assert feedback_part(AudioNoteSequence.Feedback(note='C4', place=2)) == {
+        'note': 'C4', 'place': 2, 'iterations_played': 0}

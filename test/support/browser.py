@@ -83,9 +83,9 @@ class OpenPage:
         """Return the text of an element."""
         return str(self.page.locator(selector).inner_text())
 
-    def evaluate(self, expression: str) -> Any:
-        """Return the value of an expression, or of a function, in the page."""
-        return self.page.evaluate(expression)
+    def evaluate(self, expression: str, argument: Any = None) -> Any:
+        """Return the value of an expression, or of a function of the argument, in the page."""
+        return self.page.evaluate(expression, argument)
 
     @property
     def touches(self) -> Any:

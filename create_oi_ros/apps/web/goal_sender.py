@@ -13,14 +13,14 @@ from rclpy.action.client import ClientGoalHandle
 from rclpy.task import Future
 
 from .live_robot import LiveRobot
-from .page_messages import feedback_part, GOALS
+from .page_messages import feedback_part, PageMessage
 from .web_node import awaited, Reply, WebNode
 
 CANCELED = Reply(False, 'canceled before it was sent')
 DISCOVERY, LOOK = 2.0, 0.1
 """Seconds in which a driver that has just started must be found, and between two looks."""
 GONE = Reply(False, 'the driver has gone')
-REJECTED = Reply(False, 'rejected as malformed: the log of the driver says why')
+REJECTED = Reply(False, 'rejected as malformed')
 
 
 class SentGoal:
@@ -42,20 +42,20 @@ class SentGoal:
 
 
 class GoalSender:
-    """Sends goals one after the other; the driver lets a new one take over."""
+    """Sends goals of a kind one after the other; the driver lets a new one take over, or not."""
 
-    def __init__(self, node: WebNode, robot: LiveRobot) -> None:
-        """Show the newest goal in the parts of this robot."""
-        self._node, self._robot = node, robot
+    def __init__(self, node: WebNode, robot: LiveRobot, part: str) -> None:
+        """Show the newest goal as a part of this robot."""
+        self._node, self._robot, self._part = node, robot, part
         self._newest: SentGoal | None = None
 
-    def pursue(self, viewer: int, name: str, fields: Mapping[str, Any]) -> Awaitable[Reply]:
+    def pursue(self, viewer: int, message: PageMessage) -> Awaitable[Reply]:
         """Begin a goal at once, so that STOP finds it; return what waits for its end."""
-        goal = self._newest = SentGoal(viewer, name)
+        goal = self._newest = SentGoal(viewer, message.type)
         self._show(goal, 'sent')
-        return self._pursue(goal, fields)
+        return self._pursue(goal, message.goal)
 
-    async def _pursue(self, goal: SentGoal, fields: Mapping[str, Any]) -> Reply:
+    async def _pursue(self, goal: SentGoal, request: Any) -> Reply:
         client = self._node.action_client(goal.name)
         looked = 0.0
         while not (client.server_is_ready() or goal.canceling) and looked < DISCOVERY:
@@ -67,8 +67,7 @@ class GoalSender:
             goal.end(self._node.nobody_offers(goal.name))
         else:
             await self._send(goal, client.send_goal_async(
-                GOALS[goal.name].request(fields),
-                feedback_callback=lambda message: self._on_feedback(goal, message.feedback)))
+                request, lambda message: self._on_feedback(goal, message.feedback)))
         reply = await goal.ended
         state = 'reached' if reply.ok else 'canceled' if goal.canceling else 'ended'
         self._show(goal, state, reply.text)
@@ -97,7 +96,7 @@ class GoalSender:
 
         def on_result(done: Any) -> None:
             result = done.result().result
-            goal.code = int(result.error_code)
+            goal.code = int(getattr(result, 'error_code', 0))
             goal.end(Reply(bool(result.success), str(result.message)))
         handle.get_result_async().add_done_callback(on_result)
 
@@ -108,7 +107,7 @@ class GoalSender:
     def _show(self, goal: SentGoal, state: str, text: str = '', *,
               feedback: Mapping[str, Any] | None = None) -> None:
         if goal is self._newest:
-            self._robot.parts.put('goal', {
+            self._robot.parts.put(self._part, {
                 'name': goal.name, 'viewer': goal.viewer, 'state': state, 'text': text,
                 'code': goal.code, 'feedback': feedback})
 

@@ -15,7 +15,6 @@ from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
 from ...oi import Mode
-from ...oi.commands import SONG_NUMBER
 from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
 from .bag_recording import BagRecording
 from .driver_seat import DriverSeat, OLDEST_VIEW, Refused, TOP_TURN
@@ -28,10 +27,9 @@ HEARTBEAT = 5.0
 """Seconds between two pings; a page that does not answer is disconnected."""
 MOST_REPLIES = 50
 """Replies that wait to be sent to one page; older ones are dropped."""
+TUNE = 'audio_note_sequence'
 MOST_CALLS = 4
 """Calls of one page that have no reply yet."""
-SONG = SONG_NUMBER.high
-"""Song number of what the page plays: the last one, which others use least."""
 
 
 def device_of(agent: str) -> str:
@@ -75,7 +73,8 @@ class Viewers:
         self._viewers: dict[int, Viewer] = {}
         self._tasks: set[asyncio.Task[object]] = set()
         self._seat = DriverSeat()
-        self._goals = GoalSender(node, robot)
+        self._goals = {each: GoalSender(node, robot, each) for each in ('goal', 'tune')}
+        """Those that move the robot, and tunes, which play beside them."""
         self._expiry: asyncio.TimerHandle | None = None
         self._last_number = 0
         self._show_seat()
@@ -112,12 +111,17 @@ class Viewers:
     def _leave(self, viewer: Viewer) -> None:
         if self._viewers.pop(viewer.number, None) is not None:
             self._brake_if(self._seat.leave(viewer.number))
-            self._goals.check(self._seat.viewer)
+            self._check_goals()
             self._show_seat()
+
+    def _check_goals(self) -> None:
+        for each in self._goals.values():
+            each.check(self._seat.viewer)
 
     async def close(self) -> None:
         """Stop the wheels if a page drives, cancel its goal, and disconnect all pages."""
-        self._goals.cancel()
+        for each in self._goals.values():
+            each.cancel()
         if self._seat.driving:
             self._node.velocity.stop()
         for viewer in list(self._viewers.values()):
@@ -127,7 +131,7 @@ class Viewers:
         """Send what is new to all pages; one that is still being sent something is left out."""
         for viewer in self._viewers.values():
             viewer.news.set()
-        self._goals.check(self._seat.viewer)
+        self._check_goals()
 
     async def _send(self, viewer: Viewer) -> None:
         greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': TOP_TURN,
@@ -160,7 +164,7 @@ class Viewers:
         try:
             message = read(text)
         except MessageError as error:
-            viewer.reply('', False, str(error))
+            viewer.reply(error.to, False, str(error))
             return
         try:
             self._obey(viewer, message)
@@ -186,18 +190,19 @@ class Viewers:
             case 'take_over':
                 self._stop_if(self._seat.take_over(number))
             case 'cancel':
-                if not self._goals.cancel():
-                    raise Refused('no goal of a page is under way')
+                if not self._goals[fields['what']].cancel():
+                    raise Refused(f'no {fields["what"]} of a page is under way')
             case 'stop':
                 self._seat.stop()
                 self._stop_if(True)
-                self._goals.cancel()
+                for each in self._goals.values():
+                    each.cancel()
                 self._robot.happened('warn', 'STOP was pressed', time.monotonic())
                 self._call(viewer, message.type, lambda: self._node.call('stop'))
             case _:
                 self._seat.sit(number)
                 self._call(viewer, message.type, lambda: self._call_of(viewer, message))
-        self._goals.check(self._seat.viewer)
+        self._check_goals()
         self._show_seat()
 
     def _drive(self, number: int, linear: float, angular: float, seen: float) -> None:
@@ -245,11 +250,6 @@ class Viewers:
         match message.type:
             case 'mode':
                 return self._node.call('set_mode', mode=Mode[fields['mode'].upper()].value)
-            case 'song':
-                return self._node.call(
-                    'define_song', number=SONG, play=True,
-                    pitches=[pitch for pitch, _ in fields['notes']],
-                    seconds=[float(seconds) for _, seconds in fields['notes']])
             case 'leds':
                 return self._node.call(
                     'set_leds', play=fields['play'], advance=fields['advance'],
@@ -257,7 +257,8 @@ class Viewers:
             case 'reset_odometry':
                 return self._reset_odometry()
             case goal:
-                return self._goals.pursue(viewer.number, goal, fields)
+                kind = 'tune' if goal == TUNE else 'goal'
+                return self._goals[kind].pursue(viewer.number, message)
 
     async def _reset_odometry(self) -> Reply:
         reply = await self._node.call('reset_odometry')

@@ -16,18 +16,17 @@ from rclpy.task import Future
 
 from ...ros import topics
 from ...ros.diagnostics import of_driver, PARAMETERS
-from ...ros.performances import ALL_ACTIONS
 from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot, TAKEN
+from .page_messages import GOALS
 
 HEARD = tuple(topic for topic in topics.PUBLISHED
               if topic.type in TAKEN or topic is topics.DIAGNOSTICS)
 """Topics to subscribe to: those that the page shows."""
-CALLED = ('set_mode', 'stop', 'define_song', 'set_leds', 'reset_odometry')
+CALLED = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
 """Services that the page can call."""
 TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
-GOAL_TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 REPLY_TIMEOUT = 10.0
 """Seconds to wait for the reply of a service."""
 
@@ -86,7 +85,7 @@ class WebNode(Node):
     def action_client(self, name: str) -> ActionClient:
         """Return the client of an action; it is made when it is first needed."""
         if name not in self._action_clients:
-            self._action_clients[name] = ActionClient(self, GOAL_TYPES[name], name)
+            self._action_clients[name] = ActionClient(self, GOALS[name], name)
         return self._action_clients[name]
 
     def nobody_offers(self, name: str) -> Reply:

@@ -29,7 +29,7 @@ export class Map2D {
     this.changes = 0;           // of what stands still, besides the track
     this.events = [];
     this.pose = this.drawn = this.truth = this.room = this.origin = null;
-    this.targets = [];          // where goals lead, one after the other: x, y, a heading or null
+    this.way = [];              // where goals lead: x, y, and a heading or null where they end
     this.radius = 0.165;
     this.lit = {};
     this.pointers = new Map();
@@ -276,29 +276,26 @@ export class Map2D {
     draw();
   }
 
-  // The straight ways from the robot to its targets, as pairs of places.
-  ways() {
-    const places = [...(this.pose ? [[this.pose.x, this.pose.y]] : []), ...this.targets];
-    return places.slice(1).map((place, at) => [places[at], place]);
+  // A way from the robot to one place after the other, as pairs of places.
+  legs(way) {
+    return this.pose ? way.map((to, at) => [way[at - 1] || [this.pose.x, this.pose.y], to]) : [];
   }
 
-  wayIsBlocked() {
-    return this.ways().some(([from, to]) => this.blocks(from, to));
-  }
-
-  blocks(from, to) {
+  blocks([from, to]) {
     return Boolean(this.room && this.origin) && crosses(this.room, this.origin, from, to, NARROW * this.radius);
   }
 
+  isBlocked(way) { return this.legs(way).some(leg => this.blocks(leg)); }
+
   drawWay(c) {
     const { color, pixel } = this;
-    for (const [from, to] of this.ways()) {
-      const blocked = this.blocks(from, to);
+    for (const leg of this.legs(this.way)) {
+      const [from, to] = leg, blocked = this.blocks(leg);
       c.strokeStyle = color(blocked ? '--stop' : '--accent');
       c.lineWidth = (blocked ? 4 : 2) * pixel;
       c.beginPath(); c.moveTo(from[0], from[1]); c.lineTo(to[0], to[1]); c.stroke();
+      if (to.length > 2) drawRing(c, to, this.radius, color('--accent'), pixel);
     }
-    for (const target of this.targets) drawRing(c, target, this.radius, color('--accent'), pixel);
   }
 
   drawSign([kind, x, y]) {

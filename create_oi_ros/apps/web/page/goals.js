@@ -3,37 +3,61 @@
 // Goals: motions with an end. A form for each, places that are tapped on the map, how the newest goal
 // fares, and buttons that cancel.
 
-import { byId, say, toast } from './panels.js';
+import { byId, forPeople, say, toast } from './panels.js';
 
 const METRES = { unit: 'm' };
 const DEGREES = { unit: '°', scale: Math.PI / 180 };
 const SPEED = { label: 'At', unit: 'm/s', value: 0.2, min: 0.05 };
+const BEHIND = 0.3;   // metres that an undocking robot drives
+const TURN = 2 * Math.PI, ARC_STEP = Math.PI / 18;
+const ON_RIGHT = -1;  // the side on which a wall is followed
+// For each action: its name, its fields in the form, what is sent, and where the robot gets to on a
+// straight way, or by steps on a circle.
 const GOALS = {
-  drive_distance: ['Drive straight', {
-    distance: { label: 'Distance', ...METRES, value: 0.5 }, speed: SPEED }],
-  rotate_angle: ['Turn in place', {
-    angle: { label: 'Left', ...DEGREES, value: 90 },
-    turn: { label: 'At', unit: '°/s', scale: DEGREES.scale, value: 60, min: 5 } }],
-  drive_arc: ['Drive a circle', {
-    angle: { label: 'Left', ...DEGREES, value: 90 },
-    radius: { label: 'Radius', ...METRES, value: 0.5, min: 0.1 }, speed: SPEED,
-    backward: { label: 'Backward', flag: true } }],
-  navigate_to_position: ['Go to a place', {
-    x: { label: 'x', ...METRES, value: 0 }, y: { label: 'y', ...METRES, value: 0 },
-    heading: { label: 'Then', ...DEGREES, value: '', optional: true }, speed: SPEED },
-    'Or tap places on the map. Then: the heading at the end.'],
-  dock: ['Go and dock', {}, 'It looks for the Home Base, in Passive.'],
-  undock: ['Leave the dock', {}, 'Backwards; keep 30 cm behind the robot free.'],
-  wall_follow: ['Follow a wall', {
-    seconds: { label: 'For', unit: 's', value: 60, min: 10 } }, 'On its right side.'],
+  drive_distance: {
+    title: 'Drive straight',
+    fields: { distance: { label: 'Distance', ...METRES, value: 0.5 }, speed: SPEED },
+    goal: ({ distance, speed }) => ({ distance, max_translation_speed: speed }),
+    way: (pose, { distance }) => [ahead(pose, distance)] },
+  rotate_angle: {
+    title: 'Turn in place',
+    fields: { angle: { label: 'Left', ...DEGREES, value: 90 },
+              turn: { label: 'At', unit: '°/s', scale: DEGREES.scale, value: 60, min: 5 } },
+    goal: ({ angle, turn }) => ({ angle, max_rotation_speed: turn }) },
+  drive_arc: {
+    title: 'Drive a circle',
+    fields: { angle: { label: 'Left', ...DEGREES, value: 90 },
+              radius: { label: 'Radius', ...METRES, value: 0.5, min: 0.1 }, speed: SPEED,
+              backward: { label: 'Backward', flag: true } },
+    goal: ({ angle, radius, speed, backward }) => ({
+      angle, radius, max_translation_speed: speed, translate_direction: backward ? -1 : 1 }),
+    way: around },
+  navigate_to_position: {
+    title: 'Go to a place',
+    fields: { x: { label: 'x', ...METRES, value: 0 }, y: { label: 'y', ...METRES, value: 0 },
+              heading: { label: 'Then', ...DEGREES, value: '', optional: true }, speed: SPEED },
+    hint: 'Or tap places on the map. Then: the heading at the end.',
+    goal: ({ x, y, heading, speed }) => ({
+      max_translation_speed: speed, achieve_goal_heading: heading !== null,
+      goal_pose: { pose: { position: { x, y }, orientation: {
+        z: Math.sin(heading / 2), w: Math.cos(heading / 2) } } } }),
+    way: (pose, { x, y, heading }) => (x === null || y === null ? [] : [[x, y, heading]]) },
+  dock: { title: 'Go and dock', hint: 'It looks for the Home Base, in Passive.' },
+  undock: { title: 'Leave the dock', hint: 'Backwards; keep 30 cm behind the robot free.',
+            way: pose => [ahead(pose, -BEHIND)] },
+  wall_follow: {
+    title: 'Follow a wall', hint: 'On its right side.',
+    fields: { seconds: { label: 'For', unit: 's', value: 60, min: 10 } },
+    goal: ({ seconds }) => ({ follow_side: ON_RIGHT, max_runtime: { sec: Math.round(seconds) } }) },
 };
 const STEPS = {
   navigate_state: ['', 'turns to the place', 'drives', 'turns to the heading'],
   state: ['', 'looks for the Home Base', 'sees the Home Base', 'on the contacts', 'charges'],
 };
 const DRIVES = 2;  // a navigate_state
-const UNDER_WAY = ['sent', 'under way', 'canceling'];
+export const UNDER_WAY = ['sent', 'under way', 'canceling'];
 const PLACE = 'navigate_to_position';
+const THROUGH = 'The way there leads through a wall';
 const ENDS = {  // by `error_code` of the result
   1: 'took too long', 2: 'bumped into something', 3: 'there is a cliff', 4: 'a wheel hangs',
   5: 'the wheels are blocked, or may not turn', 6: 'the robot is in no mode to drive: press Safe',
@@ -51,14 +75,14 @@ export class Goals {
     this.places = [];    // tapped, still to be driven to: x and y
     this.tours = false;  // whether the robot is on its way to the first of them
     this.busy = false;
-    for (const [name, [title]] of Object.entries(GOALS)) this.name.add(new Option(title, name));
+    for (const [name, { title }] of Object.entries(GOALS)) this.name.add(new Option(title, name));
     this.name.addEventListener('change', () => this.choose());
     form.addEventListener('submit', event => {
       event.preventDefault();
       this.begin(this.name.value, this.fields());
     });
     for (const id of ['goal-cancel', 'here-cancel']) {
-      byId(id).addEventListener('click', () => this.send('cancel'));
+      byId(id).addEventListener('click', () => this.send('cancel', { what: 'goal' }));
     }
     byId('here-go').addEventListener('click', () => this.next());
     byId('here-clear').addEventListener('click', () => this.setPlaces([]));
@@ -69,7 +93,7 @@ export class Goals {
   begin(name, fields = {}) {
     this.tours = false;
     this.asked = name;   // until it is under way
-    this.send(name, fields);
+    this.send(name, GOALS[name].goal?.(fields));
   }
 
   // Whether `show` tells what a reply is about: it does not when the goal was refused.
@@ -91,7 +115,7 @@ export class Goals {
   }
 
   choose() {
-    const [, fields, hint = ''] = GOALS[this.name.value];
+    const { fields = {}, hint } = GOALS[this.name.value];
     this.inputs = {};
     byId('goal-fields').replaceChildren(
       ...Object.entries(fields).map(([name, field]) => this.input(name, field)));
@@ -119,7 +143,7 @@ export class Goals {
 
   fields() {
     const found = {};
-    for (const [name, { flag, scale = 1 }] of Object.entries(GOALS[this.name.value][1])) {
+    for (const [name, { flag, scale = 1 }] of Object.entries(GOALS[this.name.value].fields || {})) {
       const { checked, value } = this.inputs[name];
       found[name] = flag ? checked : value === '' ? null : Number(value) * scale;
     }
@@ -128,20 +152,20 @@ export class Goals {
 
   // Rings on the map, and what its buttons offer.
   showTarget() {
-    const { x, y, heading } = this.fields();
-    const typed = this.name.value === PLACE && x !== null && y !== null && !this.busy;
-    const targets = this.places.length ? this.places.map(place => [...place, null])
-      : typed ? [[x, y, heading]] : [];
-    this.map.set('targets', targets);
+    const typed = !this.busy && this.map.pose && GOALS[this.name.value].way;
+    const way = this.places.length ? this.places.map(place => [...place, null])
+      : typed ? typed(this.map.pose, this.fields()) : [];
+    const blocked = !this.busy && this.map.isBlocked(way);
+    // What is relative to the robot is drawn while the form is in use: else it would go with it.
+    const drawn = this.places.length || this.name.value === PLACE || this.form.matches(':hover, :focus-within');
+    this.map.set('way', drawn ? way : []);
     const waits = this.places.length > 0 && !this.busy;
     byId('here').hidden = !this.busy && !waits;
     byId('here-go').hidden = byId('here-clear').hidden = !waits;
     byId('here-cancel').hidden = !this.busy;
     say('here-go', this.places.length > 1 ? `Go to ${this.places.length} places` : 'Go here');
-    const through = targets.length && !this.busy && this.map.wayIsBlocked();
-    say('here-text', this.busy ? byId('goal-text').textContent
-      : through ? '▲ A straight way leads through a wall' : '');
-    say('goal-way', through ? '▲ The straight way there leads through a wall' : '');
+    say('here-text', this.busy ? byId('goal-text').textContent : blocked ? `▲ ${THROUGH}` : '');
+    say('goal-way', blocked ? `▲ ${THROUGH}` : '');
   }
 
   show({ name, state, text, code, feedback }) {
@@ -158,8 +182,8 @@ export class Goals {
     byId('goal-cancel').disabled = !this.busy || state === 'canceling';
     const mark = { reached: '✓ ', ended: '▲ ' }[state] || '';
     const words = feedback ? inWords(feedback)
-      : { reached: 'reached', canceled: 'cancelled', ended: ENDS[code] || text }[state] || state;
-    say('goal-text', `${mark}${GOALS[name][0]}: ${words}`);
+      : { reached: 'reached', canceled: 'cancelled', ended: ENDS[code] || forPeople(text) }[state] || state;
+    say('goal-text', `${mark}${GOALS[name].title}: ${words}`);
     byId('goal-text').title = text;
     byId('goal-text').dataset.level = { reached: 'good', ended: 'error' }[state] || '';
     if (ran && !this.busy) toast(byId('goal-text').textContent, state !== 'ended');
@@ -170,6 +194,22 @@ export class Goals {
     }
     this.showTarget();
   }
+}
+
+function ahead({ x, y, yaw }, metres) {
+  return [x + metres * Math.cos(yaw), y + metres * Math.sin(yaw), null];
+}
+
+// Places on a circle, left around for angles above 0, of one turn at most.
+function around(pose, { angle, radius, backward }) {
+  const turn = Math.max(-TURN, Math.min(TURN, angle)), steps = Math.ceil(Math.abs(turn) / ARC_STEP);
+  const side = (turn < 0) === backward ? 1 : -1;  // of the robot on which the centre is: 1 is left
+  return Array.from({ length: steps }, (_, at) => {
+    const yaw = pose.yaw + turn * (at + 1) / steps;
+    return [pose.x + side * radius * (Math.sin(yaw) - Math.sin(pose.yaw)),
+            pose.y - side * radius * (Math.cos(yaw) - Math.cos(pose.yaw)),
+            ...(at === steps - 1 ? [null] : [])];
+  });
 }
 
 // What is left to do now: metres, or radians; a goal that goes to a place turns, drives and turns.

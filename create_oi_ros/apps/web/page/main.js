@@ -7,8 +7,8 @@ import { Connection } from './connection.js';
 import { Goals } from './goals.js';
 import { LastMinute } from './last_minute.js';
 import { Map2D } from './map.js';
+import { Music } from './music.js';
 import * as panels from './panels.js';
-import { Piano } from './piano.js';
 import { Stick } from './stick.js';
 import { whyNot } from './why.js';
 
@@ -16,7 +16,6 @@ const { byId, say, toast } = panels;
 const DONE = {
   mode: 'Mode changed', leds: 'LEDs set', reset_odometry: 'Odometry begins here', stop: 'Stopped',
 };
-const SAID_ELSEWHERE = ['drive', 'song'];  // at the stick; by the robot itself
 const LED_DELAY = 120;  // ms: a slider that is dragged sends no more often
 const HOLD = 800;       // ms that a button is held which could do harm
 const BUZZ = { bump: 80, cliff: [80, 60, 80], drop: [80, 60, 80], battery: [200, 100, 200] };  // ms
@@ -31,7 +30,7 @@ let trouble = '', stopSent = false;
 
 const connection = new Connection(receive, showState);
 const stick = new Stick(byId('stick'), byId('knob'), byId('limit'), connection, () => robot.topTurn, stop);
-const piano = new Piano(byId('piano'), byId('tune'), byId('replay'), notes => send('song', { notes }));
+const music = new Music(send);
 
 function send(type, fields) {
   return connection.send(type, fields);
@@ -54,9 +53,7 @@ function greet({ you, top_speed: topSpeed, top_turn: topTurn, radius, separation
 
 function reply({ to, ok, text }) {
   if (to === 'stop') showStop(false);
-  if (to === 'song') piano.answered(ok);
-  if (SAID_ELSEWHERE.includes(to) && (ok || to === 'drive')) return;
-  if (goals.tells(to)) return;
+  if (to === 'drive' || music.answered(to, ok, text) || goals.tells(to)) return;  // said elsewhere
   toast(ok ? DONE[to] || to : text, ok);
 }
 
@@ -68,6 +65,7 @@ const TELL = {
   log: entries => panels.addToLog(entries, connection.seen),
   pose: pose => {
     map.move(pose);
+    goals.showTarget();
     panels.showPose(pose, robot.separation);
   },
   bump: sides => light('bump', sides),
@@ -89,7 +87,8 @@ const TELL = {
   },
   charging: panels.showCharger,
   infrared: panels.showInfrared,
-  song: song => piano.show(song),
+  song: song => music.sing(song),
+  tune: tune => music.show(tune),
   goal: goal => {
     goals.show(goal);
     robot.goalRuns = goals.busy;

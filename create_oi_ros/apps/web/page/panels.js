@@ -70,7 +70,7 @@ export function showDiagnostics(statuses) {
   }
   const troubles = Object.entries(statuses)
     .filter(([name, status]) => status.level >= WARN && !SAID_AT_STICK.includes(name))
-    .map(([name, status]) => `${name}: ${status.message}`);
+    .map(([name, status]) => `${name}: ${forPeople(status.message)}`);
   return troubles.join(' · ');
 }
 
@@ -140,7 +140,7 @@ export function addToLog(entries, now) {
     const item = document.createElement('li'), time = document.createElement('time');
     time.textContent = new Date(Date.now() - 1000 * (now - at)).toLocaleTimeString();
     const words = document.createElement('span');
-    words.textContent = `${level ? '▲ ' : ''}${text}`;
+    words.textContent = `${level ? '▲ ' : ''}${forPeople(text)}`;
     words.dataset.level = level;
     item.append(time, words);
     byId('log-list').prepend(item);
@@ -159,17 +159,27 @@ export function showRecording({ state, folder }) {
   byId('report').hidden = state !== 'reported';
 }
 
-// The driver's words are for programs: say what a person can press.
+// The driver's words are for programs: say what a person can press, and leave out what only a
+// program can do.
 const FOR_PEOPLE = [
-  [/call set_mode with SAFE( first)?/g, 'press Safe'], [/call (stop_demo|stop)\b/g, 'press STOP'],
-  [/wait until the topic `song` says that it has ended/g, 'wait until it has ended'],
+  [/^[a-z]+(_[a-z]+)+: /, ''],  // the name of a message
+  [/(call )?set_mode with SAFE( first)?/g, 'press Safe'],
+  [/call (stop_demo|stop)\b/g, 'press STOP'],
+  [/send the goal undock, it is on its dock.*/, 'it is on its dock, press Leave the dock'],
+  [/cancel (it|its goal)\b/g, 'press Cancel'],
+  [/the topic `\w+` says that /g, ''],
+  [/[;:,] [^;:,/]*(\w_\w|`).*/, ''],
 ];
+
+export function forPeople(text) {
+  return FOR_PEOPLE.reduce((said, [from, to]) => said.replace(from, to), text);
+}
 
 let toastTimer = null;
 
 export function toast(text, ok) {
   const element = byId('toast');
-  element.textContent = FOR_PEOPLE.reduce((said, [from, to]) => said.replace(from, to), text);
+  element.textContent = forPeople(text);
   element.dataset.level = ok ? 'good' : 'error';
   element.hidden = false;
   clearTimeout(toastTimer);
