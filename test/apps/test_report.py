@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A report shows what is in a bag, or prints one sentence why it cannot."""
 
+from bisect import bisect_right
 from importlib import import_module
 from importlib.util import find_spec
 from math import inf, isnan, nan
@@ -17,8 +18,8 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from create_oi_ros.apps.report import create_report as command
-from create_oi_ros.apps.report.bag_reader import POINTS, read, RecordingBuilder
-from create_oi_ros.apps.report.recording import Curve, Spans
+from create_oi_ros.apps.report.bag_reader import read, RecordingBuilder
+from create_oi_ros.apps.report.recording import Spans
 from create_oi_ros.apps.report.summary import clock, events, summary, travelled, warnings
 from create_oi_ros.ros.bags import BagError, DamageError, faults, LIBRARY_FAULTS, missing, reading
 from create_oi_ros.ros.programs import PROGRAMS
@@ -72,7 +73,8 @@ def test_events_have_their_time_and_cause(recording):
 
 def test_the_robot_is_placed_where_it_was(recording):
     bump = recording.spans['bumper'].all[0]
-    x, y = recording.place(bump.start)
+    at = bisect_right(recording.odom.times, bump.start) - 1
+    x, y = recording.odom['x'][at], recording.odom['y'][at]
     assert (x, y - 0.4) == (pytest.approx(0.4, abs=0.01), pytest.approx(-0.03, abs=0.03))
 
 
@@ -209,14 +211,6 @@ def test_only_what_a_broken_file_causes_counts_as_damage():
         b'\xff'.decode()
     with pytest.raises(ZeroDivisionError), reading():
         print(1 / 0)
-
-
-def test_a_long_bag_is_thinned_out():
-    curve = Curve('value', spacing=3600 / POINTS)
-    for step in range(240_000):
-        if curve.due(step * 0.015):
-            curve.add(step * 0.015, 0.0)
-    assert POINTS / 2 < len(curve) <= POINTS + 1
 
 
 def test_contacts_without_a_pause_are_one_span():

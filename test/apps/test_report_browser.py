@@ -15,7 +15,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros.apps.report.create_report import main
 from create_oi_ros.apps.report.page import write
-from create_oi_ros.apps.report.recording import Curve, Recording, Span
+from create_oi_ros.apps.report.recording import Recording, Span
 from support.browser import browsers, OpenPage
 from support.ros import Scene, scene
 
@@ -81,9 +81,7 @@ LAST = 'document.getElementById("slider").max'
 
 def blank() -> Recording:
     """Return a recording of 20 s without messages."""
-    return Recording('walk', 'MCAP', 0.0, 20.0, 80, odom=Curve('x', 'y', 'yaw', 'speed', 'turn'),
-                     commands=Curve('speed', 'turn'), battery=Curve('volts', 'amperes', 'charge'),
-                     link=Curve('frames', 'damaged', 'garbage'))
+    return Recording('walk', 'MCAP', 0.0, 20.0, 80)
 
 
 def pictures(page: OpenPage, selector: str) -> list[str]:

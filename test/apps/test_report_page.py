@@ -19,7 +19,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from create_oi_ros import pages
 from create_oi_ros.apps.report import page
 from create_oi_ros.apps.report.page import kept, packed, steps, write
-from create_oi_ros.apps.report.recording import Curve, Recording, Span, Spans
+from create_oi_ros.apps.report.recording import Recording, Span, Spans
 from create_oi_ros.apps.report.summary import clock
 from create_oi_ros.pages.one_file import one_script
 
@@ -28,10 +28,7 @@ EVIL = '</script><img id=evil src=x onerror=alert(1)>$style'
 
 def recorded(points: int = 1000) -> Recording:
     """Return a recording of a drive with a frame every 15 ms."""
-    made = Recording(
-        'walk', 'MCAP', 0.0, points * 0.015, points, odom=Curve('x', 'y', 'yaw', 'speed', 'turn'),
-        commands=Curve('speed', 'turn'), battery=Curve('volts', 'amperes', 'charge'),
-        link=Curve('frames', 'damaged', 'garbage'))
+    made = Recording('walk', 'MCAP', 0.0, points * 0.015, points)
     for tick in range(points):
         time = tick * 0.015
         made.odom.add(time, 0.2 * time, sin(time), 0.1 * time, 0.2 + 0.001 * (tick % 7), nan)

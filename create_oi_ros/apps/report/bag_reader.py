@@ -3,8 +3,8 @@
 """
 Reads a bag once, from front to back, into a `Recording`.
 
-Only thinned curves and changes of state are kept. A message is decoded only if it may hold
-something new: a sensor topic repeats itself 20 times a second.
+Only curves and changes of state are kept. A sensor topic repeats itself 20 times a second: such a
+message is not decoded.
 """
 
 from __future__ import annotations
@@ -21,13 +21,11 @@ from ...ros.bags import BagError, DamageError, definitions, reading
 from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
 from ...ros.messages import charging_name, mode_name, yaw_of
 from .bag_files import BagFiles, Topic
-from .recording import Curve, Recording, Span, Spans
+from .recording import Recording, Span, Spans
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-POINTS = 300_000
-"""Points of a curve at most: all frames of an hour."""
 GAP, SILENCE = 0.5, 2.0
 """Seconds without odometry, and without any message, that count as a gap."""
 NEAR = 0.05
@@ -78,15 +76,6 @@ class RecordingBuilder:
             self._last_odom = None
         self._last_message = time
 
-    def needs_decoding(self, kind: str, time: float) -> bool:
-        """Return whether to decode a message of this type; note gaps of the odometry."""
-        if kind == 'nav_msgs/msg/Odometry':
-            if self._last_odom is not None and time - self._last_odom > GAP:
-                self._gap(self._last_odom, time, 'no odometry: the robot was not heard')
-            self._last_odom = time
-            return self.recording.odom.due(time)
-        return not kind.startswith('geometry_msgs') or self.recording.commands.due(time)
-
     def finish(self) -> None:
         """Close all spans that are open at the end of the bag."""
         recording = self.recording
@@ -99,6 +88,9 @@ class RecordingBuilder:
         self.recording.gaps.append(Span(start, text, end))
 
     def _add_odom(self, time: float, message: Any) -> None:
+        if self._last_odom is not None and time - self._last_odom > GAP:
+            self._gap(self._last_odom, time, 'no odometry: the robot was not heard')
+        self._last_odom = time
         pose, twist = message.pose.pose, message.twist.twist
         x, y, yaw = pose.position.x, pose.position.y, yaw_of(pose.orientation)
         stamp = message.header.stamp
@@ -184,7 +176,10 @@ def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
     with TemporaryDirectory(prefix='create_report-') as folder:
         files = BagFiles(path, Path(folder))
         topics, robot = _wanted(files, path, robot)
-        recording = _blank(files, path, robot)
+        recording = Recording(
+            path.resolve().name, files.storage, files.start / 1e9,
+            (files.end - files.start) / 1e9, files.counts.total(), robot,
+            undefined=sorted(topic.name for topic in files.counts if topic.encoding == 'unknown'))
         recording.heard = {topic.name.rpartition('/')[2] for topic in topics}
         builder = RecordingBuilder(recording)
         try:
@@ -212,8 +207,6 @@ def _read_messages(
         if time > shown:
             progress(time / seconds if seconds else 1.0)
             shown = time + seconds / 100
-        if not builder.needs_decoding(topic.type, time):
-            continue
         if topic.type.startswith(OURS):
             body = raw[BODY]
             if before.get(topic.name) == body:
@@ -234,18 +227,6 @@ def _decoder(topic: Topic) -> Typestore:
         store = get_typestore(Stores.EMPTY)
         store.register(get_types_from_msg(topic.definition, topic.type))
     return store
-
-
-def _blank(files: BagFiles, path: Path, robot: str) -> Recording:
-    seconds = (files.end - files.start) / 1e9
-    spacing = seconds / POINTS
-    return Recording(
-        path.resolve().name, files.storage, files.start / 1e9, seconds, files.counts.total(),
-        odom=Curve('x', 'y', 'yaw', 'speed', 'turn', spacing=spacing),
-        commands=Curve('speed', 'turn', spacing=spacing),
-        battery=Curve('volts', 'amperes', 'charge', spacing=spacing),
-        link=Curve('frames', 'damaged', 'garbage'), robot=robot,
-        undefined=sorted(topic.name for topic in files.counts if topic.encoding == 'unknown'))
 
 
 TOPICS = {

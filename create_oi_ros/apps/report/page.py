@@ -9,7 +9,7 @@ Its data are small: curves in whole steps, thinned as far as the size demands, c
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from hashlib import sha256
 from html import escape
 from importlib import resources
@@ -17,13 +17,13 @@ import json
 from math import isfinite, isnan
 from pathlib import Path
 from string import Template
-from typing import Any, NamedTuple
+from typing import Any
 import zlib
 
 from ... import pages
 from ...pages.one_file import one_script
 from ...ros.odometry_model import write_whole
-from .recording import Curve, Recording, Span, SPANS
+from .recording import Curve, CURVES, Recording, Span, SPANS
 from .summary import absent, clock, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
@@ -99,25 +99,8 @@ LEVEL = 9
 """Of the compression."""
 TIME = 0.001
 """Step of the times, seconds."""
-
-
-class PageCurve(NamedTuple):
-    """A curve in the page: the step of each column, and the columns whose peaks stay."""
-
-    units: dict[str, float]
-    peaks: tuple[str, ...]
-
-
-CURVES = {
-    'odom': PageCurve(dict.fromkeys(('x', 'y', 'yaw', 'speed', 'turn'), 0.001),
-                      ('speed', 'turn')),
-    'commands': PageCurve({'speed': 0.001, 'turn': 0.001}, ('speed', 'turn')),
-    'battery': PageCurve({'volts': 0.001, 'amperes': 0.001, 'charge': 0.1},
-                         ('volts', 'amperes')),
-    'link': PageCurve(dict.fromkeys(('frames', 'damaged', 'garbage'), 0.1),
-                      ('frames', 'damaged', 'garbage')),
-}
-"""The curves of the page, and of a recording."""
+POSE = ('x', 'y', 'yaw')
+"""Columns without peaks that must stay."""
 
 
 def steps(values: Iterable[float], unit: float) -> list[int | None]:
@@ -134,10 +117,10 @@ def steps(values: Iterable[float], unit: float) -> list[int | None]:
     return found
 
 
-def _curve(curve: Curve, shape: PageCurve, most: int) -> Any:
-    places = kept([curve[name] for name in shape.peaks], most)
+def _curve(curve: Curve, units: Mapping[str, float], most: int) -> Any:
+    places = kept([curve[name] for name in units if name not in POSE], most)
     columns = {'t': (curve.times, TIME)}
-    columns |= {name: (curve[name], unit) for name, unit in shape.units.items()}
+    columns |= {name: (curve[name], unit) for name, unit in units.items()}
     return {name: {'unit': unit, 'steps': steps((values[at] for at in places), unit)}
             for name, (values, unit) in columns.items()}
 
@@ -154,8 +137,8 @@ def page_data(recording: Recording, most: int) -> dict[str, Any]:
         'gaps': [each[:2] for each in _bars(recording.gaps)],
         'spans': [{'name': name, 'spans': _bars(recording.spans[name].all)} for name in SPANS
                   if name.replace(' ', '_') in recording.heard],
-        'curves': {name: _curve(getattr(recording, name), shape, most)
-                   for name, shape in CURVES.items()},
+        'curves': {name: _curve(getattr(recording, name), units, most)
+                   for name, units in CURVES.items()},
     }
 
 

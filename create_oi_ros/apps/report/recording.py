@@ -1,13 +1,13 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What is kept of a bag: thinned curves, and every change of state."""
+"""What is kept of a bag: curves, and every change of state."""
 
 from __future__ import annotations
 
 from array import array
-from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf, nan
 
 MOST = 1e6
@@ -15,13 +15,11 @@ MOST = 1e6
 
 
 class Curve:
-    """Named values over time, at least `spacing` seconds apart."""
+    """Named values over time."""
 
-    def __init__(self, *names: str, spacing: float = 0.0) -> None:
+    def __init__(self, *names: str) -> None:
         self.times = array('d')
         self._columns = {name: array('d') for name in names}
-        self._spacing = spacing
-        self._next = -inf
 
     def __getitem__(self, name: str) -> array[float]:
         return self._columns[name]
@@ -29,21 +27,11 @@ class Curve:
     def __len__(self) -> int:
         return len(self.times)
 
-    def due(self, time: float) -> bool:
-        """Return whether a point at this time is kept; if not, do not compute it."""
-        return time >= self._next
-
     def add(self, time: float, *values: float) -> None:
         """Add a point, its values in the order of the names; impossible values become nan."""
-        self._next = time + self._spacing
         self.times.append(time)
         for column, value in zip(self._columns.values(), values, strict=True):
             column.append(value if abs(value) <= MOST else nan)
-
-    def at(self, time: float) -> int | None:
-        """Return the index of the last point up to a time; None: there is none."""
-        place = bisect_right(self.times, time) - 1
-        return place if place >= 0 else None
 
 
 @dataclass
@@ -97,6 +85,13 @@ class Spans:
             self.all[-1].end = time
 
 
+CURVES = {
+    'odom': dict.fromkeys(('x', 'y', 'yaw', 'speed', 'turn'), 0.001),
+    'commands': {'speed': 0.001, 'turn': 0.001},
+    'battery': {'volts': 0.001, 'amperes': 0.001, 'charge': 0.1},
+    'link': dict.fromkeys(('frames', 'damaged', 'garbage'), 0.1),
+}
+"""The curves of a recording: their columns, and the step of each in the page."""
 SPANS = ('mode', 'bumper', 'cliff', 'wheel drop', 'overcurrent', 'buttons', 'song', 'charging')
 """Rows of the timeline, from top to bottom."""
 
@@ -111,12 +106,12 @@ class Recording:
     """Seconds since the epoch."""
     seconds: float
     messages: int
-    odom: Curve
-    commands: Curve
-    battery: Curve
-    link: Curve
     robot: str = ''
     """Namespace of the robot; empty if it has none."""
+    odom: Curve = field(default_factory=partial(Curve, *CURVES['odom']))
+    commands: Curve = field(default_factory=partial(Curve, *CURVES['commands']))
+    battery: Curve = field(default_factory=partial(Curve, *CURVES['battery']))
+    link: Curve = field(default_factory=partial(Curve, *CURVES['link']))
     spans: dict[str, Spans] = field(default_factory=lambda: {name: Spans() for name in SPANS})
     warnings: dict[str, Spans] = field(default_factory=dict)
     """Warnings of the diagnostics, by the name of the status."""
@@ -136,8 +131,3 @@ class Recording:
     def damage(self) -> str:
         """A sentence about what is not whole; empty if all is."""
         return f'The bag is not whole: {"; ".join(self.faults)}.' if self.faults else ''
-
-    def place(self, time: float) -> tuple[float, float] | None:
-        """Return x and y by the odometry at a time, metres; None before the first."""
-        at = self.odom.at(time)
-        return None if at is None else (self.odom['x'][at], self.odom['y'][at])

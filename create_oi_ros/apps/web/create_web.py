@@ -21,7 +21,6 @@ import time
 
 from rclpy.executors import SingleThreadedExecutor
 
-from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from ...ros.node_arguments import split
 from ...ros.process import call_on_signal, ros_executor, spin_ready
 from ...ros.programs import installing, UserError
@@ -46,7 +45,6 @@ EVERYWHERE = ('', '0.0.0.0', '::')
 DOCUMENTATION_NET = '192.0.2.1'
 """An address that nobody has: no packet is sent to find the way there."""
 CLEAR_LINE = '\r\x1b[K'
-GREETING = {'top_speed': TOP_SPEED, 'radius': BODY_RADIUS, 'separation': WHEEL_SEPARATION}
 
 
 def listen(host: str, port: int | None) -> socket.socket:
@@ -144,13 +142,8 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
     node = WebNode(robot)
     executor.add_node(node)
     truth = None if options.control is None else SimulatedTruth(options.control, robot)
-
-    def on_reset() -> None:
-        robot.forget()
-        if truth is not None:
-            truth.reset()
     recording = BagRecording(node, robot, options.ros)
-    viewers = Viewers(node, robot, recording, GREETING, on_reset)
+    viewers = Viewers(node, robot, recording)
     port = listener.getsockname()[1]
     server = WebServer(Access(token), viewers, recording, port, secure=tls is not None)
     runner = await server.serve(listener, tls, node.get_logger().warning)

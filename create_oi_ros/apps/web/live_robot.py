@@ -141,11 +141,13 @@ class LiveRobot:
         self._newest: dict[type, Any] = {}
         self._touched: dict[str, bool] = {}
         self._levels: dict[str, int] = {}
+        self.resets = 0
+        """How often the odometry has begun anew."""
         self._seen: dict[str, tuple[float, float]] = {}
         """When a part that comes again came last, and until when it is not old."""
         self.pose: FlatPose | None = None
         """The newest pose by the odometry."""
-        self._heard_at, self._sampled_at = -inf, -inf
+        self._heard_at, self._moved_at, self._sampled_at = -inf, -inf, -inf
 
     def happened(self, level: str, text: str, now: float) -> None:
         """Add an entry to what happened."""
@@ -205,9 +207,11 @@ class LiveRobot:
         x, y, yaw = pose.position.x, pose.position.y, yaw_of(pose.orientation)
         if not (hypot(x, y) <= FARTHEST and isfinite(yaw)):  # also when one is no number
             return
-        self.pose = FlatPose(x, y, yaw)
-        if self.track.add(self.pose, now):
-            self.events.clear()
+        last, self.pose = self.pose, FlatPose(x, y, yaw)
+        if last is not None and not self.pose.follows(last, now - self._moved_at):
+            self.forget()
+        self._moved_at = now
+        self.track.add(self.pose)
         self.parts.put('pose', {
             'x': round(x, 4), 'y': round(y, 4), 'yaw': round(yaw, 4),
             'speed': finite(twist.linear.x, 3), 'turn': finite(twist.angular.z, 3),
@@ -252,6 +256,7 @@ class LiveRobot:
 
     def forget(self) -> None:
         """Drop track and events: the odometry was reset."""
+        self.resets += 1
         self.track.clear()
         self.events.clear()
 
@@ -261,12 +266,12 @@ class LiveRobot:
             f'"{name}":{text}' for name, text in self.parts.since(cursor.changes).items())]
         anew = cursor.epoch != self.track.epoch
         if anew:
-            pieces.append(f'"anew":{json.dumps(self.track.whole())}')
+            pieces.append(f'"anew":{json.dumps(self.track.since(0))}')
         logs = {'events': self.events.since(0 if anew else cursor.events),
                 'samples': self.samples.since(cursor.samples), 'log': self.log.since(cursor.log)}
         if not anew:
             logs['track'] = self.track.since(cursor.track)
         pieces += [f'"{name}":{json.dumps(entries)}' for name, entries in logs.items() if entries]
-        told = Cursor(self.parts.changes, self.track.epoch, self.track.count, self.events.count,
+        told = Cursor(self.parts.changes, self.track.epoch, len(self.track), self.events.count,
                       self.samples.count, self.log.count)
         return f'{{"type":"news",{",".join(pieces)}}}', told

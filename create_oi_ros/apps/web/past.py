@@ -5,16 +5,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
-from math import hypot, inf, remainder, tau
+from math import hypot, remainder, tau
 from typing import Any, NamedTuple
 
-RECENT = 600.0
-"""Seconds for which every point of the track is kept."""
-STEP, OLD_STEP = 0.02, 0.2
-"""Metres between two points of the track, and between two that are older than RECENT."""
-MOST_RECENT, MOST_OLD = 20000, 5000
-"""Points; of older ones every second is dropped when there are more."""
+STEP = 0.02
+"""Metres between two points of the track, at first."""
+MOST_POINTS = 20_000
 MOST_EVENTS, MOST_LOGGED = 500, 200
 CHART_SECONDS, SAMPLE_PERIOD = 60.0, 0.2
 """Seconds that the charts show, and between two of their samples."""
@@ -63,71 +59,39 @@ class NewestLog:
         self._kept.clear()
 
 
-class TrackPoint(NamedTuple):
-    """Where the robot was, and when, seconds."""
-
-    pose: FlatPose
-    at: float
-
-    def apart(self, other: TrackPoint) -> float:
-        """Return the metres between two points."""
-        return hypot(self.pose.x - other.pose.x, self.pose.y - other.pose.y)
-
-
 class TrackLog:
-    """The robot's track: RECENT seconds of it whole, before that with fewer points."""
+    """
+    The robot's track: a point for each STEP.
+
+    When there are MOST_POINTS, every second one is dropped, and from then on they are twice as far
+    apart.
+    """
 
     def __init__(self) -> None:
-        self._recent: deque[TrackPoint] = deque(maxlen=MOST_RECENT)
-        self._old: list[TrackPoint] = []
-        self._old_step = OLD_STEP
-        self._seen: TrackPoint | None = None
-        self.count = 0
-        """Points that were ever added."""
+        self._points: list[FlatPose] = []
+        self._step = STEP
         self.epoch = 0
-        """Grows when the track begins anew, and when a page should drop what became old."""
-        self._dropped_at = -inf
+        """Grows when the track begins anew, or has lost points."""
 
-    def add(self, pose: FlatPose, at: float) -> bool:
-        """Add a pose, if it is STEP from the last one; return if it begins a new track: a jump."""
-        jumps = self._seen is not None and not pose.follows(self._seen.pose, at - self._seen.at)
-        if jumps:
-            self.clear()
-        self._seen = point = TrackPoint(pose, at)
-        if self._recent and self._recent[-1].apart(point) < STEP:
-            return False
-        self._recent.append(point)
-        self.count += 1
-        while self._recent[0].at < at - RECENT:
-            self._keep_old(self._recent.popleft())
-            if self._dropped_at < at - RECENT:
-                self._dropped_at, self.epoch = at, self.epoch + 1
-        return jumps
+    def __len__(self) -> int:
+        return len(self._points)
 
-    def _keep_old(self, point: TrackPoint) -> None:
-        if self._old and self._old[-1].apart(point) < self._old_step:
+    def add(self, pose: FlatPose) -> None:
+        """Add a pose, if it is a step from the last one."""
+        last = self._points[-1] if self._points else None
+        if last is not None and hypot(pose.x - last.x, pose.y - last.y) < self._step:
             return
-        self._old.append(point)
-        if len(self._old) > MOST_OLD:
-            self._old, self._old_step = self._old[::2], self._old_step * 2
+        self._points.append(pose)
+        if len(self._points) > MOST_POINTS:
+            del self._points[1::2]
+            self._step *= 2
+            self.epoch += 1
 
     def clear(self) -> None:
         """Begin anew."""
-        self._recent.clear()
-        self._old, self._old_step, self._seen = [], OLD_STEP, None
+        self._points, self._step = [], STEP
         self.epoch += 1
 
-    def whole(self) -> list[float]:
-        """Return all points, as x, y, x, y, ..."""
-        return flat([*self._old, *self._recent])
-
     def since(self, count: int) -> list[float]:
-        """Return the points that were added when there were `count` already."""
-        new = min(self.count - count, len(self._recent))
-        first = len(self._recent) - new
-        return flat([self._recent[place] for place in range(first, len(self._recent))])
-
-
-def flat(points: Sequence[TrackPoint]) -> list[float]:
-    """Return points as x, y, x, y, ... in millimetre steps."""
-    return [round(each, 3) for point in points for each in point.pose[:2]]
+        """Return the points after so many, as x, y, x, y, ... in millimetre steps."""
+        return [round(each, 3) for pose in self._points[count:] for each in pose[:2]]

@@ -8,7 +8,6 @@ import asyncio
 import json
 from math import cos, sin
 from pathlib import Path
-import time
 from typing import Any
 
 from .live_robot import LiveRobot
@@ -22,42 +21,26 @@ LONGEST_ANSWER = 1 << 20
 """Bytes."""
 
 
-class WorldFrame:
-    """
-    The room's frame as a pose in the odometry's frame.
-
-    It is set when both poses are first known, and again after the odometry was reset. From then
-    on the true place drifts away from that of the odometry, and this difference is its error.
-    """
-
-    def __init__(self) -> None:
-        self.origin: FlatPose | None = None
-        self._last, self._at = FlatPose(0.0, 0.0, 0.0), 0.0
-
-    def update(self, odometry: FlatPose, true: FlatPose, now: float) -> bool:
-        """Take both poses of one moment; return whether the frame was set."""
-        continues = self.origin is not None and odometry.follows(self._last, now - self._at)
-        self._last, self._at = odometry, now
-        if continues:
-            return False
-        yaw = odometry.yaw - true.yaw
-        self.origin = FlatPose(
-            odometry.x - true.x * cos(yaw) + true.y * sin(yaw),
-            odometry.y - true.x * sin(yaw) - true.y * cos(yaw), yaw)
-        return True
-
-    def reset(self) -> None:
-        """Forget the frame: the odometry was reset."""
-        self.origin = None
+def room_origin(odometry: FlatPose, true: FlatPose) -> FlatPose:
+    """Return the room's frame as a pose in the odometry's frame, where both poses are one."""
+    yaw = odometry.yaw - true.yaw
+    return FlatPose(odometry.x - true.x * cos(yaw) + true.y * sin(yaw),
+                    odometry.y - true.x * sin(yaw) - true.y * cos(yaw), yaw)
 
 
 class SimulatedTruth:
-    """Puts the room and the true pose into what the pages show."""
+    """
+    Puts the room and the true pose into what the pages show.
+
+    The room's frame is set when both poses are first known, and again after the odometry has begun
+    anew. From then on the true place drifts away from that of the odometry: its error.
+    """
 
     def __init__(self, path: Path, robot: LiveRobot) -> None:
         """Ask at this socket, once `run` is called."""
         self._path, self._robot = path, robot
-        self._frame = WorldFrame()
+        self._resets = -1
+        """Number of the reset of the odometry for which the frame was set."""
         self.asking = True
         """Whether anybody looks; else no questions are asked."""
 
@@ -91,14 +74,11 @@ class SimulatedTruth:
         return json.loads(answer.removeprefix(b'ok '))
 
     def _show(self, truth: dict[str, Any]) -> None:
-        odometry = self._robot.pose
-        if odometry is None:
+        robot = self._robot
+        if robot.pose is None:
             return
         true = FlatPose(truth['x'], truth['y'], truth['yaw'])
-        if self._frame.update(odometry, true, time.monotonic()):
-            self._robot.parts.put('room_origin', self._frame.origin)
-        self._robot.parts.put('true_pose', [round(each, 4) for each in true])
-
-    def reset(self) -> None:
-        """Set the frame again: the odometry was reset."""
-        self._frame.reset()
+        if self._resets != robot.resets:
+            self._resets = robot.resets
+            robot.parts.put('room_origin', room_origin(robot.pose, true))
+        robot.parts.put('true_pose', [round(each, 4) for each in true])

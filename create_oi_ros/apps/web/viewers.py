@@ -15,6 +15,7 @@ from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
 from ...oi import Mode
+from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
 from .bag_recording import BagRecording
 from .driver_seat import DriverSeat, OLDEST_VIEW, Refused, TOP_TURN
@@ -64,12 +65,8 @@ class Viewer:
 class Viewers:
     """Serves all pages; everything here runs on the event loop's thread."""
 
-    def __init__(self, node: WebNode, robot: LiveRobot, recording: BagRecording,
-                 greeting: dict[str, Any], on_reset: Callable[[], None]) -> None:
-        """`greeting` is sent first to each page; call `on_reset` after the odometry was reset."""
-        self._recording = recording
-        self._node, self._robot, self._greeting = node, robot, greeting
-        self._on_reset = on_reset
+    def __init__(self, node: WebNode, robot: LiveRobot, recording: BagRecording) -> None:
+        self._node, self._robot, self._recording = node, robot, recording
         self._viewers: dict[int, Viewer] = {}
         self._tasks: set[asyncio.Task[object]] = set()
         self._seat = DriverSeat()
@@ -115,8 +112,9 @@ class Viewers:
             self._show_seat()
 
     def _check_goals(self) -> None:
+        """Cancel those of viewers that may not drive any more."""
         for each in self._goals.values():
-            each.check(self._seat.viewer)
+            each.cancel(but=self._seat.viewer)
 
     async def close(self) -> None:
         """Stop the wheels if a page drives, cancel its goal, and disconnect all pages."""
@@ -134,10 +132,11 @@ class Viewers:
         self._check_goals()
 
     async def _send(self, viewer: Viewer) -> None:
-        greeting = {'type': 'hello', 'you': viewer.number, 'top_turn': TOP_TURN,
-                    'oldest_view': OLDEST_VIEW}
         try:
-            await viewer.socket.send_json({**greeting, **self._greeting})
+            await viewer.socket.send_json({
+                'type': 'hello', 'you': viewer.number, 'top_speed': TOP_SPEED,
+                'top_turn': TOP_TURN, 'oldest_view': OLDEST_VIEW, 'radius': BODY_RADIUS,
+                'separation': WHEEL_SEPARATION})
             while True:
                 await viewer.news.wait()
                 viewer.news.clear()
@@ -263,7 +262,7 @@ class Viewers:
     async def _reset_odometry(self) -> Reply:
         reply = await self._node.call('reset_odometry')
         if reply.ok:
-            self._on_reset()
+            self._robot.forget()
         return reply
 
     def _call(self, viewer: Viewer, to: str, call: Callable[[], Awaitable[Reply]]) -> None:

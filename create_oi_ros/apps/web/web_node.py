@@ -38,8 +38,8 @@ class Reply(NamedTuple):
     text: str
 
 
-async def awaited(future: Future) -> Any:
-    """Return the result of a future of rclpy; TimeoutError: none came within REPLY_TIMEOUT."""
+async def awaited(future: Future, timeout: float = REPLY_TIMEOUT) -> Any:
+    """Return the result of a future of rclpy; TimeoutError: none came within so many seconds."""
     answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
 
     def end(done: Future) -> None:
@@ -47,9 +47,9 @@ async def awaited(future: Future) -> Any:
             answered.set_result(done.result())
     future.add_done_callback(end)
     try:
-        return await asyncio.wait_for(answered, REPLY_TIMEOUT)
+        return await asyncio.wait_for(answered, timeout)
     except TimeoutError:
-        raise TimeoutError(f'no reply within {REPLY_TIMEOUT:.0f} s') from None
+        raise TimeoutError(f'no reply within {timeout:.0f} s') from None
 
 
 class WebNode(Node):
