@@ -13,6 +13,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import BatteryState
 
+from create_oi_ros.apps.web.bag_recording import recorder_arguments
 from create_oi_ros.apps.web.live_robot import BatteryTime, Cursor, LiveRobot, OLD, SILENT
 from create_oi_ros.apps.web.past import (
     FlatPose,
@@ -253,3 +254,10 @@ def test_a_jump_of_the_odometry_counts_as_a_reset(after):
     assert robot.resets == 0
     robot.update(after, 0.6)
     assert robot.resets == 1
+
+
+def test_a_recorder_gets_the_names_and_the_enclave_of_its_page():
+    assert recorder_arguments(
+        ['-r', '__ns:=/one', '--log-level', 'warn', '--enclave', '/web', '-r', '__node:=page',
+         '--remap', 'odom:=here']) == [
+        '-r', '__ns:=/one', '--remap', 'odom:=here', '--enclave', '/web']

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 import subprocess
 import time
@@ -18,13 +19,19 @@ from .live_robot import LiveRobot
 from .web_node import WebNode
 
 
+def recorder_arguments(ros: Sequence[str]) -> list[str]:
+    """Return those ROS arguments of `create_web` that its recorder needs: names and enclave."""
+    return names_only(ros) + [part for flag, value in pairwise(ros)
+                              if flag in ('-e', '--enclave') for part in (flag, value)]
+
+
 class BagRecording:
     """One recording at a time; the pages are shown how it is."""
 
     def __init__(self, node: WebNode, robot: LiveRobot, ros_arguments: Sequence[str]) -> None:
-        """Give the recorder the namespace and the topics' names among these arguments of ROS."""
+        """Give the recorder what it needs of the ROS arguments of this program."""
         self._node, self._robot = node, robot
-        self._names = names_only(ros_arguments)
+        self._ros = recorder_arguments(ros_arguments)
         self._process: subprocess.Popen[bytes] | None = None
         self._folder = Path()
         self._target: Path | None = None
@@ -50,7 +57,7 @@ class BagRecording:
             stamped = any(each.topic_type.endswith('TwistStamped') for each
                           in self._node.get_subscriptions_info_by_topic(CMD_VEL))
             self._process = start('create_record', '-o', str(self._folder),
-                                  *(['--stamped'] if stamped else []), '--ros-args', *self._names)
+                                  *(['--stamped'] if stamped else []), '--ros-args', *self._ros)
             self.report = None
             self._show('on')
         elif self._process is not None and self._target is None:
