@@ -22,7 +22,7 @@ from support.ros import Program, Scene, scene
 
 OURS = re.compile(r'create_(node|record|report|sim|web)( |$)'
                   r'|python -m create_oi_ros\.oi (?!document)')
-PORT = re.compile(r'/dev/ttyUSB0|/tmp/create\b')
+PATH = re.compile(r'/dev/ttyUSB0|/tmp/(\w+)')
 RECORDED = 150_000
 """Bytes of a bag that holds a second of the driver's topics."""
 
@@ -45,12 +45,14 @@ class Page:
 
     def run(self, words: list[str]) -> None:
         """Run a command to its end, or until it works."""
-        program, *arguments = (PORT.sub(f'{self._stage.folder}/create', word) for word in words)
+        folder = self._stage.folder
+        program, *arguments = (
+            PATH.sub(lambda found: f'{folder}/{found[1] or "create"}', word) for word in words)
         match program, arguments:
             case 'python', _:
                 self._end_driver()
                 self._to_its_end(self._stage._start(*arguments))
-            case 'create_sim', _ if '--export' in arguments:
+            case 'create_sim', _ if {'--export', '--say'} & {*arguments}:
                 self._to_its_end(self._stage.program(program, *arguments))
             case 'create_sim', _:
                 self.end()
@@ -106,7 +108,7 @@ def recorded() -> bool:
 
 @pytest.mark.parametrize(('page', 'count'), [
     ('README.md', 2), *(pytest.param(page, count, marks=pytest.mark.nightly) for page, count in (
-        ('docs/recording.md', 5), ('docs/simulator.md', 7),
+        ('docs/recording.md', 5), ('docs/simulator.md', 9),
         ('docs/web.md', 3)))])
 def test_the_commands_of_a_page_work(page, count, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
