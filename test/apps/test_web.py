@@ -18,7 +18,7 @@ from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros import programs
 from create_oi_ros.ros.programs import UserError
 from create_oi_ros.sim.world import shipped
-from support.ros import scene
+from support.ros import Ready, scene
 from support.simulator import taught
 from support.web import PageClient, ready, Relay, served, standing
 
@@ -46,19 +46,40 @@ def pages():
         page.close()
 
 
-def started(stage, *arguments, **parameters):
-    """Start a robot, its driver and the server; return the robot and the address."""
+class Shared:
+    """A robot, its driver and the server, which tests share."""
+
+    def __init__(self, stage) -> None:
+        self.driver = Ready(stage, cmd_vel_timeout=LONG)
+        self.robot, self.ros = self.driver.robot, stage.ros
+        self.address = served(stage)[1]
+
+    def driving(self, open_page):
+        """Return a page that drives the robot."""
+        page = ready(open_page(self.address))
+        page.drive(0.2, 0.0, lambda: page.known['pose']['speed'] > 0.1)
+        return page
+
+
+@pytest.fixture(scope='module')
+def server(tmp_path_factory):
+    """Return a server that lasts."""
+    with scene(tmp_path_factory.mktemp('shared')) as made:
+        yield Shared(made)
+
+
+@pytest.fixture
+def shared(server):
+    """Return it with its robot as new."""
+    server.driver.renew()
+    return server
+
+
+def started(stage, **parameters):
+    """Start a robot, its driver and a server of their own; return the robot and the address."""
     robot = stage.robot(world=shipped('empty'))
-    stage.node(robot.link, **parameters)
-    return robot, served(stage, *arguments)[1]
-
-
-def driving(stage, open_page, **parameters):
-    """Return a robot that a page drives, and the page."""
-    robot, address = started(stage, cmd_vel_timeout=LONG, **parameters)
-    page = ready(open_page(address))
-    page.drive(0.2, 0.0, lambda: page.known['pose']['speed'] > 0.1)
-    return robot, page
+    stage.node(robot.link, cmd_vel_timeout=LONG, **parameters)
+    return robot, served(stage)[1]
 
 
 def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], str]:
@@ -75,31 +96,23 @@ def get(address: str, path: str, **headers: str) -> tuple[int, dict[str, str], s
 
 # Driving.
 
-def test_a_page_is_told_of_the_robot_and_drives_it(stage, pages):
-    robot, page = driving(stage, pages)
+def test_a_page_is_told_of_the_robot_and_drives_it(shared, pages):
+    page = shared.driving(pages)
     assert page.known['seat'] == {
         'driver': page.known['you'], 'device': 'computer', 'viewers': 1, 'stopped': False}
     assert page.known['top_speed'] == 0.5
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
     page.send('release')
-    stage.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: standing(shared.robot))
     page.until(lambda: page.known['samples'] and {
         'bump', 'cliff', 'drop', 'wall', 'battery', 'charging', 'mode'} <= page.known.keys())
     page.until(lambda: page.known.get('diagnostics', {}).get('driver', {}).get(
         'values', {}).get('cmd_vel publishers') == '/create_web')
 
 
-def test_the_wheels_stop_when_the_page_is_closed(stage, pages):
-    robot, address = started(stage, cmd_vel_timeout=LONG)
-    page = ready(PageClient(address))
-    page.drive(0.2, 0.0, lambda: not standing(robot))
-    page.close()
-    stage.ros.until(lambda: standing(robot))
-
-
 @pytest.mark.parametrize('gone', ['closed', 'silent'])
 def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(stage, pages, gone):
-    robot, address = started(stage, cmd_vel_timeout=LONG, max_linear_acceleration=0.05)
+    robot, address = started(stage, max_linear_acceleration=0.05)
     page = ready(pages(address))
     page.drive(0.4, 0.0, lambda: robot.create.actuators.wheels.left > 60)
     last = robot.create.actuators.wheels.left
@@ -114,20 +127,15 @@ def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(stage, pages, gone):
     assert [speed for speed in seen if 0 < speed < last] == []
 
 
-def test_the_wheels_stop_when_the_page_says_nothing_more(stage, pages):
-    robot, _ = driving(stage, pages)
-    stage.ros.until(lambda: standing(robot))
-
-
-def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(stage, pages):
-    robot, address = started(stage, cmd_vel_timeout=LONG)
+def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(shared, pages):
+    robot, address = shared.robot, shared.address
     relay = Relay(int(address.rstrip('/').rpartition(':')[2]))
     with closing(relay):
         page = ready(pages(f'http://127.0.0.1:{relay.port}/'))
         page.drive(0.2, 0.0, lambda: not standing(robot))
         relay.freeze()
-        stage.ros.until(lambda: standing(robot))
-        heard = stage.ros.listen(Twist, 'cmd_vel', 100)
+        shared.ros.until(lambda: standing(robot))
+        heard = shared.ros.listen(Twist, 'cmd_vel', 100)
         seen = page.known['at']
         witness = pages(address)
         witness.until(lambda: witness.known['at'] > seen + 0.6)
@@ -149,22 +157,21 @@ def test_the_wheels_stop_when_the_server_is_killed(stage, pages):
     stage.ros.until(lambda: standing(robot))
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_the_wheels_stop_when_the_server_ends(stage, pages, number):
+def test_the_wheels_stop_when_the_server_ends(stage, pages):
     robot = stage.robot()
     stage.node(robot.link, cmd_vel_timeout=LONG)
     web, address = served(stage)
     page = ready(pages(address))
     page.drive(0.2, 0.0, lambda: not standing(robot))
-    web.send(number)
+    web.send(signal.SIGTERM)
     assert web.ended() == 0
     assert page.closed() == aiohttp.WSCloseCode.GOING_AWAY
     stage.ros.until(lambda: standing(robot))
     assert 'Traceback' not in web.output
 
 
-def test_one_page_drives_and_others_watch_until_they_take_over(stage, pages):
-    robot, page = driving(stage, pages)
+def test_one_page_drives_and_others_watch_until_they_take_over(shared, pages):
+    robot, page = shared.robot, shared.driving(pages)
     other = ready(pages(page.address))
     other.send('drive', linear=0.1, angular=0.0, seen=other.known['at'])
     assert other.reply() == {
@@ -173,24 +180,24 @@ def test_one_page_drives_and_others_watch_until_they_take_over(stage, pages):
     other.send('dock')
     assert not other.reply()['ok']
     other.send('take_over')
-    stage.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: standing(robot))
     other.until(lambda: other.known['seat'] == {
         'driver': other.known['you'], 'device': 'computer', 'viewers': 2, 'stopped': False})
     other.drive(-0.1, 0.0, lambda: not standing(robot))
     page.send('drive', linear=0.1, angular=0.0, seen=page.known['at'])
     assert not page.reply()['ok']
     other.send('leave')
-    stage.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: standing(robot))
     page.until(lambda: page.known['seat']['driver'] is None)
 
 
-def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(stage, pages):
-    robot, page = driving(stage, pages)
+def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(shared, pages):
+    robot, page = shared.robot, shared.driving(pages)
     other = ready(pages(page.address))
     other.send('stop')
     reply = other.reply()
     assert (reply['to'], reply['ok']) == ('stop', True)
-    heard = stage.ros.listen(Twist, 'cmd_vel', 100)
+    heard = shared.ros.listen(Twist, 'cmd_vel', 100)
     for _ in range(5):
         page.send('drive', linear=0.2, angular=0.0, seen=page.known['at'])
         page.read()
@@ -202,7 +209,8 @@ def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(stage, pages
 
 
 def test_a_driver_that_takes_stamped_commands_gets_them(stage, pages):
-    _, page = driving(stage, pages, cmd_vel_type='stamped')
+    page = ready(pages(started(stage, cmd_vel_type='stamped')[1]))
+    page.drive(0.2, 0.0, lambda: page.known['pose']['speed'] > 0.1)
     stage.ros.until(lambda: [
         each.topic_type for each in stage.ros.node.get_publishers_info_by_topic('cmd_vel')
     ] == ['geometry_msgs/msg/TwistStamped'])
@@ -218,12 +226,12 @@ def test_without_a_driver_nothing_is_commanded_and_the_page_is_told(stage, pages
     assert page.reply()['text'] == 'nobody offers /dock: no driver is running'
 
 
-def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(stage, pages):
-    robot, address = started(stage, cmd_vel_timeout=LONG)
+def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(shared, pages):
+    robot, address = shared.robot, shared.address
     page = ready(pages(address, name='telephone-1'))
     page.drive(0.2, 0.0, lambda: not standing(robot))
     again = pages(address, name='telephone-1')
-    stage.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: standing(robot))
     again.until(lambda: again.known['seat']['viewers'] == 1)
     again.drive(0.2, 0.0, lambda: not standing(robot))
     again.send('ping')
@@ -232,8 +240,8 @@ def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(stage, p
 
 # Doing.
 
-def test_modes_tunes_leds_dock_and_reset_are_done(stage, pages):
-    robot, address = started(stage)
+def test_modes_tunes_leds_dock_and_reset_are_done(shared, pages):
+    robot, address = shared.robot, shared.address
     page = ready(pages(address))
 
     def done(type_, **fields):
@@ -242,10 +250,10 @@ def test_modes_tunes_leds_dock_and_reset_are_done(stage, pages):
         assert (reply['to'], reply['ok']) == (type_, True), reply
     done('leds', play=True, advance=False, color=200, intensity=100)
     lights = robot.create.lights
-    stage.ros.until(lambda: (lights.bits, lights.color, lights.intensity) == (
+    shared.ros.until(lambda: (lights.bits, lights.color, lights.intensity) == (
         LedBits.PLAY, 200, 100))
     page.send('audio_note_sequence', notes='G4:0.25 C5:0.5')
-    stage.ros.until(lambda: robot.create.note == 72)
+    shared.ros.until(lambda: robot.create.note == 72)
     page.until(lambda: page.known['song']['playing'])
     assert page.reply()['ok']
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.1)
@@ -258,14 +266,14 @@ def test_modes_tunes_leds_dock_and_reset_are_done(stage, pages):
         done('mode', mode=mode)
         page.until(lambda mode=mode: page.known['mode']['actual'] == mode.upper())
     page.send('dock')
-    stage.ros.until(lambda: robot.create.demo is not None)
+    shared.ros.until(lambda: robot.create.demo is not None)
     page.send('stop')
     assert {page.reply()['to'] for _ in range(2)} == {'dock', 'stop'}
-    stage.ros.until(lambda: robot.create.demo is None)
+    shared.ros.until(lambda: robot.create.demo is None)
 
 
-def test_bad_messages_are_answered_and_nothing_moves(stage, pages):
-    robot, address = started(stage)
+def test_bad_messages_are_answered_and_nothing_moves(shared, pages):
+    robot, address = shared.robot, shared.address
     page = ready(pages(address))
     for text in ('', '{', '[]', '[' * 2000, '{"type": "fly"}', '{"type": "drive"}',
                  '{"type": "drive", "linear": 9, "angular": 0, "seen": 0}',
@@ -280,14 +288,14 @@ def test_bad_messages_are_answered_and_nothing_moves(stage, pages):
     assert standing(robot) and robot.create.mode is Mode.SAFE
 
 
-def test_a_message_that_is_too_long_ends_the_connection(stage, pages):
-    page = pages(served(stage)[1])
+def test_a_message_that_is_too_long_ends_the_connection(shared, pages):
+    page = pages(shared.address)
     page.send_text('x' * (LONGEST_MESSAGE + 1))
     assert page.closed() == aiohttp.WSCloseCode.MESSAGE_TOO_BIG
 
 
-def test_a_page_that_sends_too_many_messages_is_disconnected(stage, pages):
-    page = pages(served(stage)[1])
+def test_a_page_that_sends_too_many_messages_is_disconnected(shared, pages):
+    page = pages(shared.address)
     with pytest.raises((AssertionError, ConnectionError)):
         for _ in range(20 * int(BURST)):
             page.send('release')
@@ -295,8 +303,8 @@ def test_a_page_that_sends_too_many_messages_is_disconnected(stage, pages):
     assert page.close_code in (None, aiohttp.WSCloseCode.POLICY_VIOLATION)
 
 
-def test_one_page_too_many_is_told_so(stage, pages):
-    address = served(stage)[1]
+def test_one_page_too_many_is_told_so(shared, pages):
+    address = shared.address
     opened = [pages(address) for _ in range(MOST_VIEWERS)]
     opened[0].until(lambda: opened[0].known.get('seat', {}).get('viewers') == MOST_VIEWERS)
     assert pages(address).closed() == aiohttp.WSCloseCode.TRY_AGAIN_LATER
@@ -314,8 +322,8 @@ def refusal(open_page, address, **arguments) -> int:
     return int(refused.value.status)
 
 
-def test_only_this_computer_and_this_page_come_in(stage, pages):
-    address = served(stage)[1]
+def test_only_this_computer_and_this_page_come_in(shared, pages):
+    address = shared.address
     assert refusal(pages, address, origin='http://evil.example') == 403
     assert refusal(pages, address, origin='null') == 403
     assert get(address, '/')[0] == 200
