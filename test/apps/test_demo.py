@@ -61,12 +61,6 @@ def test_a_pilot_turns_the_short_way(pilot):
     assert pilot.turned - before == pytest.approx(-pi / 2, abs=0.1)
 
 
-def test_a_pilot_backs_off(pilot):
-    x, y = pilot.place
-    pilot.back(0.1)
-    assert hypot(pilot.place[0] - x, pilot.place[1] - y) == pytest.approx(0.1, abs=0.01)
-
-
 def test_a_spiral_ends_after_its_turns(pilot):
     before = pilot.turned
     pilot.spiral(0.5, 0.05, 0.1)

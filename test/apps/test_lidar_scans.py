@@ -36,7 +36,7 @@ def test_scans_of_a_room_come_as_slam_and_nav2_expect_them(stage):
     scans = stage.ros.listen(LaserScan, '/scan', qos_profile_sensor_data)
     transforms = stage.ros.listen(TFMessage, '/tf_static', LATCHED)
     odom = stage.ros.listen(Odometry, 'odom')
-    stage.ros.until(lambda: len(scans) > 20 and odom)
+    stage.ros.until(lambda: len(scans) > 10 and odom)
     slam = parameters('slam_toolbox.yaml')['slam_toolbox']['ros__parameters']
     scan = scans[-1]
     assert slam['scan_topic'] == '/scan'

@@ -119,7 +119,8 @@ def test_all_but_the_last_second_survives_a_full_disk(unmeasured, stage, tmp_pat
     recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
     stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
     file = recorded(recorder, stage)
-    resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (400_000, 400_000))
+    full = file.stat().st_size + 50_000
+    resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (full, full))
     assert recorder.ended() == 1
     assert recorder.printed[-2] == (
         'create_record: recording has ended: [Errno 27] File too large\n')

@@ -9,7 +9,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 
 from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
@@ -18,9 +17,8 @@ from rcl_interfaces.srv import GetParameters
 
 from create_oi_ros.apps.run import create_run
 from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
-from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import children_of, Listener, Program, scene, TIMEOUT
+from support.ros import children_of, scene, TIMEOUT
 from support.terminal import terminals
 from support.web import ADDRESS, PageClient, ready
 
@@ -67,10 +65,10 @@ def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
     assert "python '/home/me/my clone/examples/drive.py'\n" in text
 
 
-def test_what_follows_ros_args_is_for_the_node_and_all_follow_its_namespace(stage):
+def test_what_follows_ros_args_is_for_the_node_and_telephones_drive_it_in_its_namespace(stage):
     (stage.folder / 'my.yaml').write_text('/**:\n  ros__parameters:\n    bump_stop: forward\n')
     run = stage.program(
-        'create_run', '--world', 'empty', '--ros-args', '--params-file',
+        'create_run', '--host', '0.0.0.0', '--ros-args', '--params-file',
         str(stage.folder / 'my.yaml'), '-p', 'max_wheel_speed:=0.2', '-r', '__ns:=/robot1')
     stage.ros.until(lambda: re.search(r'6\d frames/s  SAFE     x', run.output))
     assert 'create_run starts node /robot1/create for a simulated Create' in run.output
@@ -80,8 +78,16 @@ def test_what_follows_ros_args_is_for_the_node_and_all_follow_its_namespace(stag
     assert [each.string_value or each.double_value for each in reply.values] == ['forward', 0.2]
     stage.ros.until(lambda: stage.ros.node.count_subscribers('/robot1/odom') == 2,
                     'status line and page listen')
+    _, port, token = re.search(r'open (http://\S+:(\d+)/)\?token=(\S+) in', run.output).groups()
+    with closing(PageClient(f'http://127.0.0.1:{port}/', token=token)) as page:
+        ready(page)
+        page.until(lambda: page.known.get('true_pose'))
+        assert page.known['room']['walls'], 'the apartment'
+        before = page.known['true_pose'][:2]
+        page.drive(0.2, 0.0, lambda: dist(before, page.known['true_pose'][:2]) > 0.1)
     run.send(signal.SIGINT)
     assert run.ended() == 0
+    assert 'Traceback' not in run.output
 
 
 def test_a_missing_port_is_reported_and_run_continues(stage):
@@ -131,26 +137,6 @@ def test_arguments_that_make_no_sense_are_refused(capsys, arguments, words):
     assert words in capsys.readouterr().err
 
 
-def test_a_simulated_run_has_its_own_domain_and_says_how_to_join(stage, monkeypatch):
-    monkeypatch.delenv('ROS_DOMAIN_ID', raising=False)
-    with closing(Program('-c', PROGRAMS['create_run'], domain=None)) as run:
-        domain = domain_of(run)
-        assert domain != stage.domain  # which is taken
-        with closing(Listener(domain)) as joined:
-            odom = joined.listen(Odometry, 'odom')
-            joined.until(lambda: odom)
-        run.send(signal.SIGINT)
-        assert run.ended() == 0
-
-
-def domain_of(run: Program) -> int:
-    """Wait until a program says which domain to join; return that."""
-    deadline = time.monotonic() + TIMEOUT
-    while not (found := re.search(r'export ROS_DOMAIN_ID=(\d+)\n', run.output)):
-        assert run.running() and time.monotonic() < deadline, run.output
-    return int(found[1])
-
-
 def test_children_end_with_a_run_that_is_killed_and_the_next_one_removes_what_it_left(stage):
     run = stage.program('create_run', '--world', 'empty')
     stage.ros.until(lambda: 'robot answers' in run.output)
@@ -180,18 +166,3 @@ def test_a_terminal_shows_one_line_that_changes_in_place(stage):
         run.type('\x03')
         assert run.ended() == 0
         assert run.output.endswith('\n')
-
-
-def test_a_telephone_sees_and_drives_the_robot_in_its_apartment(stage):
-    run = stage.program('create_run', '--host', '0.0.0.0')
-    stage.ros.until(lambda: ADDRESS.search(run.output))
-    _, port, token = re.search(r'open (http://\S+:(\d+)/)\?token=(\S+) in', run.output).groups()
-    with closing(PageClient(f'http://127.0.0.1:{port}/', token=token)) as page:
-        ready(page)
-        page.until(lambda: page.known.get('true_pose'))
-        assert page.known['room']['walls']
-        before = page.known['true_pose'][:2]
-        page.drive(0.2, 0.0, lambda: dist(before, page.known['true_pose'][:2]) > 0.1)
-    run.send(signal.SIGINT)
-    assert run.ended() == 0
-    assert 'Traceback' not in run.output
