@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Worlds as maps for Nav2 and as walls for Gazebo, against the worlds' own geometry."""
 
-from math import atan2, hypot, inf, remainder, tau
+from math import atan2, floor, hypot, inf, remainder, tau
 from pathlib import Path
 from random import Random
 from xml.etree import ElementTree
@@ -14,6 +14,7 @@ from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World
 from create_oi_ros.sim.world.floor_plan import (
     FREE,
+    Map,
     map_of,
     OCCUPIED,
     RESOLUTION,
@@ -32,13 +33,21 @@ def gap(world: World, x: float, y: float) -> float:
     return min((each.gap(x, y) for each in world.obstacles), default=inf)
 
 
+def grey_at(drawn: Map, x: float, y: float) -> int:
+    """Return the grey value of a place."""
+    column = floor((x - drawn.x) / RESOLUTION)
+    row = drawn.height - 1 - floor((y - drawn.y) / RESOLUTION)
+    inside = 0 <= column < drawn.width and 0 <= row < drawn.height
+    return drawn.cells[row * drawn.width + column] if inside else UNKNOWN
+
+
 @pytest.mark.parametrize('name', shipped_names())
 def test_a_map_is_occupied_where_the_world_has_obstacles_and_no_floor(name):
     world, drawn, random = shipped(name), map_of(shipped(name)), Random(1)
     for _ in range(3000):
         x = drawn.x + random.random() * drawn.width * RESOLUTION
         y = drawn.y + random.random() * drawn.height * RESOLUTION
-        near, grey = gap(world, x, y), drawn.at(x, y)
+        near, grey = gap(world, x, y), grey_at(drawn, x, y)
         edges = min((each.edge_gap(x, y) for each in (*world.ground, *world.cliffs)), default=inf)
         if edges < REACH:
             continue
@@ -52,9 +61,9 @@ def test_a_map_is_occupied_where_the_world_has_obstacles_and_no_floor(name):
 def test_free_is_where_a_robot_could_be_and_unknown_what_lies_outside(name):
     world, drawn = shipped(name), map_of(shipped(name))
     start = world.start
-    assert drawn.at(start.x, start.y) == FREE
-    assert drawn.at(drawn.x + RESOLUTION / 2, drawn.y + RESOLUTION / 2) != FREE
-    assert drawn.at(drawn.x - 5, drawn.y) == UNKNOWN
+    assert grey_at(drawn, start.x, start.y) == FREE
+    assert grey_at(drawn, drawn.x + RESOLUTION / 2, drawn.y + RESOLUTION / 2) != FREE
+    assert grey_at(drawn, drawn.x - 5, drawn.y) == UNKNOWN
 
 
 def test_walls_stand_where_a_robot_touches_them():
@@ -62,8 +71,8 @@ def test_walls_stand_where_a_robot_touches_them():
     drawn, body = map_of(world), Body(world)
     body.place(Pose(1.99 - 0.165, 0.0, 0.0))
     pose = body.truth().pose
-    assert any(drawn.at(pose.x + 0.165 + far / 100, pose.y) == OCCUPIED for far in range(4))
-    assert drawn.at(pose.x + 0.1, pose.y) == FREE
+    assert any(grey_at(drawn, pose.x + 0.165 + far / 100, pose.y) == OCCUPIED for far in range(4))
+    assert grey_at(drawn, pose.x + 0.1, pose.y) == FREE
 
 
 def test_every_obstacle_is_a_link_in_gazebo():

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from ...robot import TOP_SPEED
 from .config import BodyConfig, EncoderSign
-from .wheels import Follower, Lag, Ramp, Response, Spring, Unsteady
+from .wheels import Lag, Ramp, Response, Spring, Unsteady
 
 GAUSS_NODE = 0.5 - 0.5 / math.sqrt(3)
 """Part of a piece of time at which a two-point Gauss sum looks first."""
@@ -48,10 +48,9 @@ class Wheel:
         """Metres since the last tick."""
         self._requests: deque[tuple[float, float]] = deque()
         """Seconds until a request takes effect, and its speed."""
-        self._follower = _follower(config)
-        if config.speed_jitter or config.speed_wander:
-            self._follower = Unsteady(
-                self._follower, config.speed_jitter, config.speed_wander, random)
+        steady = _follower(config)
+        self._follower = steady if not (config.speed_jitter or config.speed_wander) else Unsteady(
+            steady, config.speed_jitter, config.speed_wander, random)
 
     def command(self, speed: float) -> None:
         """Set the speed to run to, clamped to the wheel's maximum."""
@@ -148,7 +147,7 @@ class Wheel:
         return ticks * tick
 
 
-def _follower(config: BodyConfig) -> Follower:
+def _follower(config: BodyConfig) -> Lag | Spring | Ramp:
     match config.response:
         case Response.FIRST_ORDER:
             return Lag(config.time_constant, config.braking)

@@ -3,7 +3,8 @@
 """
 How a wheel's speed follows the speed that is asked of it: the response models.
 
-Each model advances a speed towards a goal that is constant for the step, and is exact for it.
+Each model has a `speed`, m/s, on its way to the goal that `aim` notes. `roll` lets time pass and
+returns the metres travelled; it is exact for at most the seconds that `horizon` returns.
 docs/simulator_guesses.md lists what was measured of real robots: Creates answered like a
 first-order lag, and coasted about 15 mm from any speed. The other models are for robots that
 answer otherwise.
@@ -12,7 +13,7 @@ answer otherwise.
 from enum import Enum
 import math
 from random import Random
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 
 class Response(Enum):
@@ -24,21 +25,6 @@ class Response(Enum):
     """As a spring and a damper: it overshoots (measured of Create 2 robots)."""
     RAMP = 'ramp'
     """A constant acceleration."""
-
-
-class Follower(Protocol):
-    """A wheel's speed on its way to a goal; m/s and seconds."""
-
-    speed: float
-
-    def aim(self, goal: float) -> None:
-        """Note a new goal."""
-
-    def horizon(self, longest: float) -> float:
-        """Return the seconds, at most `longest`, for which one `roll` is exact."""
-
-    def roll(self, h: float) -> float:
-        """Let h seconds pass; return the metres travelled."""
 
 
 class TimeConstant(NamedTuple):
@@ -185,7 +171,8 @@ class Ramp:
 class Unsteady:
     """Another wheel, whose speed jitters from beat to beat and drifts within half a minute."""
 
-    def __init__(self, wheel: Follower, jitter: float, wander: float, random: Random) -> None:
+    def __init__(self, wheel: Lag | Spring | Ramp, jitter: float, wander: float,
+                 random: Random) -> None:
         self._wheel, self._random = wheel, random
         self._jitter, self._wander = jitter / math.sqrt(JITTER_PERIOD), wander
         self._drift = random.gauss(0.0, wander)

@@ -19,7 +19,6 @@ import socket
 import struct
 import termios
 import tty
-from typing import Protocol
 
 from ..firmware.uart import DEFAULT_BAUD
 
@@ -92,42 +91,6 @@ def naming(given: object) -> Iterator[None]:
 def sentence(error: OSError) -> str:
     """Return the error as one line."""
     return f'{error.filename}: {error.strerror}' if error.filename else str(error)
-
-
-class Line(Protocol):
-    """One serial line, seen from the robot's end."""
-
-    @property
-    def name(self) -> str:
-        """The name under which a host opens the port."""
-
-    def watched(self) -> list[int]:
-        """Return the descriptors that become readable when `read` has something to do."""
-
-    def read(self) -> bytes:
-        """Return the bytes that have arrived, b'' if none; never blocks."""
-
-    def write(self, data: bytes) -> int:
-        """
-        Write as many bytes as fit now and return their number; the rest is lost.
-
-        Without a host, all bytes are lost and count as written.
-        """
-
-    def connected(self) -> bool:
-        """Return whether a host has the port open."""
-
-    def baud(self) -> int | None:
-        """Return the rate that the host has set, bits per second; None: the right one."""
-
-    def unplug(self) -> None:
-        """Remove the port, as if the cable were pulled out of the computer."""
-
-    def plug(self) -> None:
-        """Make the port appear, if it is not there."""
-
-    def close(self) -> None:
-        """Remove the port and everything that belongs to it."""
 
 
 class PtyLine:
@@ -205,13 +168,14 @@ class PtyLine:
         return [self._master] if self.connected() else []
 
     def connected(self) -> bool:
+        """Return whether a host has the port open."""
         if self._master >= 0 and not self._present:
             events = self._poll.poll(0)
             self._present = not events or bool(events[0][1] & select.POLLIN)
         return self._present
 
     def read(self) -> bytes:
-        """Read, and notice when the host has gone."""
+        """Return the bytes that have arrived, b'' if none; notice when the host has gone."""
         if not self.connected():
             return b''
         try:
@@ -232,6 +196,11 @@ class PtyLine:
         return b''
 
     def write(self, data: bytes) -> int:
+        """
+        Write as many bytes as fit now and return their number; the rest is lost.
+
+        Without a host, all bytes are lost and count as written.
+        """
         if not data or not self._present:
             return len(data)
         try:
@@ -240,6 +209,7 @@ class PtyLine:
             return 0
 
     def baud(self) -> int | None:
+        """Return the rate that the host has set, bits per second; None: the right one."""
         if self._master < 0:
             return None
         fcntl.ioctl(self._master, TCGETS2, self._settings)
@@ -288,7 +258,7 @@ class TcpLine:
         return [each.fileno() for each in (self._listener, self._client) if each is not None]
 
     def read(self) -> bytes:
-        """Read, and notice clients that connect or disconnect."""
+        """Return the bytes that have arrived, and notice clients that connect or disconnect."""
         self._accept()
         if self._client is None:
             return b''
@@ -329,3 +299,7 @@ class TcpLine:
     def baud(self) -> int | None:
         """Return None: TCP has no baud rate."""
         return None
+
+
+Line = PtyLine | TcpLine
+"""One serial line, seen from the robot's end; nothing that it does blocks."""

@@ -37,14 +37,6 @@ class Map(NamedTuple):
     """m, of the same."""
     cells: bytes
 
-    def at(self, x: float, y: float) -> int:
-        """Return the grey value of a place."""
-        column = floor((x - self.x) / RESOLUTION)
-        row = self.height - 1 - floor((y - self.y) / RESOLUTION)
-        if not (0 <= column < self.width and 0 <= row < self.height):
-            return UNKNOWN
-        return self.cells[row * self.width + column]
-
     def pgm(self) -> bytes:
         """Return the image."""
         return f'P5\n{self.width} {self.height}\n255\n'.encode() + self.cells
