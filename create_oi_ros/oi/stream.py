@@ -58,8 +58,14 @@ class Garbage(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The readable text in it, such as the robot's boot banner; '' if there is none."""
-        return readable(self.data)
+        """
+        The pieces of readable text in it, each on its own line; '' if there are none.
+
+        The robot's boot banner may follow half a frame or be split over two pieces of garbage:
+        join the bytes of consecutive garbage to read it.
+        """
+        runs = (run.decode('ascii').strip() for run in READABLE.findall(self.data))
+        return '\n'.join(run for run in runs if run)
 
 
 TOO_SHORT = (b'', bytes((HEADER,)))
@@ -70,17 +76,6 @@ GARBAGE_LIMIT = 256
 """Garbage is returned in pieces of at most this size, so that memory stays bounded."""
 FRAMES_TO_SWITCH = 3
 """Frames in a row with the other checksum convention after which the reader changes to it."""
-
-
-def readable(data: bytes) -> str:
-    """
-    Return the pieces of text in some bytes, each on its own line; '' if there are none.
-
-    The boot banner may follow half a frame or be split over two pieces of garbage: join the
-    bytes of consecutive garbage before you call this.
-    """
-    runs = (run.decode('ascii').strip() for run in READABLE.findall(data))
-    return '\n'.join(run for run in runs if run)
 
 
 class StreamReader:

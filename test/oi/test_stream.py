@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.stream import FRAMES_TO_SWITCH, GARBAGE_LIMIT, readable
+from create_oi_ros.oi.stream import FRAMES_TO_SWITCH, GARBAGE_LIMIT
 from support.oi_strategies import commands, frames, packet_lists
 import vectors
 
@@ -207,13 +207,14 @@ def test_the_boot_banner_is_reported() -> None:
 def test_the_boot_banner_is_readable_in_two_pieces() -> None:
     found = events([bytes(GARBAGE_LIMIT - 33) + BANNER + GOOD], CLIFF)
     assert kinds(found) == 'ggF'
-    assert readable(joined(found[:2])) == BANNER.decode().strip()
+    assert oi.Garbage(joined(found[:2])).text == BANNER.decode().strip()
 
 
 def test_noise_is_not_text() -> None:
     assert oi.Garbage(bytes(range(20)) + b'bad\0 \r\n\r\n \n\r \0').text == ''
-    assert readable(b'') == ''
-    assert readable(b'\xffRDK by iRobot!\xff\0battery 257\r\n') == 'RDK by iRobot!\nbattery 257'
+    assert oi.Garbage(b'').text == ''
+    banner = oi.Garbage(b'\xffRDK by iRobot!\xff\0battery 257\r\n')
+    assert banner.text == 'RDK by iRobot!\nbattery 257'
 
 
 def test_memory_is_bounded() -> None:

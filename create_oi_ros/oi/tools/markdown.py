@@ -18,17 +18,13 @@ def table(heading: Row, rows: Iterable[Row]) -> str:
     return ''.join(f'| {" | ".join(line)} |\n' for line in lines)
 
 
-def block_pattern(label: str) -> re.Pattern[str]:
-    """Return the pattern of a generated block; `label` is the pattern of its label."""
-    return re.compile(
-        rf'(?P<start><!-- (?P<label>{label}) -->\n).*?(?P<end><!-- end -->)', re.DOTALL)
-
-
 def rewritten(page: str, label: str, block: Callable[[str], str]) -> str:
     """
     Return a page with its generated blocks made again.
 
     `label` is the pattern of the labels of these blocks; `block` returns the text for a label.
     """
-    return block_pattern(label).sub(
-        lambda found: found['start'] + block(found['label']) + found['end'], page)
+    return re.sub(
+        rf'(?P<start><!-- (?P<label>{label}) -->\n).*?(?P<end><!-- end -->)',
+        lambda found: found['start'] + block(found['label']) + found['end'], page,
+        flags=re.DOTALL)

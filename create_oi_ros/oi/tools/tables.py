@@ -65,7 +65,8 @@ def groups_table() -> list[Row]:
 def codes_table() -> list[Row]:
     """Return the table of named numbers in commands and packets; the other tables have bits."""
     used: dict[type[IntEnum] | type[IntFlag], list[str]] = {}
-    for title, wire in _wires():
+    wires = [(kind.title, field.wire) for kind in COMMANDS for field in kind.fields]
+    for title, wire in wires + [(packet.title, packet.wire) for packet in PACKETS.values()]:
         if wire.names is not None and not wire.mask:
             used.setdefault(wire.names, []).append(title)
     rows: list[Row] = [('Names', 'Used in', 'Numbers')]
@@ -73,14 +74,6 @@ def codes_table() -> list[Row]:
         numbers = ', '.join(f'{member.value} {member.name}' for member in names)
         rows.append((names.__name__, ', '.join(titles), numbers))
     return rows
-
-
-def _wires() -> Iterable[tuple[str, Wire]]:
-    for kind in COMMANDS:
-        for _, wire in kind.fields:
-            yield kind.title, wire
-    for packet in PACKETS.values():
-        yield packet.title, packet.wire
 
 
 def budget_lines(packets: PacketList) -> list[str]:
@@ -112,9 +105,7 @@ LABEL = 'table: '
 
 def document(page: str) -> str:
     """Return a Markdown page with its tables made again; KeyError names an unknown table."""
-    return rewritten(page, LABEL + r'\w+', _block)
-
-
-def _block(label: str) -> str:
-    heading, *rows = TABLES[label.removeprefix(LABEL)]()
-    return f'\n{table(heading, rows)}\n'
+    def block(label: str) -> str:
+        heading, *rows = TABLES[label.removeprefix(LABEL)]()
+        return f'\n{table(heading, rows)}\n'
+    return rewritten(page, LABEL + r'\w+', block)

@@ -26,6 +26,7 @@ The parser reads forward only and knows its position, so that every error names 
 """
 
 from collections.abc import Iterable
+from contextlib import suppress
 from enum import IntEnum, IntFlag
 import re
 from typing import Any, NamedTuple, NoReturn
@@ -80,8 +81,12 @@ def _format_number(wire: Wire, value: int) -> str:
 
 
 def _format_items(item: type, value: Any) -> str:
+    """Return a tail: of a script its commands, or its bytes if these are no commands in range."""
     if item is bytes:
-        return _format_script(value)
+        with suppress(ValueError):
+            commands = commands_of(Script(script=value))
+            build_script(commands)
+            return '{' + '; '.join(map(format_command, commands)) + '}'
     if item is Note:
         return ','.join(f'{_format_note(number)}:{duration}' for number, duration in value)
     return ','.join(str(int(number)) for number in value)
@@ -91,16 +96,6 @@ def _format_note(number: int) -> str:
     if number in SOUNDING:
         return note_name(number)
     return 'rest' if number == REST else str(number)
-
-
-def _format_script(script: bytes) -> str:
-    """Return the commands of a script, or its bytes if they are not commands in range."""
-    try:
-        commands = commands_of(Script(script=script))
-        build_script(commands)
-    except ValueError:
-        return ','.join(map(str, script))
-    return '{' + '; '.join(map(format_command, commands)) + '}'
 
 
 # Text to commands.

@@ -48,12 +48,18 @@ class ActuatorState:
         self.switch_drivers(0, 0, 0)
 
     def execute(self, command: oi.Command) -> None:
-        """Carry out a command if it is for the actuators; its values are in range."""
+        """
+        Carry out a command if it is for the actuators; its values are in range.
+
+        Drive changes packets 39 and 40, Drive Direct 41 and 42; the others stay.
+        """
         match command:
             case oi.Drive(velocity=velocity, radius=radius):
-                self.drive(velocity, radius)
+                self.velocity, self.radius = velocity, radius
+                self.turn_wheels(wheel_speeds(velocity, radius, self._separation))
             case oi.DriveDirect(right=right, left=left):
-                self.drive_direct(right, left)
+                self.right, self.left = right, left
+                self.turn_wheels(WheelSpeeds(right, left))
             case oi.Leds(bits=bits, color=color, intensity=intensity):
                 self.lights = Lights(LedBits(bits), color, intensity)
             case oi.DigitalOutputs(bits=bits):
@@ -64,16 +70,6 @@ class ActuatorState:
                 self.switch_drivers(driver_0, driver_1, driver_2)
             case oi.SendIr(byte=byte):
                 self.infrared_sent.append(byte)
-
-    def drive(self, velocity: int, radius: int) -> None:
-        """Carry out Drive: packets 39 and 40 change, 41 and 42 stay."""
-        self.velocity, self.radius = velocity, radius
-        self.turn_wheels(wheel_speeds(velocity, radius, self._separation))
-
-    def drive_direct(self, right: int, left: int) -> None:
-        """Carry out Drive Direct: packets 41 and 42 change, 39 and 40 stay."""
-        self.right, self.left = right, left
-        self.turn_wheels(WheelSpeeds(right, left))
 
     def turn_wheels(self, wheels: WheelSpeeds) -> None:
         """Set the wheel speeds; packets 39 to 42 stay."""
