@@ -4,7 +4,6 @@
 
 from collections.abc import Callable
 from enum import IntFlag
-from functools import lru_cache
 from operator import attrgetter, mul
 
 from ... import oi
@@ -71,12 +70,6 @@ def packet_values(sensed: Sensed) -> dict[str, int]:
     }
 
 
-@lru_cache(maxsize=256)
-def packet_list(ids: tuple[int, ...]) -> PacketList:
-    """Compile a list; cached, because a host that polls repeats its lists."""
-    return PacketList(ids)
-
-
 class Telemetry:
     """Replies to input commands, and the frames of the stream."""
 
@@ -110,14 +103,14 @@ class Telemetry:
             case oi.QueryList(packets=packets):
                 return self._reply(packets, own)
             case oi.Stream(packets=packets):
-                self._list = packet_list(packets)
+                self._list = PacketList(packets)
                 self.streaming = bool(packets)
             case oi.PauseResumeStream(state=state):
                 self.streaming = state == oi.StreamState.RESUME and bool(self._list.ids)
         return b''
 
     def _reply(self, ids: tuple[int, ...], own: dict[str, int]) -> bytes:
-        packets = packet_list(ids)
+        packets = PacketList(ids)
         return packets.pack_reply(self._values(packets, own))
 
     def frame(self, own: dict[str, int]) -> bytes:
