@@ -12,7 +12,6 @@ request is safer: one damaged frame in some thousands looks like another list.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from enum import IntEnum, IntFlag
 from itertools import takewhile
 import re
 from typing import Any
@@ -21,7 +20,7 @@ from ..declaration import Command
 from ..packets import FRAME_LIMIT, HEADER, PACKET_IDS, PacketList, size_of
 from ..readings import NUMBERS, Packet, PACKETS, Readings, VOLTS_PER_STEP
 from ..stream import BY_TOTAL, Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
-from .text import format_command, label
+from .text import format_command, format_number
 
 SEPARATORS = re.compile(r'[\s,;:|\[\](){}]+')
 CONVENTIONS = {
@@ -169,13 +168,8 @@ def explain_reading(packet: Packet, value: Any) -> str:
     """Explain one value of a packet."""
     if packet is ANALOG:
         return f'{packet.title} = {value} ({value * VOLTS_PER_STEP:.2f} V)'
-    return f'{packet.title} = {_value(value)}{packet.wire.unit and f" {packet.wire.unit}"}'
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, IntFlag):
-        return '+'.join(label(bit) for bit in value) or '0'
-    return label(value) if isinstance(value, IntEnum) else str(int(value))
+    number = format_number(packet.wire, value)
+    return f'{packet.title} = {number}{packet.wire.unit and f" {packet.wire.unit}"}'
 
 
 def _garbage(garbage: Garbage) -> str:

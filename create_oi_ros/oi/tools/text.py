@@ -56,7 +56,7 @@ def format_command(command: Command) -> str:
     """Return a command as a line of text; its values may be out of range."""
     words = [command.title]
     for name, wire in command.fields:
-        words.append(f'{name}={_format_number(wire, getattr(command, name))}')
+        words.append(f'{name}={format_number(wire, getattr(command, name))}')
     if command.tail is not None:
         name, _, item = command.tail
         words.append(f'{name}={_format_items(item, getattr(command, name))}')
@@ -68,7 +68,8 @@ def format_commands(commands: Iterable[Command]) -> str:
     return ''.join(f'{format_command(command)}\n' for command in commands)
 
 
-def _format_number(wire: Wire, value: int) -> str:
+def format_number(wire: Wire, value: int) -> str:
+    """Return a number by its name, or its bits by theirs, where these have names."""
     if wire.names is None:
         return str(int(value))
     if wire.mask:
