@@ -275,10 +275,6 @@ class Create:
         self._reset()
         self.body.power(False)
 
-    def toggle_power(self, now: float) -> None:
-        """Press the power button, or raise pin 3 (manual: 'on a low-to-high transition')."""
-        self.power(not self._power.on, now)
-
     def lose_battery(self, now: float) -> None:
         """Take the battery out and put it back: the robot restarts if it was on."""
         self.poll(now)
@@ -372,7 +368,9 @@ class Create:
     def _execute_other(self, command: oi.Command) -> None:
         match command:
             case oi.Baud(code=code):
-                self._change_baud(oi.BaudCode(code).rate)
+                self._power.default_baud = DEFAULT_BAUD
+                self._uart.change(oi.BaudCode(code).rate, self.time)
+                self._queue.clear()
             case oi.Demo(demo=oi.DemoNumber.ABORT):
                 self._demos.stop()
             case oi.Demo(demo=demo):
@@ -388,11 +386,6 @@ class Create:
             case oi.ShowScript():
                 self._telemetry.streaming = False
                 self._uart.reply(bytes([len(self.script)]) + self.script, self.time)
-
-    def _change_baud(self, baud: int) -> None:
-        self._power.default_baud = DEFAULT_BAUD
-        self._uart.change(baud, self.time)
-        self._queue.clear()
 
     def _begin_wait(self, command: oi.Command) -> None:
         over = scripts.waiting(

@@ -283,7 +283,7 @@ class Interpreter:
     def do_power(self, words: list[str]) -> None:
         match _choice(words, 'on', 'off', 'toggle', 'fail'):
             case 'toggle':
-                self._create.toggle_power(self._now)
+                self._create.power(not self._create.powered, self._now)
             case 'fail':
                 self._create.lose_battery(self._now)
             case state:
