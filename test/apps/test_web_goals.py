@@ -7,38 +7,34 @@ import signal
 
 import pytest
 
-from create_oi_ros.sim.world import shipped
-from support.ros import scene
+from support.ros import Ready, scene
 from support.web import PageClient, ready, Relay, served, standing
 
 LONG_WAY = {'distance': 20.0, 'max_translation_speed': 0.3}
 
 
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
+@pytest.fixture(scope='module')
+def stage(tmp_path_factory):
+    """Return a scene with a robot, its driver and a server, which tests share."""
+    with scene(tmp_path_factory.mktemp('goals')) as made:
+        made.ready = Ready(made)
+        made.address = served(made)[1]
         yield made
 
 
 @pytest.fixture
 def robot(stage):
-    """Return a simulated robot in an empty room."""
-    return stage.robot(world=shipped('empty'))
+    """Return the robot as new."""
+    stage.ready.renew()
+    return stage.ready.robot
 
 
 @pytest.fixture
-def driver(stage, robot):
-    """Return the driver of the robot."""
-    return stage.node(robot.link)
-
-
-@pytest.fixture
-def pages(stage, driver):
+def pages(stage, robot):
     """Return a function that opens a page of a robot in SAFE; all are closed at the end."""
-    address, opened = served(stage)[1], []
+    opened = []
 
-    def open_page(through: str = address):
+    def open_page(through: str = stage.address):
         opened.append(PageClient(through))
         return ready(opened[-1])
     yield open_page
@@ -144,18 +140,6 @@ def test_a_goal_ends_when_the_network_of_its_page_fails(stage, robot, pages):
         stage.ros.until(lambda: standing(robot))
 
 
-def test_a_goal_ends_when_its_page_or_the_driver_goes(stage, robot, driver, pages):
-    page, witness = pages(), pages()
-    sets_out(page, robot, 'drive_distance', **LONG_WAY)
-    page.close()
-    witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-    stage.ros.until(lambda: standing(robot))
-    sets_out(witness, robot, 'drive_distance', **LONG_WAY)
-    driver.send(signal.SIGTERM)
-    assert not witness.reply()['ok']
-    witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-
-
 def test_a_tune_plays_while_the_robot_drives_and_is_canceled_by_itself(robot, pages):
     page, witness = pages(), pages()
     page.send('audio_note_sequence', notes='G4:0.1 C5:0.1')
@@ -170,3 +154,15 @@ def test_a_tune_plays_while_the_robot_drives_and_is_canceled_by_itself(robot, pa
     assert (reply['to'], reply['ok']) == ('audio_note_sequence', False)
     witness.until(lambda: goal_of(witness, 'tune')['state'] == 'canceled')
     assert not standing(robot)
+
+
+def test_a_goal_ends_when_its_page_or_the_driver_goes(stage, robot, pages):
+    page, witness = pages(), pages()
+    sets_out(page, robot, 'drive_distance', **LONG_WAY)
+    page.close()
+    witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
+    stage.ros.until(lambda: standing(robot))
+    sets_out(witness, robot, 'drive_distance', **LONG_WAY)
+    stage.ready.node.send(signal.SIGTERM)  # so no test comes after this one
+    assert not witness.reply()['ok']
+    witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
