@@ -23,8 +23,8 @@ from .goal import (
     Goal,
     Hazards,
     Instruction,
-    LEAST_SPEED,
     LIFTED,
+    MIN_SPEED,
     NO_SPEED,
     Order,
     Over,
@@ -34,13 +34,13 @@ from .goal import (
 )
 from .legs import StoppingModel, Straight
 
-SEARCH = 240.0
+SEARCH_TIME = 240.0
 """Seconds in which the Home Base must be found."""
 CHARGE_WAIT = 4.0
 """Seconds on the contacts in which the current should begin."""
 AWAY, SPEED = 0.3, 0.1
 """Metres and m/s by which a robot leaves its dock."""
-HELD, MODE_WAIT = 1.5, 0.6
+HELD_TIME, MODE_WAIT = 1.5, 0.6
 """Seconds in Safe after which a docked robot that has not left counts as held, and in which a
 mode should be entered."""
 
@@ -53,7 +53,7 @@ class Dock(Goal):
     def __init__(self, allowance: float) -> None:
         """Take seconds; 0: as long as a search may take."""
         super().__init__(allowance)
-        self.allowance = self.allowance or SEARCH
+        self.allowance = self.allowance or SEARCH_TIME
         self._seen = False
         """Whether a beam of the dock was seen."""
 
@@ -128,10 +128,10 @@ class Undock(Goal):
         """Return why the robot cannot begin: it is on no dock, or something is in the way."""
         if not self._docked:
             return Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
-        if self.view.limits.max_wheel_speed < LEAST_SPEED:
+        if self.view.limits.max_wheel_speed < MIN_SPEED:
             return NO_SPEED
         self._start_anew()
-        self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD + 2 * MODE_WAIT)
+        self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
         return self._hazards.begin(self.view, forward=False, backward=True)
 
     def hazard(self) -> Over | None:
@@ -167,9 +167,9 @@ class Undock(Goal):
                 seconds, why = 0.0, ''
                 continue
             held = self._docked and mode is oi.Mode.SAFE
-            if held and seconds > HELD:
+            if held and seconds > HELD_TIME:
                 return 'docked in SAFE the robot does not move'
-            over = self._stall.check(self.view, self.told)
+            over = self._stall.check(self.view, self.commanded)
             yield self._step() if over is None or held else over
             seconds += self.view.dt
         return ''

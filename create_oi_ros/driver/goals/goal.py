@@ -22,12 +22,12 @@ from ..events import MotionLimits
 from ..motion import BUMPS, Velocity
 from ..outbox import Awaited
 
-LONGEST, MOST_TURN = 1000.0, 1000 * tau
+MAX_DISTANCE, MAX_ANGLE = 1000.0, 1000 * tau
 """Metres and radians of one goal at most: the odometry is worth little after that."""
 ROUNDING = 1e-6
 """Part by which a float32 may be beyond a limit: it is 0.30000001 for 0.3."""
 
-LEAST_SPEED, LEAST_TURN = MILLI, 0.008
+MIN_SPEED, MIN_TURN_RATE = MILLI, 0.008
 """m/s and rad/s: the wheels are told whole millimetres per second, so less does not move them."""
 
 
@@ -156,7 +156,7 @@ class Goal(ABC):
         """How far the goal is."""
         self.view: View
         """The newest view."""
-        self.told = Velocity()
+        self.commanded = Velocity()
         """The velocity since the view before."""
         self._orders = self.orders()
 
@@ -169,7 +169,7 @@ class Goal(ABC):
         """Return what to do until the next frame."""
         self.view = view
         order = self.hazard() or next(self._orders)
-        self.told = order if isinstance(order, Velocity) else Velocity()
+        self.commanded = order if isinstance(order, Velocity) else Velocity()
         return order
 
     @abstractmethod
@@ -234,12 +234,12 @@ def check_range(name: str, value: float, unit: str, least: float, most: float = 
 
 def check_speed(value: float) -> None:
     """Refuse m/s that are no whole mm/s for the wheels."""
-    check_range('max_translation_speed', value, 'm/s', LEAST_SPEED)
+    check_range('max_translation_speed', value, 'm/s', MIN_SPEED)
 
 
 def check_turning(value: float) -> None:
     """Refuse rad/s that are no whole mm/s for the wheels."""
-    check_range('max_rotation_speed', value, 'rad/s', LEAST_TURN)
+    check_range('max_rotation_speed', value, 'rad/s', MIN_TURN_RATE)
 
 
 def docked(readings: oi.Readings) -> bool:
@@ -253,12 +253,12 @@ def docked(readings: oi.Readings) -> bool:
 DROPS = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
             | oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER)
 WHEELS = int(oi.Overcurrents.LEFT_WHEEL | oi.Overcurrents.RIGHT_WHEEL)
-OVERLOADED = 0.5
+OVERLOAD_TIME = 0.5
 """Seconds for which a wheel must draw too much current to count as held."""
-WATCHED, FOLLOWED = 0.15, 0.3
+STALL_DISTANCE, MIN_FOLLOWED = 0.15, 0.3
 """Metres of a wheel after which it is compared with what it was told, and the least part of that
 which a wheel that is not held travels."""
-AT_LEAST = 2.0
+STALL_TIME = 2.0
 """Seconds over which it is compared at least."""
 SIDES = {BUMPS: 'in front', int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'on the left',
          int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'on the right'}
@@ -271,7 +271,7 @@ TO_FLOOR = f'put the robot on the floor, {AGAIN}'
 LIFTED = Over(Code.WHEEL_DROP, f'a wheel hangs in the air: {TO_FLOOR}')
 NO_SPEED = Over(
     Code.STALL, 'max_wheel_speed is 0, or too little to turn a wheel: set the parameter to '
-    f'{LEAST_SPEED} m/s or more')
+    f'{MIN_SPEED} m/s or more')
 
 
 def bumps(readings: oi.Readings) -> int:
@@ -337,22 +337,22 @@ class Stall:
         self._restart()
 
     def _restart(self) -> None:
-        self._told = self._went = self._seconds = 0.0
+        self._commanded = self._went = self._seconds = 0.0
 
-    def check(self, view: View, told: Velocity) -> Over | None:
-        """Return what ends the motion; `told` is the velocity since the frame before."""
+    def check(self, view: View, commanded: Velocity) -> Over | None:
+        """Return what ends the motion; `commanded` is the velocity since the frame before."""
         readings, dt = view.readings, view.dt
         overloaded = readings.has('overcurrents') and int(readings.overcurrents) & WHEELS
         self._overloaded = self._overloaded + dt if overloaded else 0.0
-        if self._overloaded > OVERLOADED:
+        if self._overloaded > OVERLOAD_TIME:
             return Over(Code.STALL, 'a wheel draws too much current: is it held or blocked?')
         half = view.limits.wheel_separation / 2
-        self._told += (abs(told.linear) + abs(told.angular) * half) * dt
+        self._commanded += (abs(commanded.linear) + abs(commanded.angular) * half) * dt
         self._went += (abs(view.estimate.linear) + abs(view.estimate.angular) * half) * dt
         self._seconds += dt
-        if self._told < WATCHED or self._seconds < AT_LEAST:
+        if self._commanded < STALL_DISTANCE or self._seconds < STALL_TIME:
             return None
-        stalled = self._went < FOLLOWED * self._told
+        stalled = self._went < MIN_FOLLOWED * self._commanded
         self._restart()
         if not stalled:
             return None
@@ -385,7 +385,7 @@ class DrivingGoal(Goal):
 
     def obstacle(self) -> Over | None:
         """Return why the motion cannot begin."""
-        if self.view.limits.max_wheel_speed < LEAST_SPEED:
+        if self.view.limits.max_wheel_speed < MIN_SPEED:
             return NO_SPEED
         return self._hazards.begin(
             self.view, forward=self._direction > 0, backward=self._direction < 0)
@@ -393,4 +393,4 @@ class DrivingGoal(Goal):
     def hazard(self) -> Over | None:
         """Return what ends the motion."""
         return (self._hazards.check(self.view, forward=self.forward)
-                or self._stall.check(self.view, self.told))
+                or self._stall.check(self.view, self.commanded))

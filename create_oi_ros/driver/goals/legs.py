@@ -4,8 +4,9 @@
 The ways that motions are made of: a straight line, and a part of a circle or a turn in place.
 
 A leg measures what is left of it and steers along it, by the odometry. All lengths that it gives
-the approach are metres of the faster wheel, so that one profile of speeds fits all.
-The profile is a trapezoid, closed in every frame by the odometry.
+the approach are metres of the faster wheel, so that one profile of speeds fits all. The profile
+is a trapezoid, closed in every frame by the odometry.
+
 A robot does not follow at once. What it still travels after its wheels were told to stand, its
 coast, is its speed times a time that differs from robot to robot. So the profile brakes for the
 place where a stop would leave the robot, the last centimetre is slow, and the coast is learned at
@@ -26,46 +27,46 @@ STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
 HEADING_GAIN, ASIDE_GAIN = 2.0, 4.0
 """rad/s per radian, and radians per metre, by which a robot is steered back to its line."""
-STEEPEST = 0.5
+MAX_RETURN_ANGLE = 0.5
 """Radians at most at which a robot drives back to its line."""
-SHARPEST, MOST_BEND = 0.8, 4.0
+MAX_STEERING, MAX_CURVATURE = 0.8, 4.0
 """rad/s of steering at most, and rad/s per m/s."""
 
-COAST, SPREAD = 0.35, 0.12
+COAST, COAST_SPREAD = 0.35, 0.12
 """Coast, s, that is assumed before it is learned, and its standard deviation. It is longer than
 that of most robots, so that they stop short."""
-LEAST_COAST, MOST_COAST = 0.03, 0.8
-DRIFT, NOISE = 0.02, 0.002
+MIN_COAST, MAX_COAST = 0.03, 0.8
+COAST_DRIFT, COAST_NOISE = 0.02, 0.002
 """Seconds by which the coast differs from stop to stop, and metres by which one is measured
 wrongly."""
 ACCELERATION, BRAKING = 0.5, 0.25
 """m/s² of a wheel."""
 CREEP, CREEP_DISTANCE = 0.03, 0.01
 """m/s and m of a wheel at the end: slower, some robots do not move."""
-DOUBT, MOST_DOUBT = 2.0, 0.08
+UNCERTAINTY_GAIN, MAX_UNCERTAINTY = 2.0, 0.08
 """Standard deviations by which the robot creeps earlier where the odometry is not sure of the way,
 and metres at most."""
-LAST = 0.05
+FINAL_DISTANCE = 0.05
 """Metres before the end in which the robot no longer speeds up."""
-STUCK, FASTER = 0.7, 0.01
+STUCK_TIME, CREEP_STEP = 0.7, 0.01
 """Seconds of creeping without motion after which a wheel creeps faster, and by how many m/s."""
-FASTEST_CREEP = 0.08
+MAX_CREEP = 0.08
 """m/s at most."""
-UNMOVED = 0.25
+MIN_CORRECTED = 0.25
 """A correction that makes less than this part of its way has moved nothing: the next is faster."""
-STANDING = 0.004
+STANDSTILL = 0.004
 """m/s below which a wheel counts as standing."""
-SETTLE, BLEND, LATEST = 0.15, 0.25, 1.4
+SETTLE_TIME, BLEND_TIME, MAX_SETTLE_TIME = 0.15, 0.25, 1.4
 """Seconds of standing before a reading can confirm the place; seconds in which the odometry takes
 that reading in; seconds of standing after which the robot waits no longer for one."""
-NUDGE = 0.02
+PUSH_DISTANCE = 0.02
 """Metres up to which a correction is a push of a set length: its way is its speed times its
 length, whatever the coast."""
 PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
 """Standard deviations of the way of a push over its speed times its length, from robot to robot
 and from push to push; and metres by which one is measured wrongly."""
-LEAST_PUSH, MOST_PUSH = 0.3, 3.0
-CORRECTIONS = 3
+MIN_PUSH, MAX_PUSH = 0.3, 3.0
+MAX_CORRECTIONS = 3
 """How often the robot creeps on or back at most."""
 
 
@@ -75,7 +76,7 @@ class StoppingModel:
     def __init__(self) -> None:
         self.coast = COAST
         """Seconds of its speed that the robot travels on after a stop."""
-        self._variance = SPREAD ** 2
+        self._variance = COAST_SPREAD ** 2
         self.push = 1.0
         """The way of a push over its speed times its length."""
         self._push_variance = PUSH_SPREAD ** 2
@@ -83,15 +84,15 @@ class StoppingModel:
     def pushed(self, asked: float, way: float) -> None:
         """Learn from a push that was to lead a way `asked`, m, and led another."""
         gain = self._push_variance / (self._push_variance + (PUSH_NOISE / asked) ** 2)
-        ratio = max(LEAST_PUSH, min(MOST_PUSH, way / asked * self.push))
+        ratio = max(MIN_PUSH, min(MAX_PUSH, way / asked * self.push))
         self.push += gain * (ratio - self.push)
         self._push_variance = self._push_variance * (1 - gain) + PUSH_DRIFT ** 2
 
     def stopped(self, pace: float, way: float) -> None:
         """Learn from a stop at a pace, m/s, after which the robot still travelled a way, m."""
-        self._variance += DRIFT ** 2
-        gain = self._variance / (self._variance + (NOISE / pace) ** 2)
-        coast = max(LEAST_COAST, min(MOST_COAST, way / pace))
+        self._variance += COAST_DRIFT ** 2
+        gain = self._variance / (self._variance + (COAST_NOISE / pace) ** 2)
+        coast = max(MIN_COAST, min(MAX_COAST, way / pace))
         self.coast += gain * (coast - self.coast)
         self._variance *= 1 - gain
 
@@ -103,7 +104,7 @@ class Remaining(NamedTuple):
     """What is left of the way."""
     speed: float
     """m/s along it."""
-    doubt: float
+    deviation: float
     """Standard deviation of what is left."""
     dt: float
     measured: bool
@@ -133,7 +134,7 @@ class Approach:
     def seconds(self, way: float) -> float:
         """Return how long a way takes at most, about."""
         ramps = self._top / 2 * (1 / self._up + 1 / self._down)
-        settling = (1 + CORRECTIONS) * (LATEST + NUDGE / self._creep)
+        settling = (1 + MAX_CORRECTIONS) * (MAX_SETTLE_TIME + PUSH_DISTANCE / self._creep)
         return abs(way) / self._top + ramps + settling
 
     def step(self, at: Remaining) -> float | Instruction | None:
@@ -147,13 +148,13 @@ class Approach:
             return
         yield from self._drive(copysign(1.0, self._at.left))
         corrections = 0
-        while abs(left := self._at.left) > self._tolerance and corrections < CORRECTIONS:
+        while abs(left := self._at.left) > self._tolerance and corrections < MAX_CORRECTIONS:
             self.correcting = True
             yield 0.0
-            sign, by_push = copysign(1.0, left), abs(left) < NUDGE
+            sign, by_push = copysign(1.0, left), abs(left) < PUSH_DISTANCE
             yield from self._push(left) if by_push else self._drive(sign)
             went = (left - self._at.left) * sign
-            if went < UNMOVED * abs(left) and self._creep < self._faster():
+            if went < MIN_CORRECTED * abs(left) and self._creep < self._faster():
                 self._creep = self._faster()  # and it was no correction
                 continue
             if by_push:
@@ -170,15 +171,16 @@ class Approach:
             coast = pace * self._learned.coast
             if ahead <= coast:
                 break
-            room = max(ahead - coast - CREEP_DISTANCE - min(DOUBT * at.doubt, MOST_DOUBT), 0.0)
+            unsure = min(UNCERTAINTY_GAIN * at.deviation, MAX_UNCERTAINTY)
+            room = max(ahead - coast - CREEP_DISTANCE - unsure, 0.0)
             wanted = min(self._top, sqrt(self._creep ** 2 + 2 * self._down * room),
                          speed + self._up * at.dt)
-            if self.correcting or room < LAST:
+            if self.correcting or room < FINAL_DISTANCE:
                 wanted = min(wanted, speed)
             speed = max(wanted, self._creep)
-            stuck = speed == self._creep and pace < STANDING
+            stuck = speed == self._creep and pace < STANDSTILL
             crept = crept + at.dt if stuck else 0.0
-            if crept > STUCK:
+            if crept > STUCK_TIME:
                 crept, self._creep = 0.0, self._faster()
             yield sign * speed
         yield 0.0
@@ -199,16 +201,16 @@ class Approach:
         """Wait until the robot stands and its place is known."""
         stood, confirmed = 0.0, inf
         while True:
-            stood = stood + self._at.dt if abs(self._at.speed) < STANDING else 0.0
-            if self._at.measured and stood > SETTLE:
+            stood = stood + self._at.dt if abs(self._at.speed) < STANDSTILL else 0.0
+            if self._at.measured and stood > SETTLE_TIME:
                 confirmed = min(confirmed, stood)
-            if stood >= min(confirmed + BLEND, LATEST):
+            if stood >= min(confirmed + BLEND_TIME, MAX_SETTLE_TIME):
                 return
-            yield Instruction.MEASURE if stood > SETTLE and confirmed == inf else 0.0
+            yield Instruction.MEASURE if stood > SETTLE_TIME and confirmed == inf else 0.0
 
     def _faster(self) -> float:
         """Return the next speed to creep at."""
-        return min(self._creep + FASTER, FASTEST_CREEP, self._top)
+        return min(self._creep + CREEP_STEP, MAX_CREEP, self._top)
 
 
 class Place(NamedTuple):
@@ -368,6 +370,6 @@ def steering(speed: float, aside: float, off: float) -> float:
     """
     if speed == 0.0:
         return 0.0
-    wanted = max(-STEEPEST, min(STEEPEST, -copysign(ASIDE_GAIN, speed) * aside))
-    most = min(SHARPEST, MOST_BEND * abs(speed))
+    wanted = max(-MAX_RETURN_ANGLE, min(MAX_RETURN_ANGLE, -copysign(ASIDE_GAIN, speed) * aside))
+    most = min(MAX_STEERING, MAX_CURVATURE * abs(speed))
     return max(-most, min(most, HEADING_GAIN * (wanted - off)))

@@ -15,9 +15,9 @@ from .goal import (
     check_turning,
     Code,
     DrivingGoal,
-    LONGEST,
     Malformed,
-    MOST_TURN,
+    MAX_ANGLE,
+    MAX_DISTANCE,
     Order,
     Over,
     Phase,
@@ -86,7 +86,7 @@ class DriveDistance(MotionGoal):
     def __init__(self, distance: float, speed: float, allowance: float,
                  learned: StoppingModel) -> None:
         """Take metres, m/s and seconds; Malformed says what no robot could follow."""
-        check_range('distance', distance, 'm', -LONGEST, LONGEST)
+        check_range('distance', distance, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         check_speed(speed)
         super().__init__(allowance, (distance > 0) - (distance < 0))
         self._distance, self._speed, self._learned = distance, speed, learned
@@ -147,7 +147,7 @@ class RotateAngle(TurningGoal):
     def __init__(self, angle: float, speed: float, allowance: float,
                  learned: StoppingModel) -> None:
         """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
-        check_range('angle', angle, 'rad', -MOST_TURN, MOST_TURN)
+        check_range('angle', angle, 'rad', -MAX_ANGLE, MAX_ANGLE)
         check_turning(speed)
         super().__init__(Circle(angle, 0.0, 1), speed, allowance, learned)
 
@@ -161,11 +161,12 @@ class DriveArc(TurningGoal):
     def __init__(self, circle: Circle, speed: float, allowance: float,
                  learned: StoppingModel) -> None:
         """Take a circle, m/s and seconds; Malformed says what no robot could follow."""
-        check_range('angle', circle.angle, 'rad', -MOST_TURN, MOST_TURN)
+        check_range('angle', circle.angle, 'rad', -MAX_ANGLE, MAX_ANGLE)
         check_finite('radius', circle.radius, 'm')
         if circle.radius <= 0:
             raise Malformed(f'radius = {circle.radius:g} m; allowed: above 0')
-        check_range('length of the arc', circle.angle * circle.radius, 'm', -LONGEST, LONGEST)
+        length = circle.angle * circle.radius
+        check_range('length of the arc', length, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         check_speed(speed)
         if circle.direction not in (1, -1):
             raise Malformed(f'translate_direction = {circle.direction}; allowed: 1 forward, '
@@ -197,8 +198,8 @@ class NavigateToPosition(MotionGoal):
     def __init__(self, place: TargetPose, speed: float, turning: float, allowance: float,
                  learned: StoppingModel, learned_turning: StoppingModel) -> None:
         """Take a place, m/s, rad/s and seconds; Malformed says what no robot could follow."""
-        check_range('goal_pose.position.x', place.x, 'm', -LONGEST, LONGEST)
-        check_range('goal_pose.position.y', place.y, 'm', -LONGEST, LONGEST)
+        check_range('goal_pose.position.x', place.x, 'm', -MAX_DISTANCE, MAX_DISTANCE)
+        check_range('goal_pose.position.y', place.y, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         check_finite('heading of goal_pose', place.heading or 0.0, 'rad')
         check_speed(speed)
         check_turning(turning)

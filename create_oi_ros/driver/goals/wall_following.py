@@ -30,7 +30,7 @@ SPEED, BEND = 0.15, 0.35
 """m/s, and rad/s along a wall."""
 CORNER = 0.6
 """rad/s to the right where the wall has ended: round its end, on a circle of 25 cm."""
-ENDED, ENGAGED = 0.5, 2.0
+WALL_ENDED_TIME, ENGAGED = 0.5, 2.0
 """Seconds without the wall after which it has ended, and after which none is followed."""
 MINUTE = 60.0
 BACK_OFF = ((Velocity(-0.1, 0.0), 0.4), (Velocity(0.0, 1.2), 0.5))
@@ -91,4 +91,4 @@ class WallFollow(DrivingGoal):
             elif self._sees:
                 yield Velocity(SPEED, BEND)
             else:
-                yield Velocity(SPEED, -CORNER if unseen > ENDED else -BEND)
+                yield Velocity(SPEED, -CORNER if unseen > WALL_ENDED_TIME else -BEND)
