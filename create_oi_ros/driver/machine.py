@@ -142,7 +142,7 @@ class Driver:
             self.scripts.poll(now, self._connection.frame_at)
         self._connection.check_silence(now)
         self.modes.poll(now)
-        self.outputs.check_timeout(now)
+        self.outputs.poll(now)
         if self.goals.active:
             self.goals.poll(now)
         self.motion.poll(now)

@@ -1,29 +1,76 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-LEDs, digital outputs, low side drivers, infrared and songs: sent, stored, restored.
+LEDs, digital outputs, low side drivers, infrared, songs and tunes: sent, stored, restored.
 
 The robot forgets songs when it is switched off, and its LEDs when the mode changes; it keeps the
 digital outputs. Songs, LEDs and digital outputs are restored. The low side drivers may turn
 motors, so they stay off. Of all these the robot reports only songs; the other replies say what was
 sent.
+
+A tune has more notes than a song of the robot holds, and is played as songs that follow each
+other. Two song numbers that nobody has defined are used in turn: while a song plays, the next is
+stored. The robot ignores Play Song while a song plays (manual: Play Song), so the next one is
+asked for in the frame in which packet 37 falls. No command ends a song: a tune that is canceled
+ends with the song that plays.
 """
 
 from collections.abc import Sequence
+from itertools import accumulate
 
 from .. import oi
 from ..oi.commands import DUTY, NOTE_TIME
 from ..robot import MILLI
 from .core import Core
-from .outbox import done, Outcome, Pending, refused
-from .tunes import MOST_NOTES, SHORTEST_SEEN, SONG_TIMEOUT, SONGS, Tunes
+from .outbox import done, Pending, refused
 
+SONGS, MOST_NOTES = 16, 16
+"""How many songs the robot stores, and how many notes one of them holds (manual: Song)."""
+SONG_TIMEOUT = 0.5
+"""Seconds within which the robot must report a song that it was told to play."""
+SHORTEST_SEEN = 0.25
+"""Seconds that a song must take to be in a frame at every usual rate."""
 LONGEST_NOTE = NOTE_TIME.high / oi.NOTES_PER_SECOND
 """Seconds that a note can last."""
 FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
-
+FOREVER = -1
+"""Iterations of a tune that plays until it is canceled."""
 WAIT = 'wait until the topic `song` says that it has ended'
+
+
+class Tune(Pending):
+    """A tune that was given to the driver, and how far it is."""
+
+    def __init__(self, notes: Sequence[oi.Note], iterations: int = 1) -> None:
+        """Play notes so many times, or `FOREVER`."""
+        super().__init__()
+        self.notes = notes
+        self.iterations = iterations
+        self.iterations_played = 0
+        self.note = -1
+        """Place in the tune of the note that sounds; -1 before the first."""
+        self.seconds = 0.0
+        """How long it has played."""
+        # As few songs as hold them, of the same size: none is too short to be seen.
+        count = -(-len(notes) // MOST_NOTES)
+        bounds = [len(notes) * part // count for part in range(count + 1)]
+        self.songs = [notes[low:high] for low, high in zip(bounds, bounds[1:])]
+        self.song = 0
+        """Which of its songs plays."""
+
+    @property
+    def next_song(self) -> int | None:
+        """Which song comes after the one that plays; None: no more."""
+        if self.song + 1 < len(self.songs):
+            return self.song + 1
+        return 0 if self.iterations_played + 1 != self.iterations else None
+
+    def follow(self, since: float) -> None:
+        """Find the note that sounds so many seconds after the song began."""
+        before, song = sum(map(len, self.songs[:self.song])), self.songs[self.song]
+        ends = accumulate(note.duration / oi.NOTES_PER_SECOND for note in song)
+        self.note = before + min(sum(end <= since for end in ends), len(song) - 1)
 
 
 class Outputs:
@@ -31,15 +78,22 @@ class Outputs:
 
     def __init__(self, core: Core) -> None:
         self._core = core
+        self._to_restore: dict[type[oi.Command], oi.Command] = {}
         self.songs: dict[int, oi.Song] = {}
         """The songs that were defined, by number."""
-        self.tunes = Tunes(core, self.songs, self._cannot_play)
-        self._to_restore: dict[type[oi.Command], oi.Command] = {}
-        self._play_request = done('no request')
-        self._played = Outcome(True, '')
-        self._playing = 0
-        """Number of the song that the robot was told to play last."""
-        self._deadline = 0.0
+        self._request = done('no request')
+        """Who waits for a single song to begin, and what it is told then."""
+        self._played = ''
+        self._tune: Tune | None = None
+        """The tune that plays."""
+        self._tune_started_at = 0.0
+        self._stored = self._playing = SONGS
+        """Numbers of the tune's song that is stored, and of the song that was sent to play."""
+        self._asked_at = 0.0
+        self._begun_at: float | None = None
+        """When the robot reported the song that was sent to play; None before that."""
+
+    # Outputs.
 
     def set_leds(self, bits: oi.LedBits, color: int, intensity: int) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
@@ -48,6 +102,12 @@ class Outputs:
     def set_outputs(self, bits: oi.OutputBits) -> Pending:
         """Set the digital outputs of the cargo bay."""
         return self._set(oi.DigitalOutputs(bits=bits), 'digital outputs sent')
+
+    def _set(self, command: oi.Command, done: str) -> Pending:
+        request = self._core.request(command, done)
+        if request.outcome is None:
+            self._to_restore[type(command)] = command
+        return request
 
     def set_drivers(self, duties: Sequence[float]) -> Pending:
         """Set the duty cycles of the low side drivers 0, 1 and 2, each 0 to 1."""
@@ -63,6 +123,18 @@ class Outputs:
         """Send an infrared character, 0 to 255."""
         return self._core.request(oi.SendIr(byte=character), f'character {character} sent')
 
+    def restore(self) -> None:
+        """Set LEDs and outputs again: the mode has changed, or the robot was switched off."""
+        for command in self._to_restore.values():
+            self._core.outbox.send(command)
+
+    def restore_songs(self) -> None:
+        """Store the songs again: the robot may have been switched off."""
+        for song in self.songs.values():
+            self._core.outbox.send(song)
+
+    # Songs.
+
     def define_song(
         self, number: int, pitches: Sequence[int], seconds: Sequence[float],
     ) -> Pending:
@@ -71,7 +143,7 @@ class Outputs:
             song = _song(number, pitches, seconds)
         except ValueError as error:
             return refused(str(error))
-        request = self._core.request(song, _stored(number, seconds))
+        request = self._core.request(song, _sent(number, seconds))
         if request.outcome is None:
             self.songs[number] = song
         return request
@@ -86,80 +158,139 @@ class Outputs:
         stored = self.define_song(number, pitches, seconds)
         if stored.outcome is not None:
             return stored
-        return self._play(number, now, f'{_stored(number, seconds)}; ')
+        return self.play_song(number, now, f'{_sent(number, seconds)}; ')
 
-    def play_song(self, number: int, now: float) -> Pending:
-        """Play a stored song, unless one plays."""
+    def play_song(self, number: int, now: float, stored: str = '') -> Pending:
+        """
+        Play a stored song, unless one plays; `stored` is what the outcome's text begins with.
+
+        The request ends when the robot reports the song, or does not in time.
+        """
         if number not in self.songs:
             known = ', '.join(map(str, sorted(self.songs))) or 'none yet'
             return refused(f'song {number} is not defined: call define_song; defined: {known}')
         why = self._cannot_play()
         if why is not None:
             return refused(why)
-        return self._play(number, now)
-
-    def _play(self, number: int, now: float, stored: str = '') -> Pending:
-        """Play a song; the request ends when the robot reports it, or does not in time."""
         length = sum(note.duration for note in self.songs[number].notes) / oi.NOTES_PER_SECOND
         if length < SHORTEST_SEEN:
             return self._core.request(oi.PlaySong(number=number), (
                 f'{stored}song {number} sent to play; it is too short to be seen playing'))
-        self._core.outbox.send(oi.PlaySong(number=number))
-        self._play_request, self._playing = Pending(), number
-        self._played = Outcome(True, f'{stored}song {number} plays')
-        self._deadline = now + SONG_TIMEOUT
-        return self._play_request
-
-    @property
-    def awaited(self) -> bool:
-        """Whether the robot has not reported yet that it plays a song."""
-        return self._play_request.outcome is None
-
-    def observe(self, readings: oi.Readings, now: float) -> None:
-        """End the request for a song that plays: none did when it was sent. Go on with a tune."""
-        self.tunes.observe(readings, now)
-        if self.awaited and readings.song_playing and readings.song_number in (
-                self._playing, None):
-            self._play_request.settle(self._played)
-
-    def check_timeout(self, now: float) -> None:
-        """End the request for a song that the robot does not play, and a tune."""
-        self.tunes.check_timeout(now)
-        if self.awaited and now > self._deadline:
-            self._play_request.end(
-                False, f'song {self._playing} was sent to play, but the robot does not report it: '
-                'try again')
-
-    def fail(self, why: str) -> None:
-        """End the tune, and the request for a song that has not been reported."""
-        self.tunes.fail(why)
-        self._play_request.end(False, why)
-
-    def restore_songs(self) -> None:
-        """Store the songs again: the robot may have been switched off."""
-        for song in self.songs.values():
-            self._core.outbox.send(song)
-
-    def restore(self) -> None:
-        """Set LEDs and outputs again: the mode has changed, or the robot was switched off."""
-        for command in self._to_restore.values():
-            self._core.outbox.send(command)
+        self._play(number, now)
+        self._request, self._played = Pending(), f'{stored}song {number} plays'
+        return self._request
 
     def _cannot_play(self) -> str | None:
-        if self.tunes.tune is not None:
+        if self._tune is not None:
             return 'a tune plays: cancel its goal, or wait until that has ended'
         readings = self._core.readings
         if readings.has('song_playing') and readings.song_playing:
             return f'a song plays: {WAIT}'
-        if self.awaited:
+        if self._request.outcome is None:
             return f'song {self._playing} is about to play: {WAIT}'
         return self._core.refusal(oi.PlaySong)
 
-    def _set(self, command: oi.Command, done: str) -> Pending:
-        request = self._core.request(command, done)
-        if request.outcome is None:
-            self._to_restore[type(command)] = command
-        return request
+    def _play(self, number: int, now: float) -> None:
+        """Send a song to play, and wait for it."""
+        self._core.outbox.send(oi.PlaySong(number=number))
+        self._playing, self._begun_at, self._asked_at = number, None, now
+
+    # Tunes.
+
+    def play_tune(self, tune: Tune, now: float) -> None:
+        """Play a tune; its outcome says how that ended, or why it cannot be played."""
+        why = self._cannot_play()
+        if why is not None:
+            tune.end(False, why)
+            return
+        self._tune, self._tune_started_at, self._playing = tune, now, SONGS
+        if self._store(tune, 0):
+            self._play_stored(now)
+
+    def cancel_tune(self, tune: Tune, why: str = 'canceled') -> None:
+        """End a tune, if it still plays; the song that plays is heard to its end."""
+        if tune is self._tune:
+            self._fail_tune(f'{why}; the song that plays goes on to its end')
+
+    def _fail_tune(self, why: str) -> None:
+        tune, self._tune = self._tune, None
+        if tune is not None:
+            tune.end(False, why)
+
+    def _store(self, tune: Tune, song: int) -> bool:
+        """Store a song where nobody has one; end the tune where there is no room."""
+        free = [number for number in range(SONGS)
+                if number not in self.songs and number != self._playing]
+        if not free:
+            self._fail_tune(
+                f'a tune needs two of the {SONGS} songs, and all are defined: define fewer')
+            return False
+        self._stored = free[-1]
+        self._core.outbox.send(oi.Song(number=self._stored, notes=tuple(tune.songs[song])))
+        return True
+
+    def _play_stored(self, now: float) -> None:
+        why = self._core.refusal(oi.PlaySong)
+        if why is None:
+            self._play(self._stored, now)
+        else:
+            self._fail_tune(f'the tune ended before its end; {why}')
+
+    def _play_next(self, tune: Tune, now: float) -> None:
+        """Play the tune's next song; end the tune after its last."""
+        following = tune.next_song
+        if following is None or following == 0:
+            tune.iterations_played += 1
+        if following is None:
+            self._tune = None
+            tune.end(True, 'the tune was played')
+            return
+        tune.song = following
+        # Somebody may have defined this song in the meantime.
+        if self._stored not in self.songs or self._store(tune, following):
+            self._play_stored(now)
+
+    # What the robot reports.
+
+    def observe(self, readings: oi.Readings, now: float) -> None:
+        """Take a frame in: end the request for a song that plays, go on with a tune."""
+        tune, waits = self._tune, self._request.outcome is None
+        if tune is None and not waits:
+            return  # as in most frames
+        plays = readings.song_playing and readings.song_number in (self._playing, None)
+        if waits and plays:
+            self._request.end(True, self._played)
+        if tune is None:
+            return
+        tune.seconds = now - self._tune_started_at
+        if self._begun_at is None and plays:
+            self._begun_at = now
+            if tune.next_song is not None:
+                self._store(tune, tune.next_song)
+        elif self._begun_at is not None and not plays:
+            self._play_next(tune, now)
+        if self._begun_at is not None:
+            tune.follow(now - self._begun_at)
+
+    def poll(self, now: float) -> None:
+        """End what waits for a song that is not reported; one may be too short to be seen."""
+        tune, waits = self._tune, self._request.outcome is None
+        if tune is None and not waits or now < self._asked_at + SONG_TIMEOUT:
+            return
+        says_nothing = 'was sent to play, but the robot does not report it: try again'
+        self._request.end(False, f'song {self._playing} {says_nothing}')
+        if tune is None or self._begun_at is not None:
+            return
+        song = tune.songs[tune.song]
+        if sum(note.duration for note in song) / oi.NOTES_PER_SECOND < SHORTEST_SEEN:
+            self._play_next(tune, now)
+        else:
+            self._fail_tune(f'a song of the tune {says_nothing}')
+
+    def fail(self, why: str) -> None:
+        """End the tune, and the request for a song that has not been reported."""
+        self._fail_tune(why)
+        self._request.end(False, why)
 
 
 def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.Song:
@@ -168,7 +299,13 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
         raise ValueError(
             f'{len(pitches)} pitches but {len(seconds)} durations; give one for each note')
     if len(pitches) > MOST_NOTES:
-        raise ValueError(f'{len(pitches)} notes, but a song holds {MOST_NOTES}: {_split(pitches)}')
+        parts, rest = divmod(len(pitches), MOST_NOTES)
+        sizes = [str(MOST_NOTES)] * parts + [str(rest)] * (rest > 0)
+        advice = (f'{SONGS} songs hold {SONGS * MOST_NOTES} at most; leave some out'
+                  if len(sizes) > SONGS else
+                  f'define songs of {", ".join(sizes[:-1])} and {sizes[-1]} notes, and play each '
+                  'when the one before has ended')
+        raise ValueError(f'{len(pitches)} notes, but a song holds {MOST_NOTES}: {advice}')
     for place, length in enumerate(seconds):
         if not 0 <= length <= LONGEST_NOTE:
             raise ValueError(f'seconds[{place}] = {length:g}; allowed: 0 to {LONGEST_NOTE:g}')
@@ -176,17 +313,7 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
     return oi.Song(number=number, notes=tuple(oi.Note(*note) for note in zip(pitches, lengths)))
 
 
-def _split(notes: Sequence[int]) -> str:
-    """Say how to store and play more notes than one song holds."""
-    parts, rest = divmod(len(notes), MOST_NOTES)
-    sizes = [str(MOST_NOTES)] * parts + [str(rest)] * (rest > 0)
-    if len(sizes) > SONGS:
-        return f'{SONGS} songs hold {SONGS * MOST_NOTES} at most; leave some out'
-    return (f'define songs of {", ".join(sizes[:-1])} and {sizes[-1]} notes, and play each when '
-            'the one before has ended')
-
-
-def _stored(number: int, seconds: Sequence[float]) -> str:
+def _sent(number: int, seconds: Sequence[float]) -> str:
     """Say that a song was sent, and how rounding to 1/64 s changes its durations."""
     lengths = [round(length * oi.NOTES_PER_SECOND) for length in seconds]
     played = sum(lengths) / oi.NOTES_PER_SECOND

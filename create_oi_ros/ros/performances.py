@@ -15,7 +15,7 @@ from create_oi_msgs.action import AudioNoteSequence
 from rclpy.action.server import CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.node import Node
 
-from ..driver.tunes import Tune
+from ..driver.outputs import Tune
 from ..link.session import Session
 from ..oi.tools.tunes import parse_tune, sounding_name
 from . import messages
@@ -103,12 +103,12 @@ class Performances:
         async def execute(handle: ServerGoalHandle) -> Any:
             made = performance.make(handle.request)
             with self._session.request() as (driver, now):
-                driver.outputs.tunes.start(made, now)
+                driver.outputs.play_tune(made, now)
                 if made.outcome is None:
                     self._running = Running(performance, handle, made,
                                             ClientWatch(self._node, performance.name))
                 if handle.is_cancel_requested:
-                    driver.outputs.tunes.cancel(made)
+                    driver.outputs.cancel_tune(made)
                 ended = future_of(made, self._node)
             outcome = await ended
             self._node.get_logger().info(f'{performance.name}: {outcome.text}')
@@ -128,7 +128,7 @@ class Performances:
         running = self._running
         if running is not None and running.handle is handle:
             with self._session.request() as (driver, _now):
-                driver.outputs.tunes.cancel(running.tune)
+                driver.outputs.cancel_tune(running.tune)
         return CancelResponse.ACCEPT
 
     def check_client(self) -> None:
@@ -138,7 +138,7 @@ class Performances:
             return
         if running.client.lost():
             with self._session.request() as (driver, _now):
-                driver.outputs.tunes.cancel(running.tune, 'its client has gone')
+                driver.outputs.cancel_tune(running.tune, 'its client has gone')
 
     # On the session's thread.
 

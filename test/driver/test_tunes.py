@@ -3,7 +3,7 @@
 """Tunes of more notes than a song holds, played against the simulated robot without a clock."""
 
 from create_oi_ros import oi
-from create_oi_ros.driver.tunes import FOREVER, Tune
+from create_oi_ros.driver.outputs import FOREVER, Tune
 from create_oi_ros.oi.tools.tunes import parse_tune
 from support.asking import ask, in_mode
 from support.loop import Loop
@@ -15,7 +15,7 @@ NOTES = parse_tune(' '.join(f'{36 + place}:1/{8 + place % 3}' for place in range
 def start(loop: Loop, notes=NOTES, iterations: int = 1) -> Tune:
     """Have a tune played."""
     tune = Tune(notes, iterations)
-    loop.driver.outputs.tunes.start(tune, loop.now)
+    loop.driver.outputs.play_tune(tune, loop.now)
     return tune
 
 
@@ -91,9 +91,9 @@ def test_a_tune_is_repeated_until_it_is_canceled(loop):
     assert 'a tune plays: cancel its goal' in twice.outcome.text
     assert 'a tune plays' in ask(
         loop, loop.driver.outputs.define_and_play, 0, [60], [1.0], loop.now).text
-    loop.driver.outputs.tunes.cancel(twice)
+    loop.driver.outputs.cancel_tune(twice)
     assert tune.outcome is None
-    loop.driver.outputs.tunes.cancel(tune)
+    loop.driver.outputs.cancel_tune(tune)
     assert tune.outcome.text == 'canceled; the song that plays goes on to its end'
     loop.run(1.0)
     assert loop.robot.note == oi.REST
