@@ -16,12 +16,12 @@ from math import inf
 
 from .. import oi
 from ..oi.codes import FAST_BAUD, START_BAUDS
-from .command_watch import CommandNews, IGNORES, Probe
+from ..robot import MILLI, SLOT
 from .core import Core
-from .events import Notice, Severity
+from .events import Severity
 from .outbox import HALT, WAKE_UP
 from .state import Activity, StateEvent
-from .stream import FrameBudget, StreamPlan, too_slow
+from .stream import CommandNews, IGNORES, Probe, StreamPlan
 
 CALL_INTERVAL = 0.3
 """Seconds between two calls; more at rates where a call and its answer take longer."""
@@ -86,8 +86,8 @@ class BaudSearch:
         if len(self._garbage) < GARBAGE_LIMIT:
             self._garbage += garbage[:GARBAGE_LIMIT]
 
-    def notice(self) -> Notice | None:
-        """Say what may be wrong, once, after some calls without an answer."""
+    def find_problem(self) -> str | None:
+        """Return once what may be wrong, after some calls without an answer."""
         if self.problem is not None or self.calls < CALLS_BEFORE_NOTICE:
             return None
         at = ' and '.join(map(str, START_BAUDS)) if self.searching else str(self.baud)
@@ -103,7 +103,88 @@ class BaudSearch:
             self.problem = (
                 f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
                 f'serial cable, plugged in all the way{hint}? {calls}')
-        return Notice(Severity.ERROR, self.problem)
+        return self.problem
+
+
+SLOT_TEXT = f'{SLOT / MILLI:.0f} ms'
+WINDOW = 3.0
+"""Seconds over which frames are counted."""
+TOO_FEW, ENOUGH = 0.8, 0.9
+"""Fractions of all frames: with fewer something is wrong, with more the line is well again."""
+CARRIED = 0.95
+"""Fraction of the wanted bytes: with more of them, missing frames are damaged, not cut."""
+
+
+class FrameBudget:
+    """Counts what arrives; `problem` says what is wrong, None while nothing is."""
+
+    def __init__(self) -> None:
+        self.problem: str | None = None
+        self._begun: float | None = None
+        """When the count began; None: not yet."""
+        self._frames = self._frame_bytes = self._bytes = 0
+        self.since_frame = 0
+        """Bytes that have come since the last whole frame."""
+
+    def restart(self) -> None:
+        """Start counting again: the robot was away, or does not stream."""
+        self._begun = None
+        self.since_frame = 0
+
+    def add_bytes(self, size: int) -> None:
+        """Count bytes that have arrived."""
+        self._bytes += size
+        self.since_frame += size
+
+    def add_frame(self, size: int) -> None:
+        """Count a whole frame, and its bytes."""
+        self._frames += 1
+        self._frame_bytes += size
+        self.since_frame = 0
+
+    def why_silent(self, longest: oi.Budget, baud: int) -> str:
+        """Say why no whole frame has come for a while."""
+        if not longest.fits:
+            return (f'frame budget exceeded: {baud} baud carries {longest.capacity} bytes in '
+                    f'{SLOT_TEXT}, and longer frames are cut')
+        if self.since_frame > longest.size:
+            return (f'{self.since_frame} bytes came, but no frame among them: is the line '
+                    'disturbed, or the robot at another baud rate')
+        return 'the robot is off, asleep or unplugged'
+
+    def check(self, baud: int, now: float, *, fits: bool) -> bool:
+        """
+        Check what has arrived up to now; True when a problem has begun or ended.
+
+        `fits` is whether the frames that were asked for fit into their slots at this rate.
+        """
+        if self._begun is not None and now < self._begun + WINDOW:
+            return False
+        before = self.problem
+        if self._begun is not None:
+            self._assess(baud, now - self._begun, fits=fits)
+        self._begun = now
+        self._frames = self._frame_bytes = self._bytes = 0
+        return bool(before) != bool(self.problem)
+
+    def _assess(self, baud: int, seconds: float, *, fits: bool) -> None:
+        fraction = self._frames * SLOT / seconds
+        if fraction >= ENOUGH:
+            self.problem = None
+        if fraction >= TOO_FEW or not self._frames:
+            return
+        size = round(self._frame_bytes / self._frames)
+        wanted, came = size / SLOT, self._bytes / seconds
+        arrive = f'only {self._frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
+        if fits and came > CARRIED * wanted:
+            self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
+                            'a motor disturb the line?')
+        else:
+            faster = '' if baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
+            self.problem = (
+                f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
+                f'{SLOT_TEXT} is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
+                f'baud: {faster}look at adapter, network and cable')
 
 
 SILENCE = 0.5
@@ -201,10 +282,14 @@ class Connection:
         self._core.handle(event)
         self._check_rate()
 
-    def ask(self, stream: oi.Stream, now: float) -> None:
-        """Ask for another list of packets."""
-        self._core.outbox.send(stream)
-        self._core.watch.asked(tuple(stream.packets), now)
+    def ask(self, now: float, *, motion_due: bool) -> None:
+        """Ask for another list of packets, when it is time for one."""
+        core = self._core
+        if core.state.takes_commands and not core.watch.suspects and not core.outbox.busy:
+            stream = self.plan.next_stream(now, motion_due=motion_due)
+            if stream is not None:
+                core.outbox.send(stream)
+                core.watch.asked(tuple(stream.packets), now)
 
     def check_silence(self, now: float) -> None:
         """Call the robot when no frame has come for too long."""
@@ -220,18 +305,16 @@ class Connection:
         rest = self.reader.flush()
         if rest is not None:
             self._search.add_garbage(rest.data)
-        notice = self._search.notice()
-        if notice is not None:
-            self._core.events.append(notice)
+        problem = self._search.find_problem()
+        if problem is not None:
+            self._core.notice(Severity.ERROR, problem)
         self._call(now, StateEvent.NO_ANSWER)
 
     def check_standstill(self, now: float) -> None:
         """Call the robot again after this process stood still: the dead-man may have acted."""
-        before, self._ran_at = self._ran_at, now
-        if now - before > STANDSTILL and self._core.state.answered:
-            self._stood_still(now - before, now)
-
-    def _stood_still(self, seconds: float, now: float) -> None:
+        seconds, self._ran_at = now - self._ran_at, now
+        if seconds <= STANDSTILL or not self._core.state.answered:
+            return
         self._core.notice(
             Severity.WARNING, f'the driver stood still for {seconds:.1f} s (Ctrl-Z, a debugger, a '
             'computer that slept or was too busy); calling the robot again')
@@ -260,8 +343,7 @@ class Connection:
             self._core.outbox.send_raw(WAKE_UP)
         elif news is CommandNews.IGNORES:
             self._core.notice(Severity.ERROR, IGNORES)
-        if now >= self.frame_budget.check_at and self.frame_budget.check(
-                self.baud, now, fits=self.plan.budget.fits):
+        if self.frame_budget.check(self.baud, now, fits=self.plan.budget.fits):
             problem = self.frame_budget.problem
             self._core.notice(
                 Severity.WARNING if problem else Severity.INFO,
@@ -322,7 +404,10 @@ class Connection:
             self._core.outbox.send(stream)
 
     def _check_rate(self) -> None:
-        slow = too_slow(self.plan.budget, self.plan.baud)
-        if slow is not None and slow != self._slow_notice:
-            self._core.notice(Severity.ERROR, slow)
-        self._slow_notice = slow
+        """Report, once, a rate that is too slow for the stream."""
+        budget, before = self.plan.budget, self._slow_notice
+        self._slow_notice = None if budget.fits else (
+            f'{budget.baud} baud is too slow: a frame of {budget.size} bytes does not fit into '
+            f'{SLOT_TEXT}; use 19200 or more')
+        if self._slow_notice not in (None, before):
+            self._core.notice(Severity.ERROR, self._slow_notice)

@@ -11,10 +11,10 @@ from collections import deque
 from collections.abc import Callable
 
 from .. import oi
-from .command_watch import CommandWatch, IGNORES
 from .events import DriverEvent, LinkCounts, ModeStatus, Notice, Settings, Severity
 from .outbox import MODE_COMMANDS, Outbox, Pending, refused
 from .state import Activity, REFUSALS, State, StateEvent
+from .stream import CommandWatch, IGNORES
 
 
 class Core:

@@ -148,12 +148,7 @@ class Driver:
         self.motion.poll(now)
         if self._connection.probe(now):
             self._send_again()
-        if (self.state.takes_commands and not self.core.watch.suspects
-                and not self.core.outbox.busy):
-            stream = self._connection.plan.next_stream(
-                now, motion_due=self._tracking.reading_due)
-            if stream is not None:
-                self._connection.ask(stream, now)
+        self._connection.ask(now, motion_due=self._tracking.reading_due)
         self.core.outbox.release(now)
 
     def data_to_send(self) -> bytes:

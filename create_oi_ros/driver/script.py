@@ -30,11 +30,10 @@ from ..oi.script import (
 )
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
-from .command_watch import PAUSE, POLL_INTERVAL, Probe
 from .core import Core
 from .outbox import done, HALT, Pending, refused
 from .state import Activity, StateEvent
-from .stream import DRIVE_REQUEST, requested_speeds, StreamPlan
+from .stream import DRIVE_REQUEST, PAUSE, POLL_INTERVAL, Probe, requested_speeds, StreamPlan
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""

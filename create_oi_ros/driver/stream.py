@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The stream: which packets the driver asks for, and whether a whole frame arrives in every slot.
+The stream: which packets the driver asks for, and whether the robot takes commands.
 
 The robot sends one list of packets in every slot, and the list must fit into it. What must be
 known at once (mode, bumps, cliffs, requested speeds) is in every list. Distance and angle are in
@@ -9,18 +9,21 @@ it only when the odometry asks, because reading them costs precision. The rest c
 there is room. A frame of the list that is asked for may arrive late, so frames of earlier lists
 are accepted too.
 
-A frame that does not fit into its slot waits in the robot until its buffer is full, and is cut
-then (manual: Stream). An adapter or a network may also carry less than its baud rate says. So
-frames and bytes are counted over a few seconds.
+The line to the robot has no checksum and no acknowledgement. Two things show that it took
+commands: it streams another list of packets when asked to, and it reports the speeds that it was
+sent. A robot that takes nothing, though its stream goes on, is in the middle of a command, or it
+waits: for a script that another program has started, or for damaged bytes that read as a Wait.
+What it is sent meanwhile may be lost, in part even, or be obeyed afterwards until its queue is
+full. So it is sent next to nothing, and nothing whose loss in part can do harm.
 """
 
 from collections.abc import Iterator
+from enum import auto, Enum
 from itertools import cycle
-from math import inf
 
 from .. import oi
-from ..oi.codes import START_BAUDS
-from ..robot import MILLI, SLOT
+from ..robot import SLOT
+from .outbox import Outbox
 
 ESSENTIAL = (
     'bumps_and_wheel_drops', 'cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right',
@@ -44,47 +47,45 @@ ALL = ESSENTIAL + FREQUENT + MOTION + SLOW
 """Every packet that the driver keeps; unused bytes and the requests of Drive are left out."""
 
 
-def _lists(baud: int) -> tuple[oi.PacketList, list[oi.PacketList], oi.PacketList]:
-    """Return the list for most frames, the lists with the rest, and the list with motion."""
-    everything = oi.PacketList.named(*ALL)
-    if everything.budget(baud).fits:
-        return oi.PacketList.named(*ESSENTIAL, *FREQUENT), [], everything
-    parts, part = [], list(ESSENTIAL)
-    for name in FREQUENT + SLOW:
-        if not oi.PacketList.named(*part, name).budget(baud).fits:
-            parts.append(oi.PacketList.named(*part))
-            part = list(ESSENTIAL)
-        part.append(name)
-    parts.append(oi.PacketList.named(*part))
-    return parts[0], parts, oi.PacketList.named(*ESSENTIAL, *MOTION)
-
-
 class StreamPlan:
     """Decides which Stream command to send next."""
 
     def __init__(self, baud: int) -> None:
         """Plan for a baud rate."""
-        self.asked: oi.PacketList | None = None
-        """The list that was asked for last; None where the robot must be asked anew."""
-        self._asked_at = 0.0
-        self.tune(baud)
-
-    def tune(self, baud: int) -> None:
-        """Plan for another baud rate, from the start."""
-        self.restart()
-        self.short, self._parts, self.full = _lists(baud)
         self.call = oi.PacketList.named('oi_mode')
         """Asked for to see whether a robot listens: no part of this Stream can do harm, while
         packet 7, read as an opcode, restarts the robot."""
         self.marker = oi.PacketList.named(*ESSENTIAL)
         """Asked for only to see whether the robot takes commands."""
-        self.script = oi.PacketList.named(*ESSENTIAL, *DRIVE_REQUEST)
+        self.tune(baud)
+
+    def tune(self, baud: int) -> None:
+        """Plan for another baud rate, from the start."""
+        self.baud = baud
+        self.asked: oi.PacketList | None = None
+        """The list that was asked for last; None where the robot must be asked anew."""
+        self._asked_at = 0.0
+        self._parts: list[oi.PacketList] = []
+        """Where not all fits into a slot: lists that bring the rest in turn."""
+        self.full = oi.PacketList.named(*ALL)
+        """All packets; where that does not fit, those with distance and angle."""
+        self.short = oi.PacketList.named(*ESSENTIAL, *FREQUENT)
+        """What is asked for in most frames."""
+        self.script = oi.PacketList.named(*ESSENTIAL, *FREQUENT, *DRIVE_REQUEST)
         """While a script plays. A waiting robot cannot be asked for another list, and to read
         distance and angle in every frame would lose most of them."""
-        longer = oi.PacketList.named(*ESSENTIAL, *FREQUENT, *DRIVE_REQUEST)
-        if longer.budget(baud).fits:
-            self.script = longer
-        self.baud = baud
+        if not self.script.budget(baud).fits:
+            self.script = oi.PacketList.named(*ESSENTIAL, *DRIVE_REQUEST)
+        if not self.full.budget(baud).fits:
+            part = list(ESSENTIAL)
+            for name in FREQUENT + SLOW:
+                if not oi.PacketList.named(*part, name).budget(baud).fits:
+                    self._parts.append(oi.PacketList.named(*part))
+                    part = list(ESSENTIAL)
+                part.append(name)
+            self._parts.append(oi.PacketList.named(*part))
+            self.short = self._parts[0]
+            self.full = oi.PacketList.named(*ESSENTIAL, *MOTION)
         self.budget = self.full.budget(baud)
         self._rotation: Iterator[oi.PacketList] = cycle(self._parts or [self.short])
 
@@ -119,91 +120,119 @@ class StreamPlan:
         return oi.Stream(packets=packets.ids)
 
 
-SLOT_TEXT = f'{SLOT / MILLI:.0f} ms'
-WINDOW = 3.0
-"""Seconds over which frames are counted."""
-TOO_FEW, ENOUGH = 0.8, 0.9
-"""Fractions of all frames: with fewer something is wrong, with more the line is well again."""
-CARRIED = 0.95
-"""Fraction of the wanted bytes: with more of them, missing frames are damaged, not cut."""
+SUSPECTED, WOKEN, REPORTED = 0.3, 0.9, 1.5
+"""Seconds without a sign that commands are taken until the driver holds them back, sends what ends
+a command that was cut short, and tells the user."""
+IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told it to wait; '
+           'lift it, switch it off and on')
+POLL_INTERVAL, POLL_PART = 0.2, 0.2
+"""Seconds between two polls of a robot that may wait; at least this part of the time for which it
+was polled, so that a long wait gets few."""
+PAUSED, CHECK_AFTER = 0.075, 0.105
+"""Seconds without a frame by which the stream has paused, and after a poll to look for that."""
+PAUSE = oi.PauseResumeStream(state=oi.StreamState.PAUSE)
+RESUME = oi.PauseResumeStream(state=oi.StreamState.RESUME)
 
 
-def too_slow(longest: oi.Budget, baud: int) -> str | None:
-    """Say that a rate is too slow for the stream; None if it is not."""
-    if longest.fits:
-        return None
-    return (f'{baud} baud is too slow: a frame of {longest.size} bytes does not fit into '
-            f'{SLOT_TEXT}; use 19200 or more')
+class CommandNews(Enum):
+    """News about whether the robot takes commands."""
+
+    SUSPECT = auto()
+    """It may wait, or be in the middle of a command."""
+    WAKE = auto()
+    """It may need what ends a command."""
+    IGNORES = auto()
+    OBEYS_AGAIN = auto()
 
 
-class FrameBudget:
-    """Counts what arrives; `problem` says what is wrong, None while nothing is."""
+STAGES = ((CommandNews.IGNORES, REPORTED), (CommandNews.WAKE, WOKEN),
+          (CommandNews.SUSPECT, SUSPECTED))
+
+
+class CommandWatch:
+    """Compares what the robot does with what it was asked for."""
 
     def __init__(self) -> None:
-        self.problem: str | None = None
-        self._begun: float | None = None
-        self.check_at = -inf
-        """When `check` has something to do next."""
-        self._frames = self._frame_bytes = self._bytes = 0
-        self.since_frame = 0
-        """Bytes that have come since the last whole frame."""
+        self._list: tuple[int, ...] | None = None
+        """The packets of the newest frame."""
+        self._unseen_since: float | None = None
+        self._stage: CommandNews | None = None
+
+    @property
+    def suspects(self) -> bool:
+        """Whether the robot may not take commands."""
+        return self._stage is not None
+
+    @property
+    def ignores(self) -> bool:
+        """Whether the robot ignores commands, and the user was told."""
+        return self._stage is CommandNews.IGNORES
 
     def restart(self) -> None:
-        """Start counting again: the robot was away, or does not stream."""
-        self._begun, self.check_at = None, -inf
-        self.since_frame = 0
+        """Start again: the robot was away, takes commands, or cannot take them now."""
+        self._list = self._unseen_since = self._stage = None
 
-    def add_bytes(self, size: int) -> None:
-        """Count bytes that have arrived."""
-        self._bytes += size
-        self.since_frame += size
+    def asked(self, packets: tuple[int, ...], now: float) -> None:
+        """Note that the robot was asked for frames with these packets."""
+        if self._unseen_since is None and self._list not in (None, packets):
+            self._unseen_since = now
 
-    def add_frame(self, size: int) -> None:
-        """Count a whole frame, and its bytes."""
-        self._frames += 1
-        self._frame_bytes += size
-        self.since_frame = 0
+    def seen(self, packets: tuple[int, ...]) -> None:
+        """Note the packets of a frame; where they change, the robot took a command."""
+        if packets != self._list:
+            self._list, self._unseen_since = packets, None
 
-    def why_silent(self, longest: oi.Budget, baud: int) -> str:
-        """Say why no whole frame has come for a while."""
-        if not longest.fits:
-            return (f'frame budget exceeded: {baud} baud carries {longest.capacity} bytes in '
-                    f'{SLOT_TEXT}, and longer frames are cut')
-        if self.since_frame > longest.size:
-            return (f'{self.since_frame} bytes came, but no frame among them: is the line '
-                    'disturbed, or the robot at another baud rate')
-        return 'the robot is off, asleep or unplugged'
+    def check(self, missed_since: float | None, now: float) -> CommandNews | None:
+        """Return what is new; `missed_since`: when speeds were sent that it has not taken."""
+        times = [since for since in (missed_since, self._unseen_since) if since is not None]
+        if not times:
+            obeys = CommandNews.OBEYS_AGAIN if self.suspects else None
+            self._stage = None
+            return obeys
+        stage = next((stage for stage, after in STAGES if now - min(times) > after), None)
+        if stage is None or self._stage is not None and stage.value <= self._stage.value:
+            return None
+        self._stage = stage
+        return stage
 
-    def check(self, baud: int, now: float, *, fits: bool) -> bool:
-        """
-        Check what has arrived up to now; True when a problem has begun or ended.
 
-        `fits` is whether the frames that were asked for fit into their slots at this rate.
-        """
-        if now < self.check_at:
+class Probe:
+    """
+    Finds out, by two bytes at a time, when a robot that streams takes commands again.
+
+    It is told to pause its stream, and soon to resume it: harmless even if some of that is lost.
+    When frames cease in between, the robot listens.
+    """
+
+    def __init__(self, outbox: Outbox) -> None:
+        self._outbox = outbox
+        self._since = 0.0
+        self._sent_at: float | None = None
+        """When the last poll was sent; None once its effect was looked for."""
+        self.due = 0.0
+        """When to poll or look next."""
+
+    def begin(self, due: float) -> None:
+        """Poll from a moment on, ever more seldom."""
+        self._since = self.due = due
+        self._sent_at = None
+
+    def end(self) -> None:
+        """Poll no more; a stream that may be paused by now goes on."""
+        if self._sent_at is not None:
+            self._sent_at = None
+            self._outbox.send(RESUME)
+
+    def poll(self, now: float, frame_at: float) -> bool:
+        """Poll or look, when it is time; True: the stream has paused, ask for it anew."""
+        silent, sent_at = now - frame_at > PAUSED, self._sent_at
+        if sent_at is None:
+            if not silent:  # else it sends nothing while it waits, or is gone: `Connection` calls
+                self._outbox.send(PAUSE)
+                self._sent_at, self.due = now, now + CHECK_AFTER
             return False
-        before = self.problem
-        if self._begun is not None:
-            self._assess(baud, now - self._begun, fits=fits)
-        self._begun, self.check_at = now, now + WINDOW
-        self._frames = self._frame_bytes = self._bytes = 0
-        return bool(before) != bool(self.problem)
-
-    def _assess(self, baud: int, seconds: float, *, fits: bool) -> None:
-        fraction = self._frames * SLOT / seconds
-        if fraction >= ENOUGH:
-            self.problem = None
-        if fraction >= TOO_FEW or not self._frames:
-            return
-        size = round(self._frame_bytes / self._frames)
-        wanted, came = size / SLOT, self._bytes / seconds
-        arrive = f'only {self._frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
-        if fits and came > CARRIED * wanted:
-            self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
-                            'a motor disturb the line?')
-        else:
-            faster = '' if baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
-            self.problem = (
-                f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
-                f'{SLOT_TEXT} is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
-                f'baud: {faster}look at adapter, network and cable')
+        self._sent_at, self.due = None, sent_at + max(
+            POLL_INTERVAL, POLL_PART * (now - self._since))
+        if not silent:
+            self._outbox.send(RESUME)
+        return silent

@@ -6,7 +6,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, Settings
-from create_oi_ros.driver.battery import BatteryWatch, ChargeWatch
+from create_oi_ros.driver.battery import BatteryGuard, ChargeWatch
 from create_oi_ros.driver.core import Core
 from create_oi_ros.driver.mode import Modes
 from create_oi_ros.driver.outputs import Outputs
@@ -22,8 +22,27 @@ def readings(millivolts: int, sources: int = 0) -> oi.Readings:
     return oi.Readings({'voltage': millivolts, 'charging_sources': sources})
 
 
+class Watch:
+    """Who watches the battery of a robot."""
+
+    def __init__(self, limits: BatteryLimits = LIMITS) -> None:
+        self.core = Core(Settings(battery=limits), lambda _: None)
+        self.guard = BatteryGuard(self.core, Modes(self.core, Outputs(self.core)))
+
+    @property
+    def level(self) -> BatteryLevel:
+        """The level by now."""
+        return self.guard.level
+
+    def observe(self, frame: oi.Readings, now: float) -> bool:
+        """Take a frame in; return whether somebody is told."""
+        self.core.events.clear()
+        self.guard.observe(frame, now)
+        return bool(self.core.events)
+
+
 def test_a_level_is_reached_after_five_seconds_and_told_once():
-    watch = BatteryWatch(LIMITS)
+    watch = Watch()
     seen = [(watch.observe(readings(13500), now), watch.level)
             for now in (1.0, 5.99, 6.0, 7.0)]
     assert seen == [(False, FINE), (False, FINE), (True, LOW), (False, LOW)]
@@ -32,7 +51,7 @@ def test_a_level_is_reached_after_five_seconds_and_told_once():
 
 
 def test_a_battery_is_better_again_above_its_limit_and_a_bit():
-    watch = BatteryWatch(LIMITS)
+    watch = Watch()
     for now in (0.0, 5.0):
         watch.observe(readings(12400), now)
     assert watch.level is EMPTY
@@ -45,14 +64,14 @@ def test_a_battery_is_better_again_above_its_limit_and_a_bit():
 
 
 def test_a_dip_that_ends_before_begins_anew():
-    watch = BatteryWatch(LIMITS)
+    watch = Watch()
     for now, millivolts in ((0.0, 13000), (4.0, 14000), (4.5, 13000), (9.4, 13000)):
         assert not watch.observe(readings(millivolts), now)
     assert watch.observe(readings(13000), 9.5)
 
 
 def test_a_battery_that_is_charged_is_fine():
-    watch = BatteryWatch(LIMITS)
+    watch = Watch()
     for now in (0.0, 5.0):
         watch.observe(readings(12000), now)
     for sources in (1, 2):
@@ -108,7 +127,7 @@ def test_a_robot_that_does_not_charge_for_five_seconds_is_reported_once(state):
 
 
 def test_a_voltage_that_is_not_known_is_no_low_one():
-    watch = BatteryWatch(LIMITS)
+    watch = Watch()
     for now in (0.0, 5.0):
         watch.observe(readings(12400), now)
     unknown = readings(12400).corrected(['voltage'])

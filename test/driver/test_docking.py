@@ -6,7 +6,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
-from create_oi_ros.driver.battery import WAIT
+from create_oi_ros.driver.battery import CHARGE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
 from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.driver.state import Activity
@@ -273,7 +273,7 @@ def test_a_robot_that_does_not_charge_is_reported_once():
     ending = pursue(loop, Dock(0.0))
     assert ending.code is Code.NONE
     assert 'docked, but the battery does not charge' in ending.text
-    loop.run(3 * WAIT)
+    loop.run(3 * CHARGE_WAIT)
     assert said(loop).count('does not charge (state NOT_CHARGING)') == 1
     assert 'set reset_when_not_charging' in said(loop)
     assert loop.body.sense().current < 0
@@ -282,7 +282,7 @@ def test_a_robot_that_does_not_charge_is_reported_once():
 def test_a_robot_that_does_not_charge_is_restarted_if_it_may_be():
     loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE, reset_when_not_charging=True)
     pursue(loop, Dock(0.0))
-    loop.run(WAIT + 15)
+    loop.run(CHARGE_WAIT + 15)
     assert 'restarting it (opcode 7)' in said(loop)
     assert loop.robot.mode is oi.Mode.PASSIVE
     assert 'even after a restart' in said(loop)
@@ -292,7 +292,7 @@ def test_a_restart_that_helps_is_the_last_word():
     loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE, reset_when_not_charging=True)
     pursue(loop, Dock(0.0))
     loop.robot.guesses = Guesses()
-    loop.run(WAIT + 15)
+    loop.run(CHARGE_WAIT + 15)
     assert 'restarting it (opcode 7)' in said(loop)
     assert 'even after a restart' not in said(loop)
     assert loop.body.sense().current > 0

@@ -5,9 +5,8 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.command_watch import CommandNews, CommandWatch
-from create_oi_ros.driver.connection import BaudSearch
-from create_oi_ros.driver.stream import FrameBudget, StreamPlan, too_slow
+from create_oi_ros.driver.connection import BaudSearch, FrameBudget
+from create_oi_ros.driver.stream import CommandNews, CommandWatch, StreamPlan
 
 ONE, OTHER = (7, 8), (7, 9)
 SUSPECT, WAKE, IGNORES, AGAIN = CommandNews
@@ -95,9 +94,6 @@ def test_why_a_line_is_silent():
     slow = oi.PacketList([6]).budget(19200)
     assert budget.why_silent(slow, 19200) == (
         'frame budget exceeded: 19200 baud carries 28 bytes in 15 ms, and longer frames are cut')
-    assert too_slow(longest, 57600) is None
-    assert too_slow(slow, 19200) == (
-        '19200 baud is too slow: a frame of 56 bytes does not fit into 15 ms; use 19200 or more')
 
 
 # At which rate the robot is.
@@ -120,7 +116,7 @@ def test_bytes_that_are_no_frames_are_shown_once_there_are_enough():
             search.next_baud()
         for size in sizes:
             search.add_garbage(bytes(range(size)))
-        text = search.notice().text
+        text = search.find_problem()
         assert ('not like a Create at 57600 baud (it sent 0 ' in text) == other
     assert '(it sent 0 0 1 2 3 4 5 6 7 8 9 10 ...)' in text
 
