@@ -44,6 +44,12 @@ class FrameClock:
 
     def __init__(self, known: Known = PERIOD) -> None:
         """Start with what is known of a slot's length."""
+        self._slot = 0
+        """Where the newest frame is."""
+        self._stamp = -inf
+        self._begin(known)
+
+    def _begin(self, known: Known) -> None:
         self.period = known.value
         """Seconds of a slot, as far as it is known."""
         self._first = known
@@ -56,11 +62,11 @@ class FrameClock:
         self._least = inf
         """The least of these."""
         self._earliest: deque[tuple[int, float]] = deque(maxlen=BLOCKS)
+        """The frame of each block that was sent earliest for its slot."""
         self._frames = 0
-        self._slot = 0
-        self._stamp = -inf
         self._arrival: float | None = None
         self._suspicious = 0
+        """Frames from now on in which a sign of missing ones counts."""
         self._missing = 0.0
         """Frames that garbage stands for."""
         self._absent = 0
@@ -70,27 +76,15 @@ class FrameClock:
         self._owed = 0.0
         """Seconds of counted slots that no frame has been given yet; negative: given too early."""
 
+    def restart(self) -> None:
+        """Forget where the robot's slots lie: it was away. How long they are stays."""
+        self._begin(self.known_period)
+
     @property
     def known_period(self) -> Known:
         """Seconds of a slot, and their standard deviation."""
         deviation = self._first.deviation * (1 - self._part) ** 0.5
         return Known(self.period, max(deviation, LEAST_DEVIATION))
-
-    def restart(self) -> None:
-        """Forget where the robot's slots lie: it was away. How long they are stays."""
-        self._first, self._part = self.known_period, 0.0
-        self._sent.clear()
-        self._late.clear()
-        self._least = inf
-        self._earliest.clear()
-        self._arrival = None
-        self._suspicious = self._frames = self._absent = 0
-        self._missing = self._owed = self.found_lost = 0.0
-
-    def suspect(self, frames: float = 0.0) -> None:
-        """Note that bytes came which may have been so many frames."""
-        self._suspicious = WINDOW
-        self._missing += frames
 
     @property
     def gap(self) -> bool:
@@ -106,6 +100,11 @@ class FrameClock:
     def absent(self) -> float:
         """Seconds of frames that are late or lost."""
         return self._absent * self.period
+
+    def suspect(self, frames: float = 0.0) -> None:
+        """Note that bytes came which may have been so many frames."""
+        self._suspicious = WINDOW
+        self._missing += frames
 
     def stamp(self, arrival: float, wire_time: float) -> tuple[float, float]:
         """
@@ -123,20 +122,25 @@ class FrameClock:
             passed += self._frames_missing(arrival)
         self._arrival = arrival
         slot = self._slot + lost + passed
-        wrong = self._slots_early(slot, sent) if self._suspicious > 0 and self._late else 0
-        slot += wrong
-        self._note(slot, sent)
+        wrong = 0
+        if self._suspicious > 0 and self._late:
+            # Counted too far where the frame seems early: no line is faster than ever.
+            wrong = min(0, round((sent - slot * self.period - self._least) / self.period))
+        self._note(slot + wrong, sent)
         self._suspicious -= 1
         late = self._slots_late() if self._suspicious >= 0 else 0
         if late:
-            self._recount(slot, late)
-        self._slot = slot + late
+            self._recount(slot + wrong, late)
+        self._slot = slot + wrong + late
         self._frames += 1
         if self._frames % BLOCK == 0 and len(self._sent) >= BLOCK:
             self._learn_period()
-        stamp = self._slot * self.period + self._least
-        self._stamp = max(stamp, self._stamp + LEAST_STEP)
-        return self._stamp, self._duration(passed + wrong + late)
+        self._stamp = max(self._slot * self.period + self._least, self._stamp + LEAST_STEP)
+        # What is below the least duration is taken from later frames.
+        self._owed += (passed + wrong + late) * self.period
+        duration = max(self._owed, LEAST_STEP)
+        self._owed -= duration
+        return self._stamp, duration
 
     def _note(self, slot: int, sent: float) -> None:
         """Keep when the newest frame left, as far as it alone tells."""
@@ -146,13 +150,6 @@ class FrameClock:
         self._late.append(late)
         # All of them are compared only when the least has just left the window.
         self._least = min(late, self._least) if oldest > self._least else min(self._late)
-
-    def _duration(self, slots: int) -> float:
-        """Return the seconds of some slots; what is below none is taken from later frames."""
-        self._owed += slots * self.period
-        duration = max(self._owed, LEAST_STEP)
-        self._owed -= duration
-        return duration
 
     def _decide(self, since: float, sent: float) -> int:
         """
@@ -181,11 +178,6 @@ class FrameClock:
             self._absent = round(slots) - 1
             return 0
         return min(missing, int(slots) + 1)
-
-    def _slots_early(self, slot: int, sent: float) -> int:
-        """Return by how many slots a frame is early (negative): no line is faster than ever."""
-        early = sent - slot * self.period - self._least
-        return min(0, round(early / self.period))
 
     def _count_late(self) -> None:
         """Work out again how late frames were, by other slots or a slot of another length."""

@@ -286,9 +286,6 @@ class Driver:
         self._connection.frame_at = now
         if taken is None:
             return
-        for text in self._tracking.odd.news:
-            self.core.notice(Severity.WARNING, text)
-        self._tracking.odd.news.clear()
         activity = self.state.activity
         if activity is Activity.CALLING:
             self._found(before, now)

@@ -24,7 +24,7 @@ from ..robot import (
     MOST_CHARGE,
 )
 from .core import Core
-from .events import LinkCounts, Moved
+from .events import Moved, Severity
 from .frame_clock import FrameClock, LEAST_STEP
 from .script import Speeds
 from .stream import requested_speeds
@@ -61,12 +61,10 @@ class OddValues:
     anything in that packet: bits without a meaning are cleared, numbers and codes become None.
     """
 
-    def __init__(self, counts: LinkCounts) -> None:
-        self._counts = counts
+    def __init__(self, core: Core) -> None:
+        self._core = core
         self.newest: dict[str, int] = {}
         """Odd values in the newest frames that had their packets, by field."""
-        self.news: list[str] = []
-        """What the user should be told: remove it then."""
         self._running: Counter[str] = Counter()
         """Frames in a row in which a field was odd."""
         self._known: set[str] = set()
@@ -86,15 +84,16 @@ class OddValues:
         if (self._dropped < RUNNING - 1
                 and any(self._running[name] < RUNNING for name in ruled_out)):
             self._dropped += 1
-            self._counts.implausible_frames += 1
+            self._core.counts.implausible_frames += 1
             return None
         self._dropped = 0
-        self._counts.odd_values += len(odd)
+        self._core.counts.odd_values += len(odd)
         for name in odd:
             self.newest[name] = readings.number(name, 0)
             if name not in self._known and (name in ruled_out or self._running[name] >= RUNNING):
                 self._known.add(name)
-                self.news.append(_unlike_the_manual(name, self.newest[name]))
+                self._core.notice(
+                    Severity.WARNING, _unlike_the_manual(name, self.newest[name]))
         return readings.corrected(odd)
 
 
@@ -189,7 +188,7 @@ class Tracking:
             settings.geometry, window=settings.odometry_window, robot=robot)
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._core = core
-        self.odd = OddValues(core.counts)
+        self.odd = OddValues(core)
         self._jumps = JumpCheck()
         self._reading_dropped = False
         """Whether a frame with distance and angle was dropped since the last one taken."""
@@ -235,30 +234,26 @@ class Tracking:
 
     def moved(self, taken: Taken, speeds: Speeds | None) -> Moved:
         """Report how the robot moved; `speeds` are the requested ones, None where not known."""
-        readings = taken.readings
-        asked = readings.has('distance', 'angle')
-        if asked and not self._jumps.possible(readings, taken.stamp, self.clock.absent):
-            self._core.counts.impossible_jumps += 1
-            asked = False
-        estimate = self._estimate(taken, speeds, asked=asked)
-        return Moved(taken.stamp, self._core.readings, estimate)
+        return Moved(taken.stamp, self._core.readings, self._estimate(taken, speeds))
 
-    def _estimate(self, taken: Taken, speeds: Speeds | None, *, asked: bool) -> Estimate:
-        readings = taken.readings
+    def _estimate(self, taken: Taken, speeds: Speeds | None) -> Estimate:
+        readings, has_distance = taken.readings, taken.readings.has('distance')
+        measured = has_distance and readings.has('angle')
+        if measured and not self._jumps.possible(readings, taken.stamp, self.clock.absent):
+            self._core.counts.impossible_jumps += 1
+            measured = False
         right, left = speeds or STANDING
         drops, mode = wheel_drops_and_mode(readings)
         increment = Increment(
             dt=taken.dt, right=right, left=left,
             driven=mode in DRIVEN and speeds is not None, lifted=bool(drops & LIFTED),
-            lost=(self.clock.gap or self._reading_dropped
-                  or readings.has('distance') and not asked),
-            distance=readings.distance if asked else None,
-            angle=readings.angle if asked else None)
-        lost, self._found_lost, self._due = self._found_lost, 0.0, False
-        self._reading_dropped = False
+            lost=self.clock.gap or self._reading_dropped or has_distance and not measured,
+            distance=readings.distance if measured else None,
+            angle=readings.angle if measured else None)
+        lost, self._found_lost = self._found_lost, 0.0
+        self._reading_dropped = self._due = False
         if self._held is not None:
-            self.odometry.update(
-                self._held._replace(dt=max(lost, LEAST_STEP), lost=lost > 0))
+            self.odometry.update(self._held._replace(dt=max(lost, LEAST_STEP), lost=lost > 0))
             self._due = self.odometry.reading_due
             self._held, lost = None, 0.0
         before, self._before = self._before, increment
