@@ -137,7 +137,7 @@ class Driver:
         while self._unchecked:
             self._check_frame(*self._unchecked.popleft(), now)
         if not self.state.takes_commands:
-            if self.scripts.reading:
+            if self.state.activity in (Activity.SILENCING, Activity.READING):
                 self._connection.frame_at = now
             self.scripts.poll(now, self._connection.frame_at)
         self._connection.check_silence(now)
@@ -228,7 +228,7 @@ class Driver:
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
         if self.core.outbox.call_off_motion() and self.scripts.playing:
-            self.scripts.call_off()
+            self.scripts.end()
         self.core.handle(StateEvent.STOPPED)
         why = self.scripts.status(now) or self.core.refusal(oi.Demo)
         return done('stop sent') if why is None else refused(why)
@@ -289,7 +289,7 @@ class Driver:
         activity = self.state.activity
         if activity is Activity.CALLING:
             self._found(before, now)
-        elif activity is Activity.SCRIPT and self.scripts.ended(frame.packets):
+        elif activity is Activity.SCRIPT and frame.packets == self.plan.marker:
             self._after_script()
         self._connection.present_at = now
         moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
@@ -309,6 +309,8 @@ class Driver:
         self.modes.enter(wanted, now)
 
     def _after_script(self) -> None:
+        """React to a frame that shows that the script has ended."""
+        self.scripts.end()
         if self.scripts.resets_accumulators:
             self._tracking.odometry.recounted()
         self.core.notice(Severity.INFO, (

@@ -70,20 +70,16 @@ class ScriptSpeeds:
             return 0.0, 0.0
         if readings.requested_velocity is None:
             return None
-        right, left = wheel_speeds(
-            readings.requested_velocity, readings.requested_radius, self._separation)
-        return _limited(right), _limited(left)
+        right, left = (
+            max(-TOP_SPEED, min(TOP_SPEED, speed / MM_PER_M)) for speed in wheel_speeds(
+                readings.requested_velocity, readings.requested_radius, self._separation))
+        return right, left
 
 
 def requested_directly(readings: oi.Readings) -> Speeds | None:
     """Return what the last Drive Direct asked for; None if not known."""
     right, left = requested_speeds(readings)
     return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
-
-
-def _limited(speed: float) -> float:
-    """Convert a requested wheel speed from mm/s to m/s, limited to what the wheel can do."""
-    return max(-TOP_SPEED, min(TOP_SPEED, speed / MM_PER_M))
 
 
 LATE, LATE_PART = 0.1, 0.04
@@ -103,12 +99,13 @@ class ScriptControl:
     def __init__(self, core: Core, plan: StreamPlan) -> None:
         self._core = core
         self._plan = plan
-        self._wheel_separation = core.settings.limits.wheel_separation
         self._stored: oi.Script | None = None
+        """The script; None where it is not known."""
         self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
         self._due = 0.0
+        """When `poll` has something to do next."""
         self._probe = Probe(core.outbox)
-        self._asked = False
+        self._end_asked = False
         """Whether the list that shows the end was asked for."""
         self._stop_sent = False
         """Whether the user's stop has been sent to the robot that plays."""
@@ -122,27 +119,6 @@ class ScriptControl:
         """Whether a script may be playing, so that the robot may ignore commands."""
         return self._core.state.activity is Activity.SCRIPT
 
-    @property
-    def resets_accumulators(self) -> bool:
-        """Whether the script that played last has set distance and angle to zero."""
-        return self._speeds.resets_accumulators
-
-    def speeds(self, readings: oi.Readings) -> Speeds | None:
-        """Return the requested wheel speeds, of driver or script; None if not known."""
-        if self._core.state.activity is not Activity.SCRIPT:
-            return requested_directly(readings)
-        return self._speeds.speeds(readings) if self._speeds.known else None
-
-    @property
-    def goes_on(self) -> bool:
-        """Whether the script that played last plays itself, so that it may not have ended."""
-        return self._stored is not None and not can_end(self._stored)
-
-    @property
-    def reading(self) -> bool:
-        """Whether the script is being read back, so that no frames come."""
-        return self._core.state.activity in (Activity.SILENCING, Activity.READING)
-
     def define(self, script: oi.Script) -> Pending:
         """Store a script; an empty one clears it."""
         try:
@@ -154,106 +130,29 @@ class ScriptControl:
             self._stored = script
         return request
 
+    # Played.
+
     def play(self, now: float, *, force: bool) -> Pending:
         """Play the stored script; one that cannot end, or is not known, only with `force`."""
         why = self._cannot_play(force=force)
         if why is not None:
             return refused(why)
-        self._core.outbox.send(CLEARED)
-        self._core.outbox.send(oi.Stream(packets=self._plan.script.ids))
-        request = self._core.request(oi.PlayScript(), 'script sent to play')
+        core, stored = self._core, self._stored
+        core.outbox.send(CLEARED)
+        core.outbox.send(oi.Stream(packets=self._plan.script.ids))
+        request = core.outbox.send(oi.PlayScript(), 'script sent to play')
         self._speeds = ScriptSpeeds(
-            self._stored, self._wheel_separation,
-            cleared=self._core.refusal(oi.Drive) is None)
-        self._due, self._asked, self._stop_sent = now + POLL_INTERVAL, False, False
-        takes, begin = self._duration(), self._due + POLL_INTERVAL
-        self._ends_at = None if takes is None else now + takes
-        self._probe.begin(begin if takes is None else max(
-            begin, now + takes + LATE + LATE_PART * takes))
-        self._core.handle(StateEvent.SCRIPT_STARTED)
+            stored, core.settings.limits.wheel_separation, cleared=core.refusal(oi.Drive) is None)
+        self._due, self._end_asked, self._stop_sent = now + POLL_INTERVAL, False, False
+        self._ends_at, begin = None, self._due + POLL_INTERVAL
+        takes = None if stored is None or not can_end(stored) else duration(
+            stored, core.status.actual or oi.Mode.OFF, SEPARATION)
+        if takes is not None:
+            self._ends_at = now + takes
+            begin = max(begin, now + takes + LATE + LATE_PART * takes)
+        self._probe.begin(begin)
+        core.handle(StateEvent.SCRIPT_STARTED)
         return request
-
-    def status(self, now: float) -> str | None:
-        """Say that a script plays, how long it still takes, and what ends it; None where not."""
-        if not self.playing:
-            return None
-        left = ('for an unknown time' if self._ends_at is None else
-                f'for about {max(0.0, self._ends_at - now):.0f} s more')
-        return f'{self._core.state.refusal} (it plays {left})'
-
-    def show(self, now: float) -> Pending:
-        """Read the script back; the outcome's payload is the script's bytes."""
-        why = DRIVES if self._core.state.moving else self._core.refusal(oi.ShowScript)
-        if why is not None:
-            return refused(why)
-        self._core.outbox.send(PAUSE)
-        self._due, self._show_request = now + SILENCE, Pending()
-        self._core.handle(StateEvent.SHOW_STARTED)
-        return self._show_request
-
-    def may_stop(self) -> bool:
-        """Tell whether a user's stop is to be sent: while a script plays only the first one."""
-        first = not (self.playing and self._stop_sent)
-        self._stop_sent = True
-        return first
-
-    def poll(self, now: float, frame_at: float) -> None:
-        """
-        Advance timers: the next poll of a playing robot, silence, the reply's timeout.
-
-        `frame_at` is when the last frame came.
-        """
-        activity = self._core.state.activity
-        if activity is Activity.SILENCING and self._core.outbox.busy:
-            self._due = now + SILENCE
-        if now < self._due or self._core.outbox.busy:
-            return
-        if activity is Activity.SCRIPT:
-            self._poll_playing(now, frame_at)
-        elif activity is Activity.SILENCING:
-            self._ask_for_script(now)
-        elif activity is Activity.READING:
-            self._end_show(False, f'the robot sent {len(self._reply)} bytes of its script and '
-                           'then nothing: try again')
-
-    def _poll_playing(self, now: float, frame_at: float) -> None:
-        """Ask for the list that shows the end: at first, and when the stream could be paused."""
-        if not self._asked or self._probe.poll(now, frame_at):
-            self._core.outbox.send(HALT)
-            self._core.outbox.send(oi.Stream(packets=self._plan.marker.ids))
-            self._asked = True
-        self._due = self._probe.due
-
-    def _ask_for_script(self, now: float) -> None:
-        self._reply.clear()
-        self._core.outbox.send(oi.ShowScript())
-        slowest = (1 + SCRIPT_LIMIT) * oi.BITS_PER_BYTE / self._plan.baud
-        self._due = now + REPLY_TIMEOUT + slowest
-        self._core.handle(StateEvent.LINE_SILENT)
-
-    def receive(self, received: bytes) -> None:
-        """Take in bytes of the script that is being read back."""
-        self._reply += received
-        if self._reply and len(self._reply) > self._reply[0]:
-            self._read_reply()
-
-    def ended(self, packets: oi.PacketList) -> bool:
-        """Tell whether a frame with these packets shows that the script that plays has ended."""
-        if packets != self._plan.marker:
-            return False
-        self._plan.restart()
-        self._core.handle(StateEvent.SCRIPT_ENDED)
-        return True
-
-    def call_off(self) -> None:
-        """Note that the script was never sent to be played."""
-        self._plan.restart()
-        self._core.handle(StateEvent.SCRIPT_ENDED)
-
-    def forget(self) -> None:
-        """Forget the script: no robot answers, it may have been switched off."""
-        self._stored = None
-        self._show_request.end(False, 'the robot was lost while it sent its script')
 
     def _cannot_play(self, *, force: bool) -> str | None:
         """Say why the stored script is not played, and what to do; None where it may be."""
@@ -270,7 +169,8 @@ class ScriptControl:
         if not can_end(self._stored):
             return ('the stored script plays itself again and may never end; then only the Power '
                     'button stops the robot: set force to play it')
-        endless = endless_wait(self._stored, self._mode(), SEPARATION)
+        endless = endless_wait(
+            self._stored, self._core.status.actual or oi.Mode.OFF, SEPARATION)
         if endless is not None:
             return (f'command {endless.place} of the stored script, '
                     f'{format_command(endless.command)}, waits for ever, since {endless.why}, '
@@ -278,16 +178,58 @@ class ScriptControl:
                     'set force to play it')
         return None
 
-    def _duration(self) -> float | None:
-        """Return how many seconds the stored script takes; None where that is not known."""
-        if self._stored is None or not can_end(self._stored):
+    def status(self, now: float) -> str | None:
+        """Say that a script plays, how long it still takes, and what ends it; None where not."""
+        if not self.playing:
             return None
-        return duration(self._stored, self._mode(), SEPARATION)
+        left = ('for an unknown time' if self._ends_at is None else
+                f'for about {max(0.0, self._ends_at - now):.0f} s more')
+        return f'{self._core.state.refusal} (it plays {left})'
 
-    def _mode(self) -> oi.Mode:
-        return self._core.status.actual or oi.Mode.OFF
+    def speeds(self, readings: oi.Readings) -> Speeds | None:
+        """Return the requested wheel speeds, of driver or script; None if not known."""
+        if not self.playing:
+            return requested_directly(readings)
+        return self._speeds.speeds(readings) if self._speeds.known else None
 
-    def _read_reply(self) -> None:
+    def may_stop(self) -> bool:
+        """Tell whether a user's stop is to be sent: while a script plays only the first one."""
+        first = not (self.playing and self._stop_sent)
+        self._stop_sent = True
+        return first
+
+    def end(self) -> None:
+        """Note that the script has ended, or was never sent to be played."""
+        self._plan.restart()
+        self._core.handle(StateEvent.SCRIPT_ENDED)
+
+    @property
+    def resets_accumulators(self) -> bool:
+        """Whether the script that played last has set distance and angle to zero."""
+        return self._speeds.resets_accumulators
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the script that played last plays itself, so that it may not have ended."""
+        return self._stored is not None and not can_end(self._stored)
+
+    # Read back.
+
+    def show(self, now: float) -> Pending:
+        """Read the script back; the outcome's payload is the script's bytes."""
+        why = DRIVES if self._core.state.moving else self._core.refusal(oi.ShowScript)
+        if why is not None:
+            return refused(why)
+        self._core.outbox.send(PAUSE)
+        self._due, self._show_request = now + SILENCE, Pending()
+        self._core.handle(StateEvent.SHOW_STARTED)
+        return self._show_request
+
+    def receive(self, received: bytes) -> None:
+        """Take in bytes of the script that is being read back."""
+        self._reply += received
+        if not self._reply or len(self._reply) <= self._reply[0]:
+            return
         try:
             script = script_of_reply(bytes(self._reply))
             script.encode()
@@ -301,6 +243,39 @@ class ScriptControl:
         self._plan.restart()
         self._core.handle(StateEvent.SHOW_ENDED)
         self._show_request.end(ok, text, script)
+
+    def poll(self, now: float, frame_at: float) -> None:
+        """
+        Advance timers: the next poll of a playing robot, silence, the reply's timeout.
+
+        `frame_at` is when the last frame came.
+        """
+        activity, outbox = self._core.state.activity, self._core.outbox
+        if activity is Activity.SILENCING and outbox.busy:
+            self._due = now + SILENCE
+        if now < self._due or outbox.busy:
+            return
+        if activity is Activity.SCRIPT:
+            # The list that shows the end is asked for at first, and once the stream has paused.
+            if not self._end_asked or self._probe.poll(now, frame_at):
+                outbox.send(HALT)
+                outbox.send(oi.Stream(packets=self._plan.marker.ids))
+                self._end_asked = True
+            self._due = self._probe.due
+        elif activity is Activity.SILENCING:
+            self._reply.clear()
+            outbox.send(oi.ShowScript())
+            slowest = (1 + SCRIPT_LIMIT) * oi.BITS_PER_BYTE / self._plan.baud
+            self._due = now + REPLY_TIMEOUT + slowest
+            self._core.handle(StateEvent.LINE_SILENT)
+        elif activity is Activity.READING:
+            self._end_show(False, f'the robot sent {len(self._reply)} bytes of its script and '
+                           'then nothing: try again')
+
+    def forget(self) -> None:
+        """Forget the script: no robot answers, it may have been switched off."""
+        self._stored = None
+        self._show_request.end(False, 'the robot was lost while it sent its script')
 
 
 def _described(script: oi.Script) -> str:
