@@ -89,7 +89,7 @@ class Driver:
             self._connection.forget()
             self._tracking.restart()
             self.modes.forget()
-            self.motion.hold(False)
+            self.motion.resume()
             self.scripts.forget()
             self._unchecked.clear()
         self.goals.handled(event)
@@ -223,7 +223,7 @@ class Driver:
         activity = self.state.activity
         sends = activity is not Activity.CLOSED and (
             activity is not Activity.SCRIPT or self.scripts.may_stop())
-        if sends and not (self.motion.held and self.motion.stop_sent):
+        if sends and not (self.core.watch.suspects and self.motion.stop_sent):
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
@@ -330,10 +330,11 @@ class Driver:
         self.outputs.observe(readings, now)
         self.modes.observe(readings, now)
         self.motion.observe(readings, now)
+        suspected = self.core.watch.suspects
         if self._connection.check_line(self.motion.missed_since, now):
             self._send_again()
-        elif self.core.watch.suspects is not self.motion.held:
-            self.motion.hold(self.core.watch.suspects)
+        elif suspected and not self.core.watch.suspects:
+            self.motion.resume()
         if (self.state.takes_commands and not self.core.watch.suspects
                 and self.modes.must_retry(now)):
             self.modes.enter(self.status.wanted, now)
@@ -356,7 +357,7 @@ class Driver:
 
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
-        self.motion.hold(False)
+        self.motion.resume()
         self.outputs.restore_songs()
         if self.status.actual in oi.ACTUATE:
             self.outputs.restore()

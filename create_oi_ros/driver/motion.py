@@ -129,8 +129,6 @@ class Motion:
         """Whether the bumper is pressed."""
         self.missed_since: float | None = None
         """When the first of the speeds was sent that the robot has not taken; None: none was."""
-        self.held = False
-        """Whether the robot may not obey: then only a stop is sent, and once."""
         self._refusal_reported = self._tiny_reported = False
         self._not_finite = 0
         """Commands in a row that were not finite."""
@@ -219,16 +217,14 @@ class Motion:
         """Whether a stop was sent last."""
         return self._sent == (0, 0)
 
-    def hold(self, held: bool) -> None:
-        """Hold speeds back, or send them again, on from those that the robot reports."""
-        if self.held and not held:
-            self._speeds = WheelSpeeds(*(self._reported or STOPPED))
-            self.missed_since = None
-        self.held = held
+    def resume(self) -> None:
+        """Send speeds again, on from those that the robot reports: it may have missed some."""
+        self._speeds = WheelSpeeds(*(self._reported or STOPPED))
+        self.missed_since = None
         self._send_again()
 
     def _send_again(self) -> None:
-        if not self.held:
+        if not self._core.watch.suspects:
             self._sent = self._rounded = None
 
     def handled(self, event: StateEvent) -> None:
@@ -255,7 +251,7 @@ class Motion:
             return
         self._reported = reported
         if self._sent == reported:
-            if before != reported or not self.held:
+            if before != reported or not self._core.watch.suspects:
                 self.missed_since = None
         elif self._sent is not None and now - self._sent_at > REPORT_TIMEOUT:
             if self.missed_since is None:
@@ -283,7 +279,7 @@ class Motion:
         limits = self._core.limits
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
         blocked = self._blocked and limits.bump_stop
-        if self.held:
+        if self._core.watch.suspects:  # only a stop is sent, and once
             if self.stop_sent or not blocked and self._wanted != STOPPED:
                 return None
             self._sent, self._sent_at = (0, 0), now
