@@ -14,20 +14,19 @@ from .. import oi
 from ..odometry import Estimate
 from ..robot import BODY_RADIUS, BUMPER_BEARING, CLIFF_BEARINGS
 from .goals.goal import CLIFFS
+from .motion import BUMPS
 
 OUTSIDE = 0.085
 """Metres outside the hull. A costmap clears each cell that the robot's footprint touches. So this
 is the diagonal of a cell of 5 cm, and what Nav2 adds to a footprint."""
 AWAY = 0.1
 """Metres by which a robot must move to have left what it felt."""
-LEFT, RIGHT = map(int, (oi.BumpsAndWheelDrops.BUMP_LEFT, oi.BumpsAndWheelDrops.BUMP_RIGHT))
+BUMPERS = {int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'bump left',
+           int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'bump right', BUMPS: 'bump front'}
 BEARINGS = {
     'bump left': BUMPER_BEARING, 'bump right': -BUMPER_BEARING, 'bump front': 0,
-    **dict(zip(CLIFFS, CLIFF_BEARINGS)), 'virtual wall': 0}
+    **dict(zip(CLIFFS, CLIFF_BEARINGS)), 'virtual_wall': 0}
 """Degrees to the left at which each sensor looks."""
-SIDES = ('bump left', 'bump right')
-FEELERS = ('bumps_and_wheel_drops', *CLIFFS, 'virtual_wall')
-feelers = oi.Readings.numbers(*FEELERS)
 
 
 class Hit(NamedTuple):
@@ -45,22 +44,9 @@ class Hit(NamedTuple):
 
 def felt(readings: oi.Readings) -> list[str]:
     """Return the sensors that feel something now."""
-    try:
-        if not any(feelers(readings)):
-            return []  # as in most frames
-    except KeyError:
-        pass  # one of them has not arrived
-    bits = int(readings.bumps_and_wheel_drops)
-    found = [name for name in CLIFFS if readings.has(name) and getattr(readings, name)]
-    if bits & LEFT and bits & RIGHT:
-        found.append('bump front')
-    elif bits & LEFT:
-        found.append('bump left')
-    elif bits & RIGHT:
-        found.append('bump right')
-    if readings.has('virtual_wall') and readings.virtual_wall:
-        found.append('virtual wall')
-    return found
+    found = [name for name in (*CLIFFS, 'virtual_wall') if readings.number(name, 0)]
+    bumps = readings.number('bumps_and_wheel_drops', 0) & BUMPS
+    return [*found, BUMPERS[bumps]] if bumps else found
 
 
 class Contacts:
@@ -76,10 +62,12 @@ class Contacts:
         if not found and not self._hits:
             return
         for name in found:
-            self._hits[name] = _hit(name, at, stamp)
-        if 'bump front' in self._hits and self._hits['bump front'].stamp == stamp:
-            for side in SIDES:  # one half is pressed a moment before the other
-                self._hits.pop(side, None)
+            bearing, far = at.yaw + radians(BEARINGS[name]), BODY_RADIUS + OUTSIDE
+            self._hits[name] = Hit(
+                at.x + far * cos(bearing), at.y + far * sin(bearing), at, stamp)
+        if 'bump front' in found:  # one half is pressed a moment before the other
+            self._hits.pop('bump left', None)
+            self._hits.pop('bump right', None)
         for name, hit in list(self._hits.items()):
             moved = hypot(at.x - hit.at.x, at.y - hit.at.y)
             if stamp > hit.stamp and (stamp - hit.stamp > persistence or moved > AWAY):
@@ -92,9 +80,3 @@ class Contacts:
         c, s = cos(at.yaw), sin(at.yaw)
         return tuple((c * (hit.x - at.x) + s * (hit.y - at.y),
                       c * (hit.y - at.y) - s * (hit.x - at.x)) for hit in self._hits.values())
-
-
-def _hit(name: str, at: Estimate, stamp: float) -> Hit:
-    bearing = at.yaw + radians(BEARINGS[name])
-    far = BODY_RADIUS + OUTSIDE
-    return Hit(at.x + far * cos(bearing), at.y + far * sin(bearing), at, stamp)

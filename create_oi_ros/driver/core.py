@@ -40,8 +40,7 @@ class Core:
 
     def handle(self, event: StateEvent) -> None:
         """Let an event change the state: the only place where it changes."""
-        if self.state.knows(event):
-            self.state.handle(event)
+        if self.state.handle(event):
             self._follow(event)
         else:
             self._report_unknown(event)

@@ -175,18 +175,13 @@ class State:
     def __init__(self, activity: Activity = Activity.CLOSED) -> None:
         self._enter(activity)
 
-    def knows(self, event: StateEvent) -> bool:
-        """Tell whether the tables list an event for the present activity."""
-        return event in TRANSITIONS[self.activity] or event in STAYS[self.activity]
-
     def handle(self, event: StateEvent) -> bool:
-        """Change the activity as the table says; True when it has changed."""
+        """Change the activity as the table says; False where no table lists the event."""
         before = self.activity
-        after = TRANSITIONS[before].get(event, before)
-        if after is before:
-            return False
-        self._enter(after)
-        return True
+        after = TRANSITIONS[before].get(event)
+        if after is not None:
+            self._enter(after)
+        return after is not None or event in STAYS[before]
 
     def _enter(self, activity: Activity) -> None:
         # Worked out once here, since the driver asks many times in every frame.
