@@ -8,8 +8,13 @@ from re import fullmatch
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import MotionLimits, Settings, Severity
-from create_oi_ros.driver.battery import BatteryLimits, LowBatteryAction
+from create_oi_ros.driver import (
+    BatteryLimits,
+    LowBatteryAction,
+    MotionLimits,
+    Settings,
+    Severity,
+)
 from create_oi_ros.driver.goal_control import CLIENT_GONE
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
 from create_oi_ros.driver.goals.legs import StoppingModel
