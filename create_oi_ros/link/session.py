@@ -11,13 +11,12 @@ begun, nothing but the driver's farewell is written.
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from copy import copy
 from dataclasses import replace
 from math import inf
 import threading
 import time
 
-from ..driver import DEAD_MAN_STOP, Driver, DriverEvent, Health, LinkCounts, Notice, Severity
+from ..driver import DEAD_MAN_STOP, Driver, DriverEvent, Health, Notice, Severity
 from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
@@ -31,6 +30,7 @@ CHECK_INTERVAL = 0.1
 """Seconds between two checks that the dead-man still runs."""
 LEAST_LIFE = 1.0
 """Seconds that a dead-man must have run to be started again."""
+UNGUARDED = 'if this process dies, the robot drives on'
 
 
 class Session:
@@ -117,11 +117,6 @@ class Session:
             health = self.driver.health(now)
             return replace(health, line_problem=self._reported or health.line_problem)
 
-    def counts(self) -> LinkCounts:
-        """Return what the line has carried so far."""
-        with self._use_driver():
-            return copy(self.driver.counts)
-
     @property
     def port(self) -> Port | None:
         """The open port; None while there is none. Use it only within a `request`."""
@@ -177,21 +172,20 @@ class Session:
             if not self._closing.is_set():
                 self._on_failure()
 
+    def _device(self) -> str | None:
+        """Return the name by which the device can be opened now; None where it is missing."""
+        names = (self.url, self._lasting_name)
+        return next((name for name in names if name is not None and exists(name)), None)
+
     def _wait(self, pause: float) -> None:
         """Wait before the next attempt to open; return early when a missing device appears."""
-        missing = not self._device_exists()
-        until = time.monotonic() + pause
+        missing, until = self._device() is None, time.monotonic() + pause
         while time.monotonic() < until and not self._closing.wait(min(pause, RETRY_FIRST)):
-            if missing and self._device_exists():
+            if missing and self._device() is not None:
                 return
 
-    def _device_exists(self) -> bool:
-        return exists(self.url) or self._lasting_name is not None and exists(self._lasting_name)
-
     def _open(self) -> Port | None:
-        url = self.url
-        if not exists(url) and self._lasting_name is not None and exists(self._lasting_name):
-            url = self._lasting_name
+        url = self._device() or self.url
         baud = self.driver.baud
         try:
             port = self._open_port(url, baud, timeout=READ_TIMEOUT)
@@ -214,19 +208,16 @@ class Session:
     def _start_dead_man(self, port: Port) -> None:
         if not self._wants_dead_man:
             return
-        line = port.descriptor
-        if line is None:
+        if port.descriptor is None:
             self._on_event(Notice(
-                Severity.WARNING, f'{port.url}: no dead-man for this kind of port; if this '
-                'process dies, the robot drives on'))
+                Severity.WARNING, f'{port.url}: no dead-man for this kind of port; {UNGUARDED}'))
             return
         self._dead_man_started_at = time.monotonic()
         try:
-            self._dead_man = DeadMan(line, DEAD_MAN_STOP)
+            self._dead_man = DeadMan(port.descriptor, DEAD_MAN_STOP)
         except OSError as error:
             self._on_event(Notice(
-                Severity.ERROR, f'the dead-man could not be started ({error}); if this process '
-                'dies, the robot drives on'))
+                Severity.ERROR, f'the dead-man could not be started ({error}); {UNGUARDED}'))
 
     def _check_dead_man(self, port: Port, now: float) -> None:
         """Start another dead-man where the first was killed, unless it ended at once."""
@@ -234,7 +225,7 @@ class Session:
             return
         self._dead_man.release()
         self._dead_man = None
-        then = 'if this process dies, the robot drives on'
+        then = UNGUARDED
         if now - self._dead_man_started_at > LEAST_LIFE:
             self._start_dead_man(port)
             then = 'another one has been started'
