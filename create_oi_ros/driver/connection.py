@@ -158,33 +158,28 @@ class FrameBudget:
 
         `fits` is whether the frames that were asked for fit into their slots at this rate.
         """
-        if self._begun is not None and now < self._begun + WINDOW:
+        begun, before = self._begun, self.problem
+        if begun is not None and now < begun + WINDOW:
             return False
-        before = self.problem
-        if self._begun is not None:
-            self._assess(baud, now - self._begun, fits=fits)
-        self._begun = now
+        frames, self._begun = self._frames, now
+        if begun is not None and frames:
+            seconds, size = now - begun, round(self._frame_bytes / frames)
+            wanted, came = size / SLOT, self._bytes / seconds
+            arrive = f'only {frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
+            if frames * SLOT / seconds >= TOO_FEW:
+                if frames * SLOT / seconds >= ENOUGH:
+                    self.problem = None
+            elif fits and came > CARRIED * wanted:
+                self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
+                                'a motor disturb the line?')
+            else:
+                faster = '' if baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
+                self.problem = (
+                    f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
+                    f'{SLOT_TEXT} is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
+                    f'baud: {faster}look at adapter, network and cable')
         self._frames = self._frame_bytes = self._bytes = 0
         return bool(before) != bool(self.problem)
-
-    def _assess(self, baud: int, seconds: float, *, fits: bool) -> None:
-        fraction = self._frames * SLOT / seconds
-        if fraction >= ENOUGH:
-            self.problem = None
-        if fraction >= TOO_FEW or not self._frames:
-            return
-        size = round(self._frame_bytes / self._frames)
-        wanted, came = size / SLOT, self._bytes / seconds
-        arrive = f'only {self._frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
-        if fits and came > CARRIED * wanted:
-            self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
-                            'a motor disturb the line?')
-        else:
-            faster = '' if baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
-            self.problem = (
-                f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
-                f'{SLOT_TEXT} is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
-                f'baud: {faster}look at adapter, network and cable')
 
 
 SILENCE = 0.5
@@ -262,8 +257,9 @@ class Connection:
         self.reader.feed(data)
         return True
 
-    def add_frame(self, packets: oi.PacketList) -> None:
+    def add_frame(self, packets: oi.PacketList, now: float) -> None:
         """Note a verified frame."""
+        self.frame_at = now
         self.frame_budget.add_frame(packets.frame_size)
         self._core.watch.seen(packets.ids)
 
@@ -377,23 +373,20 @@ class Connection:
             self.plan.tune(baud)
             self.reader.expect(self.plan.lists)
         start = [] if self._core.counts.frames and not self.was_away(now) else [oi.Start()]
-        stop = self._stop(event, baud)
+        calls, stop = self._search.calls, b''
+        if (event is StateEvent.OPENED or self._search.searching
+                or calls % WAKE_UP_EVERY == WAKE_UP_FIRST):
+            # What has not left would delay a stop, or go out at the next rate.
+            seconds = len(WAKE_UP) * oi.BITS_PER_BYTE / baud
+            stop = WAKE_UP if seconds < CALL_INTERVAL else 2 * HALT.encode()
+        elif calls == 1:
+            stop = HALT.encode()  # next to nothing for a robot that may only wait
         size = len(stop) + sum(len(each.encode()) for each in (*start, ask))
         self._call_interval = max(CALL_INTERVAL, ANSWER_TIME + (
             size + self.plan.full.frame_size) * oi.BITS_PER_BYTE / baud)
         self._core.outbox.send_raw(stop)
         for each in (*start, ask):
             self._core.outbox.send(each)
-
-    def _stop(self, event: StateEvent, baud: int) -> bytes:
-        """Return what a call begins with: next to nothing for a robot that may only wait."""
-        calls = self._search.calls
-        if (event is StateEvent.OPENED or self._search.searching
-                or calls % WAKE_UP_EVERY == WAKE_UP_FIRST):
-            # What has not left would delay a stop, or go out at the next rate.
-            seconds = len(WAKE_UP) * oi.BITS_PER_BYTE / baud
-            return WAKE_UP if seconds < CALL_INTERVAL else 2 * HALT.encode()
-        return HALT.encode() if calls == 1 else b''
 
     def call_answered(self, now: float) -> None:
         """Stop a robot that has answered a call, and ask it for all packets."""

@@ -282,8 +282,7 @@ class Driver:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
         before = self.core.readings
         taken = self._tracking.take(frame, self._connection.baud, now)
-        self._connection.add_frame(frame.packets)
-        self._connection.frame_at = now
+        self._connection.add_frame(frame.packets, now)
         if taken is None:
             return
         activity = self.state.activity
