@@ -60,8 +60,8 @@ class Awaited(Generic[Result]):
 
     __slots__ = ('result', '_callbacks')
 
-    def __init__(self) -> None:
-        self.result: Result | None = None
+    def __init__(self, result: Result | None = None) -> None:
+        self.result = result
         """None until it is known."""
         self._callbacks: list[Callable[[Result], None]] = []
 
@@ -98,16 +98,12 @@ class Pending(Awaited[Outcome]):
 
 def done(text: str) -> Pending:
     """Return a request that has succeeded."""
-    pending = Pending()
-    pending.end(True, text)
-    return pending
+    return Pending(Outcome(True, text))
 
 
 def refused(text: str) -> Pending:
     """Return a request that is refused; the text says why, and what to do."""
-    pending = Pending()
-    pending.end(False, text)
-    return pending
+    return Pending(Outcome(False, text))
 
 
 MODE_PAUSE = 0.02
