@@ -58,38 +58,33 @@ Result = TypeVar('Result')
 class Awaited(Generic[Result]):
     """A result that may not be known yet. Only the first one counts."""
 
-    __slots__ = ('result', '_callbacks')
+    __slots__ = ('outcome', '_callbacks')
 
-    def __init__(self, result: Result | None = None) -> None:
-        self.result = result
+    def __init__(self, outcome: Result | None = None) -> None:
+        self.outcome = outcome
         """None until it is known."""
         self._callbacks: list[Callable[[Result], None]] = []
 
-    def settle(self, result: Result) -> None:
+    def settle(self, outcome: Result) -> None:
         """Say what the result is."""
-        if self.result is None:
-            self.result = result
+        if self.outcome is None:
+            self.outcome = outcome
             for callback in self._callbacks:
-                callback(result)
+                callback(outcome)
             self._callbacks.clear()
 
     def then(self, callback: Callable[[Result], None]) -> None:
         """Call back with the result: now if it is known, else as soon as it is."""
-        if self.result is None:
+        if self.outcome is None:
             self._callbacks.append(callback)
         else:
-            callback(self.result)
+            callback(self.outcome)
 
 
 class Pending(Awaited[Outcome]):
     """A request whose outcome may not be known yet."""
 
     __slots__ = ()
-
-    @property
-    def outcome(self) -> Outcome | None:
-        """How it ended; None until it has."""
-        return self.result
 
     def end(self, ok: bool, text: str, payload: bytes = b'') -> None:
         """End the request."""

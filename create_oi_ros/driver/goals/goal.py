@@ -215,7 +215,7 @@ class Running(Awaited[Ending]):
     @property
     def ending(self) -> Ending | None:
         """How it ended; None while it runs."""
-        return self.result
+        return self.outcome
 
 
 def check_finite(name: str, value: float, unit: str) -> None:
