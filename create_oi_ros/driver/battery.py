@@ -12,7 +12,7 @@ from .. import oi
 from ..robot import MILLI
 from .core import Core
 from .events import BatteryLevel, LowBatteryAction, Severity
-from .mode import Modes
+from .mode import docked, Modes
 
 SETTLE = 5.0
 """Seconds that the voltage must stay below a limit: motors that start pull it down."""
@@ -97,9 +97,8 @@ class BatteryGuard:
 class ChargeWatch:
     """Reports a robot that does not charge on its dock, and restarts it once."""
 
-    def __init__(self, core: Core, modes: Modes) -> None:
+    def __init__(self, core: Core) -> None:
         self._core = core
-        self._modes = modes
         self._since: float | None = None
         """Since when the robot waits for the current; None where it does not."""
         self._was_reset = self._reported = False
@@ -107,7 +106,7 @@ class ChargeWatch:
     def observe(self, readings: oi.Readings, now: float) -> None:
         """Take readings in, and act when the robot has waited for too long."""
         status = self._core.status
-        if not self._modes.docked or not readings.has('charging_state'):
+        if not docked(readings) or not readings.has('charging_state'):
             self._since, self._was_reset, self._reported = None, False, False
         elif (readings.charging_state not in NO_CURRENT
                 or not status.actual is status.wanted is oi.Mode.PASSIVE):

@@ -13,9 +13,9 @@ from .. import oi
 from .core import Core
 from .events import Cause, Moved, Severity
 from .goals import Code, Ending, Goal, Running
-from .goals.goal import AGAIN, docked, Enter, FROM_CLIFF, Instruction, Order, Over, TO_FLOOR, View
+from .goals.goal import AGAIN, Enter, FROM_CLIFF, Instruction, Order, Over, TO_FLOOR, View
 from .goals.legs import StoppingModel
-from .mode import Modes
+from .mode import docked, Modes
 from .motion import Motion, Velocity
 from .outbox import END_DEMO, HALT
 from .state import Activity, Owner, REFUSALS, StateEvent

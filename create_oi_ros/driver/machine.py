@@ -33,7 +33,7 @@ from .events import (
 )
 from .goal_control import GoalControl
 from .learned_robot import LearnedRobot
-from .mode import causes_in, Modes
+from .mode import causes_in, docked, Modes
 from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
@@ -69,7 +69,7 @@ class Driver:
         self.scripts = ScriptControl(core, self._connection.plan)
         self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
         self._battery = BatteryGuard(core, self.modes)
-        self._charging = ChargeWatch(core, self.modes)
+        self._charging = ChargeWatch(core)
         self._learned = LearnedRobot(core, self._tracking)
         self._turn_check = TurnCheck(core.limits.wheel_separation)
         self._on_dock = False
@@ -349,7 +349,7 @@ class Driver:
         self._charging.observe(readings, now)
         self._learned.observe(now)
         was_on_dock, pose = self._on_dock, self.settings.dock_pose
-        self._on_dock = self.modes.docked and self.state.activity is not Activity.GOAL
+        self._on_dock = docked(readings) and self.state.activity is not Activity.GOAL
         if pose is not None and self._on_dock and not was_on_dock:
             self._tracking.odometry.reset(*pose)
             self.core.notice(Severity.INFO, 'on the dock: odom goes on from dock_pose')

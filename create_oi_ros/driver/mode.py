@@ -55,6 +55,11 @@ def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
     return tuple(cause for cause, present in seen if present)
 
 
+def docked(readings: oi.Readings) -> bool:
+    """Tell whether the robot is on the contacts of a Home Base; charging or full."""
+    return bool(readings.number('charging_sources', 0) & HOME_BASE)
+
+
 class Modes:
     """Keeps the robot in the wanted mode as far as safety allows; starts and ends demos."""
 
@@ -72,11 +77,6 @@ class Modes:
         """The mode that the request is for."""
         self._deadline = self._valid_at = 0.0
         """When the request has failed, and from when on frames count."""
-
-    @property
-    def docked(self) -> bool:
-        """Whether the robot is on the contacts of a Home Base."""
-        return bool(self._core.readings.number('charging_sources', 0) & HOME_BASE)
 
     # How the robot gets into a mode.
 
@@ -227,7 +227,7 @@ class Modes:
         lost = status.actual is None and not status.unknown
         stays = 'does not answer' if lost else f'stays in {status.name}'
         why = f' ({status.reason})' if status.reason else ''
-        needs = (self.advice() if self.docked or status.unknown else
+        needs = (self.advice() if docked(self._core.readings) or status.unknown else
                  'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
         self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: {needs}')
 
@@ -246,7 +246,7 @@ class Modes:
         causes = self._core.status.causes
         if self._core.status.unknown:
             return 'call set_mode with SAFE; if that does not help, switch the robot off and on'
-        if self.docked:
+        if docked(self._core.readings):
             return 'send the goal undock, it is on its dock (dock and undock are actions)'
         if Cause.CHARGER in causes:
             return f"pull the charger's plug, {again}"

@@ -90,7 +90,7 @@ class Dock:
         self.core = Core(Settings(
             mode_on_start=oi.Mode.PASSIVE, reset_when_not_charging=reset), lambda _: None)
         self.modes = Modes(self.core, Outputs(self.core))
-        self.watch = ChargeWatch(self.core, self.modes)
+        self.watch = ChargeWatch(self.core)
         self.core.handle(StateEvent.OPENED)
         self.core.handle(StateEvent.ANSWERED)
 

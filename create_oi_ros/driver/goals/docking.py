@@ -14,10 +14,10 @@ from ... import oi
 from ...oi.codes import BEAMS
 from ..battery import charges
 from ..events import Cause
+from ..mode import docked
 from ..motion import Velocity
 from .goal import (
     Code,
-    docked,
     dropped,
     Enter,
     Goal,

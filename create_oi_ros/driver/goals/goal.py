@@ -242,12 +242,6 @@ def check_turning(value: float) -> None:
     check_range('max_rotation_speed', value, 'rad/s', MIN_TURN_RATE)
 
 
-def docked(readings: oi.Readings) -> bool:
-    """Tell whether the robot is on the contacts of a Home Base; charging or full."""
-    return (readings.has('charging_sources')
-            and oi.ChargingSources.HOME_BASE in readings.charging_sources)
-
-
 # What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow.
 
 DROPS = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
