@@ -116,7 +116,12 @@ CARRIED = 0.95
 
 
 class FrameBudget:
-    """Counts what arrives; `problem` says what is wrong, None while nothing is."""
+    """
+    Counts frames and bytes over some seconds; `problem` says what is wrong, None while nothing is.
+
+    A frame that does not fit into its slot waits in the robot until its buffer is full, and is cut
+    then (manual: Stream). An adapter or a network may also carry less than its baud rate says.
+    """
 
     def __init__(self) -> None:
         self.problem: str | None = None

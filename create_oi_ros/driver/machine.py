@@ -8,8 +8,7 @@ bytes have come, `poll` whenever time has passed, and write what `data_to_send` 
 what happened with `next_event`. `now` is in seconds on any clock that does not go backwards.
 
 What the driver is doing is one value, `state`: `Core.handle` changes it, and `_follow` tells the
-parts what follows. A request (set_mode, outputs.set_leds, ...) returns
-a `Pending`; `poll` sends.
+parts what follows. A request (modes.set, outputs.set_leds, ...) returns a `Pending`; `poll` sends.
 """
 
 from collections import deque
