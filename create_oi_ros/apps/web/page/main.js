@@ -137,6 +137,8 @@ function showState() {
   byId('banner').dataset.level = hint ? 'error' : 'warn';
   byId('banner-token').hidden = !connection.refused;
   panels.showWhy(whyNot(robot, connection, stick), send);
+  if (stick.timer !== null || goals.busy) localStorage.setItem('knows', 'yes');
+  byId('first').hidden = localStorage.getItem('knows') !== null;
 }
 
 // STOP.
