@@ -7,17 +7,15 @@ from collections.abc import Iterator
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, Settings
+from create_oi_ros.driver import Activity
 from create_oi_ros.driver.goal_control import CLIENT_GONE, MODE_WAIT
 from create_oi_ros.driver.goals import Code, Goal, Progress, Running
-from create_oi_ros.driver.goals.goal import Enter, Instruction, Order, Over, View
+from create_oi_ros.driver.goals.goal import Instruction, Order, Over, View
 from create_oi_ros.driver.mode import DOCK_PAUSE
 from create_oi_ros.driver.motion import Velocity
-from support.loop import AT_ONCE, Loop, STEP
+from support.loop import Loop, STEP
 
 HALT = oi.DriveDirect(right=0, left=0)
-END_DEMO = oi.Demo(demo=oi.DemoNumber.ABORT)
-SEEK = oi.Demo(demo=oi.DemoNumber.COVER_AND_DOCK)
 DONE = Over(Code.NONE, 'done')
 
 
@@ -78,15 +76,6 @@ def ended(running: Running) -> tuple[Code, str]:
     """Return how a goal ended: the reason, without how far it got and what to do."""
     assert running.ending is not None
     return running.ending.code, running.ending.text.rpartition('; ')[2].partition(':')[0]
-
-
-@pytest.fixture
-def passive() -> Loop:
-    """Return a robot in Passive mode and its driver."""
-    loop = Loop(Settings(mode_on_start=oi.Mode.PASSIVE, limits=AT_ONCE))
-    loop.run(0.5)
-    loop.commands()
-    return loop
 
 
 def test_a_velocity_that_a_goal_orders_is_sent_and_a_goal_that_is_over_stops(at_once):
@@ -176,74 +165,6 @@ def test_a_goal_whose_mode_does_not_come_is_given_up(loop):
     loop.run(0.03)
     assert ended(running) == (Code.MODE, 'robot is in PASSIVE')
     assert goal.begun == 0
-
-
-def test_a_goal_that_needs_no_wheels_runs_in_passive_and_one_that_does_is_refused(passive):
-    waiting = begun(passive, Told(Instruction.GO_ON, needs_driving=False))
-    assert waiting.ending is None and waiting.progress.distance > 3
-    passive.driver.goals.cancel(waiting, passive.now)
-    passive.run(0.1)
-    passive.commands()
-    refused = passive.driver.goals.start(Told(AHEAD), passive.now)
-    assert ended(refused)[0] is Code.MODE and refused.ending.seconds == 0
-    assert not passive.driver.goals.active
-    passive.run(0.2)
-    assert sent(passive) == [] and passive.robot.mode is oi.Mode.PASSIVE
-
-
-def test_a_goal_that_is_cancelled_before_its_first_frame_has_run_for_no_time(at_once):
-    at_once.now += 0.001
-    running = at_once.driver.goals.start(Told(AHEAD), at_once.now)
-    at_once.driver.goals.cancel(running, at_once.now)
-    assert ended(running) == (Code.CANCELED, 'canceled')
-    assert running.ending.seconds == 0
-
-
-def test_a_mode_that_is_lost_ends_a_goal_at_its_next_step(at_once):
-    running = begun(at_once, Told(AHEAD))
-    at_once.body.drop(left=True)
-    at_once.run(0.1)
-    assert ended(running) == (Code.MODE, 'robot left SAFE (left wheel dropped)')
-
-
-def test_a_goal_that_enters_a_mode_stands_meanwhile(at_once):
-    goal = Told(AHEAD)
-    running = begun(at_once, goal)
-    sent(at_once)
-    goal.order = Enter(oi.Mode.FULL, 'because')
-    at_once.run(2 * oi.SLOT)
-    told = sent(at_once)
-    assert told.index(oi.Full()) > told.index(HALT)
-    goal.order = Velocity(0.0, 0.0)
-    at_once.run(0.2)
-    assert at_once.robot.mode is oi.Mode.FULL and running.ending is None
-    assert any(notice.text == 'because' for notice in at_once.notices)
-
-
-@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
-def test_a_search_for_the_dock_that_is_ended_stops_the_robot_and_brings_its_mode_back(
-        at_once, mode):
-    at_once.driver.modes.set(mode, at_once.now)
-    at_once.run(0.3)
-    goal, running = searching(at_once)
-    assert SEEK in sent(at_once)
-    assert at_once.robot.demo is oi.DemoNumber.COVER_AND_DOCK
-    at_once.driver.goals.cancel(running, at_once.now)
-    at_once.run(0.1)
-    told = sent(at_once)
-    assert told[:2] == [HALT, END_DEMO]
-    assert at_once.robot.demo is None and at_once.robot.mode is mode
-    assert at_once.driver.status.wanted is mode
-
-
-def test_a_dock_that_was_found_leaves_the_robot_as_it_is(at_once):
-    goal, running = searching(at_once)
-    sent(at_once)
-    goal.order = DONE
-    at_once.run(0.1)
-    assert ended(running)[0] is Code.NONE
-    assert END_DEMO not in sent(at_once)
-    assert at_once.robot.mode is oi.Mode.PASSIVE
 
 
 def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives(at_once):
