@@ -12,6 +12,7 @@ program ends when the robot leaves Safe mode: at a cliff, lifted, or on a charge
 """
 import argparse
 from math import sqrt
+import signal
 
 from create_oi_msgs.msg import Bumper, Mode, Wall
 from geometry_msgs.msg import Twist, Vector3
@@ -100,6 +101,7 @@ def main() -> None:
     try:
         wait_for_robot(node, node.velocity.get_subscription_count)
         node.create_timer(PERIOD, node.drive)
+        signal.signal(signal.SIGINT, lambda *_: node.ended.set_result('Ctrl-C'))
         rclpy.spin_until_future_complete(node, node.ended)
         why = node.ended.result()
     except KeyboardInterrupt:
