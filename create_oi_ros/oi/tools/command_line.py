@@ -112,9 +112,6 @@ def _commands(options: Namespace, stdin: TextIO) -> Iterator[str]:
 def _document(options: Namespace, stdin: TextIO) -> Iterator[str]:
     before = options.page.read_text(encoding='utf-8')
     after = document(before)
-    if options.check and before != after:
-        raise ValueError(
-            f'{options.page} differs from the declarations: run without --check to rewrite it')
     if before != after:
         options.page.write_text(after, encoding='utf-8')
         yield f'{options.page} written'
@@ -137,7 +134,6 @@ def _parser() -> ArgumentParser:
     actions.add_parser('commands', help='list the commands').set_defaults(work=_commands)
     tables = actions.add_parser('document', help='write the tables into a Markdown page')
     tables.add_argument('page', type=Path)
-    tables.add_argument('--check', action='store_true', help='only say whether they differ')
     tables.set_defaults(work=_document)
     return parser
 
