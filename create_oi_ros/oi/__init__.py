@@ -71,7 +71,6 @@ from .declaration import Command
 from .packets import (
     BITS_PER_BYTE,
     Budget,
-    frame_capacity,
     FRAME_LIMIT,
     GROUPS,
     HEADER,
@@ -94,5 +93,5 @@ __all__ = [
     'PlayScript', 'PlaySong', 'PwmLowSideDrivers', 'QueryList', 'Radius', 'Readings', 'Safe',
     'Script', 'SendIr', 'Sensors', 'ShowScript', 'Song', 'Spot', 'Start', 'Stream', 'StreamReader',
     'StreamState', 'UnknownOpcode', 'WaitAngle', 'WaitDistance', 'WaitEvent', 'WaitTime',
-    'frame_capacity', 'singles', 'size_of',
+    'singles', 'size_of',
 ]

@@ -58,11 +58,6 @@ def singles(packet: int | str) -> Sequence[int]:
     return GROUPS[number] if number in GROUPS else (PACKETS[number].id,)
 
 
-def frame_capacity(baud: int) -> int:
-    """Return how many bytes fit in 15 ms at a baud rate: 86 at 57600, 28 at 19200 (Stream)."""
-    return int(SLOT * baud / BITS_PER_BYTE)
-
-
 class Budget(NamedTuple):
     """What a stream frame costs on the wire."""
 
@@ -78,8 +73,8 @@ class Budget(NamedTuple):
 
     @property
     def capacity(self) -> int:
-        """Bytes that fit in 15 ms at this baud rate."""
-        return frame_capacity(self.baud)
+        """Bytes that fit in 15 ms at this baud rate: 86 at 57600, 28 at 19200 (manual: Stream)."""
+        return int(SLOT * self.baud / BITS_PER_BYTE)
 
     @property
     def spare(self) -> int:
@@ -200,8 +195,8 @@ class PacketList:
         """Say why values cannot be encoded."""
         if len(values) != len(self.packets):
             return f'{len(values)} values for packets {self.ids}; expected {len(self.packets)}'
-        place = next(index for index, (packet, value) in enumerate(zip(self.packets, values))
-                     if not packet.wire.fits(value))
-        packet, (low, high) = self.packets[place], self.packets[place].wire.limits
-        return (f'{self.names[place]} (packet {packet.id}) = {values[place]!r}; '
-                f'allowed: {low} to {high}')
+        for packet, name, value in zip(self.packets, self.names, values):
+            low, high = packet.wire.limits
+            if not (isinstance(value, int) and low <= value <= high):
+                return f'{name} (packet {packet.id}) = {value!r}; allowed: {low} to {high}'
+        raise AssertionError('these values can be encoded')

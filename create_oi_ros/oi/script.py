@@ -120,27 +120,17 @@ class EndlessWait(NamedTuple):
     why: str
 
 
-class _Motion(NamedTuple):
-    """What the robot does at one place of a script."""
-
-    mode: Mode
-    speeds: WheelSpeeds | None
-    """None where they are not known."""
-
-
 def endless_wait(script: Script, mode: Mode, separation: float) -> EndlessWait | None:
     """
     Return the first wait that never ends in a script that starts at rest, in this mode.
 
     The separation is in mm. After a Demo, which moves the robot in its own way, nothing is said.
     """
-    motion = _Motion(mode, STANDING)
-    for place, command in enumerate(commands_of(script), 1):
-        motion = _after(command, motion, separation)
-        if motion.speeds is None:
+    for place, (command, speeds, seconds) in enumerate(_timed(script, mode, separation), 1):
+        if speeds is None:
             return None
-        if _wait_time(command, motion.speeds, separation) == inf:
-            return EndlessWait(place, command, _reason(command, motion.speeds))
+        if seconds == inf:
+            return EndlessWait(place, command, _reason(command, speeds))
     return None
 
 
@@ -151,31 +141,32 @@ def duration(script: Script, mode: Mode, separation: float) -> float | None:
     None where that is not known: it waits for an event, plays a demo, or does not end. The
     script starts at rest, in this mode; the separation is in mm.
     """
-    motion, total = _Motion(mode, STANDING), 0.0
-    for command in commands_of(script):
-        motion = _after(command, motion, separation)
-        if motion.speeds is None or isinstance(command, WaitEvent | PlayScript):
+    total = 0.0
+    for command, speeds, seconds in _timed(script, mode, separation):
+        if speeds is None or isinstance(command, WaitEvent | PlayScript):
             return None
-        total += _wait_time(command, motion.speeds, separation)
+        total += seconds
     return total if total < inf else None
 
 
-def _after(command: Command, before: _Motion, separation: float) -> _Motion:
-    """Return what the robot does after a command, which it ignores in the wrong mode."""
-    if before.mode not in command.modes:
-        return before
-    match command:
-        case Drive():
-            return before._replace(
-                speeds=wheel_speeds(command.velocity, command.radius, separation))
-        case DriveDirect():
-            return before._replace(speeds=WheelSpeeds(command.right, command.left))
-        case Start():
-            return _Motion(Mode.PASSIVE, STANDING)
-        case Demo():
-            return _Motion(Mode.PASSIVE, None)
-        case _:
-            return before if command.enters is None else before._replace(mode=command.enters)
+def _timed(
+    script: Script, mode: Mode, separation: float,
+) -> Iterator[tuple[Command, WheelSpeeds | None, float]]:
+    """Yield each command, the wheel speeds at it (None: not known), and how long it takes, s."""
+    speeds: WheelSpeeds | None = STANDING
+    for command in commands_of(script):
+        if mode in command.modes:  # else the robot ignores it
+            match command:
+                case Drive():
+                    speeds = wheel_speeds(command.velocity, command.radius, separation)
+                case DriveDirect():
+                    speeds = WheelSpeeds(command.right, command.left)
+                case Start():
+                    speeds = STANDING
+                case Demo():
+                    speeds = None
+            mode = mode if command.enters is None else command.enters
+        yield command, speeds, _wait_time(command, speeds or STANDING, separation)
 
 
 def _wait_time(command: Command, speeds: WheelSpeeds, separation: float) -> float:

@@ -61,11 +61,6 @@ class Wire:
         numbers = 1 << 8 * self.size
         return (-numbers // 2, numbers // 2 - 1) if self.format.islower() else (0, numbers - 1)
 
-    def fits(self, value: object) -> bool:
-        """Tell whether its bytes can hold a value, allowed or not."""
-        low, high = self.limits
-        return isinstance(value, int) and low <= value <= high
-
     def signed(self, value: int) -> int:
         """Return a named number that was written without its sign, such as hex 8000, with it."""
         return value if value <= self.high else self._values.get(

@@ -106,7 +106,7 @@ def test_the_manuals_stream_frame() -> None:
 
 def test_the_stream_budget() -> None:
     for baud, capacity in vectors.STREAM_CAPACITY.items():
-        assert oi.frame_capacity(baud) == capacity
+        assert EVERYTHING.budget(baud).capacity == capacity
     budget = oi.PacketList([29, 13]).budget(57600)
     assert (budget.size, budget.capacity, budget.seconds) == (8, 86, 80 / 57600)
     assert budget.fits and budget.spare == 78
