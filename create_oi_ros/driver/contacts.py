@@ -13,7 +13,6 @@ from typing import NamedTuple
 from .. import oi
 from ..odometry import Estimate
 from ..robot import BODY_RADIUS, BUMPER_BEARING, CLIFF_BEARINGS
-from .goals.goal import CLIFFS
 from .motion import BUMPS
 
 OUTSIDE = 0.085
@@ -23,6 +22,7 @@ AWAY = 0.1
 """Metres by which a robot must move to have left what it felt."""
 BUMPERS = {int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'bump left',
            int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'bump right', BUMPS: 'bump front'}
+CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 BEARINGS = {
     'bump left': BUMPER_BEARING, 'bump right': -BUMPER_BEARING, 'bump front': 0,
     **dict(zip(CLIFFS, CLIFF_BEARINGS)), 'virtual_wall': 0}

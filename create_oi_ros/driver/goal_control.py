@@ -7,13 +7,25 @@ One goal runs at a time; a new one takes over. Whether one runs is the driver's 
 DOCKING: an event that leads out of these ends the goal, with the code that belongs to the event.
 """
 
+from collections.abc import Container
 from math import inf
 
 from .. import oi
 from .core import Core
 from .events import Cause, Moved, Severity
 from .goals import Code, Ending, Goal, Running
-from .goals.goal import AGAIN, Enter, FROM_CLIFF, Instruction, Order, Over, TO_FLOOR, View
+from .goals.goal import (
+    AGAIN,
+    CLIFFS,
+    DROPS,
+    Enter,
+    FROM_CLIFF,
+    Instruction,
+    Order,
+    Over,
+    TO_FLOOR,
+    View,
+)
 from .goals.legs import StoppingModel
 from .mode import docked, Modes
 from .motion import Motion, Velocity
@@ -50,8 +62,6 @@ ANOTHER_GOAL = Over(
 COMMANDED = Over(
     Code.SUPERSEDED, 'a velocity command took over: set the parameter cmd_vel_interrupts to false '
     'if goals are to win')
-DROPS = (Cause.WHEEL_DROP_LEFT, Cause.WHEEL_DROP_RIGHT, Cause.WHEEL_DROP_CASTER)
-CLIFFS = (Cause.CLIFF_LEFT, Cause.CLIFF_FRONT_LEFT, Cause.CLIFF_FRONT_RIGHT, Cause.CLIFF_RIGHT)
 
 
 class GoalControl:
@@ -166,7 +176,7 @@ class GoalControl:
         return Over(
             code, f'robot left {status.wanted.name} ({status.reason}): {self._advice()}')
 
-    def _blames(self, causes: tuple[Cause, ...]) -> bool:
+    def _blames(self, causes: Container[Cause]) -> bool:
         """Tell whether one of these took the robot out of its mode."""
         return any(cause in causes for cause in self._core.status.causes)
 

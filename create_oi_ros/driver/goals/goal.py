@@ -18,7 +18,8 @@ from typing import NamedTuple
 from ... import oi
 from ...odometry import Estimate
 from ...robot import MILLI
-from ..events import MotionLimits
+from ..events import Cause, MotionLimits
+from ..mode import causes_in
 from ..motion import BUMPS, Velocity
 from ..outbox import Awaited
 
@@ -244,8 +245,9 @@ def check_turning(value: float) -> None:
 
 # What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow.
 
-DROPS = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT
-            | oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER)
+DROPS = (Cause.WHEEL_DROP_LEFT, Cause.WHEEL_DROP_RIGHT, Cause.WHEEL_DROP_CASTER)
+CLIFFS = {Cause.CLIFF_LEFT: 'on the left', Cause.CLIFF_FRONT_LEFT: 'at the front left',
+          Cause.CLIFF_FRONT_RIGHT: 'at the front right', Cause.CLIFF_RIGHT: 'on the right'}
 WHEELS = int(oi.Overcurrents.LEFT_WHEEL | oi.Overcurrents.RIGHT_WHEEL)
 OVERLOAD_TIME = 0.5
 """Seconds for which a wheel must draw too much current to count as held."""
@@ -256,8 +258,6 @@ STALL_TIME = 2.0
 """Seconds over which it is compared at least."""
 SIDES = {BUMPS: 'in front', int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'on the left',
          int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'on the right'}
-CLIFFS = {'cliff_left': 'on the left', 'cliff_front_left': 'at the front left',
-          'cliff_front_right': 'at the front right', 'cliff_right': 'on the right'}
 FROM_CLIFF = 'call set_mode with SAFE, then drive backwards'
 """Advice at a cliff, where the robot leaves Safe by itself."""
 AGAIN = 'wait a second, then send the goal again'
@@ -275,12 +275,12 @@ def bumps(readings: oi.Readings) -> int:
 
 def dropped(readings: oi.Readings) -> bool:
     """Tell whether a wheel hangs in the air."""
-    return bool(int(readings.bumps_and_wheel_drops) & DROPS)
+    return any(cause in DROPS for cause in causes_in(readings))
 
 
 def cliffs(readings: oi.Readings) -> list[str]:
     """Return where a cliff is seen."""
-    return [where for name, where in CLIFFS.items() if getattr(readings, name)]
+    return [CLIFFS[cause] for cause in causes_in(readings) if cause in CLIFFS]
 
 
 class Hazards:
