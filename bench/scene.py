@@ -28,7 +28,7 @@ DOMAIN = os.environ.get('ROS_DOMAIN_ID', '83')
 TIMEOUT = 60.0
 """Seconds to wait for a line of output, and for a process to end."""
 SPEEDS = ('requested_right_velocity', 'requested_left_velocity')
-FLOOR_LIST = oi.PacketList.named(*(name for name in ESSENTIAL if name not in SPEEDS), *SPEEDS)
+FLOOR_LIST = oi.PacketList([*(name for name in ESSENTIAL if name not in SPEEDS), *SPEEDS])
 """Packets that the floor streams: those that the driver needs in every frame, no more."""
 FLOOR_CALL = b''.join(command.encode() for command in (
     oi.Start(), oi.Safe(), oi.Stream(packets=FLOOR_LIST.ids)))

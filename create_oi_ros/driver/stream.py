@@ -52,10 +52,10 @@ class StreamPlan:
 
     def __init__(self, baud: int) -> None:
         """Plan for a baud rate."""
-        self.call = oi.PacketList.named('oi_mode')
+        self.call = oi.PacketList(['oi_mode'])
         """Asked for to see whether a robot listens: no part of this Stream can do harm, while
         packet 7, read as an opcode, restarts the robot."""
-        self.marker = oi.PacketList.named(*ESSENTIAL)
+        self.marker = oi.PacketList(ESSENTIAL)
         """Asked for only to see whether the robot takes commands."""
         self.tune(baud)
 
@@ -67,25 +67,25 @@ class StreamPlan:
         self._asked_at = 0.0
         self._parts: list[oi.PacketList] = []
         """Where not all fits into a slot: lists that bring the rest in turn."""
-        self.full = oi.PacketList.named(*ALL)
+        self.full = oi.PacketList(ALL)
         """All packets; where that does not fit, those with distance and angle."""
-        self.short = oi.PacketList.named(*ESSENTIAL, *FREQUENT)
+        self.short = oi.PacketList([*ESSENTIAL, *FREQUENT])
         """What is asked for in most frames."""
-        self.script = oi.PacketList.named(*ESSENTIAL, *FREQUENT, *DRIVE_REQUEST)
+        self.script = oi.PacketList([*ESSENTIAL, *FREQUENT, *DRIVE_REQUEST])
         """While a script plays. A waiting robot cannot be asked for another list, and to read
         distance and angle in every frame would lose most of them."""
         if not self.script.budget(baud).fits:
-            self.script = oi.PacketList.named(*ESSENTIAL, *DRIVE_REQUEST)
+            self.script = oi.PacketList([*ESSENTIAL, *DRIVE_REQUEST])
         if not self.full.budget(baud).fits:
             part = list(ESSENTIAL)
             for name in FREQUENT + SLOW:
-                if not oi.PacketList.named(*part, name).budget(baud).fits:
-                    self._parts.append(oi.PacketList.named(*part))
+                if not oi.PacketList([*part, name]).budget(baud).fits:
+                    self._parts.append(oi.PacketList(part))
                     part = list(ESSENTIAL)
                 part.append(name)
-            self._parts.append(oi.PacketList.named(*part))
+            self._parts.append(oi.PacketList(part))
             self.short = self._parts[0]
-            self.full = oi.PacketList.named(*ESSENTIAL, *MOTION)
+            self.full = oi.PacketList([*ESSENTIAL, *MOTION])
         self.budget = self.full.budget(baud)
         self._rotation: Iterator[oi.PacketList] = cycle(self._parts or [self.short])
 

@@ -120,11 +120,6 @@ class PacketList:
         self._places, self._tags = tuple(fixed), tuple(fixed.values())
         self._tags_of = itemgetter(*self._places)
 
-    @classmethod
-    def named(cls, *names: str) -> 'PacketList':
-        """Make a list from field names of `Readings`; ValueError names one that is unknown."""
-        return cls(names)
-
     def __eq__(self, other: object) -> bool:
         return isinstance(other, PacketList) and self.ids == other.ids
 

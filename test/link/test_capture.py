@@ -131,7 +131,7 @@ def test_a_record_that_could_not_be_read_is_not_written(pause: int, size: int) -
 
 # As a story.
 
-LIST = oi.PacketList.named('bumps_and_wheel_drops', 'distance', 'voltage', 'cliff_left_signal')
+LIST = oi.PacketList(['bumps_and_wheel_drops', 'distance', 'voltage', 'cliff_left_signal'])
 ASK = oi.Stream(packets=LIST.ids).encode()
 
 

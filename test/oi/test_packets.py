@@ -121,11 +121,11 @@ def test_a_list_with_an_unknown_packet_is_refused() -> None:
     with pytest.raises(ValueError, match='packet 43; allowed: 0 to 42'):
         oi.PacketList([7, 43])
     with pytest.raises(ValueError, match="no packet is named 'bump'; allowed: bumps_and"):
-        oi.PacketList.named('bump')
+        oi.PacketList(['bump'])
 
 
 def test_a_list_can_be_given_by_names() -> None:
-    packets = oi.PacketList.named('distance', 'angle')
+    packets = oi.PacketList(['distance', 'angle'])
     assert packets == oi.PacketList((19, 20)) and hash(packets) == hash(oi.PacketList([19, 20]))
     assert packets != (19, 20)
     assert repr(packets) == 'PacketList((19, 20))'
@@ -140,12 +140,12 @@ def test_the_longest_query_list_has_a_reply() -> None:
 
 
 def test_readings_hold_only_what_arrived() -> None:
-    readings = oi.PacketList.named('distance').unpack_reply(b'\xff\x38')
+    readings = oi.PacketList(['distance']).unpack_reply(b'\xff\x38')
     assert readings.has('distance') and not readings.has('distance', 'angle')
     with pytest.raises(AttributeError, match='angle has not arrived'):
         _ = readings.angle
     readings = readings.updated(
-        oi.PacketList.named('angle', 'oi_mode').unpack_reply(b'\0\1\2'))
+        oi.PacketList(['angle', 'oi_mode']).unpack_reply(b'\0\1\2'))
     assert repr(readings) == 'Readings(distance=-200, angle=1, oi_mode=<Mode.SAFE: 2>)'
     assert readings != oi.Readings() and readings != 'readings'
 
@@ -181,8 +181,8 @@ def test_readings_are_values() -> None:
 
 
 def test_readings_out_of_the_manuals_range_are_kept_and_named() -> None:
-    packets = oi.PacketList.named(
-        'wall', 'buttons', 'charging_state', 'wall_signal', 'voltage', 'oi_mode')
+    packets = oi.PacketList([
+        'wall', 'buttons', 'charging_state', 'wall_signal', 'voltage', 'oi_mode'])
     fine = packets.unpack_reply(bytes([1, 5, 5, 15, 255, 255, 255, 3]))
     assert fine.implausible() == []
     odd = packets.unpack_reply(bytes([2, 2, 6, 16, 0, 255, 255, 4]))
@@ -192,7 +192,7 @@ def test_readings_out_of_the_manuals_range_are_kept_and_named() -> None:
 
 
 def test_bits_that_mean_nothing_are_cleared_and_numbers_out_of_range_are_not_known() -> None:
-    packets = oi.PacketList.named('wall', 'buttons', 'charging_state', 'oi_mode', 'analog_signal')
+    packets = oi.PacketList(['wall', 'buttons', 'charging_state', 'oi_mode', 'analog_signal'])
     odd = packets.unpack_reply(bytes([3, 7, 6, 4, 4, 0]))
     fixed = odd.corrected(odd.implausible())
     assert (fixed.wall, fixed.buttons) == (True, oi.Buttons.PLAY | oi.Buttons.ADVANCE)

@@ -53,7 +53,7 @@ class Robot:
 
     def read(self, name: str) -> Any:
         """Return the value of a packet by its name in `Readings`."""
-        packets = oi.PacketList.named(name)
+        packets = oi.PacketList([name])
         return getattr(packets.unpack_reply(self.ask(*packets.ids)), name)
 
     @property
