@@ -58,8 +58,6 @@ class Session:
         self._open_port = open_port
         self._lock = threading.RLock()
         self._port: Port | None = None
-        self._baud = 0
-        """Rate of the open port, bits per second."""
         self._dead_man: DeadMan | None = None
         self._dead_man_started_at = self._check_at = 0.0
         self._lasting_name: str | None = None
@@ -186,9 +184,8 @@ class Session:
 
     def _open(self) -> Port | None:
         url = self._device() or self.url
-        baud = self.driver.baud
         try:
-            port = self._open_port(url, baud, timeout=READ_TIMEOUT)
+            port = self._open_port(url, self.driver.baud, timeout=READ_TIMEOUT)
         except PortError as error:
             self._report(error)
             return None
@@ -197,7 +194,7 @@ class Session:
                 port.close()
                 return None
             self._reported = None
-            self._port, self._baud = port, baud
+            self._port = port
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
             self._start_dead_man(port)
             self._named_at = now + NAMES_SETTLED
@@ -272,9 +269,9 @@ class Session:
 
     def _write(self, port: Port, outgoing: bytes) -> None:
         baud = self.driver.baud  # it changes only with what is sent at the new rate
-        if baud != self._baud:
+        if baud != port.baud:
             port.flush()
-            port.baud = self._baud = baud
+            port.baud = baud
         port.write(outgoing)
 
     def _report_events(self) -> None:

@@ -79,6 +79,7 @@ class LoopPort:
 
     descriptor = None
     url = 'memory'
+    baud = Settings().baud
 
     def __init__(self, loop: Loop) -> None:
         self.loop = loop
