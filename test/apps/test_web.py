@@ -141,9 +141,9 @@ def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(sh
         witness.until(lambda: witness.known['at'] > seen + 0.6)
         for _ in range(20):  # they wait in the network, and then arrive all at once
             page.send('drive', linear=0.2, angular=0.0, seen=seen)
-        page.send('mode', mode='safe')
+        page.send('set_mode', mode=2)
         relay.thaw()
-        assert page.reply()['to'] == 'mode', 'all have arrived'
+        assert page.reply()['to'] == 'set_mode', 'all have arrived'
         assert standing(robot) and not heard
 
 
@@ -201,7 +201,7 @@ def test_stop_stops_whoever_presses_it_and_the_stick_must_be_let_go(shared, page
     for _ in range(5):
         page.send('drive', linear=0.2, angular=0.0, seen=page.known['at'])
         page.read()
-    page.send('mode', mode='safe')
+    page.send('set_mode', mode=2)
     page.reply()
     assert standing(robot) and not any(each.linear.x for each in heard)
     page.send('release')
@@ -248,7 +248,7 @@ def test_modes_tunes_leds_dock_and_reset_are_done(shared, pages):
         page.send(type_, **fields)
         reply = page.reply()
         assert (reply['to'], reply['ok']) == (type_, True), reply
-    done('leds', play=True, advance=False, color=200, intensity=100)
+    done('set_leds', play=True, power_color=200, power_intensity=100)
     lights = robot.create.lights
     shared.ros.until(lambda: (lights.bits, lights.color, lights.intensity) == (
         LedBits.PLAY, 200, 100))
@@ -262,9 +262,9 @@ def test_modes_tunes_leds_dock_and_reset_are_done(shared, pages):
     done('reset_odometry')
     page.until(lambda: abs(page.known['pose']['x']) < 0.01)
     assert page.known['track'][:2] == [0.0, 0.0]
-    for mode in ('full', 'passive', 'safe'):
-        done('mode', mode=mode)
-        page.until(lambda mode=mode: page.known['mode']['actual'] == mode.upper())
+    for mode in (Mode.FULL, Mode.PASSIVE, Mode.SAFE):
+        done('set_mode', mode=mode.value)
+        page.until(lambda mode=mode: page.known['mode']['actual'] == mode.name)
     page.send('dock')
     shared.ros.until(lambda: robot.create.demo is not None)
     page.send('stop')
@@ -278,8 +278,8 @@ def test_bad_messages_are_answered_and_nothing_moves(shared, pages):
     for text in ('', '{', '[]', '[' * 2000, '{"type": "fly"}', '{"type": "drive"}',
                  '{"type": "drive", "linear": 9, "angular": 0, "seen": 0}',
                  '{"type": "drive", "linear": NaN, "angular": 0, "seen": 0}',
-                 '{"type": "mode", "mode": "off"}', '{"type": "dock", "far": 1}',
-                 '{"type": "leds", "play": "<b>"}'):
+                 '{"type": "set_mode", "mode": "off"}', '{"type": "dock", "far": 1}',
+                 '{"type": "set_leds", "play": "<b>"}'):
         page.send_text(text)
         reply = page.reply()
         assert not reply['ok'] and 'allowed' in reply['text'] or 'no JSON' in reply['text']

@@ -12,20 +12,20 @@ import pytest
 
 from create_oi_ros.apps.web.driver_seat import TOP_TURN
 from create_oi_ros.apps.web.page_messages import (
+    CALLS,
     feedback_part,
     MessageError,
     MESSAGES,
     read,
+    TYPES,
 )
 from create_oi_ros.robot import TOP_SPEED
 from create_oi_ros.ros.performances import ALL_ACTIONS
 
 GOOD = {
     'drive': {'linear': 0.1, 'angular': -1, 'seen': 12.5},
-    'release': {}, 'stop': {}, 'take_over': {}, 'leave': {}, 'reset_odometry': {},
+    'release': {}, 'take_over': {}, 'leave': {},
     'cancel': {'what': 'goal'}, 'ping': {}, 'record': {'on': True},
-    'mode': {'mode': 'safe'},
-    'leds': {'play': True, 'advance': False, 'color': 0, 'intensity': 255},
 }
 GOOD_GOALS = {
     'drive_distance': {'distance': -0.5, 'max_translation_speed': 0.2},
@@ -36,18 +36,19 @@ GOOD_GOALS = {
     'wall_follow': {'follow_side': -1, 'max_runtime': {'sec': 30}},
     'audio_note_sequence': {'notes': 'C4:1/4 60:0.5'},
 }
+GOOD_CALLS = {
+    'set_mode': {'mode': 2}, 'stop': {}, 'reset_odometry': {},
+    'set_leds': {'play': True, 'power_color': 255},
+}
 BAD = [
     ('drive', 'linear', value) for value in (TOP_SPEED + 0.01, nan, inf, '0', None, True, [], {},
                                              10 ** 400)
 ] + [('drive', 'angular', -TOP_TURN - 0.1), ('drive', 'seen', -1), ('drive', 'seen', 'now'),
-     ('mode', 'mode', 'off'), ('mode', 'mode', 'SAFE'), ('mode', 'mode', 2), ('mode', 'mode', []),
-     ('leds', 'play', 1), ('leds', 'color', 256), ('leds', 'color', 1.5),
-     ('leds', 'intensity', True), ('cancel', 'what', 'all'), ('record', 'on', 1)]
-TEN = 10 ** 400
-BAD_GOALS = [
+     ('cancel', 'what', 'all'), ('record', 'on', 1)]
+BAD_REQUESTS = [
     ('drive_distance', {'distance': 1001}, 'allowed: -1000 to 1000'),
     ('drive_distance', {'distance': nan}, 'not finite'),
-    ('drive_distance', {'distance': TEN}, 'distance is not allowed; .* of type float'),
+    ('drive_distance', {'distance': 10 ** 400}, 'distance is not allowed; .* of type float'),
     ('drive_distance', {'distance': True}, 'distance is not allowed'),
     ('drive_distance', {'distance': 1, 'max_translation_speed': 0}, 'allowed: 0.001 or more'),
     ('drive_distance', {'far': 1}, 'allowed fields: distance, max_translation_speed'),
@@ -64,6 +65,10 @@ BAD_GOALS = [
     ('wall_follow', {'follow_side': 1}, 'allowed'),
     ('audio_note_sequence', {'notes': 'la'}, 'such as C4:1/4'),
     ('audio_note_sequence', {'notes': ['C4:1/4']}, 'of type string'),
+    ('set_mode', {'mode': 'safe'}, 'mode is not allowed'), ('set_mode', {'mode': []}, 'mode is'),
+    ('stop', {'now': True}, 'allowed fields: none'), ('set_leds', {'play': 1}, 'of type boolean'),
+    ('set_leds', {'power_color': 256}, 'of type uint8'),
+    ('set_leds', {'power_color': 1.5}, 'of type uint8'),
 ]
 
 
@@ -105,7 +110,7 @@ def test_what_is_no_object_is_refused(text):
 
 @pytest.mark.parametrize('type_', [None, 1, [], {}, '', 'Drive', '__class__', 'drive '])
 def test_an_unknown_type_is_refused_with_those_that_are_known(type_):
-    with pytest.raises(MessageError, match='unknown type; allowed: drive, release, stop'):
+    with pytest.raises(MessageError, match='unknown type; allowed: drive, release, take_over'):
         read(json.dumps({'type': type_}))
 
 
@@ -115,7 +120,7 @@ def test_an_unknown_type_is_refused_with_those_that_are_known(type_):
         st.sampled_from(['type', 'linear', 'notes', 'mode']) | st.text(), inner)).map(json.dumps))
 def test_no_text_does_more_than_be_refused(text):
     try:
-        assert read(text).type in (*MESSAGES, *GOOD_GOALS)
+        assert read(text).type in TYPES
     except MessageError as error:
         assert len(str(error)) < 300
 
@@ -124,21 +129,28 @@ def test_no_text_does_more_than_be_refused(text):
 
 @pytest.mark.parametrize('action', ALL_ACTIONS, ids=lambda action: action.name)
 def test_every_action_takes_a_goal_with_its_own_fields(action):
-    goal = read(json.dumps({'type': action.name, **GOOD_GOALS[action.name]})).goal
+    goal = read(json.dumps({'type': action.name, **GOOD_GOALS[action.name]})).request
     assert isinstance(goal, action.type.Goal)
 
 
+@pytest.mark.parametrize('name', CALLS)
+def test_a_service_gets_a_request_with_its_own_fields(name):
+    request = read(json.dumps({'type': name, **GOOD_CALLS[name]})).request
+    assert isinstance(request, CALLS[name].Request)
+    assert {field: getattr(request, field) for field in GOOD_CALLS[name]} == GOOD_CALLS[name]
+
+
 def test_what_a_goal_leaves_out_has_its_default_and_what_it_has_is_taken():
-    goal = read(json.dumps({'type': 'drive_distance', 'distance': 1})).goal
+    goal = read(json.dumps({'type': 'drive_distance', 'distance': 1})).request
     assert (goal.distance, goal.max_translation_speed) == (1.0, pytest.approx(0.3))
     goal = read(json.dumps(
-        {'type': 'navigate_to_position', **GOOD_GOALS['navigate_to_position']})).goal
+        {'type': 'navigate_to_position', **GOOD_GOALS['navigate_to_position']})).request
     place = goal.goal_pose.pose.position
     assert (place.x, place.y, goal.achieve_goal_heading) == (1.0, -2.5, False)
 
 
-@pytest.mark.parametrize(('type_', 'fields', 'why'), BAD_GOALS, ids=str)
-def test_a_goal_that_no_robot_could_follow_is_refused_by_name(type_, fields, why):
+@pytest.mark.parametrize(('type_', 'fields', 'why'), BAD_REQUESTS, ids=str)
+def test_a_request_that_no_robot_could_follow_is_refused_by_name(type_, fields, why):
     with pytest.raises(MessageError, match=f'^{type_}: .*{why}') as refused:
         read(json.dumps({'type': type_, **fields}))
     assert refused.value.to == type_

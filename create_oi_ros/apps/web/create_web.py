@@ -28,7 +28,7 @@ from ...ros.waiting import say_if_waiting
 from .access import Access, is_loopback
 from .bag_recording import BagRecording
 from .live_robot import LiveRobot
-from .simulated_truth import SimulatedTruth
+from .simulated_truth import show_truth
 from .viewers import Viewers
 from .web_node import WebNode
 from .web_server import WebServer
@@ -118,8 +118,7 @@ def encryption(cert: Path | None, key: Path | None) -> ssl.SSLContext | None:
 
 
 async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobot,
-                viewers: Viewers, recording: BagRecording,
-                truth: SimulatedTruth | None) -> None:
+                viewers: Viewers, recording: BagRecording) -> None:
     """Take what ROS brings, and tell the pages."""
     while True:
         now = time.monotonic()
@@ -129,8 +128,6 @@ async def _look(node: WebNode, executor: SingleThreadedExecutor, robot: LiveRobo
         recording.look()
         robot.sample(time.monotonic())
         viewers.tell()
-        if truth is not None:
-            truth.asking = len(viewers) > 0
         period = LOOKED_AT if len(viewers) else ALONE
         await asyncio.sleep(max(0.0, now + period - time.monotonic()))
 
@@ -141,7 +138,6 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
     robot = LiveRobot()
     node = WebNode(robot)
     executor.add_node(node)
-    truth = None if options.control is None else SimulatedTruth(options.control, robot)
     recording = BagRecording(node, robot, options.ros)
     viewers = Viewers(node, robot, recording)
     port = listener.getsockname()[1]
@@ -150,10 +146,11 @@ async def _serve(executor: SingleThreadedExecutor, listener: socket.socket,
     _announce(node, f'http{"s" if tls else ""}://{own_address(options.host)}:{port}/', token)
     say_if_waiting(node, 'a driver', lambda: not node.velocity.driver_listens,
                    node.get_logger().warning)
-    tasks = [asyncio.create_task(_look(node, executor, robot, viewers, recording, truth)),
+    tasks = [asyncio.create_task(_look(node, executor, robot, viewers, recording)),
              asyncio.create_task(ended.wait())]
-    if truth is not None:
-        tasks.append(asyncio.create_task(truth.run()))
+    if options.control is not None:
+        tasks.append(asyncio.create_task(
+            show_truth(options.control, robot, lambda: len(viewers) > 0)))
     done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     await viewers.close()
     await runner.cleanup()

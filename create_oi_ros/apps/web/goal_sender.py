@@ -52,7 +52,7 @@ class GoalSender:
         """Begin a goal at once, so that STOP finds it; return what waits for its end."""
         goal = self._newest = SentGoal(viewer, message.type)
         self._show(goal, 'sent')
-        return self._pursue(goal, message.goal)
+        return self._pursue(goal, message.request)
 
     async def _pursue(self, goal: SentGoal, request: Any) -> Reply:
         reply = await self._reply(goal, request)

@@ -1,9 +1,9 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a page may send: messages of its own, with their fields, and a goal of each action.
+What a page may send: messages of its own, goals of all actions, and requests of some services.
 
-A goal is sent as the fields of its action; what is left out has ROS's default.
+A goal or a request is sent as the fields that it has in ROS; what is left out has its default.
 """
 
 from __future__ import annotations
@@ -13,13 +13,16 @@ import json
 from math import isfinite
 from typing import Any, NamedTuple
 
-from ...oi import Mode
 from ...robot import TOP_SPEED
 from ...ros.performances import ALL_ACTIONS, malformed
+from ...ros.services import SERVICES
 from .driver_seat import TOP_TURN
 
 GOALS: Mapping[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 """The type of each action, by its name."""
+CALLED = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
+CALLS: Mapping[str, Any] = {each.name: each.type for each in SERVICES if each.name in CALLED}
+"""The types of the services that a page can call."""
 
 
 class MessageError(ValueError):
@@ -54,23 +57,18 @@ def one_of(*allowed: str) -> FieldCheck:
 
 
 FLAG = FieldCheck(lambda value: isinstance(value, bool), 'true or false')
-BYTE = FieldCheck(lambda value: isinstance(value, int) and is_number(value) and 0 <= value <= 255,
-                  'a whole number from 0 to 255')
 MESSAGES: Mapping[str, Mapping[str, FieldCheck]] = {
     'drive': {'linear': number(-TOP_SPEED, TOP_SPEED), 'angular': number(-TOP_TURN, TOP_TURN),
               'seen': number(0, 1e12)},
     'release': {},
-    'stop': {},
     'take_over': {},
     'leave': {},
-    'mode': {'mode': one_of(*(mode.name.lower() for mode in Mode if mode is not Mode.OFF))},
-    'leds': {'play': FLAG, 'advance': FLAG, 'color': BYTE, 'intensity': BYTE},
-    'reset_odometry': {},
     'cancel': {'what': one_of('goal', 'tune')},
     'ping': {},
     'record': {'on': FLAG},
 }
-"""Each message that is no goal by its `type`, with the checks of its fields."""
+"""Each message of a page's own by its `type`, with the checks of its fields."""
+TYPES = (*MESSAGES, *CALLS, *GOALS)
 
 
 class PageMessage(NamedTuple):
@@ -78,8 +76,8 @@ class PageMessage(NamedTuple):
 
     type: str
     fields: Mapping[str, Any]
-    goal: Any = None
-    """For a goal: the request of its action."""
+    request: Any = None
+    """For an action or a service: what is sent to it."""
 
 
 def read(text: str) -> PageMessage:
@@ -91,11 +89,13 @@ def read(text: str) -> PageMessage:
     if not isinstance(found, dict):
         raise MessageError('allowed is a JSON object with a "type"')
     type_ = found.pop('type', None)
-    if not isinstance(type_, str) or type_ not in (*MESSAGES, *GOALS):
-        raise MessageError(f'unknown type; allowed: {", ".join((*MESSAGES, *GOALS))}')
+    if not isinstance(type_, str) or type_ not in TYPES:
+        raise MessageError(f'unknown type; allowed: {", ".join(TYPES)}')
     try:
         if type_ in GOALS:
             return PageMessage(type_, found, _goal(type_, found))
+        if type_ in CALLS:
+            return PageMessage(type_, found, _filled(CALLS[type_].Request, found, type_))
         _check(type_, found)
     except MessageError as error:
         error.to = type_

@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
+from contextlib import closing
 import json
 from math import cos, sin
 from pathlib import Path
@@ -28,57 +30,41 @@ def room_origin(odometry: FlatPose, true: FlatPose) -> FlatPose:
                     odometry.y - true.x * sin(yaw) - true.y * cos(yaw), yaw)
 
 
-class SimulatedTruth:
+async def show_truth(path: Path, robot: LiveRobot, asked: Callable[[], bool]) -> None:
     """
-    Puts the room and the true pose into what the pages show.
+    Put the room and the true pose into what the pages show, until cancelled.
 
     The room's frame is set when both poses are first known, and again after the odometry has begun
     anew. From then on the true place drifts away from that of the odometry: its error.
     """
-
-    def __init__(self, path: Path, robot: LiveRobot) -> None:
-        """Ask at this socket, once `run` is called."""
-        self._path, self._robot = path, robot
-        self._resets = -1
-        """Number of the reset of the odometry for which the frame was set."""
-        self.asking = True
-        """Whether anybody looks; else no questions are asked."""
-
-    async def run(self) -> None:
-        """Ask until cancelled; a simulator may start later, or again."""
-        while True:
-            try:
-                await self._ask_on()
-            except (OSError, ValueError, KeyError):  # it has gone, or is something else
-                self._robot.parts.put('true_pose', None)
-            await asyncio.sleep(RETRY)
-
-    async def _ask_on(self) -> None:
-        reader, writer = await asyncio.open_unix_connection(self._path, limit=LONGEST_ANSWER)
+    while True:  # a simulator may start later, or again
         try:
-            self._robot.parts.put('room', await self._ask(reader, writer, 'room'))
-            while True:
-                if self.asking:
-                    self._show(await self._ask(reader, writer, 'truth'))
-                await asyncio.sleep(PERIOD)
-        finally:
-            writer.close()
+            reader, writer = await asyncio.open_unix_connection(path, limit=LONGEST_ANSWER)
+            with closing(writer):
+                await _ask_on(reader, writer, robot, asked)
+        except (OSError, ValueError, KeyError):  # it has gone, or is something else
+            robot.parts.put('true_pose', None)
+        await asyncio.sleep(RETRY)
 
-    async def _ask(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter,
-                   word: str) -> Any:
-        """Return the answer to a word; ConnectionError: there is none, ValueError: no JSON."""
+
+async def _ask_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, robot: LiveRobot,
+                  asked: Callable[[], bool]) -> None:
+    """Ask while anybody looks; ConnectionError: nobody answers, ValueError: no JSON."""
+    async def ask(word: str) -> Any:
         writer.write(f'{word}\n'.encode())
         answer = await reader.readline()
         if not answer.endswith(b'\n'):
             raise ConnectionError('the simulator has closed the connection')
         return json.loads(answer.removeprefix(b'ok '))
-
-    def _show(self, truth: dict[str, Any]) -> None:
-        robot = self._robot
-        if robot.pose is None:
-            return
+    robot.parts.put('room', await ask('room'))
+    resets = -1
+    while True:
+        await asyncio.sleep(PERIOD)
+        if not asked() or robot.pose is None:
+            continue
+        truth = await ask('truth')
         true = FlatPose(truth['x'], truth['y'], truth['yaw'])
-        if self._resets != robot.resets:
-            self._resets = robot.resets
+        if resets != robot.resets:
+            resets = robot.resets
             robot.parts.put('room_origin', room_origin(robot.pose, true))
         robot.parts.put('true_pose', [round(each, 4) for each in true])

@@ -14,14 +14,13 @@ from typing import Any
 from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
-from ...oi import Mode
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
 from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
 from .bag_recording import BagRecording
 from .driver_seat import DriverSeat, OLDEST_VIEW, Refused, TOP_TURN
 from .goal_sender import GoalSender
 from .live_robot import Cursor, LiveRobot
-from .page_messages import MessageError, PageMessage, read
+from .page_messages import CALLS, MessageError, PageMessage, read
 from .web_node import Reply, WebNode
 
 HEARTBEAT = 5.0
@@ -245,19 +244,12 @@ class Viewers:
     # Services and goals.
 
     def _call_of(self, viewer: Viewer, message: PageMessage) -> Awaitable[Reply]:
-        fields = message.fields
-        match message.type:
-            case 'mode':
-                return self._node.call('set_mode', mode=Mode[fields['mode'].upper()].value)
-            case 'leds':
-                return self._node.call(
-                    'set_leds', play=fields['play'], advance=fields['advance'],
-                    power_color=fields['color'], power_intensity=fields['intensity'])
-            case 'reset_odometry':
-                return self._reset_odometry()
-            case goal:
-                kind = 'tune' if goal == TUNE else 'goal'
-                return self._goals[kind].pursue(viewer.number, message)
+        if message.type == 'reset_odometry':
+            return self._reset_odometry()
+        if message.type in CALLS:
+            return self._node.call(message.type, message.request)
+        kind = 'tune' if message.type == TUNE else 'goal'
+        return self._goals[kind].pursue(viewer.number, message)
 
     async def _reset_odometry(self) -> Reply:
         reply = await self._node.call('reset_odometry')

@@ -16,17 +16,13 @@ from rclpy.task import Future
 
 from ...ros import topics
 from ...ros.diagnostics import of_driver, PARAMETERS
-from ...ros.services import SERVICES
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot, TAKEN
-from .page_messages import GOALS
+from .page_messages import CALLS, GOALS
 
 HEARD = tuple(topic for topic in topics.PUBLISHED
               if topic.type in TAKEN or topic is topics.DIAGNOSTICS)
 """Topics to subscribe to: those that the page shows."""
-CALLED = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
-"""Services that the page can call."""
-TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 REPLY_TIMEOUT = 10.0
 """Seconds to wait for the reply of a service."""
 
@@ -68,7 +64,7 @@ class WebNode(Node):
                 NEWEST if topic.type is Odometry else topic.qos)
         # Discovery takes a moment, so the clients are created before they are needed.
         self._service_clients = {
-            name: self.create_client(TYPES[name], name) for name in CALLED}
+            name: self.create_client(type_, name) for name, type_ in CALLS.items()}
         self._action_clients: dict[str, ActionClient] = {}
 
     def _on_message(self, message: Any) -> None:
@@ -93,13 +89,13 @@ class WebNode(Node):
         return Reply(False, f'nobody offers {self.resolve_service_name(name)}: '
                             'no driver is running')
 
-    async def call(self, service: str, **fields: Any) -> Reply:
+    async def call(self, service: str, request: Any = None) -> Reply:
         """Call a service and return its reply, or why there is none."""
         client = self._service_clients[service]
         if not client.service_is_ready():
             return self.nobody_offers(service)
         try:
-            reply = await awaited(client.call_async(TYPES[service].Request(**fields)))
+            reply = await awaited(client.call_async(request or CALLS[service].Request()))
         except TimeoutError as error:
             return Reply(False, str(error))
         return Reply(bool(reply.success), str(reply.message))

@@ -9,6 +9,7 @@ import { box, Track } from './map_track.js';
 
 const LEAST_SCALE = 4, MOST_SCALE = 1200, FIRST_SCALE = 90;  // pixels for a metre
 const BEYOND = 200;         // pixels around the map that are drawn, too
+const ZOOM = 1.35;          // of one step
 const TAP = 6;              // pixels that a finger may move while it taps
 const EASE = 60;            // ms in which the robot drawn follows the one measured
 const NARROW = 0.8;         // of the robot's radius: one that touches a wall can drive along it
@@ -21,7 +22,6 @@ export class Map2D {
     this.center = { x: 0, y: 0 };
     this.scale = FIRST_SCALE;
     this.follow = true;
-    this.onFollow = () => {};
     this.onTap = () => {};      // is told x and y, metres
     this.scrolls = false;       // the wheel scrolls the page, and zooms with Ctrl
     this.track = new Track();
@@ -40,6 +40,7 @@ export class Map2D {
       fillKey(key, this.color, signs);
     });
     fillKey(key, this.color, signs);
+    this.addButtons();
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.listen();
     this.resize();
@@ -57,6 +58,25 @@ export class Map2D {
   }
 
   touch() { this.dirty = true; }
+
+  addButtons() {
+    const place = document.createElement('div');
+    place.className = 'map-buttons';
+    const button = (id, text, title, act) => {
+      const made = document.createElement('button');
+      Object.assign(made, { id, textContent: text, title });
+      made.addEventListener('click', act);
+      place.append(made);
+      return made;
+    };
+    button('zoom-in', '+', 'Zoom in', () => this.zoom(ZOOM)).ariaLabel = 'Zoom in';
+    button('zoom-out', '\u2212', 'Zoom out', () => this.zoom(1 / ZOOM)).ariaLabel = 'Zoom out';
+    button('zoom-all', 'All', 'Show everything', () => this.showAll());
+    this.button = button('follow', 'Follow', 'Keep the robot in the middle',
+                         () => this.setFollow(!this.follow));
+    this.button.ariaPressed = true;
+    this.canvas.after(place);
+  }
 
   // What the robot tells.
 
@@ -152,7 +172,7 @@ export class Map2D {
   setFollow(follow) {
     if (follow === this.follow) return;
     this.follow = follow;
-    this.onFollow(follow);
+    this.button.ariaPressed = follow;
     this.touch();
   }
 

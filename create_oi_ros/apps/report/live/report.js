@@ -183,11 +183,6 @@ map.onTap = (x, y) => {
 
 // Buttons.
 
-byId('zoom-in').addEventListener('click', () => map.zoom(1.35));
-byId('zoom-out').addEventListener('click', () => map.zoom(1 / 1.35));
-byId('zoom-all').addEventListener('click', () => map.showAll());
-byId('follow').addEventListener('click', () => map.setFollow(!map.follow));
-map.onFollow = state => byId('follow').setAttribute('aria-pressed', String(state));
 byId('time-in').addEventListener('click', () => charts.zoom(0.5));
 byId('time-out').addEventListener('click', () => charts.zoom(2));
 byId('time-all').addEventListener('click', () => charts.show(0, data.seconds));

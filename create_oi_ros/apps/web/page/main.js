@@ -14,8 +14,9 @@ import { whyNot } from './why.js';
 
 const { byId, say, toast } = panels;
 const DONE = {
-  mode: 'Mode changed', leds: 'LEDs set', reset_odometry: 'Odometry begins here', stop: 'Stopped',
+  set_mode: 'Mode changed', set_leds: 'LEDs set', reset_odometry: 'Odometry begins here', stop: 'Stopped',
 };
+const FULL = 3;         // a mode
 const LED_DELAY = 120;  // ms: a slider that is dragged sends no more often
 const HOLD = 800;       // ms that a button is held which could do harm
 const BUZZ = { bump: 80, cliff: [80, 60, 80], drop: [80, 60, 80], battery: [200, 100, 200] };  // ms
@@ -167,20 +168,10 @@ addEventListener('keydown', event => {
     event.preventDefault();
     stop();
   } else if (!inControl || event.target.closest('.map-buttons')) {
-    const act = { '+': zoomIn, '=': zoomIn, '-': zoomOut, f: follow, 0: () => map.showAll() };
-    act[event.key]?.();
+    const button = { '+': 'zoom-in', '=': 'zoom-in', '-': 'zoom-out', f: 'follow', 0: 'zoom-all' }[event.key];
+    if (button) byId(button).click();
   }
 });
-
-// The map's buttons.
-
-const zoomIn = () => map.zoom(1.35), zoomOut = () => map.zoom(1 / 1.35);
-const follow = () => map.setFollow(!map.follow);
-byId('zoom-in').addEventListener('click', zoomIn);
-byId('zoom-out').addEventListener('click', zoomOut);
-byId('zoom-all').addEventListener('click', () => map.showAll());
-byId('follow').addEventListener('click', follow);
-map.onFollow = state => byId('follow').setAttribute('aria-pressed', String(state));
 
 // Who drives, and how fast.
 
@@ -197,9 +188,9 @@ showLimit();
 
 byId('dock').addEventListener('click', () => goals.begin('dock'));
 for (const button of byId('modes').children) {
-  const { mode } = button.dataset;
-  if (mode === 'full') whenHeld(button, () => send('mode', { mode }));
-  else button.addEventListener('click', () => send('mode', { mode }));
+  const mode = Number(button.value);
+  if (mode === FULL) whenHeld(button, () => send('set_mode', { mode }));
+  else button.addEventListener('click', () => send('set_mode', { mode }));
 }
 
 // Act only when a button is held for a while, by finger, mouse or key.
@@ -229,9 +220,10 @@ byId('record').addEventListener(
 let ledTimer = null;
 function sendLeds() {
   ledTimer = null;
-  send('leds', {
+  send('set_leds', {
     play: byId('led-play').checked, advance: byId('led-advance').checked,
-    color: Number(byId('led-color').value), intensity: Number(byId('led-intensity').value),
+    power_color: Number(byId('led-color').value),
+    power_intensity: Number(byId('led-intensity').value),
   });
 }
 for (const id of ['led-play', 'led-advance', 'led-color', 'led-intensity']) {

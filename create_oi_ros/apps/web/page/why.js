@@ -3,7 +3,7 @@
 // Why the robot does not move, in words for people, and what helps: a button's name, a message.
 
 const DRIVABLE = ['SAFE', 'FULL'];
-const SAFE = ['Safe', 'mode', { mode: 'safe' }];
+const SAFE = ['Safe', 'set_mode', { mode: 2 }];
 const SLOW = 0.8;       // part of the oldest picture that may drive, from which a command may be late
 const STANDS = 1.5;     // seconds of pushing without a movement
 const STILL = [0.01, 0.03];  // m/s and rad/s
