@@ -120,8 +120,6 @@ class Motion:
         self._ramped_at = -inf
         self._sent: tuple[int, int] | None = None
         """What was sent last; None where it must be sent again."""
-        self._rounded: WheelSpeeds | None = None
-        """What `_sent` was rounded from."""
         self._sent_at = -inf
         self._reported: tuple[int, int] | None = None
         """What the robot reports."""
@@ -225,7 +223,7 @@ class Motion:
 
     def _send_again(self) -> None:
         if not self._core.watch.suspects:
-            self._sent = self._rounded = None
+            self._sent = None
 
     def handled(self, event: StateEvent) -> None:
         """Stop, or send the speeds again, as an event demands that has changed the state."""
@@ -284,18 +282,13 @@ class Motion:
                 return None
             self._sent, self._sent_at = (0, 0), now
             return HALT
-        if self._wanted == self._speeds == self._rounded and not blocked:
-            return None  # as in most frames
         self._speeds = next_speeds(self._speeds, self._wanted, since, limits)
         if blocked:
             self._speeds = without_forward(self._speeds)
         # While they change, an error lasts a slot: each wheel follows its own ramp.
         speeds = (rounded(self._speeds) if self._speeds == self._wanted else
                   (round(self._speeds.right), round(self._speeds.left)))
-        if speeds != (0, 0) and speeds != self._sent and now - self._sent_at < SLOT:
+        if speeds == self._sent or speeds != (0, 0) and now - self._sent_at < SLOT:
             return None
-        before, self._sent, self._rounded = self._sent, speeds, self._speeds
-        if speeds == before:
-            return None
-        self._sent_at = now
+        self._sent, self._sent_at = speeds, now
         return oi.DriveDirect(right=speeds[0], left=speeds[1])
