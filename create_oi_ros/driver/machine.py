@@ -219,13 +219,15 @@ class Driver:
 
     def stop(self, now: float) -> Pending:
         """Stop the wheels, and a demo, before anything else; says whether the robot obeys."""
-        activity = self.state.activity
-        sends = activity is not Activity.CLOSED and (
-            activity is not Activity.SCRIPT or self.scripts.may_stop())
-        if sends and not (self.core.watch.suspects and self.motion.stop_sent):
+        vain = (
+            self.state.activity is Activity.CLOSED
+            or self.state.activity is Activity.SCRIPT and self.scripts.stop_sent
+            or self.core.watch.suspects and self.motion.stop_sent)
+        if not vain:
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:
                 self.core.outbox.send_at_once(END_DEMO, now)
+        self.scripts.stop_sent = True
         if self.core.outbox.call_off_motion() and self.scripts.playing:
             self.scripts.end()
         self.core.handle(StateEvent.STOPPED)

@@ -107,8 +107,8 @@ class ScriptControl:
         self._probe = Probe(core.outbox)
         self._end_asked = False
         """Whether the list that shows the end was asked for."""
-        self._stop_sent = False
-        """Whether the user's stop has been sent to the robot that plays."""
+        self.stop_sent = False
+        """Whether a stop was sent since the script was sent to play: another one adds nothing."""
         self._ends_at: float | None = None
         """When the script that plays should end; None where that is not known."""
         self._reply = bytearray()
@@ -143,7 +143,7 @@ class ScriptControl:
         request = core.outbox.send(oi.PlayScript(), 'script sent to play')
         self._speeds = ScriptSpeeds(
             stored, core.settings.limits.wheel_separation, cleared=core.refusal(oi.Drive) is None)
-        self._due, self._end_asked, self._stop_sent = now + POLL_INTERVAL, False, False
+        self._due, self._end_asked, self.stop_sent = now + POLL_INTERVAL, False, False
         self._ends_at, begin = None, self._due + POLL_INTERVAL
         takes = None if stored is None or not can_end(stored) else duration(
             stored, core.status.actual or oi.Mode.OFF, SEPARATION)
@@ -191,12 +191,6 @@ class ScriptControl:
         if not self.playing:
             return requested_directly(readings)
         return self._speeds.speeds(readings) if self._speeds.known else None
-
-    def may_stop(self) -> bool:
-        """Tell whether a user's stop is to be sent: while a script plays only the first one."""
-        first = not (self.playing and self._stop_sent)
-        self._stop_sent = True
-        return first
 
     def end(self) -> None:
         """Note that the script has ended, or was never sent to be played."""
