@@ -14,9 +14,9 @@ from .core import Core
 from .events import BatteryLevel, LowBatteryAction, Severity
 from .mode import docked, Modes
 
-SETTLE = 5.0
+LEVEL_DELAY = 5.0
 """Seconds that the voltage must stay below a limit: motors that start pull it down."""
-RISE = 0.3
+HYSTERESIS = 0.3
 """Volts above a limit at which the battery counts as better again."""
 DOES = {LowBatteryAction.DOCK: 'looks for its dock',
         LowBatteryAction.STOP: 'stops and stays in Passive'}
@@ -73,9 +73,9 @@ class BatteryGuard:
         found = BatteryLevel.FINE
         for level, limit in ((BatteryLevel.LOW, self._limits.low),
                              (BatteryLevel.EMPTY, self._limits.empty)):
-            if voltage > limit + (RISE if level in self._below_since else 0.0):
+            if voltage > limit + (HYSTERESIS if level in self._below_since else 0.0):
                 self._below_since.pop(level, None)
-            elif now - self._below_since.setdefault(level, now) >= SETTLE:
+            elif now - self._below_since.setdefault(level, now) >= LEVEL_DELAY:
                 found = level
         return found
 

@@ -109,9 +109,9 @@ class BaudSearch:
 SLOT_TEXT = f'{SLOT / MILLI:.0f} ms'
 WINDOW = 3.0
 """Seconds over which frames are counted."""
-TOO_FEW, ENOUGH = 0.8, 0.9
+MIN_FRAMES, GOOD_FRAMES = 0.8, 0.9
 """Fractions of all frames: with fewer something is wrong, with more the line is well again."""
-CARRIED = 0.95
+GOOD_BYTES = 0.95
 """Fraction of the wanted bytes: with more of them, missing frames are damaged, not cut."""
 
 
@@ -171,10 +171,10 @@ class FrameBudget:
             seconds, size = now - begun, round(self._frame_bytes / frames)
             wanted, came = size / SLOT, self._bytes / seconds
             arrive = f'only {frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
-            if frames * SLOT / seconds >= TOO_FEW:
-                if frames * SLOT / seconds >= ENOUGH:
+            if frames * SLOT / seconds >= MIN_FRAMES:
+                if frames * SLOT / seconds >= GOOD_FRAMES:
                     self.problem = None
-            elif fits and came > CARRIED * wanted:
+            elif fits and came > GOOD_BYTES * wanted:
                 self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
                                 'a motor disturb the line?')
             else:
@@ -189,7 +189,7 @@ class FrameBudget:
 
 SILENCE = 0.5
 """Seconds without a frame after which the robot is called again."""
-MOST_ABSENCE = 2.0
+MAX_ABSENCE = 2.0
 """Seconds without a frame after which a robot was away: only then is it called by Start, which
 changes its mode, and commands must pause before it follows them again."""
 STANDSTILL = 1.0
@@ -197,7 +197,7 @@ STANDSTILL = 1.0
 WAKE_UP_FIRST, WAKE_UP_EVERY = 3, 10
 """Calls of a robot that has fallen silent among which these end a command that was cut short: the
 others leave room in the queue of a robot that only waits."""
-STALE = 0.05
+STALE_BYTES_FOR = 0.05
 """Seconds after a standstill in which the system still delivers old bytes."""
 
 
@@ -246,7 +246,7 @@ class Connection:
 
     def was_away(self, now: float) -> bool:
         """Tell whether a robot that is heard now was not for so long that anything may be true."""
-        return now - self.present_at > MOST_ABSENCE
+        return now - self.present_at > MAX_ABSENCE
 
     def forget(self) -> None:
         """Forget how well the line works: no robot answers."""
@@ -324,7 +324,7 @@ class Connection:
         self._search.restart()
         self._core.handle(StateEvent.NO_ANSWER)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
-        self._stale_until = now + STALE
+        self._stale_until = now + STALE_BYTES_FOR
         self.frame_at = self._stale_until - self._call_interval
 
     def check_line(self, missed_since: float | None, now: float) -> bool:

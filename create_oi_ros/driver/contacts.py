@@ -18,7 +18,7 @@ from .motion import BUMPS
 OUTSIDE = 0.085
 """Metres outside the hull. A costmap clears each cell that the robot's footprint touches. So this
 is the diagonal of a cell of 5 cm, and what Nav2 adds to a footprint."""
-AWAY = 0.1
+LEFT_BEHIND = 0.1
 """Metres by which a robot must move to have left what it felt."""
 BUMPERS = {int(oi.BumpsAndWheelDrops.BUMP_LEFT): 'bump left',
            int(oi.BumpsAndWheelDrops.BUMP_RIGHT): 'bump right', BUMPS: 'bump front'}
@@ -70,7 +70,7 @@ class Contacts:
             self._hits.pop('bump right', None)
         for name, hit in list(self._hits.items()):
             moved = hypot(at.x - hit.at.x, at.y - hit.at.y)
-            if stamp > hit.stamp and (stamp - hit.stamp > persistence or moved > AWAY):
+            if stamp > hit.stamp and (stamp - hit.stamp > persistence or moved > LEFT_BEHIND):
                 del self._hits[name]
 
     def points(self, at: Estimate) -> tuple[tuple[float, float], ...]:

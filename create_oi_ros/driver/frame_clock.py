@@ -22,17 +22,17 @@ RECENT = 16
 """Frames in a row that must all be late, or early, before slots are counted anew."""
 SILENT = 3.5 * oi.SLOT
 """Seconds without a frame after which some are missing: lost, or late."""
-TOGETHER = 0.5
+TOGETHER_WITHIN = 0.5
 """Part of a slot within which late frames follow each other, and frames in time never do."""
-LEAST_STEP = 1e-4
+MIN_STEP = 1e-4
 """Seconds by which stamps rise at least."""
-SHORTEST, LONGEST = 0.0147, 0.0160
+MIN_PERIOD, MAX_PERIOD = 0.0147, 0.0160
 """Seconds between which a slot's length is believed; 15 and 15.625 ms were seen."""
 BLOCK = 32
 """Frames of which the earliest is kept to learn the slot's length."""
 BLOCKS = 400
 """How many of them are kept: three minutes."""
-LEAST_DEVIATION = 1e-6
+MIN_DEVIATION = 1e-6
 """Seconds by which the clocks of robot and computer drift apart, with the temperature."""
 UNEVEN = 40 * PERIOD.deviation
 """Seconds by which the two ends of the envelope may be wrong together: after 40 slots what was
@@ -84,7 +84,7 @@ class FrameClock:
     def known_period(self) -> Known:
         """Seconds of a slot, and their standard deviation."""
         deviation = self._first.deviation * (1 - self._part) ** 0.5
-        return Known(self.period, max(deviation, LEAST_DEVIATION))
+        return Known(self.period, max(deviation, MIN_DEVIATION))
 
     @property
     def gap(self) -> bool:
@@ -135,10 +135,10 @@ class FrameClock:
         self._frames += 1
         if self._frames % BLOCK == 0 and len(self._sent) >= BLOCK:
             self._learn_period()
-        self._stamp = max(self._slot * self.period + self._least, self._stamp + LEAST_STEP)
+        self._stamp = max(self._slot * self.period + self._least, self._stamp + MIN_STEP)
         # What is below the least duration is taken from later frames.
         self._owed += (passed + wrong + late) * self.period
-        duration = max(self._owed, LEAST_STEP)
+        duration = max(self._owed, MIN_STEP)
         self._owed -= duration
         return self._stamp, duration
 
@@ -158,7 +158,7 @@ class FrameClock:
         `since`: seconds between the arrivals of that frame and of the one before. Late frames
         come together. After lost ones frames come in time.
         """
-        if since < TOGETHER * self.period:
+        if since < TOGETHER_WITHIN * self.period:
             self._absent -= 1
             return 0
         late = sent - (self._slot + 1) * self.period - self._least
@@ -219,5 +219,5 @@ class FrameClock:
             known, deviation = self._first
             self._part = slots ** 2 / (slots ** 2 + (UNEVEN / deviation) ** 2)
             period = known + self._part * (slope - known)
-            self.period = min(LONGEST, max(SHORTEST, period))
+            self.period = min(MAX_PERIOD, max(MIN_PERIOD, period))
             self._count_late()

@@ -45,7 +45,7 @@ ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED
 """Events after which nothing is known of the robot."""
 SLOW_CHECK_INTERVAL = 0.1
 """Seconds between two checks of what changes within seconds."""
-FARTHEST = 1e6
+MAX_COORDINATE = 1e6
 """Metres from the origin where the robot can be said to be."""
 
 
@@ -250,9 +250,9 @@ class Driver:
 
     def reset_pose(self, x: float, y: float, yaw: float) -> Pending:
         """Say where the robot is in the odometry frame, m and rad; not while a goal needs it."""
-        if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST and isfinite(yaw)):
+        if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE and isfinite(yaw)):
             return refused(f'pose x {x:g} m, y {y:g} m, yaw {yaw:g} rad; allowed: up to '
-                           f'{FARTHEST:g} m from the origin, and a finite yaw')
+                           f'{MAX_COORDINATE:g} m from the origin, and a finite yaw')
         return self._place(x, y, yaw, f'odom goes on from x {x:g} m, y {y:g} m, yaw {yaw:g} rad')
 
     def _place(self, x: float, y: float, yaw: float, text: str) -> Pending:

@@ -19,16 +19,16 @@ from .outputs import Outputs
 from .state import Owner, StateEvent
 
 PAUSE = 'let commands pause and send again'
-CLEAR_FOR = 1.0
+CLEAR_TIME = 1.0
 """Seconds that the cause must have been gone before the wanted mode may be entered again."""
-RETRY_INTERVAL, MOST_TRIES = 0.2, 3
+RETRY_INTERVAL, MAX_TRIES = 0.2, 3
 """Seconds after which a mode should have been entered, and how often it is tried."""
-SETTLING = 2.0
+SETTLING_TIME = 2.0
 """Seconds after the robot was found, or a mode was asked for, in which frames from before may
 still come on a busy computer."""
 MODE_TIMEOUT = 0.5
 """Seconds within which the robot must report a requested mode."""
-OLD = 0.06
+STALE_FRAMES_FOR = 0.06
 """Seconds in which frames may come that the robot sent before it was told to enter a mode."""
 DOCK_PAUSE = 1.0
 """Seconds that the robot must be in Passive before it is sent to its dock (reported)."""
@@ -90,7 +90,7 @@ class Modes:
         self.fail('another request came before the robot answered')
         self._request, self._requested = Pending(), mode
         self._deadline = now + MODE_TIMEOUT
-        self._valid_at = now + OLD if self._core.status.actual is mode else -inf
+        self._valid_at = now + STALE_FRAMES_FOR if self._core.status.actual is mode else -inf
         self._core.handle(StateEvent.MODE_SET if mode in oi.ACTUATE else StateEvent.PASSIVE_SET)
         self.want(mode)
         self.enter(mode, now)
@@ -125,7 +125,7 @@ class Modes:
             return False
         # Full instead of Safe, or Safe instead of Full: no safety stop, but a damaged command.
         damaged = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
-        return damaged or not status.causes and 0 < self._tries < MOST_TRIES
+        return damaged or not status.causes and 0 < self._tries < MAX_TRIES
 
     def may_recover(self, now: float) -> bool:
         """Tell whether a fresh velocity may bring back the mode that the robot has left."""
@@ -133,7 +133,7 @@ class Modes:
         return (
             self._core.settings.recover_mode and bool(status.causes)
             and status.actual is not None and status.actual != status.wanted
-            and now - self._cause_seen_at >= CLEAR_FOR)
+            and now - self._cause_seen_at >= CLEAR_TIME)
 
     def allow_driving(self, now: float) -> str | None:
         """
@@ -181,11 +181,11 @@ class Modes:
         causes = before.causes
         left = before.actual == before.wanted != actual
         # Without a cause it may only seem so: a frame from before the mode was entered came late.
-        dropped = left and (bool(present) or now - self._first_try_at > SETTLING)
+        dropped = left and (bool(present) or now - self._first_try_at > SETTLING_TIME)
         dropped |= actual is None and (left or before.can_drive)
         tried_in_vain = (
             not causes and 0 < self._tries and now - self._tried_at > RETRY_INTERVAL
-            and (bool(present) or self._tries >= MOST_TRIES))
+            and (bool(present) or self._tries >= MAX_TRIES))
         if actual is None:
             causes = (Cause.MODE_UNKNOWN,)
         elif dropped:

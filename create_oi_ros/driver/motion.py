@@ -35,7 +35,7 @@ SHORT = (Activity.SILENCING, Activity.READING)
 SPEEDS_HOLD = (StateEvent.VELOCITY, StateEvent.HALTED)
 """Events after which the wheels still run at the speeds that were sent last."""
 AWAY = 'the robot was away, or in another mode, while commands went on'
-LEAST_SENSIBLE = 1e-6
+MIN_SENSIBLE_SPEED = 1e-6
 """Speed, m/s or rad/s, below which no sender means what it sends, unless it is 0."""
 
 
@@ -184,7 +184,7 @@ class Motion:
                 Severity.WARNING,
                 f'velocities are finite again; before, {more} more than the first were not')
         for speed in linear, angular:
-            if 0 < abs(speed) < LEAST_SENSIBLE and not self._tiny_reported:
+            if 0 < abs(speed) < MIN_SENSIBLE_SPEED and not self._tiny_reported:
                 self._tiny_reported = True
                 self._core.notice(
                     Severity.WARNING, f'cmd_vel asks for a speed of {speed:.3g}, which moves '

@@ -24,13 +24,13 @@ from ..robot import MILLI
 from .core import Core
 from .outbox import done, Pending, refused
 
-SONGS, MOST_NOTES = 16, 16
+SONGS, MAX_NOTES = 16, 16
 """How many songs the robot stores, and how many notes one of them holds (manual: Song)."""
 SONG_TIMEOUT = 0.5
 """Seconds within which the robot must report a song that it was told to play."""
-SHORTEST_SEEN = 0.25
+MIN_SEEN_LENGTH = 0.25
 """Seconds that a song must take to be in a frame at every usual rate."""
-LONGEST_NOTE = NOTE_TIME.high / oi.NOTES_PER_SECOND
+MAX_NOTE_LENGTH = NOTE_TIME.high / oi.NOTES_PER_SECOND
 """Seconds that a note can last."""
 FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
@@ -53,7 +53,7 @@ class Tune(Pending):
         self.seconds = 0.0
         """How long it has played."""
         # As few songs as hold them, of the same size: none is too short to be seen.
-        count = -(-len(notes) // MOST_NOTES)
+        count = -(-len(notes) // MAX_NOTES)
         bounds = [len(notes) * part // count for part in range(count + 1)]
         self.songs = [notes[low:high] for low, high in zip(bounds, bounds[1:])]
         self.song = 0
@@ -173,7 +173,7 @@ class Outputs:
         if why is not None:
             return refused(why)
         length = sum(note.duration for note in self.songs[number].notes) / oi.NOTES_PER_SECOND
-        if length < SHORTEST_SEEN:
+        if length < MIN_SEEN_LENGTH:
             return self._core.request(oi.PlaySong(number=number), (
                 f'{stored}song {number} sent to play; it is too short to be seen playing'))
         self._play(number, now)
@@ -282,7 +282,7 @@ class Outputs:
         if tune is None or self._begun_at is not None:
             return
         song = tune.songs[tune.song]
-        if sum(note.duration for note in song) / oi.NOTES_PER_SECOND < SHORTEST_SEEN:
+        if sum(note.duration for note in song) / oi.NOTES_PER_SECOND < MIN_SEEN_LENGTH:
             self._play_next(tune, now)
         else:
             self._fail_tune(f'a song of the tune {says_nothing}')
@@ -298,17 +298,17 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
     if len(pitches) != len(seconds):
         raise ValueError(
             f'{len(pitches)} pitches but {len(seconds)} durations; give one for each note')
-    if len(pitches) > MOST_NOTES:
-        parts, rest = divmod(len(pitches), MOST_NOTES)
-        sizes = [str(MOST_NOTES)] * parts + [str(rest)] * (rest > 0)
-        advice = (f'{SONGS} songs hold {SONGS * MOST_NOTES} at most; leave some out'
+    if len(pitches) > MAX_NOTES:
+        parts, rest = divmod(len(pitches), MAX_NOTES)
+        sizes = [str(MAX_NOTES)] * parts + [str(rest)] * (rest > 0)
+        advice = (f'{SONGS} songs hold {SONGS * MAX_NOTES} at most; leave some out'
                   if len(sizes) > SONGS else
                   f'define songs of {", ".join(sizes[:-1])} and {sizes[-1]} notes, and play each '
                   'when the one before has ended')
-        raise ValueError(f'{len(pitches)} notes, but a song holds {MOST_NOTES}: {advice}')
+        raise ValueError(f'{len(pitches)} notes, but a song holds {MAX_NOTES}: {advice}')
     for place, length in enumerate(seconds):
-        if not 0 <= length <= LONGEST_NOTE:
-            raise ValueError(f'seconds[{place}] = {length:g}; allowed: 0 to {LONGEST_NOTE:g}')
+        if not 0 <= length <= MAX_NOTE_LENGTH:
+            raise ValueError(f'seconds[{place}] = {length:g}; allowed: 0 to {MAX_NOTE_LENGTH:g}')
     lengths = [round(length * oi.NOTES_PER_SECOND) for length in seconds]
     return oi.Song(number=number, notes=tuple(oi.Note(*note) for note in zip(pitches, lengths)))
 

@@ -82,7 +82,7 @@ def requested_directly(readings: oi.Readings) -> Speeds | None:
     return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
 
 
-LATE, LATE_PART = 0.1, 0.04
+LATE, LATE_FRACTION = 0.1, 0.04
 """Seconds, and part of its time, by which a script may end later than it should."""
 SILENCE = 0.1
 """Seconds after which the line is silent once the stream was paused."""
@@ -149,7 +149,7 @@ class ScriptControl:
             stored, core.status.actual or oi.Mode.OFF, SEPARATION)
         if takes is not None:
             self._ends_at = now + takes
-            begin = max(begin, now + takes + LATE + LATE_PART * takes)
+            begin = max(begin, now + takes + LATE + LATE_FRACTION * takes)
         self._probe.begin(begin)
         core.handle(StateEvent.SCRIPT_STARTED)
         return request

@@ -125,7 +125,7 @@ SUSPECTED, WOKEN, REPORTED = 0.3, 0.9, 1.5
 a command that was cut short, and tells the user."""
 IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told it to wait; '
            'lift it, switch it off and on')
-POLL_INTERVAL, POLL_PART = 0.2, 0.2
+POLL_INTERVAL, POLL_FRACTION = 0.2, 0.2
 """Seconds between two polls of a robot that may wait; at least this part of the time for which it
 was polled, so that a long wait gets few."""
 PAUSED, CHECK_AFTER = 0.075, 0.105
@@ -232,7 +232,7 @@ class Probe:
                 self._sent_at, self.due = now, now + CHECK_AFTER
             return False
         self._sent_at, self.due = None, sent_at + max(
-            POLL_INTERVAL, POLL_PART * (now - self._since))
+            POLL_INTERVAL, POLL_FRACTION * (now - self._since))
         if not silent:
             self._outbox.send(RESUME)
         return silent

@@ -25,7 +25,7 @@ from ..robot import (
 )
 from .core import Core
 from .events import Moved, Severity
-from .frame_clock import FrameClock, LEAST_STEP
+from .frame_clock import FrameClock, MIN_STEP
 from .script import Speeds
 from .stream import requested_speeds
 
@@ -36,14 +36,14 @@ BATTERY = {
     'battery_capacity': range(MOST_CAPACITY + 1)}
 """What the hardware can have, where the manual allows all numbers."""
 POSSIBLE = ALLOWED | BATTERY
-RUNNING = 3
+ODD_FRAMES = 3
 """Odd frames in a row that are no accident: this robot sends such values."""
 
-FASTEST, FASTEST_TURN = 1.0, 450.0
+MAX_SPEED, MAX_TURN_RATE = 1.0, 450.0
 """m/s and deg/s: twice what the wheels can do, for a robot that is pushed."""
-SLACK, TURN_SLACK = 50, 20
+DISTANCE_SLACK, ANGLE_SLACK = 50, 20
 """mm and degrees that are allowed beyond that, for whole units and late frames."""
-TURN_LIMIT, TURN_READINGS = 360.0, 3
+STUCK_ANGLE, STUCK_READINGS = 360.0, 3
 """Degrees of requested turning, and readings on the way, after which the angle should have
 changed: a long turn may be in a reading that was lost."""
 ANGLE_STUCK = (
@@ -81,8 +81,8 @@ class OddValues:
             self.newest.pop(name, None)
         self._running.update(odd)
         ruled_out = set(readings.implausible()) - self._known
-        if (self._dropped < RUNNING - 1
-                and any(self._running[name] < RUNNING for name in ruled_out)):
+        if (self._dropped < ODD_FRAMES - 1
+                and any(self._running[name] < ODD_FRAMES for name in ruled_out)):
             self._dropped += 1
             self._core.counts.implausible_frames += 1
             return None
@@ -90,7 +90,8 @@ class OddValues:
         self._core.counts.odd_values += len(odd)
         for name in odd:
             self.newest[name] = readings.number(name, 0)
-            if name not in self._known and (name in ruled_out or self._running[name] >= RUNNING):
+            certain = name in ruled_out or self._running[name] >= ODD_FRAMES
+            if certain and name not in self._known:
                 self._known.add(name)
                 self._core.notice(
                     Severity.WARNING, _unlike_the_manual(name, self.newest[name]))
@@ -123,8 +124,8 @@ class JumpCheck:
         """Tell whether a reading can be true that left at `stamp`, or so many seconds later."""
         elapsed = inf if self._since is None else stamp + gap - self._since
         self._since = stamp
-        return (abs(readings.distance) <= FASTEST * elapsed * MM_PER_M + SLACK
-                and abs(readings.angle) <= FASTEST_TURN * elapsed + TURN_SLACK)
+        return (abs(readings.distance) <= MAX_SPEED * elapsed * MM_PER_M + DISTANCE_SLACK
+                and abs(readings.angle) <= MAX_TURN_RATE * elapsed + ANGLE_SLACK)
 
 
 class TurnCheck:
@@ -156,7 +157,7 @@ class TurnCheck:
             return False
         self._readings += 1
         before = self.stuck
-        self.stuck = self._readings >= TURN_READINGS and abs(self._requested) > TURN_LIMIT
+        self.stuck = self._readings >= STUCK_READINGS and abs(self._requested) > STUCK_ANGLE
         return self.stuck and not before
 
 
@@ -196,7 +197,7 @@ class Tracking:
         self._held: Increment | None = None
         """A frame after a gap, with its reading: the next one tells how long the gap was. Until
         then the robot is taken to have driven on for a slot."""
-        self._before = Increment(LEAST_STEP, right=0.0, left=0.0, driven=False)
+        self._before = Increment(MIN_STEP, right=0.0, left=0.0, driven=False)
         self._due = False
         """Whether the odometry asked for a reading after the held frame."""
 
@@ -253,7 +254,7 @@ class Tracking:
         lost, self._found_lost = self._found_lost, 0.0
         self._reading_dropped = self._due = False
         if self._held is not None:
-            self.odometry.update(self._held._replace(dt=max(lost, LEAST_STEP), lost=lost > 0))
+            self.odometry.update(self._held._replace(dt=max(lost, MIN_STEP), lost=lost > 0))
             self._due = self.odometry.reading_due
             self._held, lost = None, 0.0
         before, self._before = self._before, increment

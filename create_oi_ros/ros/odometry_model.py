@@ -21,7 +21,7 @@ from rclpy.node import Node
 import yaml
 
 from ..driver import Outcome
-from ..driver.frame_clock import LONGEST, SHORTEST
+from ..driver.frame_clock import MAX_PERIOD, MIN_PERIOD
 from ..link.session import Session
 from ..odometry import Hypothesis, Knowledge, Known, Response, Rounding, SignSource
 
@@ -33,7 +33,7 @@ HEAD = """\
 DIGITS = 7
 """Significant digits in the file."""
 NUMBERS = {'right_gain': (0.3, 2.0), 'left_gain': (0.3, 2.0), 'angle_factor': (0.8, 1.2),
-           'frame_period': (SHORTEST, LONGEST)}
+           'frame_period': (MIN_PERIOD, MAX_PERIOD)}
 """Ranges of the numbers."""
 WHEELS = {'time': (1e-3, 10.0), 'of_speed': (0.0, 1.0), 'overshoot': (0.0, 0.9),
           'braking': (0.05, 20.0), 'dead_time': (0.0, 0.4), 'dead_band': (0.0, 0.1)}

@@ -7,7 +7,7 @@ from math import hypot, pi
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver.contacts import AWAY, Contacts, OUTSIDE
+from create_oi_ros.driver.contacts import Contacts, LEFT_BEHIND, OUTSIDE
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import BODY_RADIUS
 
@@ -63,7 +63,7 @@ def test_a_robot_that_moves_away_leaves_the_hit_where_it_was():
     assert (x, y) == pytest.approx((FAR + 0.05, 0.0))
     (x, y), = frame(contacts, back._replace(yaw=pi), 1.0)
     assert (x, y) == pytest.approx((0.0, -FAR - 0.05))
-    assert frame(contacts, HERE._replace(y=HERE.y - AWAY - 0.01), 1.1) == ()
+    assert frame(contacts, HERE._replace(y=HERE.y - LEFT_BEHIND - 0.01), 1.1) == ()
 
 
 def test_a_bump_straight_ahead_replaces_the_half_that_came_first():

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.driver.frame_clock import FrameClock, LEAST_STEP
+from create_oi_ros.driver.frame_clock import FrameClock, MIN_STEP
 from create_oi_ros.odometry import Known
 from create_oi_ros.oi import SLOT
 
@@ -72,7 +72,7 @@ def test_stamps_always_rise_and_time_always_passes(gaps):
     for gap in gaps:
         arrival += gap
         stamp, dt = clock.stamp(arrival, WIRE)
-        assert stamp >= before + LEAST_STEP / 2
+        assert stamp >= before + MIN_STEP / 2
         assert dt > 0
         before = stamp
 

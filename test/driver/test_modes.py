@@ -8,7 +8,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.events import ModeChanged
-from create_oi_ros.driver.mode import CLEAR_FOR, MODE_TIMEOUT, SETTLING
+from create_oi_ros.driver.mode import CLEAR_TIME, MODE_TIMEOUT, SETTLING_TIME
 from create_oi_ros.sim.world import shipped
 from support.loop import Loop, texts
 
@@ -92,7 +92,7 @@ def test_a_fresh_command_brings_the_mode_back_when_the_cause_has_been_gone_for_a
     loop.body.drop(left=True)
     loop.run(0.2)
     loop.body.drop()
-    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.run(CLEAR_TIME + TIMEOUT + 0.1)
     loop.drive(0.2, 0.0, 1.0)
     assert loop.robot.mode is oi.Mode.SAFE
     assert loop.body.truth().speed > 0.1
@@ -102,7 +102,7 @@ def test_a_fresh_command_does_nothing_while_the_cause_is_recent(loop):
     loop.body.drop(left=True)
     loop.run(TIMEOUT + 0.2)
     loop.body.drop()
-    loop.drive(0.2, 0.0, CLEAR_FOR - 0.2)
+    loop.drive(0.2, 0.0, CLEAR_TIME - 0.2)
     assert loop.robot.mode is oi.Mode.PASSIVE
     assert loop.body.truth().speed == 0
 
@@ -111,7 +111,7 @@ def test_the_mode_command_is_sent_once_however_often_the_robot_is_told_to_drive(
     loop.body.drop(left=True)
     loop.run(0.2)
     loop.body.drop()
-    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.run(CLEAR_TIME + TIMEOUT + 0.1)
     loop.commands()
     for _ in range(3):
         loop.driver.drive(0.2, 0.0, loop.now)
@@ -135,7 +135,7 @@ def test_commands_that_were_zero_count_as_a_pause(loop):
     loop.body.drop(left=True)
     loop.drive(0.2, 0.0, 0.3)
     loop.body.drop()
-    loop.drive(0.2, 0.0, CLEAR_FOR + 0.2)
+    loop.drive(0.2, 0.0, CLEAR_TIME + 0.2)
     loop.drive(0.0, 0.0, 0.1)
     loop.drive(0.2, 0.0, 1.0)
     assert loop.robot.mode is oi.Mode.SAFE
@@ -143,7 +143,7 @@ def test_commands_that_were_zero_count_as_a_pause(loop):
 
 def test_the_mode_never_comes_back_while_a_charger_is_powered(loop):
     loop.body.plug_charger(True)
-    loop.run(CLEAR_FOR + TIMEOUT + 1)
+    loop.run(CLEAR_TIME + TIMEOUT + 1)
     loop.drive(0.2, 0.0, 3.0)
     assert loop.robot.mode is oi.Mode.PASSIVE
 
@@ -154,7 +154,7 @@ def test_without_recover_mode_the_mode_stays():
     loop.body.drop(left=True)
     loop.run(0.2)
     loop.body.drop()
-    loop.run(CLEAR_FOR + TIMEOUT + 0.1)
+    loop.run(CLEAR_TIME + TIMEOUT + 0.1)
     loop.drive(0.2, 0.0, 1.0)
     assert loop.robot.mode is oi.Mode.PASSIVE
 
@@ -179,7 +179,7 @@ def test_leds_are_set_again_in_a_mode_that_has_them_and_only_there(loop, mode, s
     (lambda loop: loop.robot.receive(oi.Start().encode(), loop.now), True),
     (lambda loop: loop.body.drop(left=True), False)])
 def test_a_demo_is_ended_only_where_nothing_else_can_have_changed_the_mode(loop, leave, ends):
-    loop.run(SETTLING)
+    loop.run(SETTLING_TIME)
     loop.commands()
     leave(loop)
     loop.run(0.1)

@@ -9,7 +9,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.stream import ALL
-from create_oi_ros.driver.tracking import JumpCheck, POSSIBLE, RUNNING, TurnCheck
+from create_oi_ros.driver.tracking import JumpCheck, ODD_FRAMES, POSSIBLE, TurnCheck
 from create_oi_ros.robot import Rounding
 from support.loop import AT_ONCE, Loop, said, texts
 
@@ -115,7 +115,7 @@ def test_a_value_that_every_frame_has_stops_nothing(name: str, value: int, baud:
     assert said(loop, Severity.WARNING, packet) == 1
     health = loop.driver.health(loop.now)
     assert health.odd == {name: value} and health.counts.odd_values > 1
-    assert health.counts.implausible_frames <= RUNNING - 1
+    assert health.counts.implausible_frames <= ODD_FRAMES - 1
     wire = oi.PACKETS[oi.NUMBERS[name]].wire
     bits = 1 if wire.boolean else wire.mask
     assert getattr(health.readings, name) == (value & bits if bits else None)

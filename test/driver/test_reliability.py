@@ -9,8 +9,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, LowBatteryAction, Settings, Severity
-from create_oi_ros.driver.battery import SETTLE
-from create_oi_ros.driver.mode import CLEAR_FOR
+from create_oi_ros.driver.battery import LEVEL_DELAY
+from create_oi_ros.driver.mode import CLEAR_TIME
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP
 from create_oi_ros.driver.stream import ALL
 from support.loop import Loop, said, texts
@@ -65,7 +65,7 @@ def drained(action: LowBatteryAction) -> Loop:
     loop = Loop(Settings(battery=BatteryLimits(low=14.0, empty=13.9, action=action)))
     loop.run(0.5)
     loop.body.set_battery(charge=0.02)
-    loop.run(SETTLE + 2)
+    loop.run(LEVEL_DELAY + 2)
     return loop
 
 
@@ -124,7 +124,7 @@ def test_a_robot_that_cannot_enter_its_mode_at_first_is_not_pestered_and_may_lat
     assert loop.robot.mode is oi.Mode.PASSIVE
     assert sum(isinstance(each, oi.Safe) for each in loop.commands()) <= 2
     loop.body.plug_charger(False)
-    loop.run(CLEAR_FOR + 1.0)
+    loop.run(CLEAR_TIME + 1.0)
     loop.drive(0.2, 0.0, 0.5)
     assert loop.robot.mode is oi.Mode.SAFE
     assert loop.body.truth().speed > 0

@@ -9,11 +9,11 @@ from create_oi_ros.driver import Cause, ModeStatus, Settings
 from create_oi_ros.driver.core import Core
 from create_oi_ros.driver.mode import (
     causes_in,
-    CLEAR_FOR,
+    CLEAR_TIME,
+    MAX_TRIES,
     Modes,
-    MOST_TRIES,
     RETRY_INTERVAL,
-    SETTLING,
+    SETTLING_TIME,
 )
 from create_oi_ros.driver.outputs import Outputs
 from create_oi_ros.driver.state import StateEvent
@@ -103,11 +103,11 @@ def test_a_mode_that_was_left_without_a_hazard_has_a_cause_all_the_same(
 
 def test_a_mode_that_seems_left_soon_after_it_was_asked_for_is_only_entered_again() -> None:
     watch = entered()
-    assert not watch.observe(frame(PASSIVE), 8.0 + SETTLING)
+    assert not watch.observe(frame(PASSIVE), 8.0 + SETTLING_TIME)
     assert watch.status.causes == ()
-    assert watch.modes.must_retry(8.0 + SETTLING)
+    assert watch.modes.must_retry(8.0 + SETTLING_TIME)
     watch = entered()
-    assert watch.observe(frame(PASSIVE), 8.0 + SETTLING + LITTLE)
+    assert watch.observe(frame(PASSIVE), 8.0 + SETTLING_TIME + LITTLE)
     watch = entered()
     assert watch.observe(frame(PASSIVE, cliff=1), 8.5), 'a hazard needs no second frame'
 
@@ -118,7 +118,7 @@ def test_a_mode_that_only_seemed_left_is_entered_again_at_most_twice() -> None:
     while watch.modes.must_retry(now):
         watch.enter(now)
         tries, now = tries + 1, now + 1.0
-    assert tries == MOST_TRIES - 1
+    assert tries == MAX_TRIES - 1
 
 
 # A robot that missed the command.
@@ -128,12 +128,12 @@ def test_a_mode_that_the_robot_missed_is_entered_again_after_a_while_and_not_for
     watch = Watch(SAFE, recover=True)
     watch.observe(frame(PASSIVE), 1.0)
     assert not watch.modes.must_retry(2.0), 'nobody has asked for it yet'
-    for number in range(1, MOST_TRIES + 1):
+    for number in range(1, MAX_TRIES + 1):
         watch.enter(8.0 * number)
         watch.observe(frame(PASSIVE), 8.0 * number + RETRY_INTERVAL / 2)
         assert not watch.modes.must_retry(8.0 * number + RETRY_INTERVAL - LITTLE)
         again = watch.modes.must_retry(8.0 * number + RETRY_INTERVAL + LITTLE)
-        assert again is (number < MOST_TRIES)
+        assert again is (number < MAX_TRIES)
         if again:
             watch.observe(frame(PASSIVE), 8.0 * number + RETRY_INTERVAL + LITTLE)
         assert watch.status.causes == ()
@@ -144,7 +144,7 @@ def test_a_mode_that_the_robot_missed_is_entered_again_after_a_while_and_not_for
 
 
 def test_the_times_to_wait_are_those_of_the_pages() -> None:
-    assert (RETRY_INTERVAL, MOST_TRIES, SETTLING, CLEAR_FOR) == (0.2, 3, 2.0, 1.0)
+    assert (RETRY_INTERVAL, MAX_TRIES, SETTLING_TIME, CLEAR_TIME) == (0.2, 3, 2.0, 1.0)
 
 
 @pytest.mark.parametrize(('wanted', 'actual', 'again'), [

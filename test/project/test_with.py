@@ -27,7 +27,7 @@ import rclpy
 from rclpy.context import Context
 import yaml
 
-from create_oi_ros.driver.contacts import AWAY, OUTSIDE
+from create_oi_ros.driver.contacts import LEFT_BEHIND, OUTSIDE
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import diagnostics
 from create_oi_ros.ros.parameters import Parameters
@@ -122,7 +122,7 @@ def test_both_costmaps_feel_the_bumper_and_keep_what_it_felt(costmap):
     # Nav2 clears each cell that the footprint touches, also half of one.
     cell, far = found['resolution'], BODY_RADIUS + OUTSIDE
     assert far >= found['robot_radius'] + hypot(PADDING, PADDING) + hypot(cell, cell)
-    assert far + AWAY < layer['contacts.obstacle_max_range']
+    assert far + LEFT_BEHIND < layer['contacts.obstacle_max_range']
 
 
 def wheel(speed: float, turn: float) -> float:
