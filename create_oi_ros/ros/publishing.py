@@ -172,35 +172,34 @@ class FrameTopic:
 
 
 class SensorFrameTopic(FrameTopic):
-    """Publishes a topic that is made from readings: when they change, else at a pace."""
+    """Publishes a topic that is made from readings: when they change, else when it is told to."""
 
     def __init__(self, node: Node, topic: SensorTopic, frame: str) -> None:
         """Create the publisher; `frame` is that of the header."""
         super().__init__(node, topic, messages.empty(topic.type, frame), topic.values)
-        self._topic = topic
+        self.topic = topic
         self._watched = Readings.numbers(*topic.watch)
         self._last: tuple[int, ...] = ()
-        self._complete = self._changed = False
-        self._pace = Pace()
+        self.complete = False
+        """Whether all the readings that it needs have arrived."""
 
-    def publish_change(self, stamp: int, readings: Readings) -> None:
-        """Publish it if a watched reading has changed; the first time when all have arrived."""
-        self._complete = self._complete or readings.has(*self._topic.needs)
-        if not self._complete:
-            return
+    def publish_change(self, stamp: int, readings: Readings) -> bool:
+        """
+        Publish it if a watched reading has changed; return whether it has.
+
+        The first time is when all that it needs have arrived.
+        """
+        self.complete = self.complete or readings.has(*self.topic.needs)
+        if not self.complete:
+            return False
         watched = self._watched(readings)
-        if self._topic.bits is not None:
-            watched = (watched[0] & self._topic.bits,)
-        self._changed = watched != self._last
-        if self._changed:
+        if self.topic.bits is not None:
+            watched = (watched[0] & self.topic.bits,)
+        changed = watched != self._last
+        if changed:
             self._last = watched
             self.publish(stamp, readings)
-
-    def publish_due(self, stamp: int, moved: Moved, sensor_period: float) -> None:
-        """Publish it if its time has come, unless it was published in this frame."""
-        due = self._pace.due(moved.stamp, self._topic.period or sensor_period)
-        if due and self._complete and not self._changed:
-            self.publish(stamp, moved.readings)
+        return changed
 
 
 class FramePublisher:
@@ -220,6 +219,12 @@ class FramePublisher:
             node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states))
         self._sensors = [SensorFrameTopic(node, topic, parameters.base_frame)
                          for topic in topics.sensor_topics(charge_known=charge_known)]
+        # One pace for all topics of a period; a StateTopic is published on change only.
+        periods = dict.fromkeys(
+            each.topic.period for each in self._sensors if each.topic.period != inf)
+        self._repeated = [
+            (Pace(), period, [each for each in self._sensors if each.topic.period == period])
+            for period in periods]
         self._motion_pace, self._check_pace = Pace(), Pace()
         self._check()
 
@@ -235,14 +240,17 @@ class FramePublisher:
         if stamp is None:
             return None
         # A change, such as a bump, must not wait; what is only due again can.
-        for sensor in self._sensors:
-            sensor.publish_change(stamp, moved.readings)
+        changed = [sensor for sensor in self._sensors
+                   if sensor.publish_change(stamp, moved.readings)]
         if stamp != before:
             if self._motion_pace.due(moved.stamp, motion_period):
                 for topic in self._motion:
                     topic.publish(stamp, moved.estimate)
-            for sensor in self._sensors:
-                sensor.publish_due(stamp, moved, sensor_period)
+            for pace, period, sensors in self._repeated:
+                if pace.due(moved.stamp, period or sensor_period):
+                    for sensor in sensors:
+                        if sensor.complete and sensor not in changed:
+                            sensor.publish(stamp, moved.readings)
         if self._check_pace.due(moved.stamp, CHECK_INTERVAL):  # last, since it takes a while
             self._check()
         return stamp

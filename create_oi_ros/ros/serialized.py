@@ -13,6 +13,7 @@ A field is named by its path in the message: `pose.covariance[7]`.
 
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
+from operator import itemgetter
 import re
 import struct
 from typing import Any, NamedTuple
@@ -73,23 +74,38 @@ class SerializedMessage:
 
         ValueError: a field is no number, or the middleware does not serialize it as expected.
         """
-        self._places = {path: _place(message, path, serialize) for path in paths}
-        self._bytes = bytearray(_shortest(message, serialize, deserialize))
-        numbers = {path: layout.unpack(bytes([index % 2]) * layout.size)[0]
-                   for index, (path, (layout, _)) in enumerate(self._places.items())}
+        places = {path: _place(message, path, serialize) for path in paths}
+        text = _shortest(message, serialize, deserialize)
+        self._constants: dict[str, bytes] = {}
+        """What stands between the numbers, by names that no path has."""
+        order, layout, end = [], '=', 0
+        for path, (code, offset) in sorted(places.items(), key=lambda each: each[1].offset):
+            gap = f'until {offset}'
+            self._constants[gap] = text[end:offset]
+            order += [gap, path]
+            layout += f'{offset - end}s{code}'
+            end = offset + struct.calcsize(f'={code}')
+        self._constants['the end'] = text[end:]
+        self._in_order = itemgetter(*order, 'the end')
+        self._pack = struct.Struct(f'{layout}{len(text) - end}s').pack
+        numbers = {path: struct.unpack(f'={code}', bytes([index % 2]) * struct.calcsize(code))[0]
+                   for index, (path, (code, _)) in enumerate(places.items())}
         if deserialize(self(numbers), type(message)) != filled(message, numbers):
             raise ValueError('its bytes do not say what was packed')
 
     def __call__(self, values: Mapping[str, float]) -> bytes:
         """Return the bytes with these values, of all paths."""
-        for path, value in values.items():
-            layout, offset = self._places[path]
-            layout.pack_into(self._bytes, offset, value)
-        return bytes(self._bytes)
+        return self._pack(*self._in_order({**self._constants, **values}))
 
 
-def _place(message: Any, path: str,
-           serialize: Callable[[Any], bytes]) -> tuple[struct.Struct, int]:
+class Place(NamedTuple):
+    """Where a number is in the bytes, and its code of `struct`."""
+
+    code: str
+    offset: int
+
+
+def _place(message: Any, path: str, serialize: Callable[[Any], bytes]) -> Place:
     """Find a number: the only place where the bytes are those of each value that it gets."""
     found = field(message, path)
     if found.type not in FORMATS:
@@ -106,7 +122,7 @@ def _place(message: Any, path: str,
                 b'(?=%s)' % re.escape(mark[:layout.size]), text)}
             places = here if places is None else places & here
         if places is not None and len(places) == 1:
-            return layout, places.pop()
+            return Place(FORMATS[found.type], places.pop())
     raise ValueError(f'the place of {path} is not certain')
 
 
