@@ -1,18 +1,21 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The actions: each declared beside the function that turns its request into a goal.
+The actions: each declared beside the function that turns its request into what the driver does.
 
-The driver pursues the goals. Here they are checked, handed over, reported on and answered. Only a
-malformed goal is rejected, with the reason in the log; any other is accepted, and its result says
-why it could not be reached.
+The driver pursues goals, one at a time, and plays tunes beside them. Here they are checked, handed
+over, reported on and answered. Only a malformed request is rejected, with the reason in the log;
+any other is accepted, and its result says why it could not be done.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 from create_oi_msgs.action import (
+    AudioNoteSequence,
     Dock,
     DriveArc,
     DriveDistance,
@@ -31,18 +34,21 @@ from rclpy.action.server import (
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
-from ..driver import goals
-from ..driver.goal_control import CLIENT_GONE
-from ..driver.goals import Code, Ending, Goal, Malformed, Phase, Progress, Running
+from ..driver import Driver, goals
+from ..driver.goal_control import CANCELED, CLIENT_GONE
+from ..driver.goals import Code, Goal, Malformed, Phase, Progress, Running
 from ..driver.goals.legs import StoppingModel
 from ..driver.goals.motions import Circle, TargetPose
+from ..driver.outbox import Awaited
+from ..driver.outputs import Tune
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
+from ..oi.tools.tunes import parse_tune, sounding_name
 from . import messages
 from .messages import of_yaw, yaw_of
 from .parameters import Parameters
 from .publishing import StampClock
-from .services import future_of, QUEUE
+from .services import fill, future_of, QUEUE
 from .topics import GOAL_POSE
 
 FEEDBACK_EVERY = 7
@@ -110,58 +116,205 @@ def wall_engaged(feedback: Any, progress: Progress) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Action:
+class Action(ABC):
     """One action."""
 
     name: str
     type: Any
     about: str
+
+    @abstractmethod
+    def make(self, request: Any, stopping: StoppingModels) -> Any:
+        """Turn a request into what the driver does; ValueError says what is wrong with it."""
+
+    @abstractmethod
+    def start(self, driver: Driver, made: Any, now: float) -> 'Pursuit':
+        """Hand it to the driver."""
+
+
+class Pursuit(ABC):
+    """What the driver does for a request, until it ends."""
+
+    awaited: Awaited[Any]
+    """How it ends."""
+
+    @abstractmethod
+    def cancel(self, driver: Driver, now: float, *, gone: bool = False) -> None:
+        """End it, if it has not ended; `gone`: because its client has gone."""
+
+    @abstractmethod
+    def news(self) -> Any:
+        """Return feedback, or None where there is none to give; called in every frame."""
+
+    @abstractmethod
+    def fill(self, result: Any) -> tuple[bool, str]:
+        """Fill in how it ended; return whether it succeeded, and a line for the log."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoalAction(Action):
+    """An action that drives the robot."""
+
     goal: Callable[[Any, StoppingModels], Goal]
     """Turns a request into a goal; Malformed says what is wrong."""
     feedback: Callable[[Any, Progress], None]
     """Fills the feedback."""
 
+    def make(self, request: Any, stopping: StoppingModels) -> Goal:
+        """Return the goal."""
+        return self.goal(request, stopping)
+
+    def start(self, driver: Driver, made: Goal, now: float) -> Pursuit:
+        """Pursue it."""
+        return GoalPursuit(self, driver.goals.start(made, now))
+
+
+class GoalPursuit(Pursuit):
+    """A goal that the driver pursues."""
+
+    def __init__(self, action: GoalAction, running: Running) -> None:
+        """Report on a goal that was handed over."""
+        self._action, self._running = action, running
+        self.awaited = running
+        self._feedback = action.type.Feedback()
+        self._frames = 0
+
+    def cancel(self, driver: Driver, now: float, *, gone: bool = False) -> None:
+        """End the goal, if it has not ended."""
+        driver.goals.cancel(self._running, now, CLIENT_GONE if gone else CANCELED)
+
+    def news(self) -> Any:
+        """Return feedback ten times a second."""
+        self._frames += 1
+        if self._frames % FEEDBACK_EVERY:
+            return None
+        self._action.feedback(self._feedback, self._running.progress)
+        return self._feedback
+
+    def fill(self, result: Any) -> tuple[bool, str]:
+        """Fill in how it ended; the header of the pose is filled already."""
+        ending = self._running.ending
+        assert ending is not None
+        result.success = ending.code is Code.NONE
+        result.error_code = ending.code
+        result.message = ending.text
+        position = result.pose.pose.position
+        position.x, position.y = ending.estimate.x, ending.estimate.y
+        turned = result.pose.pose.orientation
+        turned.z, turned.w = of_yaw(ending.estimate.yaw)
+        if hasattr(result, 'is_docked'):
+            result.is_docked = ending.docked
+        if hasattr(result, 'runtime'):
+            result.runtime = messages.duration(ending.seconds)
+        how = 'succeeded' if result.success else f'ended, {ending.code.name}'
+        return result.success, f'{self._action.name} {how}: {ending.text}'
+
+
+class TuneAction(Action):
+    """An action that plays a tune; it moves no wheel."""
+
+    def make(self, request: Any, stopping: StoppingModels) -> Tune:
+        """Return the tune; ValueError says what is wrong."""
+        if request.iterations != request.INFINITE and request.iterations < 1:
+            raise ValueError(f'iterations = {request.iterations}; allowed: above 0, or '
+                             f'{request.INFINITE}, until it is canceled')
+        return Tune(parse_tune(request.notes), request.iterations)
+
+    def start(self, driver: Driver, made: Tune, now: float) -> Pursuit:
+        """Play it."""
+        driver.outputs.play_tune(made, now)
+        return TunePursuit(self, made)
+
+
+class TunePursuit(Pursuit):
+    """A tune that the robot plays."""
+
+    def __init__(self, action: Action, tune: Tune) -> None:
+        """Report on a tune that was handed over."""
+        self._action, self._tune = action, tune
+        self.awaited = tune
+        self._told = (0, -1)
+        """Iteration and place of the note in the last feedback."""
+
+    def cancel(self, driver: Driver, now: float, *, gone: bool = False) -> None:
+        """End the tune, if it has not ended."""
+        driver.outputs.cancel_tune(self._tune, 'its client has gone' if gone else 'canceled')
+
+    def news(self) -> Any:
+        """Return feedback with each new note."""
+        tune = self._tune
+        place = tune.iterations_played, tune.note
+        if tune.note < 0 or place == self._told:
+            return None
+        self._told = place
+        return self._action.type.Feedback(
+            note=sounding_name(tune.notes[tune.note].number), place=tune.note,
+            iterations_played=tune.iterations_played,
+            current_runtime=messages.duration(tune.seconds))
+
+    def fill(self, result: Any) -> tuple[bool, str]:
+        """Fill in how it ended."""
+        outcome = self._tune.outcome
+        assert outcome is not None
+        fill(result, outcome)
+        result.iterations_played = self._tune.iterations_played
+        result.runtime = messages.duration(self._tune.seconds)
+        return outcome.ok, f'{self._action.name}: {outcome.text}'
+
 
 ACTIONS = (
-    Action(
+    GoalAction(
         name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
         goal=lambda goal, stopping: goals.DriveDistance(
             goal.distance, goal.max_translation_speed, allowance(goal), stopping.straight),
         feedback=distance_left),
-    Action(
+    GoalAction(
         name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
         goal=lambda goal, stopping: goals.RotateAngle(
             goal.angle, goal.max_rotation_speed, allowance(goal), stopping.turning),
         feedback=angle_left),
-    Action(
+    GoalAction(
         name='drive_arc', type=DriveArc, about='drive on a circle',
         goal=lambda goal, stopping: goals.DriveArc(
             Circle(goal.angle, goal.radius, goal.translate_direction),
             goal.max_translation_speed, allowance(goal), stopping.turning),
         feedback=angle_left),
-    Action(
+    GoalAction(
         name='navigate_to_position', type=NavigateToPosition,
         about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
         goal=lambda goal, stopping: goals.NavigateToPosition(
             place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
             stopping.straight, stopping.turning),
         feedback=phase_left),
-    Action(
+    GoalAction(
         name='dock', type=Dock, about='look for the Home Base and charge there; '
         'the service `dock` only starts to',
         goal=lambda goal, stopping: goals.Dock(allowance(goal)),
         feedback=dock_seen),
-    Action(
+    GoalAction(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
         goal=lambda goal, stopping: goals.Undock(allowance(goal), stopping.straight),
         feedback=distance_left),
-    Action(
+    GoalAction(
         name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
         goal=lambda goal, stopping: goals.WallFollow(
             goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
         feedback=wall_engaged),
 )
-"""All actions."""
+"""The actions that drive the robot."""
+ALL_ACTIONS: tuple[Action, ...] = (*ACTIONS, TuneAction(
+    name='audio_note_sequence', type=AudioNoteSequence,
+    about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)'))
+
+
+def malformed(name: str, request: Any) -> str:
+    """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
+    action, = (each for each in ALL_ACTIONS if each.name == name)
+    try:
+        action.make(request, DefaultStoppingModels())
+    except ValueError as error:
+        return str(error)
+    return ''
 
 
 def allowance(goal: Any) -> float:
@@ -176,118 +329,93 @@ def place(goal: Any) -> TargetPose:
     return TargetPose(pose.position.x, pose.position.y, heading)
 
 
-def fill_result(result: Any, ending: Ending) -> None:
-    """Fill in how a goal ended; the header of its pose is filled already."""
-    result.success = ending.code is Code.NONE
-    result.error_code = ending.code
-    result.message = ending.text
-    position = result.pose.pose.position
-    position.x, position.y = ending.estimate.x, ending.estimate.y
-    turned = result.pose.pose.orientation
-    turned.z, turned.w = of_yaw(ending.estimate.yaw)
-    if hasattr(result, 'is_docked'):
-        result.is_docked = ending.docked
-    if hasattr(result, 'runtime'):
-        result.runtime = messages.duration(ending.seconds)
-
-
-def offer(node: Node, action: Any, check: Callable[[Any], GoalResponse],
-          execute: Callable[[ServerGoalHandle], Any],
-          cancel: Callable[[ServerGoalHandle], CancelResponse]) -> None:
-    """Offer an action, with a queue for many clients."""
-    ActionServer(
-        node, action.type, action.name, execute, callback_group=ReentrantCallbackGroup(),
-        goal_callback=check, cancel_callback=cancel, goal_service_qos_profile=QUEUE,
-        result_service_qos_profile=QUEUE, cancel_service_qos_profile=QUEUE,
-        result_timeout=RESULT_KEPT)
-
-
-class ClientWatch:
-    """Notices that nobody is left who could wait for the goal of an action."""
-
-    def __init__(self, node: Node, action: str) -> None:
-        self._node = node
-        self._service = f'{node.resolve_service_name(action)}/_action/send_goal'
-        self._checks = 0
-        """Checks of the graph in a row that showed no client."""
-
-    def lost(self) -> bool:
-        """Check the graph, once a second; return whether the client has gone."""
-        self._checks = 0 if self._node.count_clients(self._service) else self._checks + 1
-        return self._checks >= CLIENT_LOST_CHECKS
-
-
 @dataclass
 class Pursued:
-    """A goal that runs, and how to report on it."""
+    """A request that the driver follows, and who waits for its end."""
 
-    action: Action
     handle: ServerGoalHandle
-    running: Running
-    feedback: Any
-    client: ClientWatch
-    frames: int = 0
+    pursuit: Pursuit
+    service: str
+    """The service by which its client sent it."""
+    unheard: int = 0
+    """Checks of the graph in a row that showed no client."""
 
 
 class Actions:
-    """The servers of all actions; the driver runs one goal at a time."""
+    """The servers of all actions."""
 
     def __init__(
         self, node: Node, session: Session, parameters: Parameters, stamps: StampClock,
     ) -> None:
-        """Offer all actions."""
+        """Offer all actions, each with a queue for many clients."""
         self._stamps = stamps
         self._node = node
         self._session = session
         self._odom_frame = parameters.odom_frame
-        self._pursued: Pursued | None = None
-        for action in ACTIONS:
-            offer(node, action, self._check(action), self._execute(action), self._cancel)
+        self._pursued: list[Pursued] = []
+        for action in ALL_ACTIONS:
+            ActionServer(
+                node, action.type, action.name, partial(self._execute, action),
+                callback_group=ReentrantCallbackGroup(),
+                goal_callback=partial(self._check, action), cancel_callback=self._cancel,
+                goal_service_qos_profile=QUEUE, result_service_qos_profile=QUEUE,
+                cancel_service_qos_profile=QUEUE, result_timeout=RESULT_KEPT)
         if parameters.goal_pose:
             node.create_subscription(PoseStamped, GOAL_POSE, self._drive_to, 1)
 
     # On the executor's thread.
 
-    def _check(self, action: Action) -> Callable[[Any], GoalResponse]:
-        """Return the function that rejects malformed goals of an action."""
-        def check(request: Any) -> GoalResponse:
-            try:
-                self._goal(action, request, self._session.driver.goals)
-            except Malformed as error:
-                self._node.get_logger().warning(f'{action.name} rejected: {error}')
-                return GoalResponse.REJECT
-            return GoalResponse.ACCEPT
-        return check
+    def _check(self, action: Action, request: Any) -> GoalResponse:
+        """Reject malformed goals of an action."""
+        try:
+            self._make(action, request)
+        except ValueError as error:
+            self._node.get_logger().warning(f'{action.name} rejected: {error}')
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
 
-    def _goal(self, action: Action, request: Any, stopping: StoppingModels) -> Goal:
+    def _make(self, action: Action, request: Any) -> Any:
         if action.type is NavigateToPosition:
             frame = request.goal_pose.header.frame_id
             if frame not in ('', self._odom_frame):
                 raise Malformed(f'goal_pose is in frame {frame!r}; allowed: {self._odom_frame!r}, '
                                 'odom_frame, or none')
-        return action.goal(request, stopping)
+        return action.make(request, self._session.driver.goals)
 
-    def _execute(self, action: Action) -> Callable[[ServerGoalHandle], Any]:
-        """Return the coroutine that pursues a goal of an action."""
-        async def execute(handle: ServerGoalHandle) -> Any:
-            with self._session.request() as (driver, now):
-                running = driver.goals.start(
-                    self._goal(action, handle.request, driver.goals), now)
-                self._pursued = Pursued(action, handle, running, action.type.Feedback(),
-                                        ClientWatch(self._node, action.name))
-                if handle.is_cancel_requested:
-                    driver.goals.cancel(running, now)
-                ended = future_of(running, self._node)
-            return self._result(action, handle, await ended)
-        return execute
+    async def _execute(self, action: Action, handle: ServerGoalHandle) -> Any:
+        """Pursue a goal of an action."""
+        made = self._make(action, handle.request)
+        with self._session.request() as (driver, now):
+            pursuit = action.start(driver, made, now)
+            pursued = Pursued(handle, pursuit, self._node.resolve_service_name(
+                f'{action.name}/_action/send_goal'))
+            self._pursued.append(pursued)
+            if handle.is_cancel_requested:
+                pursuit.cancel(driver, now)
+            ended = future_of(pursuit.awaited, self._node)
+        await ended
+        self._pursued.remove(pursued)
+        result = action.type.Result()
+        if hasattr(result, 'pose'):
+            stamp = messages.time(self._stamps.newest or 0)  # the frame's, so that tf2 knows it
+            result.pose.header = messages.header(self._odom_frame, stamp)
+        succeeded, line = pursuit.fill(result)
+        self._node.get_logger().info(line)
+        if succeeded:
+            handle.succeed()
+        elif handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        return result
 
     def _drive_to(self, pose: PoseStamped) -> None:
         """Pursue a goal of which only the place is sent; the log says how it ends."""
         action, = (each for each in ACTIONS if each.type is NavigateToPosition)
         log = self._node.get_logger()
         try:
-            goal = self._goal(action, NavigateToPosition.Goal(
-                goal_pose=pose, achieve_goal_heading=True), self._session.driver.goals)
+            goal = self._make(action, NavigateToPosition.Goal(
+                goal_pose=pose, achieve_goal_heading=True))
         except Malformed as error:
             log.warning(f'{GOAL_POSE} rejected: {error}')
             return
@@ -296,46 +424,25 @@ class Actions:
         running.then(lambda ending: log.info(f'{GOAL_POSE}: {ending.text}'))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
-        pursued = self._pursued
-        if pursued is not None and pursued.handle is handle:
-            with self._session.request() as (driver, now):
-                driver.goals.cancel(pursued.running, now)
+        for each in self._pursued:
+            if each.handle is handle:
+                with self._session.request() as (driver, now):
+                    each.pursuit.cancel(driver, now)
         return CancelResponse.ACCEPT
 
-    def _result(self, action: Action, handle: ServerGoalHandle, ending: Ending) -> Any:
-        if self._pursued is not None and self._pursued.handle is handle:
-            self._pursued = None
-        how = 'succeeded' if ending.code is Code.NONE else f'ended, {ending.code.name}'
-        self._node.get_logger().info(f'{action.name} {how}: {ending.text}')
-        if ending.code is Code.NONE:
-            handle.succeed()
-        elif handle.is_cancel_requested:
-            handle.canceled()
-        else:
-            handle.abort()
-        result = action.type.Result()
-        stamp = messages.time(self._stamps.newest or 0)  # the frame's, so that tf2 knows it
-        result.pose = PoseStamped(header=messages.header(self._odom_frame, stamp))
-        fill_result(result, ending)
-        return result
-
-    def check_client(self) -> None:
-        """End the goal whose client has gone; called once a second."""
-        pursued = self._pursued
-        if pursued is None:
-            return
-        if pursued.client.lost():
-            with self._session.request() as (driver, now):
-                driver.goals.cancel(pursued.running, now, CLIENT_GONE)
+    def check_clients(self) -> None:
+        """End what nobody waits for any more; called once a second."""
+        for each in self._pursued:
+            each.unheard = 0 if self._node.count_clients(each.service) else each.unheard + 1
+            if each.unheard >= CLIENT_LOST_CHECKS:
+                with self._session.request() as (driver, now):
+                    each.pursuit.cancel(driver, now, gone=True)
 
     # On the session's thread.
 
     def report(self) -> None:
-        """Publish feedback of the goal that runs; called in every frame."""
-        pursued = self._pursued
-        if pursued is None or pursued.running.ending is not None:
-            return
-        pursued.frames += 1
-        if pursued.frames % FEEDBACK_EVERY == 0:
-            pursued.action.feedback(pursued.feedback, pursued.running.progress)
-            pursued.handle.publish_feedback(pursued.feedback)
+        """Publish feedback of what is under way; called in every frame."""
+        for each in tuple(self._pursued):
+            feedback = None if each.pursuit.awaited.result else each.pursuit.news()
+            if feedback is not None:
+                each.handle.publish_feedback(feedback)

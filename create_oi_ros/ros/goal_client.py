@@ -23,7 +23,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import ok
 
-from .performances import ALL_ACTIONS, malformed
+from .actions import ALL_ACTIONS, malformed
 from .process import end_in_time
 from .programs import INTERRUPTED
 from .waiting import waits_for

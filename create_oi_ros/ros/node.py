@@ -33,10 +33,9 @@ from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameters, topics
-from .actions import Actions
+from .actions import Actions, ALL_ACTIONS
 from .graph_watch import GraphWatch
 from .odometry_model import ModelKeeper
-from .performances import ALL_ACTIONS, Performances
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import CLOCK_WARNING_INTERVAL, ContactCloud, FramePublisher, publisher
 from .services import SERVICES, Services
@@ -88,7 +87,6 @@ class CreateNode(Node):
         self._declare_topics()
         Services(self, self.session, self.model)  # the node keeps it, by its callbacks
         self._actions = Actions(self, self.session, self.parameters, self._stamps)
-        self._performances = Performances(self, self.session)
         self._counts = LinkCounts()
         self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())
         self._timer = self.create_timer(  # it does not wait for a simulated clock
@@ -172,7 +170,6 @@ class CreateNode(Node):
                 if stamp is not None:
                     self._contacts.publish(event, stamp, self.parameters)
                 self._actions.report()
-                self._performances.report()
             case ModeChanged():
                 self._publish_mode(event.status)
             case Notice():
@@ -189,8 +186,7 @@ class CreateNode(Node):
     def _watch_and_report(self) -> None:
         """Look for mistakes in the graph and for lost clients; publish the diagnostics."""
         self._graph.check()
-        self._actions.check_client()
-        self._performances.check_client()
+        self._actions.check_clients()
         self._check_time()
         if self._diagnostics.get_subscription_count() and self._stamps.now() is not None:
             self._publish_diagnostics()

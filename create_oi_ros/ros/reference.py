@@ -17,8 +17,8 @@ from textwrap import wrap
 from typing import Any
 
 from ..oi.tools import markdown
+from .actions import ALL_ACTIONS
 from .parameters import Parameters
-from .performances import ALL_ACTIONS
 from .services import SERVICES
 from .topics import PUBLISHED, type_name
 

@@ -20,7 +20,7 @@ from create_oi_ros.apps.web.page_messages import (
     TYPES,
 )
 from create_oi_ros.robot import TOP_SPEED
-from create_oi_ros.ros.performances import ALL_ACTIONS
+from create_oi_ros.ros.actions import ALL_ACTIONS
 
 GOOD = {
     'drive': {'linear': 0.1, 'angular': -1, 'seen': 12.5},

@@ -24,8 +24,7 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 from create_oi_ros.driver.goals import Code
-from create_oi_ros.ros.actions import ACTIONS
-from create_oi_ros.ros.performances import ALL_ACTIONS
+from create_oi_ros.ros.actions import ACTIONS, ALL_ACTIONS
 from create_oi_ros.sim.world import parse
 from support.actions import Client
 from support.ros import Ready

@@ -23,8 +23,8 @@ from rclpy.task import Future
 
 from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.web_node import WebNode
+from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.node import CreateNode
-from create_oi_ros.ros.performances import ALL_ACTIONS
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.ros import Listener, scene, TIMEOUT

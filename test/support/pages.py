@@ -13,8 +13,8 @@ from create_oi_msgs import msg as our_messages
 from geometry_msgs.msg import Twist, TwistStamped
 import yaml
 
+from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.parameters import Parameters
-from create_oi_ros.ros.performances import ALL_ACTIONS
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import PUBLISHED

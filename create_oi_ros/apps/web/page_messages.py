@@ -14,7 +14,7 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from ...robot import TOP_SPEED
-from ...ros.performances import ALL_ACTIONS, malformed
+from ...ros.actions import ALL_ACTIONS, malformed
 from ...ros.services import SERVICES
 from .driver_seat import TOP_TURN
 

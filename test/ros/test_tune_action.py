@@ -6,7 +6,7 @@ from action_msgs.msg import GoalStatus
 from create_oi_msgs.action import AudioNoteSequence, DriveDistance
 import pytest
 
-from create_oi_ros.ros.performances import malformed
+from create_oi_ros.ros.actions import malformed
 from support.actions import Client
 
 RING_TONE = f'scale:d=16,o=5,b=180:{",".join(4 * "c c# d d# e f f# g g# a a#".split())}'
