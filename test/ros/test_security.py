@@ -21,10 +21,12 @@ import pytest
 import rclpy
 from rclpy.task import Future
 
+from create_oi_ros.apps.lidar import LidarNode
 from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.web_node import WebNode
 from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.node import CreateNode
+from create_oi_ros.ros.recorder import Recorder
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from support.ros import Listener, scene, TIMEOUT
@@ -80,11 +82,13 @@ def full(names: list[str]) -> set[str]:
 
 
 @pytest.fixture(scope='module')
-def node():
-    """Return the node, in a domain of its own, with a page that has discovered it."""
+def node(tmp_path_factory):
+    """Return the node, in a domain of its own, with a page that knows it, and what they start."""
     with domain_coordinator.domain_id() as domain:
         rclpy.init(args=[], domain_id=domain)
         made, web = CreateNode(Future()), WebNode(LiveRobot())
+        lidar, record = LidarNode('laser', 'base_footprint'), rclpy.create_node('create_record')
+        recorder = Recorder(record, tmp_path_factory.mktemp('bags') / 'bag')
         for action in ALL_ACTIONS:
             web.action_client(action.name)  # as a page that has sent every goal
         deadline = time.monotonic() + TIMEOUT
@@ -93,7 +97,9 @@ def node():
             web.velocity.find_driver(time.monotonic())
         web.velocity.publish(0.0, 0.0)
         yield made
-        web.destroy_node()
+        recorder.close()
+        for each in web, lidar, record:
+            each.destroy_node()
         made.stop()
         made.destroy_node()
         rclpy.shutdown()
@@ -106,7 +112,8 @@ def node():
     ('request', 'get_client_names_and_types_by_node'),
 ])
 @pytest.mark.parametrize(('enclave', 'name'), [
-    ('/create', 'create'), ('/create', 'create_cmd_vel'), ('/web', 'create_web')])
+    ('/create', 'create'), ('/create', 'create_cmd_vel'), ('/create', 'create_lidar'),
+    ('/web', 'create_web'), ('/web', 'create_record')])
 def test_a_node_may_do_what_it_does_and_no_more(node, enclave, name, what, ask):
     used = {each for each, _ in getattr(node, ask)(name, '/')}
     assert allowed(enclave, what, name) | allowed_by_actions(enclave, what, name) == used

@@ -116,6 +116,7 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog='create_run', description=__doc__,
         usage='create_run [--port PORT | --world WORLD] [--lidar] [--capture FILE] [--host HOST]\n'
+              '                  [--token-file FILE]\n'
               '                  [--ros-args -p NAME:=VALUE --params-file FILE -r FROM:=TO ...]',
         epilog='create_node --help lists the parameters')
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
@@ -129,13 +130,15 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--host', help=(
         'address on which the web page is served (default: 127.0.0.1, this computer only); '
         '0.0.0.0: also for telephones in your network, with a token'))
+    parser.add_argument('--token-file', metavar='FILE', help=(
+        'keep the token of the web page in FILE, so that it lasts'))
     plain, ros = split(given)
     options, unknown = parser.parse_known_args(plain)
     if unknown:
         parser.error(refusal(unknown))
     for name, value in vars(options).items():
         if value == '':
-            parser.error(f'--{name} is empty: give a value, or leave it out')
+            parser.error(f'--{name.replace("_", "-")} is empty: give a value, or leave it out')
     if options.port is not None and options.world is not None:
         parser.error('--port is for a real robot and --world for a simulated one: give one of '
                      'them')
@@ -149,6 +152,7 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
 
 def _start(children: Children, port: str, options: argparse.Namespace) -> None:
     page = [] if options.host is None else ['--host', options.host]
+    page += [] if options.token_file is None else ['--token-file', options.token_file]
     if options.port is None:
         control = f'{port}.control'
         children.start('create_sim', '--link', port, '--world', options.world or WORLD,
