@@ -10,8 +10,7 @@ import time
 import pytest
 
 from create_oi_ros.apps.check.moves import duration, Move, Reads, Segment, STEPS
-from create_oi_ros.apps.check.notebook import Notebook
-from create_oi_ros.apps.check.runner import Runner
+from create_oi_ros.apps.check.runner import Notebook, Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_wheels
 from create_oi_ros.odometry import Knowledge, Rounding, SignSource
 from create_oi_ros.ros.odometry_model import parsed, text_of

@@ -6,10 +6,8 @@ from math import degrees
 
 import pytest
 
-from create_oi_ros.apps.check.notebook import Notebook
-from create_oi_ros.apps.check.questions import Person
-from create_oi_ros.apps.check.runner import Runner
-from create_oi_ros.apps.check.tape_measure import by_tape, in_lines
+from create_oi_ros.apps.check.questions import by_tape, in_lines, Person
+from create_oi_ros.apps.check.runner import Notebook, Runner
 from support.loop import Loop
 
 

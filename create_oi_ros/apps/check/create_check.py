@@ -20,9 +20,17 @@ from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
 from ...ros.programs import INTERRUPTED, UserError
 from .moves import CheckStep, duration, Move, Reads, Segment, STEPS
-from .questions import about_banner, about_dock, about_leds, Person, progress, tell
+from .questions import (
+    about_banner,
+    about_dock,
+    about_leds,
+    by_tape,
+    in_lines,
+    Person,
+    progress,
+    tell,
+)
 from .robot_line import RobotLine
-from .tape_measure import by_tape, in_lines
 from .verdict import as_mapping, Finding, lines, of_wheels
 
 INTRODUCTION = """\

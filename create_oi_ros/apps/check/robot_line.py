@@ -15,8 +15,7 @@ from ...link.session import Session
 from ...oi.tools.capture_format import RecordKind
 from ...ros.programs import UserError
 from .moves import Move
-from .notebook import Notebook
-from .runner import Runner
+from .runner import Notebook, Runner
 
 TURN = 0.02
 """Seconds between two looks."""
@@ -93,7 +92,7 @@ class RobotLine:
 
     def wait_for_robot(self) -> None:
         """Wait until the robot answers; UserError: it does not."""
-        if not self.until(lambda health: health.answered and bool(self.notebook.frames), ANSWER):
+        if not self.until(lambda health: health.answered and bool(self.notebook.seconds), ANSWER):
             raise UserError(f'no robot answers at {self.session.url} within {ANSWER:.0f} s: is it '
                             'switched on, and the cable in?')
 
