@@ -1,23 +1,25 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Goals for programs of a few lines: send one, wait or look after it, get its result.
+Goals and services for programs of a few lines: send one, wait or look after it, get its result.
 
 Ctrl-C cancels the goal that runs, and ends the program with one line. So rclpy must not handle
 signals: it would shut ROS down before the cancel is sent. Nor may one interrupt rclpy, which might
 not receive anything afterwards: while rclpy runs, the handler only notes it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from numbers import Integral, Real
 import signal
 import sys
 from threading import current_thread, main_thread
+import time
 from types import FrameType, TracebackType
 from typing import Any
 
 import rclpy
 from rclpy.action.client import ActionClient
+from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -26,12 +28,13 @@ from rclpy.utilities import ok
 from .actions import ALL_ACTIONS, malformed
 from .process import end_in_time
 from .programs import INTERRUPTED
+from .services import SERVICES
 from .waiting import waits_for
 
 DISCOVERY_TIMEOUT = 10.0
 """Seconds in which a driver must be found."""
-LOOK_FOR_DRIVER = 1.0
-"""Seconds of waiting for it before a look at what to say."""
+ANSWER_TIMEOUT = 10.0
+"""Seconds in which it must answer a call of a service."""
 LOOK_EVERY = 0.1
 """Seconds after which a wait looks whether a signal has come."""
 CANCEL_WAIT = 2.0
@@ -39,10 +42,11 @@ CANCEL_WAIT = 2.0
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Ctrl-C, and signals that do what it does."""
 TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
+SERVICE_TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 
 
 class GoalFailed(SystemExit):
-    """A goal that was not reached; unless it is caught, the program ends with its one line."""
+    """A goal or a call that failed; unless it is caught, the program ends with its one line."""
 
 
 def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
@@ -112,10 +116,11 @@ _interrupts = _Interrupts()
 
 class GoalClient:
     """
-    A ROS node that sends goals to the driver, one after the other.
+    A ROS node that sends goals to the driver, one after the other, and calls its services.
 
         with GoalClient() as robot:
             robot.do('drive_distance', distance=0.3)
+            robot.call('set_leds', play=True)
 
             robot.start('rotate_angle', angle=6.28)
             while not robot.is_complete():
@@ -129,6 +134,7 @@ class GoalClient:
         """Take the name of the node, and the namespace of the robot."""
         self._name, self._namespace = name, namespace
         self._clients: dict[str, ActionClient] = {}
+        self._services: dict[str, Client] = {}
         self._owner = False
         self._goal = ''
         self._sent: Future | None = None
@@ -177,13 +183,13 @@ class GoalClient:
         request = filled(TYPES[name].Goal(check_fields=True), goal, name)
         if name not in self._clients:
             self._clients[name] = ActionClient(self.node, TYPES[name], name)
-        self._find(name, self._clients[name])
+        self._find(name, f'the action {name}', self._clients[name].server_is_ready)
         self._goal, self.feedback, self._awaited = name, None, None
         self._sent = self._clients[name].send_goal_async(
             request, lambda message: setattr(self, 'feedback', message.feedback))
         try:
             while not self._sent.done():
-                _interrupts.spin_once(self.node, LOOK_EVERY)
+                self._spin()
         except KeyboardInterrupt:
             self._cancel_running()
             raise
@@ -197,7 +203,7 @@ class GoalClient:
     def is_complete(self) -> bool:
         """Receive for a tenth of a second; return whether the goal has ended."""
         if self._awaited is not None and not self._awaited.done():
-            _interrupts.spin_once(self.node, LOOK_EVERY)
+            self._spin()
         return self._awaited is None or self._awaited.done()
 
     def result(self) -> Any:
@@ -216,18 +222,40 @@ class GoalClient:
         if self._awaited is not None and self._awaited.result().result.success:
             raise KeyboardInterrupt  # too late to cancel this one
 
-    def _find(self, name: str, client: ActionClient) -> None:
+    def call(self, name: str, **fields: Any) -> Any:
+        """Call the service with this name; return its reply, or raise GoalFailed."""
+        if name not in SERVICE_TYPES:
+            raise GoalFailed(f'no service {name!r}; there are {", ".join(SERVICE_TYPES)}')
+        request = filled(SERVICE_TYPES[name].Request(check_fields=True), fields, name)
+        if name not in self._services:
+            self._services[name] = self.node.create_client(SERVICE_TYPES[name], name)
+        self._find(name, f'the service {name}', self._services[name].service_is_ready)
+        answer, until = self._services[name].call_async(request), time.monotonic() + ANSWER_TIMEOUT
+        while not answer.done():
+            if time.monotonic() > until:
+                raise GoalFailed(f'{name}: the driver does not answer')
+            self._spin()
+        if not answer.result().success:
+            raise GoalFailed(f'{name}: {answer.result().message}')
+        return answer.result()
+
+    def _spin(self) -> None:
+        """Receive for a while; KeyboardInterrupt: a signal came."""
+        _interrupts.spin_once(self.node, LOOK_EVERY)
+
+    def _find(self, name: str, what: str, ready: Callable[[], bool]) -> None:
         """Wait for the driver, and say so; GoalFailed: there is none."""
-        waited, said = 0.0, False
-        while not client.wait_for_server(LOOK_FOR_DRIVER):
-            waited += LOOK_FOR_DRIVER
-            why = waits_for(self.node, f'the action {name}', waited)
+        began, said = time.monotonic(), False
+        while not ready():
+            waited = time.monotonic() - began
             if waited >= DISCOVERY_TIMEOUT:
                 domain = self.node.context.get_domain_id()
                 raise GoalFailed(f'{name}: no driver was found in ROS domain {domain}')
-            if why is not None and not said:
+            why = None if said else waits_for(self.node, what, waited)
+            if why is not None:
                 said = True
                 print(f'{self._name}: {why}', file=sys.stderr, flush=True)
+            self._spin()
 
     def _cancel_running(self) -> bool:
         """Cancel a goal that was sent and has not ended; return whether it has ended now."""

@@ -18,6 +18,7 @@ import rclpy
 from rclpy.node import Node
 
 from ...ros.bags import missing
+from ...ros.goal_client import GoalFailed
 from ...ros.graph_watch import names_of_publishers
 from ...ros.process import call_on_signal, Children, ros_executor, start
 from ...ros.programs import check_environment, INTERRUPTED
@@ -93,7 +94,7 @@ def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[
 
 
 def record(steps: Sequence[TourStep], bag: Path, stop: threading.Event) -> None:
-    """Start a simulated robot and its node, and record the tour; TourError, Stopped: cut short."""
+    """Start a simulated robot and its node, and record the tour; GoalFailed, Stopped: cut."""
     children = Children()
     with ExitStack() as stack:
         port = f'{stack.enter_context(run_folder())}/create'
@@ -143,7 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.folder.mkdir(parents=True)
     try:
         record(SHORT if options.short else TOUR, options.folder / BAG, stop)
-    except TourError as error:
+    except GoalFailed as error:
         say(f'the tour ends here: {error}')
         code = 1
     except Stopped:

@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Drives a robot by its topics and services, and waits for what it reports."""
+"""Drives a robot by its goals, services and velocities, and waits for what it reports."""
 
 from __future__ import annotations
 
@@ -13,12 +13,11 @@ from create_oi_msgs.msg import Bumper, Mode, Song
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
 from nav_msgs.msg import Odometry
-from rclpy.action.client import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from ...driver import MotionLimits
-from ...ros.actions import ACTIONS
+from ...ros.goal_client import GoalClient, GoalFailed
 from ...ros.messages import yaw_of
 from ...ros.topics import CMD_VEL, LATCHED
 
@@ -30,13 +29,11 @@ BRAKING = min(2.5, MotionLimits.angular_acceleration / SPIRAL_TURN)
 """Turning speed, rad/s, for each radian left to turn: braking stays within the driver's limits."""
 SLOWEST = 0.2
 """Turning speed at least, rad/s."""
-GOAL_TIMEOUT = 60.0
-"""Seconds in which any goal ends: the driver's own time limits are shorter."""
 STANDING = 0.01
 """m/s; a slower robot stands."""
 
 
-class TourError(Exception):
+class TourError(GoalFailed):
     """Something that the tour waits for did not happen; the message says what."""
 
 
@@ -44,16 +41,18 @@ class Stopped(Exception):
     """A signal has ended the tour."""
 
 
-class Pilot:
+class Pilot(GoalClient):
     """Drives the robot; each method returns when its motion is complete."""
 
     def __init__(
         self, node: Node, executor: SingleThreadedExecutor, check: Callable[[], None],
     ) -> None:
         """`check` is called while waiting, and may raise to end the tour."""
-        self._node, self._executor, self._check = node, executor, check
+        super().__init__()
+        self.node, self._executor, self._check = node, executor, check
         self._velocity = node.create_publisher(Twist, CMD_VEL, 1)
         self._commanded: Twist | None = None
+        self._steer: Callable[[], None] = lambda: None
         self._next = 0.0
         self.sent = 0
         """Commands published."""
@@ -111,18 +110,22 @@ class Pilot:
         steer: Callable[[], None] = lambda: None,
     ) -> None:
         """Wait for a condition, steering meanwhile; TourError: it did not come in time."""
-        deadline = time.monotonic() + seconds
+        deadline, self._steer = time.monotonic() + seconds, steer
         while not happened():
-            self._check()
             if time.monotonic() > deadline:
                 self.release()
                 raise TourError(f'{what} did not happen within {seconds:.0f} s')
-            self._executor.spin_once(timeout_sec=PERIOD / 2)
-            if time.monotonic() >= self._next:
-                self._next = time.monotonic() + PERIOD
-                steer()
-                if self._commanded is not None:
-                    self._publish(self._commanded)
+            self._spin()
+
+    def _spin(self) -> None:
+        """Receive, and send the velocity that is set when it is time."""
+        self._check()
+        self._executor.spin_once(timeout_sec=PERIOD / 2)
+        if time.monotonic() >= self._next:
+            self._next = time.monotonic() + PERIOD
+            self._steer()
+            if self._commanded is not None:
+                self._publish(self._commanded)
 
     def command(self, speed: float, turn: float) -> None:
         """Set the velocity to send from now on, m/s and rad/s."""
@@ -142,49 +145,19 @@ class Pilot:
         self.command(0.0, 0.0)
         self.until(lambda: self.standing, 'the robot stands', 3.0)
 
-    def call(self, type_: type, name: str, **fields: Any) -> str:
-        """Call a service and return its message; TourError: it was refused."""
-        client = self._node.create_client(type_, name)
-        self.until(client.service_is_ready, f'service {name} is offered')
-        future = client.call_async(type_.Request(**fields))  # type: ignore[attr-defined]
-        self.until(future.done, f'service {name} answers')
-        self._node.destroy_client(client)
-        reply = future.result()
-        if not reply.success:
-            raise TourError(f'{name}: {reply.message}')
-        return str(reply.message)
-
-    def pursue(self, name: str, **fields: Any) -> None:
-        """Send a goal to the driver and wait until it is reached; TourError: it was not."""
-        self._commanded = None  # a velocity command would take over
-        action, = (each.type for each in ACTIONS if each.name == name)
-        client = ActionClient(self._node, action, name)
-        try:
-            self.until(client.server_is_ready, f'action {name} is offered')
-            sent = client.send_goal_async(action.Goal(**fields))
-            self.until(sent.done, f'action {name} takes the goal')
-            if not sent.result().accepted:
-                raise TourError(f'{name}: rejected as malformed')
-            ended = sent.result().get_result_async()
-            self.until(ended.done, f'{name} ends', GOAL_TIMEOUT)
-        finally:
-            client.destroy()
-        result = ended.result().result
-        if not result.success:
-            raise TourError(f'{name}: {result.message}')
+    def start(self, name: str, **goal: Any) -> None:
+        """Send a goal instead of velocities, which would take over."""
+        self._commanded, self._steer = None, lambda: None
+        super().start(name, **goal)
 
     def turn_to(self, yaw: float) -> None:
         """Turn in place to a heading, the short way."""
-        self.pursue('rotate_angle', angle=remainder(yaw - self.yaw, tau))
+        self.do('rotate_angle', angle=remainder(yaw - self.yaw, tau))
 
     def go_to(self, x: float, y: float) -> None:
-        """Turn towards a point and drive there; TourError: an obstacle is in the way."""
+        """Turn towards a point and drive there; GoalFailed: an obstacle is in the way."""
         place = Pose(position=Point(x=x, y=y))
-        self.pursue('navigate_to_position', goal_pose=PoseStamped(pose=place))
-
-    def back(self, distance: float) -> None:
-        """Drive straight backwards."""
-        self.pursue('drive_distance', distance=-distance)
+        self.do('navigate_to_position', goal_pose=PoseStamped(pose=place))
 
     def spiral(self, turns: float, inner: float, outer: float) -> None:
         """Drive a clockwise spiral from an inner to an outer radius, metres."""

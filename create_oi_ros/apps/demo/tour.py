@@ -9,7 +9,6 @@ from math import dist, pi
 from typing import NamedTuple
 
 from create_oi_msgs.msg import Mode
-from create_oi_msgs.srv import DefineSong, PlaySong, SetLeds, SetMode
 
 from .pilot import Pilot, TourError
 
@@ -44,10 +43,10 @@ def hello(pilot: Pilot) -> None:
     """Wait for the robot, store two songs, play one."""
     pilot.until(lambda: pilot.odom is not None and pilot.mode.mode == Mode.SAFE,
                 'the robot answers and is in Safe', 30.0)
-    pilot.call(SetLeds, 'set_leds', play=True, power_color=GREEN, power_intensity=255)
-    pilot.call(DefineSong, 'define_song', number=GOODBYE, pitches=[79, 76, 72],
+    pilot.call('set_leds', play=True, power_color=GREEN, power_intensity=255)
+    pilot.call('define_song', number=GOODBYE, pitches=[79, 76, 72],
                seconds=[0.25, 0.25, 0.5])
-    pilot.call(DefineSong, 'define_song', number=HELLO, pitches=[72, 76, 79, 84],
+    pilot.call('define_song', number=HELLO, pitches=[72, 76, 79, 84],
                seconds=[0.2, 0.2, 0.2, 0.4], play=True)
     song_ends(pilot)
 
@@ -67,7 +66,7 @@ def square(pilot: Pilot) -> None:
 
 def spiral(pilot: Pilot) -> None:
     """Drive a spiral."""
-    pilot.call(SetLeds, 'set_leds', advance=True, power_color=ORANGE, power_intensity=255)
+    pilot.call('set_leds', advance=True, power_color=ORANGE, power_intensity=255)
     pilot.spiral(3.0, 0.08, 0.4)
 
 
@@ -78,12 +77,12 @@ def bump_and_turn(pilot: Pilot) -> None:
         pilot.turn_to(heading)
         pilot.command(0.2, 0.0)
         pilot.until(lambda: pilot.bumped, 'a bump into a wall', 20.0)
-        pilot.back(0.2)
+        pilot.do('drive_distance', distance=-0.2)
 
 
 def to_the_hall(pilot: Pilot) -> None:
     """Drive through two doors."""
-    pilot.call(SetLeds, 'set_leds', play=True, advance=True, power_color=GREEN,
+    pilot.call('set_leds', play=True, advance=True, power_color=GREEN,
                power_intensity=128)
     for x, y in DOORS:
         pilot.go_to(x, y)
@@ -101,13 +100,13 @@ def cliff(pilot: Pilot) -> None:
                 'the diagnostics warn of Passive')
     # The robot rolls on a little: where a wheel hangs over the edge, it refuses Safe, and the
     # driver refuses goals, but not velocities.
-    pilot.call(SetMode, 'set_mode', mode=Mode.FULL)
+    pilot.call('set_mode', mode=Mode.FULL)
     edge = pilot.place
     pilot.command(-BACK_SPEED, 0.0)
     pilot.until(lambda: dist(edge, pilot.place) > 0.4, 'the robot backs off', EDGE_TIMEOUT)
     pilot.stop()
     pilot.release()
-    pilot.call(SetMode, 'set_mode', mode=Mode.SAFE)
+    pilot.call('set_mode', mode=Mode.SAFE)
     if pilot.mode.mode != Mode.SAFE:
         raise TourError('the robot did not stay in Safe')
 
@@ -115,8 +114,8 @@ def cliff(pilot: Pilot) -> None:
 def goodbye(pilot: Pilot) -> None:
     """Turn round, play the other song, and release the wheels."""
     pilot.turn_to(pi)
-    pilot.call(SetLeds, 'set_leds', power_color=RED, power_intensity=60)
-    pilot.call(PlaySong, 'play_song', number=GOODBYE)
+    pilot.call('set_leds', power_color=RED, power_intensity=60)
+    pilot.call('play_song', number=GOODBYE)
     song_ends(pilot)
     pilot.release()
 
