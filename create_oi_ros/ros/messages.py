@@ -7,6 +7,7 @@ Units are SI here; nowhere else are they converted. A message that is published 
 by `empty...`; a function returns the values of its fields that change, by their paths in it.
 """
 
+from collections.abc import Callable
 from math import atan2, cos, nan, remainder, sin, tau
 from typing import Any
 
@@ -137,19 +138,28 @@ def joint_states(estimate: Estimate) -> Values:
         'velocity[0]': estimate.left_wheel_speed, 'velocity[1]': estimate.right_wheel_speed}
 
 
-def bumper(readings: Readings) -> Values:
-    """Return the bumper's two halves (packet 7)."""
-    bits = readings.bumps_and_wheel_drops
-    return {'left': BumpsAndWheelDrops.BUMP_LEFT in bits,
-            'right': BumpsAndWheelDrops.BUMP_RIGHT in bits}
+def flags(field: str, **bits: int) -> Callable[[Readings], Values]:
+    """Return a function from readings to flags: which bits of a field are set."""
+    numbers = {name: int(bit) for name, bit in bits.items()}
+    return lambda readings: {
+        name: readings.number(field, 0) & bit != 0 for name, bit in numbers.items()}
 
 
-def wheel_drop(readings: Readings) -> Values:
-    """Return the wheel drop sensors (packet 7)."""
-    bits = readings.bumps_and_wheel_drops
-    return {'left': BumpsAndWheelDrops.WHEEL_DROP_LEFT in bits,
-            'right': BumpsAndWheelDrops.WHEEL_DROP_RIGHT in bits,
-            'caster': BumpsAndWheelDrops.WHEEL_DROP_CASTER in bits}
+bumper = flags('bumps_and_wheel_drops', left=BumpsAndWheelDrops.BUMP_LEFT,
+               right=BumpsAndWheelDrops.BUMP_RIGHT)
+wheel_drop = flags('bumps_and_wheel_drops', left=BumpsAndWheelDrops.WHEEL_DROP_LEFT,
+                   right=BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
+                   caster=BumpsAndWheelDrops.WHEEL_DROP_CASTER)
+buttons = flags('buttons', play=oi.Buttons.PLAY, advance=oi.Buttons.ADVANCE)
+overcurrent = flags('overcurrents', left_wheel=Overcurrents.LEFT_WHEEL,
+                    right_wheel=Overcurrents.RIGHT_WHEEL, driver_0=Overcurrents.DRIVER_0,
+                    driver_1=Overcurrents.DRIVER_1, driver_2=Overcurrents.DRIVER_2)
+digital_inputs = flags('digital_inputs', input_0=DigitalInputs.INPUT_0,
+                       input_1=DigitalInputs.INPUT_1, input_2=DigitalInputs.INPUT_2,
+                       input_3=DigitalInputs.INPUT_3,
+                       baud_rate_pin=DigitalInputs.BAUD_RATE_CHANGE)
+charging_sources = flags('charging_sources', home_base=ChargingSources.HOME_BASE,
+                         internal_charger=ChargingSources.INTERNAL_CHARGER)
 
 
 def known_signal(strength: int | None) -> int:
@@ -242,12 +252,6 @@ def wall(readings: Readings) -> Values:
             'signal': known_signal(readings.wall_signal)}
 
 
-def buttons(readings: Readings) -> Values:
-    """Return which buttons are pressed (packet 18)."""
-    return {'play': oi.Buttons.PLAY in readings.buttons,
-            'advance': oi.Buttons.ADVANCE in readings.buttons}
-
-
 def ir_omni(readings: Readings) -> Values:
     """Return the infrared character and its name (packet 17)."""
     character = readings.infrared
@@ -257,19 +261,7 @@ def ir_omni(readings: Readings) -> Values:
 
 def charging(readings: Readings) -> Values:
     """Return the charging state and the sources (packets 21 and 34)."""
-    sources = readings.charging_sources
-    return {'state': readings.number('charging_state', UNKNOWN_CODE),
-            'internal_charger': ChargingSources.INTERNAL_CHARGER in sources,
-            'home_base': ChargingSources.HOME_BASE in sources}
-
-
-def overcurrent(readings: Readings) -> Values:
-    """Return which wheels and drivers draw too much current (packet 14)."""
-    bits = readings.overcurrents
-    return {'left_wheel': Overcurrents.LEFT_WHEEL in bits,
-            'right_wheel': Overcurrents.RIGHT_WHEEL in bits,
-            'driver_0': Overcurrents.DRIVER_0 in bits, 'driver_1': Overcurrents.DRIVER_1 in bits,
-            'driver_2': Overcurrents.DRIVER_2 in bits}
+    return {'state': readings.number('charging_state', UNKNOWN_CODE), **charging_sources(readings)}
 
 
 def song(readings: Readings) -> Values:
@@ -280,11 +272,7 @@ def song(readings: Readings) -> Values:
 
 def cargo_bay(readings: Readings) -> Values:
     """Return the inputs of the cargo bay connector (packets 32 and 33)."""
-    bits = readings.digital_inputs
-    return {'input_0': DigitalInputs.INPUT_0 in bits, 'input_1': DigitalInputs.INPUT_1 in bits,
-            'input_2': DigitalInputs.INPUT_2 in bits, 'input_3': DigitalInputs.INPUT_3 in bits,
-            'baud_rate_pin': DigitalInputs.BAUD_RATE_CHANGE in bits,
-            'analog': readings.analog_volts}
+    return {**digital_inputs(readings), 'analog': readings.analog_volts}
 
 
 def age(stamp: Time, nanoseconds: int) -> float:
