@@ -46,7 +46,7 @@ def stage(tmp_path_factory):
 def pilot(stage):
     """Return a pilot, once the robot answers."""
     made = Pilot(stage.ros.node, stage.ros._executor, lambda: None)
-    made.until(lambda: made.odom and made.mode.mode == Mode.SAFE, 'the robot answers', 30.0)
+    made.until(lambda: made.odom and made.mode == Mode.SAFE, 'the robot answers', 30.0)
     return made
 
 
@@ -72,7 +72,7 @@ def test_the_robot_comes_back_from_the_stairs(pilot, stage):
     robot = stage.hero
     robot.soon(lambda: robot.body.place(STAIRS_AHEAD))
     tour.cliff(pilot)
-    assert pilot.mode.mode == Mode.SAFE
+    assert pilot.mode == Mode.SAFE
     assert not robot.body.sense().drop_caster and not robot.body.sense().cliff_front_left
 
 

@@ -27,9 +27,9 @@ def driving(x: float = 1.0, yaw: float = 0.0) -> RobotStatus:
     odom.twist.twist.linear.x = 0.2
     rotation = odom.pose.pose.orientation
     rotation.z, rotation.w = of_yaw(yaw)
-    status.on_odom(odom)
-    status.on_mode(Mode(mode=Mode.SAFE, wanted=Mode.SAFE))
-    status.on_battery(BatteryState(percentage=0.9))
+    status.take(odom)
+    status.take(Mode(mode=Mode.SAFE, wanted=Mode.SAFE))
+    status.take(BatteryState(percentage=0.9))
     return status
 
 
@@ -56,15 +56,15 @@ def test_frames_are_counted_anew_each_second():
 
 def test_a_script_is_shown():
     status = driving()
-    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, 'a script plays'))
+    status.take(diagnostics('driver', DiagnosticStatus.WARN, 'a script plays'))
     assert 'x +1.00 y +0.00 m    +0 deg  a script plays' in status.line()
-    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.OK, 'driving'))
+    status.take(diagnostics('driver', DiagnosticStatus.OK, 'driving'))
     assert 'driving' not in status.line()
 
 
 def test_of_a_script_the_time_that_it_takes_is_shown():
     status = driving()
-    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, (
+    status.take(diagnostics('driver', DiagnosticStatus.WARN, (
         'a script plays, and the robot ignores everything while it waits, a stop included: let '
         'it end, or switch the robot off by its Power button (it plays for about 3 s more)')))
     assert status.line() == (
@@ -73,25 +73,25 @@ def test_of_a_script_the_time_that_it_takes_is_shown():
 
 def test_a_short_bump_is_shown_once():
     status = driving()
-    status.on_bumper(Bumper(left=True))
-    status.on_bumper(Bumper())
+    status.take(Bumper(left=True))
+    status.take(Bumper())
     assert 'BUMP left  ' in status.line()
     assert 'BUMP' not in status.line()
 
 
 def test_a_bumper_that_stays_pressed_is_shown_until_it_is_free():
     status = driving()
-    status.on_bumper(Bumper(left=True, right=True))
+    status.take(Bumper(left=True, right=True))
     assert [('BUMP left and right' in status.line()) for _ in range(2)] == [True, True]
-    status.on_bumper(Bumper())
+    status.take(Bumper())
     status.line()
     assert 'BUMP' not in status.line()
 
 
 def test_the_reason_of_a_mode_is_shown_alone():
     status = driving()
-    status.on_mode(Mode(mode=Mode.UNKNOWN, wanted=Mode.SAFE, reason='no robot answers'))
-    status.on_diagnostics(diagnostics('driver', DiagnosticStatus.WARN, 'no answer yet'))
+    status.take(Mode(mode=Mode.UNKNOWN, wanted=Mode.SAFE, reason='no robot answers'))
+    status.take(diagnostics('driver', DiagnosticStatus.WARN, 'no answer yet'))
     assert 'no robot answers' in status.line()
     assert 'no answer yet' not in status.line()
 
@@ -110,13 +110,13 @@ def test_the_reason_of_a_mode_is_shown_alone():
 ])
 def test_why_no_robot_answers_is_shown_until_one_does(message, shown):
     status = driving()
-    status.on_mode(Mode(mode=Mode.UNKNOWN, wanted=Mode.SAFE, reason='no robot answers'))
+    status.take(Mode(mode=Mode.UNKNOWN, wanted=Mode.SAFE, reason='no robot answers'))
     assert 'NO ROBOT  no robot answers' in status.line()
     link = diagnostics('serial link', DiagnosticStatus.ERROR, message)
     link.status[0].values = [KeyValue(key='port', value=PORT)]
-    status.on_diagnostics(link)
+    status.take(link)
     assert f'NO ROBOT  {shown}' in status.line()
-    status.on_diagnostics(diagnostics('serial link', DiagnosticStatus.OK, 'frames arrive'))
+    status.take(diagnostics('serial link', DiagnosticStatus.OK, 'frames arrive'))
     assert 'NO ROBOT  no robot answers' in status.line()
 
 
@@ -128,8 +128,8 @@ def test_the_yaw_stays_within_half_a_turn():
 @given(x=ANY, yaw=ANY)
 def test_the_line_always_fits(message, x, yaw):
     status = driving(x, yaw)
-    status.on_bumper(Bumper(left=True, right=True))
-    status.on_diagnostics(diagnostics('battery', DiagnosticStatus.WARN, message))
+    status.take(Bumper(left=True, right=True))
+    status.take(diagnostics('battery', DiagnosticStatus.WARN, message))
     line = status.line()
     assert len(line) <= WIDTH == 80
     assert message[:10] in line

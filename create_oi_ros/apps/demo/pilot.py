@@ -19,7 +19,8 @@ from rclpy.node import Node
 from ...driver import MotionLimits
 from ...ros.goal_client import GoalClient, GoalFailed
 from ...ros.messages import yaw_of
-from ...ros.topics import CMD_VEL, LATCHED
+from ...ros.robot_state import RobotState
+from ...ros.topics import CMD_VEL
 
 PERIOD = 0.05
 """Seconds between two commands."""
@@ -56,34 +57,39 @@ class Pilot(GoalClient):
         self._next = 0.0
         self.sent = 0
         """Commands published."""
-        self.odom: Odometry | None = None
-        self.mode, self.bumped, self.song = Mode(mode=Mode.UNKNOWN), False, Song()
-        self.warnings: list[str] = []
         self.turned = 0.0
         """Angle turned since the start, rad; may exceed a full turn."""
-        node.create_subscription(Odometry, 'odom', self._on_odom, 10)
-        node.create_subscription(Bumper, 'bumper', self._on_bumper, 10)
-        node.create_subscription(Mode, 'mode', self._on_mode, LATCHED)
-        node.create_subscription(Song, 'song', self._on_song, LATCHED)
-        node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
+        self.state = RobotState()
+        self.state.listen(node, Odometry, Bumper, Mode, Song, DiagnosticArray)
 
-    def _on_odom(self, odom: Odometry) -> None:
-        before = self.yaw
-        self.odom = odom
-        self.turned += remainder(self.yaw - before, tau)
+    @property
+    def odom(self) -> Odometry | None:
+        """The newest pose and speed; None before the first."""
+        return self.state.newest(Odometry)
 
-    def _on_bumper(self, bumper: Bumper) -> None:
-        self.bumped = bool(bumper.left or bumper.right)
+    @property
+    def mode(self) -> int:
+        """The mode, as the message Mode has it."""
+        mode = self.state.newest(Mode)
+        return Mode.UNKNOWN if mode is None else int(mode.mode)
 
-    def _on_mode(self, mode: Mode) -> None:
-        self.mode = mode
+    @property
+    def bumped(self) -> bool:
+        """Whether the bumper is pressed."""
+        bumper = self.state.newest(Bumper)
+        return bumper is not None and bool(bumper.left or bumper.right)
 
-    def _on_song(self, song: Song) -> None:
-        self.song = song
+    @property
+    def song_plays(self) -> bool:
+        """Whether a song plays."""
+        song = self.state.newest(Song)
+        return song is not None and bool(song.playing)
 
-    def _on_diagnostics(self, diagnostics: DiagnosticArray) -> None:
-        self.warnings = [status.message for status in diagnostics.status
-                         if status.level != DiagnosticStatus.OK]
+    @property
+    def warnings(self) -> list[str]:
+        """What the diagnostics warn of."""
+        diagnostics = self.state.newest(DiagnosticArray) or DiagnosticArray()
+        return [each.message for each in diagnostics.status if each.level != DiagnosticStatus.OK]
 
     @property
     def place(self) -> tuple[float, float]:
@@ -120,7 +126,9 @@ class Pilot(GoalClient):
     def _spin(self) -> None:
         """Receive, and send the velocity that is set when it is time."""
         self._check()
+        before = self.yaw
         self._executor.spin_once(timeout_sec=PERIOD / 2)
+        self.turned += remainder(self.yaw - before, tau)
         if time.monotonic() >= self._next:
             self._next = time.monotonic() + PERIOD
             self._steer()

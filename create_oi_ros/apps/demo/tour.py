@@ -41,7 +41,7 @@ class TourStep(NamedTuple):
 
 def hello(pilot: Pilot) -> None:
     """Wait for the robot, store two songs, play one."""
-    pilot.until(lambda: pilot.odom is not None and pilot.mode.mode == Mode.SAFE,
+    pilot.until(lambda: pilot.odom is not None and pilot.mode == Mode.SAFE,
                 'the robot answers and is in Safe', 30.0)
     pilot.call('set_leds', play=True, power_color=GREEN, power_intensity=255)
     pilot.call('define_song', number=GOODBYE, pitches=[79, 76, 72],
@@ -53,8 +53,8 @@ def hello(pilot: Pilot) -> None:
 
 def song_ends(pilot: Pilot) -> None:
     """Wait until a song has begun and ended."""
-    pilot.until(lambda: pilot.song.playing, 'a song begins')
-    pilot.until(lambda: not pilot.song.playing, 'a song ends')
+    pilot.until(lambda: pilot.song_plays, 'a song begins')
+    pilot.until(lambda: not pilot.song_plays, 'a song ends')
 
 
 def square(pilot: Pilot) -> None:
@@ -92,7 +92,7 @@ def to_the_hall(pilot: Pilot) -> None:
 def cliff(pilot: Pilot) -> None:
     """Drive to the stairs, where the robot stops by itself in Passive; come back."""
     pilot.command(EDGE_SPEED, 0.0)
-    pilot.until(lambda: pilot.mode.mode == Mode.PASSIVE, 'a cliff drops the robot to Passive',
+    pilot.until(lambda: pilot.mode == Mode.PASSIVE, 'a cliff drops the robot to Passive',
                 EDGE_TIMEOUT)
     pilot.release()
     pilot.until(lambda: pilot.standing, 'the robot stands at the edge')
@@ -107,7 +107,7 @@ def cliff(pilot: Pilot) -> None:
     pilot.stop()
     pilot.release()
     pilot.call('set_mode', mode=Mode.SAFE)
-    if pilot.mode.mode != Mode.SAFE:
+    if pilot.mode != Mode.SAFE:
         raise TourError('the robot did not stay in Safe')
 
 

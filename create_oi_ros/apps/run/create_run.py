@@ -23,12 +23,10 @@ from rclpy.node import Node
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
-from ...ros.diagnostics import of_driver
 from ...ros.node_arguments import names_only, refusal, split
 from ...ros.process import call_on_signal, Children, ros_executor, spin_until
 from ...ros.programs import check_environment
 from ...ros.simulated_run import run_domain, run_folder
-from ...ros.topics import LATCHED
 from ...ros.waiting import announce
 from ...sim.world_files import read_world, shipped_names, WorldError
 from .status import RobotStatus, show, status_line
@@ -46,18 +44,8 @@ class StatusNode(Node):
         self._ended = ended
         self._children = children
         self._status = RobotStatus()
-        self.create_subscription(Odometry, 'odom', self._status.on_odom, 10)
-        self.create_subscription(Mode, 'mode', self._status.on_mode, LATCHED)
-        self.create_subscription(BatteryState, 'battery_state', self._status.on_battery, 10)
-        self.create_subscription(Bumper, 'bumper', self._status.on_bumper, 10)
-        self.create_subscription(
-            DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
+        self._status.listen(self, Odometry, Mode, BatteryState, Bumper, DiagnosticArray)
         self.create_timer(1.0, self._show)
-
-    def _on_diagnostics(self, diagnostics: DiagnosticArray) -> None:
-        """Pass on the diagnostics of the driver in our namespace: all share the topic."""
-        if of_driver(diagnostics, self.get_namespace().strip('/')) is not None:
-            self._status.on_diagnostics(diagnostics)
 
     def _show(self) -> None:
         ended = self._children.ended()

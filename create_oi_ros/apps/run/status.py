@@ -8,6 +8,7 @@ from math import degrees, isnan
 import os
 import re
 import sys
+from typing import Any
 
 from create_oi_msgs.msg import Bumper, Mode
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -16,52 +17,46 @@ from sensor_msgs.msg import BatteryState
 
 from ...ros.diagnostics import LINK
 from ...ros.messages import mode_name, yaw_of
+from ...ros.robot_state import RobotState
 
 WIDTH = 80
 """Columns of the line at most."""
 POSE_TEXTS = 2
 """Parts of the motion that are the pose."""
+SIDES = 'left', 'right'
+"""Of the bumper."""
 CLEAR = '\r\x1b[K'
 """Go to the begin of the line, and clear it."""
 LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
 USUAL_FORMAT = '[{severity}] [{time}] [{name}]: {message}'
 
 
-class RobotStatus:
+class RobotStatus(RobotState):
     """Collects what the driver publishes, and puts it into one line."""
 
     def __init__(self) -> None:
+        super().__init__()
         self._frames = 0
-        self._odom: Odometry | None = None
-        self._mode: Mode | None = None
-        self._battery: BatteryState | None = None
-        self._pressed: dict[str, bool] = {'left': False, 'right': False}
+        self._pressed: set[str] = set()
         """Sides of the bumper that were pressed since the last line."""
-        self._now_pressed = dict(self._pressed)
         self._troubles: list[str] = []
         self._no_robot = ''
         """Why no robot answers, as far as the driver knows."""
 
-    def on_odom(self, odom: Odometry) -> None:
-        """Take a pose; one comes with each frame of the robot."""
-        self._odom = odom
-        self._frames += 1
+    def take(self, message: Any) -> None:
+        """Take a message; count frames, and remember a short touch until the next line."""
+        super().take(message)
+        if isinstance(message, Odometry):
+            self._frames += 1
+        self._pressed |= self._now_pressed()
+        if isinstance(message, DiagnosticArray):
+            self._take_diagnostics(message)
 
-    def on_mode(self, mode: Mode) -> None:
-        """Take the robot's mode."""
-        self._mode = mode
+    def _now_pressed(self) -> set[str]:
+        bumper = self.newest(Bumper)
+        return {side for side in SIDES if bumper is not None and getattr(bumper, side)}
 
-    def on_battery(self, battery: BatteryState) -> None:
-        """Take the state of the battery."""
-        self._battery = battery
-
-    def on_bumper(self, bumper: Bumper) -> None:
-        """Take the bumper, and remember a short touch until the next line."""
-        self._now_pressed = {'left': bumper.left, 'right': bumper.right}
-        self._pressed = {side: was or self._now_pressed[side]
-                         for side, was in self._pressed.items()}
-
-    def on_diagnostics(self, diagnostics: DiagnosticArray) -> None:
+    def _take_diagnostics(self, diagnostics: DiagnosticArray) -> None:
         """Take what the driver complains about: a script, a damaged line, the battery."""
         for status in diagnostics.status:
             if status.name.endswith(f': {LINK}'):
@@ -77,7 +72,8 @@ class RobotStatus:
 
     def line(self) -> str:
         """Return the line, and begin the next second; the pose of a robot is always in it."""
-        motion, robot = self._motion(), self._mode is None or self._mode.mode != Mode.UNKNOWN
+        motion, mode = self._motion(), self.newest(Mode)
+        robot = mode is None or mode.mode != Mode.UNKNOWN
         pose = POSE_TEXTS if robot else 0
         said = (*motion[:pose], *self._remarks())
         line = '  '.join((f'{self._frames:2d} frames/s', self._mode_text(), *said))
@@ -87,38 +83,37 @@ class RobotStatus:
             if len(line) + 2 + len(text) > WIDTH:
                 break
             line += f'  {text}'
-        self._frames, self._pressed = 0, dict(self._now_pressed)
+        self._frames, self._pressed = 0, self._now_pressed()
         return line.rstrip()
 
     def _mode_text(self) -> str:
-        if self._mode is None:
-            return 'no node yet'
-        return f'{mode_name(self._mode.mode, self._mode.reason):7s}'
+        mode = self.newest(Mode)
+        return 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
 
     def _remarks(self) -> list[str]:
         """Return what is unusual, the most important first."""
-        sides = ' and '.join(side for side, pressed in self._pressed.items() if pressed)
+        sides, mode = ' and '.join(sorted(self._pressed)), self.newest(Mode)
         remarks = [f'BUMP {sides}'] if sides else []
-        if self._mode is not None and self._mode.reason:
-            unknown = self._mode.mode == Mode.UNKNOWN
-            remarks.append((self._no_robot if unknown else '') or self._mode.reason)
+        if mode is not None and mode.reason:
+            unknown = mode.mode == Mode.UNKNOWN
+            remarks.append((self._no_robot if unknown else '') or mode.reason)
         # No robot answers: all else follows from that.
-        elif self._mode is not None:
+        elif mode is not None:
             remarks += map(gist, self._troubles)
         return remarks
 
     def _motion(self) -> list[str]:
-        if self._odom is None:
+        odom = self.newest(Odometry)
+        if odom is None:
             return []
-        pose, twist = self._odom.pose.pose, self._odom.twist.twist
+        pose, twist = odom.pose.pose, odom.twist.twist
         return [f'x {pose.position.x:+.2f} y {pose.position.y:+.2f} m',
                 f'{degrees(yaw_of(pose.orientation)):+4.0f} deg', self._battery_text(),
                 f'{twist.linear.x:+.2f} m/s', f'{twist.angular.z:+.2f} rad/s']
 
     def _battery_text(self) -> str:
-        if self._battery is None or isnan(self._battery.percentage):
-            return ''
-        return f'{self._battery.percentage:.0%}'
+        battery = self.newest(BatteryState)
+        return '' if battery is None or isnan(battery.percentage) else f'{battery.percentage:.0%}'
 
 
 def gist(message: str) -> str:
