@@ -443,6 +443,6 @@ class Actions:
     def report(self) -> None:
         """Publish feedback of what is under way; called in every frame."""
         for each in tuple(self._pursued):
-            feedback = None if each.pursuit.awaited.outcome is not None else each.pursuit.news()
+            feedback = each.pursuit.news() if each.pursuit.awaited.outcome is None else None
             if feedback is not None:
                 each.handle.publish_feedback(feedback)

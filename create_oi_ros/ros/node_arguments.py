@@ -60,10 +60,9 @@ def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def names_only(ros: Sequence[str]) -> list[str]:
-    """Return those ROS arguments of a driver that its partners need: names, and the enclave."""
+    """Return those ROS arguments of a driver that its partners need: namespace and topics."""
     return [part for flag, rule in zip(ros, ros[1:])
-            if flag in ('-e', '--enclave') or flag in ('-r', '--remap')
-            and not rule.startswith(('__node:', '__name:'))
+            if flag in ('-r', '--remap') and not rule.startswith(('__node:', '__name:'))
             for part in (flag, rule)]
 
 

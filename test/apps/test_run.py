@@ -67,9 +67,13 @@ def test_commands_to_try_work_in_a_path_with_a_space(monkeypatch):
 
 def test_what_follows_ros_args_is_for_the_node_and_telephones_drive_it_in_its_namespace(stage):
     (stage.folder / 'my.yaml').write_text('/**:\n  ros__parameters:\n    bump_stop: forward\n')
+    kept = stage.folder / 'token'
+    kept.write_text('a_token_that_lasts_long')
+    kept.chmod(0o600)
     run = stage.program(
-        'create_run', '--host', '0.0.0.0', '--ros-args', '--params-file',
-        str(stage.folder / 'my.yaml'), '-p', 'max_wheel_speed:=0.2', '-r', '__ns:=/robot1')
+        'create_run', '--host', '0.0.0.0', '--token-file', str(kept), '--ros-args',
+        '--params-file', str(stage.folder / 'my.yaml'), '-p', 'max_wheel_speed:=0.2', '-r',
+        '__ns:=/robot1')
     stage.ros.until(lambda: re.search(r'6\d frames/s  SAFE     x', run.output))
     assert 'create_run starts node /robot1/create for a simulated Create' in run.output
     assert 'drive.py --ros-args -r __ns:=/robot1\n' in run.output or 'drive.py' not in run.output
@@ -79,6 +83,7 @@ def test_what_follows_ros_args_is_for_the_node_and_telephones_drive_it_in_its_na
     stage.ros.until(lambda: stage.ros.node.count_subscribers('/robot1/odom') == 2,
                     'status line and page listen')
     _, port, token = re.search(r'open (http://\S+:(\d+)/)\?token=(\S+) in', run.output).groups()
+    assert token == kept.read_text()
     with closing(PageClient(f'http://127.0.0.1:{port}/', token=token)) as page:
         ready(page)
         page.until(lambda: page.known.get('true_pose'))
@@ -124,7 +129,7 @@ def test_when_a_child_ends_everything_ends(stage):
 
 @pytest.mark.parametrize(('arguments', 'words'), [
     (['--port', ''], '--port is empty'), (['--world', ''], '--world is empty'),
-    (['--capture', ''], '--capture is empty'),
+    (['--capture', ''], '--capture is empty'), (['--token-file', ''], '--token-file is empty'),
     (['--world', 'nowhere'], "'nowhere'; allowed: a file, or one of apartment, empty,"),
     (['--port', '/dev/ttyUSB0', '--world', 'room'], 'give one of them'),
     (['--ros-args', '-p', 'port:=/dev/ttyUSB0'], 'write --port'),
