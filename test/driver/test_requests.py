@@ -20,29 +20,12 @@ WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
 # Actuators.
 
 
-def test_leds_shine(loop):
-    assert ask(loop, loop.driver.outputs.set_leds, BLUE, 10, 200).ok
-    assert loop.robot.lights == (BLUE, 10, 200)
-
-
-def test_outputs_and_drivers_are_set(loop):
-    assert ask(loop, loop.driver.outputs.set_outputs, HIGH).ok
-    assert loop.robot.outputs == HIGH
-    assert ask(loop, loop.driver.outputs.set_drivers, (0.0, 0.5, 1.0)).ok
-    assert tuple(loop.robot.actuators.duties) == (0, 64, 128)
-
-
 @pytest.mark.parametrize('duty', [-0.1, 1.01, nan])
 def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
     answer = ask(loop, loop.driver.outputs.set_drivers, (0.0, 0.0, duty))
     assert not answer.ok
     assert f'driver_2 = {duty:g}; allowed: 0.0 (off) to 1.0 (on)' in answer.text
     assert loop.commands() == []
-
-
-def test_an_infrared_character_is_sent(loop):
-    assert ask(loop, loop.driver.outputs.send_ir, 137).ok
-    assert list(loop.robot.actuators.infrared_sent) == [137]
 
 
 def test_a_song_is_stored_and_plays(loop):
@@ -284,25 +267,6 @@ def test_a_demo_ends_when_the_driver_does(loop):
     loop.driver.shut_down(loop.now)
     loop.turn()
     assert loop.robot.demo is None
-
-
-def test_a_demo_runs_until_it_is_stopped(loop):
-    answer = ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
-    assert answer.ok
-    assert loop.robot.demo is oi.DemoNumber.DRIVE_FIGURE_EIGHT
-    assert loop.driver.status.wanted is oi.Mode.PASSIVE
-    assert loop.driver.status.reason == ''
-    assert ask(loop, loop.driver.modes.stop_demo).ok
-    assert loop.robot.demo is None
-    assert loop.body.truth().speed == pytest.approx(0, abs=0.2)
-
-
-def test_stop_ends_a_demo_too(loop):
-    ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
-    assert loop.driver.stop(loop.now).outcome.ok
-    loop.run(0.5)
-    assert loop.robot.demo is None
-    assert loop.body.truth().speed == 0
 
 
 def test_stopping_no_demo_leaves_the_mode(loop):
