@@ -10,7 +10,6 @@ once, or one that sends it in another namespace; a partner whose message type or
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
-import os
 import time
 
 from create_oi_msgs.msg import Mode
@@ -56,9 +55,11 @@ class GraphWatch:
     def check(self) -> None:
         """Look at the graph, and warn of new mistakes; called once a second."""
         warnings = {*self._velocity_mistakes(), *self._wrong_subscribers(), *self._other_topics()}
-        own = self._node.get_fully_qualified_name()
-        if own in self._duplicate_names():
-            warnings.add(f'another node is called {own} in ROS domain {_domain()}, so two '
+        own, domain = self._node.get_fully_qualified_name(), self._node.context.get_domain_id()
+        names = [full_name(namespace, name)
+                 for name, namespace in self._node.get_node_names_and_namespaces()]
+        if names.count(own) > 1:
+            warnings.add(f'another node is called {own} in ROS domain {domain}, so two '
                          f'drivers obey the same cmd_vel: {ROBOTS_APART}')
         for warning in sorted(warnings - self._warned):
             self._warn(warning)
@@ -146,11 +147,6 @@ class GraphWatch:
     def _names_of_publishers(self, topic: str) -> set[str]:
         return {node_name(each) for each in self._node.get_publishers_info_by_topic(topic)}
 
-    def _duplicate_names(self) -> set[str]:
-        names = [full_name(namespace, name)
-                 for name, namespace in self._node.get_node_names_and_namespaces()]
-        return {name for name in names if names.count(name) > 1}
-
 
 def node_name(endpoint: TopicEndpointInfo) -> str:
     """Return the full name of the node of a publisher, as people know it."""
@@ -172,7 +168,3 @@ def names_of_publishers(node: Node, topic: str) -> set[str]:
         if time.monotonic() > until or all(each.node_name != UNNAMED for each in found):
             return {node_name(each) for each in found}
         time.sleep(POLL_INTERVAL)
-
-
-def _domain() -> str:
-    return os.environ.get('ROS_DOMAIN_ID', '0')

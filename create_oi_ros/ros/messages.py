@@ -30,8 +30,6 @@ from ..oi import (
     ChargingState,
     DigitalInputs,
     Infrared,
-    LedBits,
-    OutputBits,
     Overcurrents,
     Readings,
     Script,
@@ -279,16 +277,6 @@ def age(stamp: Time, nanoseconds: int) -> float:
     """Return the seconds from a stamp to a time in nanoseconds; 0 if the stamp is not set."""
     stamped = stamp.sec * NANOSECONDS + stamp.nanosec
     return (nanoseconds - stamped) / NANOSECONDS if stamped else 0.0
-
-
-def led_bits(play: bool, advance: bool) -> LedBits:
-    """Return the bits of the LEDs that are on."""
-    return LedBits(LedBits.PLAY * play | LedBits.ADVANCE * advance)
-
-
-def output_bits(*outputs: bool) -> OutputBits:
-    """Return the bits of the digital outputs 0, 1 and 2 that are high."""
-    return OutputBits(sum(bit for bit, high in zip(OutputBits, outputs) if high))
 
 
 def script(text: str, code: bytes) -> Script:

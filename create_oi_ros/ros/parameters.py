@@ -210,7 +210,8 @@ def declare(node: Node) -> Parameters:
                 'as reliable; for best effort, let the subscriber ask for that'
                 f'; {CMD_VEL} adapts to its publishers')
         if not unknown.startswith(OF_ROS):
-            node.get_logger().warning(unknown_parameter(unknown))
+            node.get_logger().warning(
+                f'parameter {unknown} is unknown and ignored{suggestion(unknown, DECLARED)}')
             node.undeclare_parameter(unknown)
     values = {}
     for declaration in fields(Parameters):
@@ -323,11 +324,6 @@ def _reads_as(kind: type, text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def unknown_parameter(name: str) -> str:
-    """Say that a parameter is not known, and which may be meant."""
-    return f'parameter {name} is unknown and ignored{suggestion(name, DECLARED)}'
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

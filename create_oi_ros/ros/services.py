@@ -69,17 +69,18 @@ def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pend
 
 def set_leds(driver: Driver, request: SetLeds.Request, _now: float) -> Pending:
     """Set the LEDs."""
+    bits = oi.LedBits.PLAY * request.play | oi.LedBits.ADVANCE * request.advance
     return driver.outputs.set_leds(
-        messages.led_bits(request.play, request.advance),
-        request.power_color, request.power_intensity)
+        oi.LedBits(bits), request.power_color, request.power_intensity)
 
 
 def set_digital_outputs(
     driver: Driver, request: SetDigitalOutputs.Request, _now: float,
 ) -> Pending:
     """Set the digital outputs."""
+    outputs = request.output_0, request.output_1, request.output_2
     return driver.outputs.set_outputs(
-        messages.output_bits(request.output_0, request.output_1, request.output_2))
+        oi.OutputBits(sum(bit for bit, high in zip(oi.OutputBits, outputs) if high)))
 
 
 def start_demo(driver: Driver, request: StartDemo.Request, _now: float) -> Pending:

@@ -78,7 +78,9 @@ class RobotStatus(RobotState):
         said = (*motion[:pose], *self._remarks())
         line = '  '.join((f'{self._frames:2d} frames/s', self._mode_text(), *said))
         if len(line) > WIDTH:
-            line = shortened('  '.join((self._mode_text().rstrip(), *said)))
+            line = '  '.join((self._mode_text().rstrip(), *said))
+        if len(line) > WIDTH:
+            line = f'{line[:WIDTH - 3]}...'
         for text in motion[pose:]:
             if len(line) + 2 + len(text) > WIDTH:
                 break
@@ -122,11 +124,6 @@ def gist(message: str) -> str:
         return message
     added = re.search(r' \([^()]*\)$', message)
     return message.partition(', ')[0] + (added[0] if added else '')
-
-
-def shortened(line: str) -> str:
-    """Return a line cut to WIDTH."""
-    return line if len(line) <= WIDTH else f'{line[:WIDTH - 3]}...'
 
 
 def on_terminal() -> bool:
