@@ -56,6 +56,7 @@ class Wheels:
         self._request, self._unchanged, self._dt = (0.0, 0.0), 0.0, 0.0
         self._last_sign = np.ones(2)
         self._arrived, self._moving = True, False
+        self._lifted = False
         self._steady = 0.0
         """Seconds of steady motion that are not in these sums yet."""
         self.true, self.path = np.zeros(shape), np.zeros(shape)
@@ -108,12 +109,18 @@ class Wheels:
         """Whether all wheels stand."""
         return self.steady and not self._moving
 
-    def roll(self, dt: float, request: tuple[float, float]) -> Array | None:
+    def roll(self, dt: float, request: tuple[float, float], *, lifted: bool = False,
+             ) -> Array | None:
         """
         Let time pass under requests, m/s; return the travel of each wheel, m.
 
+        Wheels that are lifted count, but take the robot nowhere.
+
         None: all wheels run as they did in the frame before.
         """
+        if lifted != self._lifted:
+            self.flush()
+            self._lifted = lifted
         if request != self._request:
             self.flush()
             self._request, self._unchanged = request, 0.0
@@ -132,7 +139,8 @@ class Wheels:
         goal = np.where(below, 0.0, asked)
         travel = self._follow(dt, goal)
         size = np.abs(travel)
-        self.true += travel
+        if not lifted:
+            self.true += travel
         self.path += size
         self._count(travel, size, asked, below)
         self._arrived = bool((np.abs(self.speed - goal) < ARRIVED).all())
@@ -151,7 +159,8 @@ class Wheels:
         self._asked_sum += way
         if self._moving:
             travel = self.speed * seconds
-            self.true += travel
+            if not self._lifted:
+                self.true += travel
             self.path += np.abs(travel)
             self.counted += np.abs(travel) * self._sign
 
