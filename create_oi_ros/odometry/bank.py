@@ -49,7 +49,7 @@ STRAY_WAY = 0.1
 """m; over longer ways the deviation grows with the root."""
 LIKELY_SIGN = np.array([0.0, 1.0, 0.0, 0.0])
 LIKELY_ROUNDING, LIKELY_NOISE = np.zeros(3), np.array([0.0, 0.0, -1.0])
-LIKELY_ROUNDING[TRUNCATE] = 2.0
+LIKELY_ROUNDING[TRUNCATE] = 4.0
 """Logarithms of prior probabilities: encoders take the sign of the drive and fractions are cut off
 (reported), wheels run steadily."""
 GAIN_VARIANCE, GAIN_COVARIANCE, TURN_VARIANCE = 0.02, 0.012, 0.0005
@@ -136,6 +136,7 @@ class Bank:
         self._yaw = scale / FIRMWARE_SEPARATION
         self._degrees = 1 / DEGREE / FIRMWARE_SEPARATION
         self._weigh()
+        self.wheels.move(self.wheels.numbers, self.means[:, :TURN])
 
     # Weights and means.
 
@@ -247,7 +248,7 @@ class Bank:
         self._weigh()
         if followed and motion.seconds >= APART:
             self._prune()
-            self.wheels.move(self.means[:, NUMBER:])
+            self.wheels.move(self.means[:, NUMBER:], self.means[:, :TURN])
         return followed
 
     def _predict(self, motion: Motion, stray: float) -> Array:

@@ -36,6 +36,8 @@ class Wheels:
         shape = (len(rows), NUMBERS + 1, 2)
         self.numbers = np.array([numbers_of(row) for row in rows])
         """What each hypothesis believes: ln(time), power, ln(braking), dead time, overshoot."""
+        self._gains = np.ones((len(rows), 1, 2))
+        """Speeds of the wheels over those that are simulated: a time may go with the speed."""
         self._response = np.array([row.response for row in rows])
         self._band = np.array([row.dead_band for row in rows])[:, None, None]
         self.speed = np.zeros(shape)
@@ -83,20 +85,20 @@ class Wheels:
         """Go on with some of the hypotheses and sources of signs."""
         self.flush()
         self._sources = self._sources[sources]
-        for name in ('numbers', '_response', '_band', 'speed', '_rate', '_goal', '_brakes',
-                     '_top', 'true', 'path'):
+        for name in ('numbers', '_gains', '_response', '_band', 'speed', '_rate', '_goal',
+                     '_brakes', '_top', 'true', 'path'):
             setattr(self, name, getattr(self, name)[order])
         for name in ('_sign', 'counted', 'unsure'):
             setattr(self, name, getattr(self, name)[sources][:, order])
         self._derive()
 
-    def move(self, numbers: Array) -> None:
-        """Believe in other numbers, when nothing has rolled since the last reading."""
+    def move(self, numbers: Array, gains: Array) -> None:
+        """Believe in other numbers and gains, when nothing has rolled since the last reading."""
         shift = (numbers - self.numbers)[:, None, :, None]
         for state in (self.speed, self._rate):
             slopes = (state[:, 1:] - state[:, :1]) / STEP[:, None]
             state += np.clip((slopes[:, None] * shift).sum(axis=2), -0.5, 0.5)
-        self.numbers = numbers
+        self.numbers, self._gains = numbers, gains[:, None]
         self._derive()
 
     @property
@@ -204,7 +206,8 @@ class Wheels:
 
     def _prepare(self, dt: float, harder: Array) -> None:
         """Work out how speeds follow for frames of this length and the present braking."""
-        time = self._time * (REFERENCE_SPEED / np.clip(self._top, SLOWEST, FASTEST)) ** self._power
+        top = np.clip(self._gains * self._top, SLOWEST, FASTEST)
+        time = self._time * (REFERENCE_SPEED / top) ** self._power
         lag = time / harder
         self._off_stays = np.exp(-dt / lag)
         self._off_travels = lag * (1 - self._off_stays)

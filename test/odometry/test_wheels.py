@@ -130,7 +130,7 @@ def test_wheels_that_believe_in_other_numbers_go_on_as_if_they_always_had():
     before, other = LAG._replace(of_speed=0.0), LAG._replace(time=0.21)
     wheels, there = rolled(before, 0.3), rolled(other, 0.3)
     wheels.begin_window()
-    wheels.move(np.array([numbers_of(other)]))
+    wheels.move(np.array([numbers_of(other)]), np.ones((1, 2)))
     assert wheels.speed[0, 0, 0] == pytest.approx(there.speed[0, 0, 0], abs=2e-4)
 
 
