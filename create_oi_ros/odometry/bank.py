@@ -41,7 +41,7 @@ TRUNCATE, ROUND, CARRY = (ROUNDINGS.index(each) for each in (
 NOISE = np.array([0.006, 0.025, 0.1])
 """Noise levels: part of its way by which a wheel strays within `STRAY_WAY`, and of its changes of
 speed, in seconds."""
-CURVED = 0.2
+CURVED = 0.3
 """Part of what a way may be off for its numbers that their derivatives do not tell."""
 SHAPE = 0.01
 """Part of a way, for each radian of turn, by which the mean shape of the way is off."""
