@@ -49,7 +49,7 @@ STRAY_WAY = 0.1
 """m; over longer ways the deviation grows with the root."""
 LIKELY_SIGN = np.array([0.0, 1.0, 0.0, 0.0])
 LIKELY_ROUNDING, LIKELY_NOISE = np.zeros(3), np.array([0.0, 0.0, -1.0])
-LIKELY_ROUNDING[TRUNCATE] = 4.0
+LIKELY_ROUNDING[TRUNCATE] = 3.5
 """Logarithms of prior probabilities: encoders take the sign of the drive and fractions are cut off
 (reported), wheels run steadily."""
 GAIN_VARIANCE, GAIN_COVARIANCE, TURN_VARIANCE = 0.02, 0.012, 0.0005
