@@ -81,7 +81,7 @@ def _response(wheels: Hypothesis) -> str:
                     f'from {QUICK} m/s')
         case Response.SPRING:
             kind = f'second order, overshoots by {100 * wheels.overshoot:.0f} %'
-        case Response.RAMP:
+        case _:  # a ramp
             kind = f'a constant acceleration of {1 / wheels.time:.2f} m/s2'
     return kind if abs(wheels.braking - 1) < 0.05 else (
         f'{kind}, brakes {wheels.braking:.1f} times as fast as it speeds up')

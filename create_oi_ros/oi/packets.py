@@ -190,8 +190,8 @@ class PacketList:
         """Say why values cannot be encoded."""
         if len(values) != len(self.packets):
             return f'{len(values)} values for packets {self.ids}; expected {len(self.packets)}'
-        for packet, name, value in zip(self.packets, self.names, values):
-            low, high = packet.wire.limits
-            if not (isinstance(value, int) and low <= value <= high):
-                return f'{name} (packet {packet.id}) = {value!r}; allowed: {low} to {high}'
-        raise AssertionError('these values can be encoded')
+        return next(
+            f'{name} (packet {packet.id}) = {value!r}; allowed: {low} to {high}'
+            for packet, name, value in zip(self.packets, self.names, values)
+            for low, high in [packet.wire.limits]
+            if not (isinstance(value, int) and low <= value <= high))

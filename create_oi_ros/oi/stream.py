@@ -102,11 +102,6 @@ class StreamReader:
         """The checksum convention of this robot; None before the first frame."""
         return None if self._total is None else BY_TOTAL[self._total]
 
-    @property
-    def pending(self) -> bytes:
-        """The bytes that are in no event yet."""
-        return self._buffer[self._begin:]
-
     def expect(self, lists: Iterable[PacketList]) -> None:
         """
         Expect frames of these lists from now on.

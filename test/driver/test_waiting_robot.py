@@ -99,6 +99,17 @@ def test_of_stops_while_the_robot_waits_two_are_sent_and_hold_after_it(queue):
     assert not loop.driver.health(loop.now).suspects_commands
 
 
+def test_a_script_that_is_asked_for_meanwhile_comes_damaged_and_the_robot_drives_after_it():
+    loop = waiting(12)
+    loop.run(0.9)
+    assert loop.driver.health(loop.now).suspects_commands
+    shown = loop.driver.scripts.show(loop.now)
+    loop.run(4.0)
+    assert 'damaged' in shown.outcome.text
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.body.truth().speed == pytest.approx(0.2, abs=0.01)
+
+
 def test_a_wait_from_before_the_driver_started_is_met():
     loop = Loop()
     loop.robot = Create(loop.body)
