@@ -81,7 +81,7 @@ def test_a_robot_that_turns_between_two_readings_is_not_stuck() -> None:
 @pytest.mark.parametrize('rate', [1.5, 3.8])
 def test_a_fast_turn_is_never_called_stuck(rounding: Rounding, rate: float) -> None:
     loop = Loop(Settings(limits=AT_ONCE), rounding=rounding)
-    loop.drive(0.0, rate, 40.0)
+    loop.drive(0.0, rate, 20.0)
     assert said(loop, Severity.WARNING, 'the angle does not change') == 0
     loop.forged = {'angle': 0}
     loop.drive(0.0, rate, 15.0)
