@@ -31,6 +31,7 @@ from create_oi_ros.robot import Rounding
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED
 from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.server import Server
 from create_oi_ros.sim.server.control import ControlPort
@@ -47,8 +48,8 @@ _numbers = count()
 class Robot:
     """A simulated Create on a pseudo terminal, served by a thread of the test's process."""
 
-    def __init__(self, link: Path, world: World, rounding: Rounding) -> None:
-        self.body = Body(world, rounding=rounding)
+    def __init__(self, link: Path, world: World, rounding: Rounding, config: BodyConfig) -> None:
+        self.body = Body(world, rounding=rounding, config=config)
         self.create = Create(self.body)
         self.link = link
         self._line = PtyLine(link)
@@ -225,10 +226,10 @@ class Scene:
 
     def robot(
         self, name: str = 'create', *, world: World | None = None,
-        rounding: Rounding = Rounding.CARRY,
+        rounding: Rounding = Rounding.CARRY, config: BodyConfig = DEFAULT_BODY,
     ) -> Robot:
         """Start a simulated robot; its port is `folder / name`."""
-        made = Robot(self.folder / name, world or shipped('empty'), rounding)
+        made = Robot(self.folder / name, world or shipped('empty'), rounding, config)
         self._closing.append(made.close)
         return made
 

@@ -32,6 +32,7 @@ from ...robot import MILLI, Rounding
 from ..world import Pose, World
 from .battery import CAPACITY, Electrics
 from .config import BodyConfig, DEFAULT_BODY
+from .gyro import Gyro
 from .mechanics import Mechanics, Truth
 from .sensed import clamped, ForcedValues, Sensed
 from .surroundings import CLIFF_BELOW, WALL_SEEN
@@ -44,7 +45,7 @@ class Body:
     """A Create's mechanics, sensors and battery."""
 
     __slots__ = ('config', 'world', '_time', '_deadline', '_mechanics', '_electrics',
-                 '_forced', '_sensed', '_random', '_push_end', '_slip_end')
+                 '_forced', '_sensed', '_random', '_gyro', '_push_end', '_slip_end')
 
     def __init__(self, world: World, *, rounding: Rounding = Rounding.TRUNCATE, seed: int = 0,
                  config: BodyConfig = DEFAULT_BODY) -> None:
@@ -56,6 +57,7 @@ class Body:
         self._forced = ForcedValues()
         self._sensed: Sensed | None = None
         self._random = Random(seed)
+        self._gyro = Gyro(seed) if config.gyro else None
         self._push_end = self._slip_end = math.inf
         self.place(world.start)
 
@@ -260,6 +262,7 @@ class Body:
             mechanics.pose, electrics.base_powered)
         overloads = electrics.overloads
         right, left = mechanics.wheels.right, mechanics.wheels.left
+        analog = 0 if self._gyro is None else self._gyro.read(mechanics.truth().rate, self._time)
         return Sensed(
             bump_left=bumps[0], bump_right=bumps[1], drop_left=not left.grounded,
             drop_right=not right.grounded, drop_caster=not mechanics.caster_grounded,
@@ -279,7 +282,7 @@ class Body:
             temperature=clamped('temperature', battery.temperature),
             charge=clamped('charge', battery.charge / MILLI),
             capacity=clamped('capacity', CAPACITY / MILLI),
-            home_base=electrics.home_base, internal_charger=electrics.charger)
+            home_base=electrics.home_base, internal_charger=electrics.charger, analog=analog)
 
     def _noisy(self, floors: tuple[int, ...]) -> list[int]:
         """Return the floor signals with noise: up to 16 less or 15 more, never below 0."""

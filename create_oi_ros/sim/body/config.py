@@ -83,6 +83,8 @@ class BodyConfig:
     right_slip: float = 0.0
     """Part of the right wheel's travel that is lost to slip at all times, 0 to 1."""
     left_slip: float = 0.0
+    gyro: bool = False
+    """Whether a gyro is on the analog input."""
 
     def __post_init__(self) -> None:
         values = {each.name: getattr(self, each.name) for each in fields(self)}

@@ -79,7 +79,7 @@ class Mechanics:
     def truth(self) -> Truth:
         """Return what really happened."""
         speed, rate = self.wheels.twist()
-        if self.pushed and not self.lifted:
+        if self.pushed:
             speed, rate = self.pushed
         return Truth(self.pose, speed * (1 - self._lost), rate, self._travelled, self._turned,
                      self.distance.total / MM_PER_M, math.radians(self.angle.total))

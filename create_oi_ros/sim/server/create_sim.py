@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 import csv
+from dataclasses import replace
 import errno
 from pathlib import Path
 import re
@@ -96,6 +97,7 @@ def _arguments() -> argparse.ArgumentParser:
         help='change a guess about what the manual leaves open; see docs/simulator.md')
     add('--fault', action='append', type=_fault, default=[], metavar='SPEC',
         help='cause a fault, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
+    add('--gyro', action='store_true', help='put a gyro on the analog input of the cargo bay')
     add('--seed', type=int, default=0, help='of all random numbers (default: %(default)s)')
     add('--speed', type=_number(0.001, 1000), default=1.0,
         help='times real time (default: %(default)s)')
@@ -206,6 +208,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         config, guesses = parse_guesses(options.guess)
+        config = replace(config, gyro=config.gyro or options.gyro)
     except ValueError as error:
         parser.error(str(error))
     for name, value in vars(options).items() if options.replay else ():
