@@ -8,7 +8,7 @@ from math import degrees, hypot, tau
 from random import Random
 
 from create_oi_ros.driver import Driver, MotionLimits, Moved, Settings
-from create_oi_ros.odometry import Estimate, Odometry
+from create_oi_ros.odometry import Estimate, GyroSettings, Knowledge, Odometry
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.mechanics import Truth
 from create_oi_ros.sim.firmware import Create
@@ -55,13 +55,14 @@ class Journey:
 
     def __init__(self, robot: Robot, seed: int, *, latency: float = 0.0, window: float = 1.0,
                  limits: MotionLimits | None = None, damage: Damage = bytes,
-                 odometry: Odometry | None = None) -> None:
+                 odometry: Odometry | None = None, gyro: GyroSettings | None = None,
+                 known: Knowledge | None = None) -> None:
         self.body = Body(World(), rounding=robot.rounding, config=robot.config, seed=seed)
         self.robot = Create(self.body, guesses=Guesses(
             boot_seconds=0.0, banner=False, frame_period=robot.period))
         self.driver = Driver(Settings(
-            odometry_window=window, limits=limits or MotionLimits(), geometry=robot.geometry),
-            odometry)
+            odometry_window=window, limits=limits or MotionLimits(), geometry=robot.geometry,
+            gyro=gyro, robot=known), odometry)
         self._damage = damage
         self._step = robot.period / TURNS
         random = Random(seed)

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from .. import oi
-from ..odometry import Estimate, Geometry, Knowledge, Known
+from ..odometry import Estimate, Geometry, GyroSettings, GyroState, Knowledge, Known
 from ..oi.codes import START_BAUDS
 from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .state import Activity
@@ -86,6 +86,8 @@ class Settings:
     """x, y and yaw of a robot on its dock in the odometry frame, m and rad; None: not known."""
     robot: Knowledge | None = None
     """What is known of this robot; None: the odometry learns everything."""
+    gyro: GyroSettings | None = None
+    """The gyro on the analog input; None: there is none."""
 
 
 NO_ROBOT = 'no robot answers'
@@ -227,6 +229,8 @@ class Health:
     """Seconds between two frames."""
     robot: Knowledge | None
     """What the odometry has learned of this robot; None before it has learned anything."""
+    gyro: GyroState | None
+    """What is thought of the gyro; None: there is none."""
     battery: BatteryLevel
     songs: tuple[int, ...]
     """Numbers of the songs that are stored."""

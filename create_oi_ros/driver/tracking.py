@@ -9,11 +9,11 @@ What else follows from a frame is worked out afterwards, in `machine`.
 
 from collections import Counter
 from dataclasses import replace
-from math import degrees, inf
+from math import degrees, inf, isnan, nan
 from typing import NamedTuple
 
 from .. import oi
-from ..odometry import Estimate, Increment, Knowledge, Odometry
+from ..odometry import Estimate, GyroOdometry, GyroState, Increment, Knowledge, Odometry
 from ..oi.readings import ALLOWED
 from ..robot import (
     BATTERY_DEGREES,
@@ -163,6 +163,7 @@ class TurnCheck:
 
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""
+BUMPED = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 STANDING: Speeds = (0.0, 0.0)
 DRIVEN = frozenset(map(int, oi.DriveDirect.modes))
 """Modes in which the wheels obey, as plain numbers: Python hashes a member by its name."""
@@ -185,8 +186,11 @@ class Tracking:
 
     def __init__(self, core: Core, odometry: Odometry | None = None) -> None:
         settings, robot = core.settings, core.settings.robot
-        self.odometry = odometry or Odometry(
+        wheels = odometry or Odometry(
             settings.geometry, window=settings.odometry_window, robot=robot)
+        self._gyro = None if settings.gyro is None else GyroOdometry(
+            wheels, settings.gyro, None if robot is None else robot.gyro)
+        self.odometry = self._gyro or wheels
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._core = core
         self.odd = OddValues(core)
@@ -211,6 +215,11 @@ class Tracking:
         """What was learned of the robot; None before anything was."""
         known = self.odometry.knowledge
         return None if known is None else replace(known, frame_period=self.clock.known_period)
+
+    @property
+    def gyro(self) -> GyroState | None:
+        """What is thought of the gyro; None: there is none."""
+        return None if self._gyro is None else self._gyro.state
 
     def restart(self) -> None:
         """Continue after frames were missed."""
@@ -251,6 +260,10 @@ class Tracking:
             lost=self.clock.gap or self._reading_dropped or has_distance and not measured,
             distance=readings.distance if measured else None,
             angle=readings.angle if measured else None)
+        if self._gyro is not None:
+            volts = readings.analog_volts if readings.has('analog_signal') else nan
+            increment = increment._replace(
+                analog=None if isnan(volts) else volts, bumped=bool(drops & BUMPED))
         lost, self._found_lost = self._found_lost, 0.0
         self._reading_dropped = self._due = False
         if self._held is not None:

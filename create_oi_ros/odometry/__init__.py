@@ -4,9 +4,11 @@
 
 from ..robot import Rounding
 from .estimate import Estimate, Geometry, Increment
+from .gyro import GyroOdometry, GyroSettings, GyroState
 from .hypotheses import Hypothesis, Response, SignSource
-from .knowledge import Knowledge, Known
+from .knowledge import Knowledge, Known, KnownGyro
 from .odometry import Odometry
 
-__all__ = ['Estimate', 'Geometry', 'Hypothesis', 'Increment', 'Knowledge', 'Known', 'Odometry',
-           'Response', 'Rounding', 'SignSource']
+__all__ = ['Estimate', 'Geometry', 'GyroOdometry', 'GyroSettings', 'GyroState', 'Hypothesis',
+           'Increment', 'Knowledge', 'Known', 'KnownGyro', 'Odometry', 'Response', 'Rounding',
+           'SignSource']

@@ -45,6 +45,10 @@ class Increment(NamedTuple):
     """Whether a drive wheel hangs down: wheels may turn then, but nothing moves."""
     lost: bool = False
     """Whether a frame before this one, or a reading in this one, may have been lost."""
+    analog: float | None = None
+    """Volts at the analog input (packet 33); None: not known, or no gyro is there."""
+    bumped: bool = False
+    """Whether the bumper is pressed."""
 
 
 class Estimate(NamedTuple):
@@ -69,3 +73,5 @@ class Estimate(NamedTuple):
     """rad."""
     left_wheel_speed: float = 0.0
     """rad/s."""
+    gyro: tuple[float, float] | None = None
+    """Turn rate by the gyro, rad/s, and its variance; None: it does not tell."""

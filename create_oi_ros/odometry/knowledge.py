@@ -28,6 +28,17 @@ PERIOD = Known(SLOT, 3e-4)
 """Length of a slot of a robot that nobody knows, s: 15 and 15.625 ms were seen."""
 
 
+class KnownGyro(NamedTuple):
+    """An analog gyro."""
+
+    zero: Known
+    """Volts at rest."""
+    drift: Known
+    """By how much the zero changes, V/s."""
+    scale: Known
+    """Degrees a second for each volt; negative where the voltage grows clockwise."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Knowledge:
     """A robot as the odometry knows it; SI units."""
@@ -45,6 +56,8 @@ class Knowledge:
     """Seconds between two frames."""
     readings: int = 0
     """Readings of distance and angle in motion from which this was learned."""
+    gyro: KnownGyro | None = None
+    """None: there is none, or nobody has seen it follow the robot."""
 
     @property
     def wheels(self) -> Hypothesis:

@@ -78,6 +78,11 @@ class Odometry:
         return not self.window or self._plan.due
 
     @property
+    def heading(self) -> tuple[float, float]:
+        """The yaw of the last reading, rad, and its variance."""
+        return self._start[2], float(self._base[2, 2])
+
+    @property
     def knowledge(self) -> Knowledge | None:
         """What was learned of the robot; None before anything was."""
         return self.bank.knowledge if self.window and self.bank.readings else None
