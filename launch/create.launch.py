@@ -32,6 +32,7 @@ from launch.event_handlers import OnProcessExit, OnProcessIO
 from launch.events import Shutdown
 from launch.substitutions import (
     AndSubstitution,
+    EqualsSubstitution,
     IfElseSubstitution,
     LaunchConfiguration,
     NotSubstitution,
@@ -47,6 +48,7 @@ ARGUMENTS = {
     'simulated': ('false', 'true: simulate the robot, on a pseudo terminal'),
     'world': ('apartment', 'world of the simulated robot: a name, or a file'),
     'lidar': ('false', 'true: give the simulated robot a lidar, for SLAM and Nav2'),
+    'gyro': ('none', 'analog: a gyro is on the analog input; a simulated robot gets one'),
     'namespace': ('', 'namespace of all nodes and topics'),
     'frame_prefix': ('', 'put before every frame, such as robot1/'),
     'tf': ('/tf', 'topic of the transforms; tf: below the namespace'),
@@ -64,6 +66,7 @@ CHOICES = {
     **dict.fromkeys(
         ('simulated', 'lidar', 'use_sim_time', 'respawn', 'description', 'rviz', 'web'),
         ['true', 'false']),
+    'gyro': ['none', 'analog'],
     'log_level': ['debug', 'info', 'warn', 'error', 'fatal'],
 }
 # Launch leaves its processes running when it fails. These end with it, however it ends.
@@ -110,7 +113,8 @@ def simulated_robot(robot, value):
         get_package_prefix('create_oi_ros'), 'lib', 'create_oi_ros', 'create_sim')
     return ExecuteProcess(
         cmd=[program, '--link', robot, '--world', value['world'], '--linger', LINGER,
-             '--control', f'{robot}.control'],
+             '--control', f'{robot}.control', '--guess',
+             IfElseSubstitution(EqualsSubstitution(value['gyro'], 'analog'), 'gyro=1', 'gyro=0')],
         name='create_sim', output='screen', prefix=ENDS_WITH_LAUNCH,
         condition=IfCondition(value['simulated']),
         on_exit=EmitEvent(event=Shutdown(reason='create_sim has ended')))
@@ -138,7 +142,7 @@ def driver_node(robot, value):
             'odom_frame': ParameterValue([value['frame_prefix'], 'odom'], value_type=str),
             'base_frame': ParameterValue(
                 [value['frame_prefix'], 'base_footprint'], value_type=str),
-            'capture': text('capture'), **clock(value)}])
+            'gyro': text('gyro'), 'capture': text('capture'), **clock(value)}])
 
 
 def page(value, condition, *options):

@@ -193,12 +193,17 @@ def driver(
 
 def odometry(name: str, health: Health) -> DiagnosticStatus:
     """Say what the odometry has learned of this robot, and how sure it is."""
-    robot = health.robot
-    if robot is None:
-        return status(f'{name}: odometry', OK, 'nothing learned yet', {})
-    message = 'knows this robot' if robot.certain else 'learns this robot: drive and turn'
-    return status(f'{name}: odometry', OK, message, {
-        **in_words(robot), 'readings': robot.readings})
+    robot, gyro = health.robot, health.gyro
+    level, message = OK, 'nothing learned yet'
+    if robot is not None:
+        message = 'knows this robot' if robot.certain else 'learns this robot: drive and turn'
+    if gyro is not None and gyro.problem is not None:
+        level, message = WARN, f'the gyro is not used: {gyro.problem}'
+    elif gyro is not None and gyro.slips_now:
+        level, message = WARN, 'wheels and gyro disagree: wheels slip, or somebody turns the robot'
+    return status(f'{name}: odometry', level, message, {
+        **({} if robot is None else {**in_words(robot), 'readings': robot.readings}),
+        **({} if gyro is None else {'gyro': gyro.problem or 'used', 'slips': gyro.slips})})
 
 
 def parameters(name: str, values: Parameters) -> DiagnosticStatus:

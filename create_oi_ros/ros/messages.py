@@ -15,7 +15,7 @@ from builtin_interfaces.msg import Duration, Time
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState, JointState
+from sensor_msgs.msg import BatteryState, Imu, JointState
 from std_msgs.msg import Header
 
 from tf2_msgs.msg import TFMessage
@@ -107,6 +107,27 @@ def empty_joint_states() -> JointState:
     """Return a message to be filled with `joint_states`."""
     nothing = [0.0] * len(WHEEL_JOINTS)
     return JointState(name=list(WHEEL_JOINTS), position=nothing, velocity=nothing)
+
+
+GYRO_FRAME = 'gyro_link'
+"""The gyro's frame; it has the prefix of the base's."""
+
+
+def empty_imu(base_frame: str) -> Imu:
+    """Return a message to be filled with `imu`; it says that only the turn rate is measured."""
+    prefix = ''.join(base_frame.rpartition('/')[:2])
+    message = Imu(header=Header(frame_id=prefix + GYRO_FRAME))
+    message.orientation_covariance[0] = message.linear_acceleration_covariance[0] = -1.0
+    message.angular_velocity_covariance[0] = NOT_MEASURED
+    message.angular_velocity_covariance[4] = NOT_MEASURED
+    return message
+
+
+def imu(estimate: Estimate) -> Values:
+    """Return the turn rate of an estimate that has one, and its variance (REP 145)."""
+    assert estimate.gyro is not None, 'the caller looks'
+    rate, variance = estimate.gyro
+    return {'angular_velocity.z': rate, 'angular_velocity_covariance[8]': variance}
 
 
 def odometry(estimate: Estimate) -> Values:

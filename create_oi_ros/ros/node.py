@@ -47,7 +47,7 @@ STALE_WARNING_INTERVAL = 5.0
 """Seconds between two warnings about stale commands."""
 
 NAMES = (
-    topics.CMD_VEL, topics.GOAL_POSE, *(topic.name for topic in topics.PUBLISHED),
+    topics.CMD_VEL, topics.GOAL_POSE, *(topic.name for topic in topics.ALL_TOPICS),
     '/tf_static', '/clock', '/rosout', '/parameter_events',
     *(service.name for service in SERVICES),
     *(f'~/{name}_parameters' for name in ('describe', 'get', 'list', 'set')),

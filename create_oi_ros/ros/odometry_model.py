@@ -23,7 +23,7 @@ import yaml
 from ..driver import Outcome
 from ..driver.frame_clock import MAX_PERIOD, MIN_PERIOD
 from ..link.session import Session
-from ..odometry import Hypothesis, Knowledge, Known, Response, Rounding, SignSource
+from ..odometry import Hypothesis, Knowledge, Known, KnownGyro, Response, Rounding, SignSource
 
 FORMAT, OLD_FORMATS = 2, (1,)
 HEAD = """\
@@ -35,6 +35,8 @@ DIGITS = 7
 NUMBERS = {'right_gain': (0.3, 2.0), 'left_gain': (0.3, 2.0), 'angle_factor': (0.8, 1.2),
            'frame_period': (MIN_PERIOD, MAX_PERIOD)}
 """Ranges of the numbers."""
+GYRO = {'zero': (0.0, 5.0), 'drift': (-0.1, 0.1), 'scale': (-1000.0, 1000.0)}
+"""The same of a gyro: V, V/s, degrees a second for each volt."""
 WHEELS = {'time': (1e-3, 10.0), 'of_speed': (0.0, 1.0), 'overshoot': (0.0, 0.9),
           'braking': (0.05, 20.0), 'dead_time': (0.0, 0.4), 'dead_band': (0.0, 0.1)}
 """The same of a hypothesis."""
@@ -86,8 +88,9 @@ def text_of(knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -
     content: dict[str, object] = {
         'format': FORMAT, **({} if verdict is None else {'verdict': dict(verdict)}),
         'rounding': {kind.value: _short(p) for kind, p in knowledge.rounding.items()},
-        **{name: {'value': _short(number.value), 'deviation': _short(number.deviation)}
-           for name in NUMBERS for number in (getattr(knowledge, name),)},
+        **{name: _pair(getattr(knowledge, name)) for name in NUMBERS},
+        **({} if knowledge.gyro is None else {
+            'gyro': {name: _pair(number) for name, number in knowledge.gyro._asdict().items()}}),
         'readings': knowledge.readings,
         'wheels': [{
             'probability': _short(p), 'response': row.response.name.lower(),
@@ -115,7 +118,12 @@ def parsed(text: str) -> Knowledge:
         raise ValueError(f'wheels must be a list of 1 to {MOST_HYPOTHESES} hypotheses')
     hypotheses = dict(_hypothesis(row) for row in rows)
     numbers: dict[str, Any] = {name: _known(content, name, *NUMBERS[name]) for name in NUMBERS}
+    gyro = content.get('gyro')
+    if gyro is not None and not isinstance(gyro, dict):
+        raise ValueError('gyro must be a mapping')
     return Knowledge(
+        gyro=None if gyro is None else KnownGyro(
+            **{name: _known(gyro, name, *GYRO[name]) for name in GYRO}),
         hypotheses=_normalised(hypotheses, 'wheels'),
         rounding=_probabilities(content.get('rounding'), 'rounding', Rounding), **numbers)
 
@@ -135,6 +143,10 @@ def _hypothesis(row: Any) -> tuple[Hypothesis, float]:
         response=names[response], sign=signs[sign],
         **{name: _real(row.get(name), name, *WHEELS[name]) for name in WHEELS},
     ), _real(row.get('probability'), 'probability', 0.0, 1.0)
+
+
+def _pair(number: Known) -> dict[str, float]:
+    return {'value': _short(number.value), 'deviation': _short(number.deviation)}
 
 
 def _short(value: float) -> float:

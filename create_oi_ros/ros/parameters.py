@@ -10,7 +10,7 @@ while the node runs are in its metadata. `declare` declares them to ROS in one l
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, MISSING, replace
 from difflib import get_close_matches
-from math import isfinite
+from math import isfinite, radians
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
@@ -18,8 +18,10 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ..driver import BatteryLimits, LowBatteryAction, MotionLimits, Settings
-from ..odometry import Geometry
+from ..driver.stream import StreamPlan
+from ..odometry import Geometry, GyroSettings
 from ..oi import BaudCode, Mode
+from ..oi.codes import START_BAUDS
 from ..robot import TOP_SPEED
 from .topics import CMD_VEL
 
@@ -102,6 +104,16 @@ class Parameters:
         '', 'File of what the odometry knows of this robot (YAML, of `create_check` or of this '
         'node): read at start, written at the end and by `save_odometry_model`; where it does '
         'not exist, it is made. Empty: none', fixed=True)
+    gyro: str = parameter(
+        'none', 'Gyro on the analog input of the cargo bay: its turning is published on '
+        '`imu/data`, and the odometry uses it (docs/gyro.md). Needs 57600 baud or more',
+        choices=('none', 'analog'), fixed=True)
+    gyro_scale: float = parameter(
+        80.0, 'Degrees a second for each volt of that gyro, by its data sheet: sign and exact '
+        'value are learned, and kept in `odometry_model`',
+        low=-1000.0, high=1000.0, fixed=True)
+    gyro_range: float = parameter(
+        150.0, 'Degrees a second up to which it measures', low=1.0, high=5000.0, fixed=True)
     odom_frame: str = parameter('odom', 'Frame of the odometry', fixed=True)
     base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor', fixed=True)
     dock_pose: str = parameter(
@@ -148,6 +160,8 @@ class Parameters:
             reset_when_not_charging=self.reset_when_not_charging,
             dock_pose=pose(self.dock_pose),
             odometry_window=self.odometry_window, limits=self.limits(),
+            gyro=None if self.gyro == 'none' else GyroSettings(
+                radians(self.gyro_scale), radians(self.gyro_range)),
             geometry=Geometry(
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
                 angular_scale=self.angular_scale))
@@ -289,7 +303,25 @@ def contradiction(parameters: Parameters) -> str | None:
     if parameters.battery_low < parameters.battery_empty:
         return (f'parameter battery_low = {parameters.battery_low} is below battery_empty = '
                 f'{parameters.battery_empty}: a battery is low before it is empty')
+    if parameters.gyro == 'none':
+        return None
+    if not parameters.gyro_scale:
+        return "parameter gyro_scale = 0: give the data sheet's degrees a second for each volt"
+    if not parameters.odometry_window:
+        return ('parameter gyro needs odometry_window above 0: readings in every frame lose more '
+                'than the gyro gives')
+    if parameters.baud and (why := too_slow_for_gyro(parameters.baud)):
+        return f'parameters gyro and baud: {why}'
     return None
+
+
+def too_slow_for_gyro(baud: int) -> str | None:
+    """Say why a gyro cannot be read in every frame at a baud rate; None: it can."""
+    everything = StreamPlan(START_BAUDS[0]).full.budget(baud)
+    if everything.fits:
+        return None
+    return (f'{baud} baud carries {everything.capacity} bytes in a slot, and a frame that always '
+            f'has packet 33 has {everything.size}: use {START_BAUDS[0]} baud')
 
 
 def wrong_type(name: str, value: Any) -> str:

@@ -217,6 +217,8 @@ class FramePublisher:
                 header='transforms[0].header'))
         self._motion.append(FrameTopic(
             node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states))
+        self._imu = None if parameters.gyro == 'none' else FrameTopic(
+            node, topics.IMU, messages.empty_imu(parameters.base_frame), messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters.base_frame)
                          for topic in topics.sensor_topics(charge_known=charge_known)]
         # One pace for all topics of a period; a StateTopic is published on change only.
@@ -246,6 +248,8 @@ class FramePublisher:
             if self._motion_pace.due(moved.stamp, motion_period):
                 for topic in self._motion:
                     topic.publish(stamp, moved.estimate)
+            if self._imu is not None and moved.estimate.gyro is not None:
+                self._imu.publish(stamp, moved.estimate)
             for pace, period, sensors in self._repeated:
                 if pace.due(moved.stamp, period or sensor_period):
                     for sensor in sensors:
@@ -259,6 +263,8 @@ class FramePublisher:
         """Check for subscribers."""
         for topic in (*self._motion, *self._sensors):
             topic.check()
+        if self._imu is not None:
+            self._imu.check()
 
 
 HEIGHT = 0.05

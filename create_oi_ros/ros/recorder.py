@@ -22,7 +22,7 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from .bags import definitions
-from .topics import CMD_VEL, LATCHED, PUBLISHED, type_name
+from .topics import ALL_TOPICS, CMD_VEL, LATCHED, type_name
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos
@@ -51,7 +51,7 @@ class Recorder:
         """Messages recorded, by topic."""
         self.saved = 0
         """Messages that are in the file already, of all topics."""
-        for topic in PUBLISHED:
+        for topic in ALL_TOPICS:
             self._record(topic.name, topic.type, topic.qos)
         self._record(CMD_VEL, velocity, QoSProfile(depth=10))
         # Both published by robot_state_publisher, if it runs.

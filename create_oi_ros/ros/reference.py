@@ -20,7 +20,7 @@ from ..oi.tools import markdown
 from .actions import ALL_ACTIONS
 from .parameters import Parameters
 from .services import SERVICES
-from .topics import PUBLISHED, type_name
+from .topics import ALL_TOPICS, type_name
 
 CONFIG_WIDTH = 93
 """Characters of a comment line at most."""
@@ -31,7 +31,7 @@ def topics() -> str:
     """Return the table of published topics."""
     return markdown.table(('topic', 'type', 'when', 'what'), (
         (f'`{topic.name}`', type_name(topic.type), topic.when, topic.about)
-        for topic in PUBLISHED))
+        for topic in ALL_TOPICS))
 
 
 def services() -> str:
@@ -71,7 +71,7 @@ def policy_names(element: str, names: Iterable[str]) -> str:
 
 TABLES = {'topics': topics, 'services': services, 'actions': actions, 'parameters': parameters}
 POLICY = {
-    'all topics': lambda: policy_names('topic', (topic.name for topic in PUBLISHED)),
+    'all topics': lambda: policy_names('topic', (topic.name for topic in ALL_TOPICS)),
     'all actions': lambda: policy_names('action', (action.name for action in ALL_ACTIONS)),
     'all services': lambda: policy_names('service', (service.name for service in SERVICES)),
 }

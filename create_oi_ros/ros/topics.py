@@ -29,7 +29,7 @@ from create_oi_msgs.msg import (
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from sensor_msgs.msg import BatteryState, JointState, PointCloud2
+from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 
 from tf2_msgs.msg import TFMessage
 
@@ -95,6 +95,9 @@ TF = Topic(
 JOINT_STATES = Topic(
     name='joint_states', type=JointState, when='like `odom`',
     about=f'measured angle and speed of {" and ".join(f"`{n}`" for n in messages.WHEEL_JOINTS)}')
+IMU = Topic(
+    name='imu/data', type=Imu, when='every frame in which the gyro is believed',
+    about=f'turn rate by the gyro, in `{messages.GYRO_FRAME}`; with parameter `gyro` (REP 145)')
 MODE = Topic(
     name='mode', type=Mode, when='on change, latched', qos=LATCHED,
     about='the actual mode (255: no robot, or not known), the wanted one, and why they differ')
@@ -166,6 +169,9 @@ SENSOR_TOPICS: tuple[SensorTopic, ...] = (
 )
 PUBLISHED: tuple[Topic, ...] = (
     ODOM, TF, JOINT_STATES, *SENSOR_TOPICS, CONTACTS, MODE, DIAGNOSTICS)
+"""Topics of every robot."""
+ALL_TOPICS = (*PUBLISHED, IMU)
+"""These, and those that need a part."""
 
 
 def type_name(type_: Any) -> str:

@@ -55,7 +55,8 @@ def test_the_model_is_a_tree_that_begins_on_the_floor():
 def test_the_model_has_every_part():
     assert {'base_link', 'left_wheel_link', 'right_wheel_link', 'caster_link', 'bumper_link',
             'cliff_left_link', 'cliff_front_left_link', 'cliff_front_right_link',
-            'cliff_right_link', 'wall_link', 'ir_omni_link', 'cargo_bay_link'} <= LINKS
+            'cliff_right_link', 'wall_link', 'ir_omni_link', 'cargo_bay_link',
+            'gyro_link'} <= LINKS
 
 
 def test_the_wheels_are_those_of_the_joint_states_and_of_the_odometry():

@@ -3,6 +3,7 @@
 """Diagnostics of the driver with a simulated robot in memory: levels and messages."""
 
 from copy import copy
+from dataclasses import replace
 from itertools import cycle
 from math import isnan
 
@@ -13,6 +14,7 @@ from std_msgs.msg import Header
 
 from create_oi_ros import oi
 from create_oi_ros.driver import LinkCounts, Settings
+from create_oi_ros.odometry import GyroState
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.ros import diagnostics, messages
 from support.loop import Loop
@@ -197,3 +199,23 @@ def test_a_robot_that_does_not_hear_is_an_error_of_the_driver(loop):
     status = all_of(loop)['driver']
     assert status.level == ERROR
     assert 'off and on' in status.message
+
+
+def odometry_of(loop: Loop, **changes: object) -> DiagnosticStatus:
+    health = loop.driver.health(loop.now)
+    return diagnostics.odometry('create', replace(health, **changes))
+
+
+def test_what_is_thought_of_a_gyro_is_said(loop):
+    assert 'gyro' not in values(odometry_of(loop))
+    good, bad = GyroState(True, None, 3, False), GyroState(False, 'it jumps', 0, False)
+    assert odometry_of(loop, gyro=good).level == OK
+    assert values(odometry_of(loop, gyro=good)) == {'gyro': 'used', 'slips': '3'}
+    assert odometry_of(loop, gyro=bad).message == 'the gyro is not used: it jumps'
+    slips = odometry_of(loop, gyro=good._replace(slips_now=True))
+    assert slips.level == WARN
+    assert 'wheels slip' in slips.message
+
+
+def values(status: DiagnosticStatus) -> dict[str, str]:
+    return {value.key: value.value for value in status.values if value.key in ('gyro', 'slips')}

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node as a process on a simulated serial port, with a subscriber in the test."""
 
+from dataclasses import replace
 from itertools import count
 from math import nan, pi
 import signal
@@ -15,13 +16,14 @@ from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import DescribeParameters, ListParameters
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import BatteryState, JointState, PointCloud2
+from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
 from create_oi_ros.ros import messages
 from create_oi_ros.ros.messages import yaw_of
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.loop import turn_difference
 from support.ros import Ready
 from tf2_msgs.msg import TFMessage
@@ -251,3 +253,27 @@ def typical_step(received: list) -> float:
     """Return the seconds between most stamps; a busy computer may lose some messages."""
     stamps = [nanoseconds(message) / 1e9 for message in received]
     return median(later - earlier for earlier, later in zip(stamps, stamps[3:])) / 3
+
+
+def test_a_gyro_is_published_by_rep_145_once_it_follows_the_wheels(stage):
+    robot = stage.robot(config=replace(DEFAULT_BODY, gyro=True))
+    stage.node(robot.link, gyro='analog', base_frame='robot1/base_footprint')
+    heard = stage.ros.listen(Imu, 'imu/data')
+    odom = stage.ros.listen(Odometry, 'odom')
+    modes = stage.ros.listen(Mode, 'mode', LATCHED)
+    stage.ros.until(lambda: in_mode(modes, Mode.SAFE))
+    cmd_vel = stage.ros.node.create_publisher(Twist, 'cmd_vel', 10)
+    began = robot.body.truth().turned
+
+    def turns() -> list[Imu]:
+        sign = 1 if int(robot.body.truth().turned - began) % 8 < 4 else -1
+        cmd_vel.publish(Twist(angular=Vector3(z=1.0 * sign)))
+        return heard
+    stage.ros.until(turns, 'a turn rate')
+    stage.ros.until(lambda: len(heard) > 20 and turns())
+    imu = heard[-1]
+    assert imu.header.frame_id == 'robot1/gyro_link'
+    assert imu.orientation_covariance[0] == imu.linear_acceleration_covariance[0] == -1
+    assert 0 < imu.angular_velocity_covariance[8] < 1e-2
+    assert imu.angular_velocity.z == pytest.approx(robot.body.truth().rate, abs=0.3)
+    assert odom[-1].twist.covariance[35] < imu.angular_velocity_covariance[8]

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The file of what is known of a robot, and the node that keeps one."""
 
+from dataclasses import replace
 from pathlib import Path
 import resource
 import signal
@@ -12,7 +13,7 @@ import pytest
 from std_srvs.srv import Trigger
 import yaml
 
-from create_oi_ros.odometry import Geometry, Known, Odometry
+from create_oi_ros.odometry import Geometry, Known, KnownGyro, Odometry
 from create_oi_ros.odometry.bank import Bank
 from create_oi_ros.ros.odometry_model import (
     OldModel,
@@ -40,6 +41,13 @@ def test_a_file_says_what_was_written(tmp_path):
     assert list(after.hypotheses) == list(before.hypotheses)
     for name in ('right_gain', 'left_gain', 'angle_factor', 'frame_period'):
         assert getattr(after, name) == pytest.approx(getattr(before, name))
+
+
+def test_a_gyro_is_kept_too():
+    gyro = KnownGyro(Known(2.5, 0.001), Known(1e-6, 1e-7), Known(-79.5, 0.1))
+    known = parsed(text_of(replace(parsed(anything()), gyro=gyro)))
+    assert known.gyro == gyro
+    assert parsed(anything()).gyro is None
 
 
 def test_an_odometry_that_starts_with_a_file_knows_what_it_says():

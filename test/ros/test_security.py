@@ -19,6 +19,7 @@ from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 import rclpy
+from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from create_oi_ros.apps.lidar import LidarNode
@@ -28,7 +29,7 @@ from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.recorder import Recorder
 from create_oi_ros.ros.services import SERVICES
-from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED
 from support.ros import Listener, scene, TIMEOUT
 
 ROOT = Path(__file__).parents[2]
@@ -86,7 +87,8 @@ def node(tmp_path_factory):
     """Return the node, in a domain of its own, with a page that knows it, and what they start."""
     with domain_coordinator.domain_id() as domain:
         rclpy.init(args=[], domain_id=domain)
-        made, web = CreateNode(Future()), WebNode(LiveRobot())
+        made = CreateNode(Future(), parameter_overrides=[Parameter('gyro', value='analog')])
+        web = WebNode(LiveRobot())
         lidar, record = LidarNode('laser', 'base_footprint'), rclpy.create_node('create_record')
         recorder = Recorder(record, tmp_path_factory.mktemp('bags') / 'bag')
         for action in ALL_ACTIONS:
@@ -122,7 +124,7 @@ def test_a_node_may_do_what_it_does_and_no_more(node, enclave, name, what, ask):
 def test_a_pilot_may_drive_listen_and_ask():
     pilot = '/pilot'
     assert allowed(pilot, 'publish') == {'/cmd_vel', *EVERY_NODE}
-    assert allowed(pilot, 'subscribe') == full([topic.name for topic in PUBLISHED])
+    assert allowed(pilot, 'subscribe') == full([topic.name for topic in ALL_TOPICS])
     assert allowed(pilot, 'request') == full([service.name for service in SERVICES])
     assert actions(pilot, 'call') == {action.name for action in ALL_ACTIONS}
 

@@ -17,11 +17,11 @@ from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.services import SERVICES
-from create_oi_ros.ros.topics import PUBLISHED
+from create_oi_ros.ros.topics import ALL_TOPICS
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r'(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$', re.M | re.S)
-OURS = {f'/{topic.name.lstrip("/")}' for topic in PUBLISHED} | {'/cmd_vel'}
+OURS = {f'/{topic.name.lstrip("/")}' for topic in ALL_TOPICS} | {'/cmd_vel'}
 """Full names of all topics of a driver without a namespace."""
 ACTION_TYPES = {f'/{action.name}': action.type for action in ALL_ACTIONS}
 SERVICE_TYPES = {f'/{service.name}': service.type for service in SERVICES}

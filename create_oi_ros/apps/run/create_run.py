@@ -103,8 +103,8 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
     """Return the arguments; those that contradict each other end the program."""
     parser = argparse.ArgumentParser(
         prog='create_run', description=__doc__,
-        usage='create_run [--port PORT | --world WORLD] [--lidar] [--capture FILE] [--host HOST]\n'
-              '                  [--token-file FILE]\n'
+        usage='create_run [--port PORT | --world WORLD] [--lidar] [--gyro] [--capture FILE]\n'
+              '                  [--host HOST] [--token-file FILE]\n'
               '                  [--ros-args -p NAME:=VALUE --params-file FILE -r FROM:=TO ...]',
         epilog='create_node --help lists the parameters')
     parser.add_argument('--port', help='serial device of a real robot; default: a simulated one')
@@ -113,6 +113,8 @@ def _arguments(given: Sequence[str]) -> argparse.Namespace:
         f'(default: {WORLD})'))
     parser.add_argument('--lidar', action='store_true', help=(
         'give the simulated robot a lidar: scan, for SLAM and Nav2'))
+    parser.add_argument('--gyro', action='store_true', help=(
+        'a gyro is on the analog input of the cargo bay; a simulated robot gets one'))
     parser.add_argument('--capture', metavar='FILE', help=(
         'write every byte of the serial line to FILE, to be sent with a bug report'))
     parser.add_argument('--host', help=(
@@ -144,14 +146,15 @@ def _start(children: Children, port: str, options: argparse.Namespace) -> None:
     if options.port is None:
         control = f'{port}.control'
         children.start('create_sim', '--link', port, '--world', options.world or WORLD,
-                       '--control', control)
+                       '--control', control, *(['--gyro'] if options.gyro else []))
         page += ['--control', control]
         if options.lidar:
             children.start('create_lidar', '--control', control, '--ros-args',
                            *names_only(options.ros))
     children.start('create_web', *page, '--ros-args', *names_only(options.ros))
     capture = ['-p', f'capture:={quoted(options.capture)}'] if options.capture else []
-    children.start('create_node', '--ros-args', *options.ros, '-p', f'port:={quoted(port)}',
+    gyro = ['-p', 'gyro:=analog'] if options.gyro else []
+    children.start('create_node', '--ros-args', *gyro, *options.ros, '-p', f'port:={quoted(port)}',
                    *capture)
 
 
