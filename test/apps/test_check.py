@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """`create_check`: moves, what they show, and the program at a simulated robot's port."""
 
+from dataclasses import replace
+from math import radians
 import signal
 import subprocess
 import sys
@@ -11,11 +13,14 @@ import pytest
 
 from create_oi_ros.apps.check.moves import duration, Move, Reads, Segment, STEPS
 from create_oi_ros.apps.check.runner import Notebook, Runner
-from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_wheels
-from create_oi_ros.odometry import Knowledge, Rounding, SignSource
+from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_gyro, of_wheels
+from create_oi_ros.driver import Settings
+from create_oi_ros.odometry import GyroSettings, Knowledge, Rounding, SignSource
+from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
+from create_oi_ros.sim.body.gyro import Gyro
 from support.loop import Loop
 from support.simulator import taught
 
@@ -28,9 +33,10 @@ class Floor:
 
     def __init__(self, rounding: Rounding = Rounding.TRUNCATE,
                  config: BodyConfig = DEFAULT_BODY) -> None:
-        notebook = Notebook()
-        self.loop = Loop(rounding=rounding, config=config, odometry=notebook)
-        self.runner = Runner(self.loop.driver, notebook)
+        self.notebook = Notebook()
+        self.loop = Loop(Settings(gyro=GyroSettings()), rounding=rounding, config=config,
+                         odometry=self.notebook)
+        self.runner = Runner(self.loop.driver, self.notebook)
         self.loop.run(0.5)
 
     def make(self, move: Move) -> bool:
@@ -55,8 +61,8 @@ def ahead(speed: int, seconds: float, reads: Reads = Reads.END) -> Move:
 
 @pytest.fixture(scope='module')
 def found() -> tuple[Floor, Knowledge]:
-    """Return what is found of the most likely robot."""
-    floor = Floor()
+    """Return what is found of the most likely robot, with a gyro."""
+    floor = Floor(config=replace(DEFAULT_BODY, gyro=True))
     for step in STEPS:
         for move in step.moves:
             assert floor.make(move)
@@ -83,6 +89,23 @@ def test_the_wheels_of_the_likeliest_robot_are_found(found):
     assert known.angle_factor.value == pytest.approx(0.258 / 0.262, abs=0.01)
     assert known.delay(0.2).value == pytest.approx(0.025 + 0.075, abs=0.01)  # coasts 15 mm
     assert known.certain
+
+
+def test_scale_and_zero_of_a_gyro_are_found(found):
+    floor, known = found
+    gyro, true = known.gyro, Gyro(0)
+    zero, scale = (sum(true.read(rate, 270.0) for _ in range(4000)) / 4000
+                   for rate in (0.0, radians(100)))
+    assert gyro.zero.value == pytest.approx(zero * STEP, abs=2e-3)
+    assert gyro.scale.value == pytest.approx(100 / (scale - zero) / STEP, rel=2e-3)
+    found_of_it = of_gyro(floor.loop.driver.health(floor.loop.now))
+    assert found_of_it.answer.startswith(f'{gyro.scale.value:.2f} +- ')
+
+
+def test_a_robot_without_a_gyro_has_none():
+    floor = Floor()
+    assert floor.make(ahead(100, 1.0))
+    assert 'none that follows' in of_gyro(floor.loop.driver.health(floor.loop.now)).answer
 
 
 def test_the_verdict_is_words_and_a_model(found):

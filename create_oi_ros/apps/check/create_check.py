@@ -31,7 +31,7 @@ from .questions import (
     tell,
 )
 from .robot_line import RobotLine
-from .verdict import as_mapping, Finding, lines, of_wheels
+from .verdict import as_mapping, Finding, lines, of_gyro, of_wheels
 
 INTRODUCTION = """\
 The robot makes short moves for about four minutes, each of them back to where it began. It needs
@@ -118,7 +118,7 @@ def _conclude(seen: Sequence[Finding], health: Health, output: Path) -> None:
     """Print what the odometry has learned and write it; OSError: it cannot be written."""
     if health.robot is None:
         raise UserError('nothing was learned: the robot never reported that it moved')
-    findings = [*of_wheels(health.robot, health.checksum), *seen]
+    findings = [*of_wheels(health.robot, health.checksum), of_gyro(health), *seen]
     tell('\n' + '\n'.join(lines(findings)) + '\n')
     write(output, health.robot, as_mapping(findings))
     tell(f'{output}: give it to the driver with -p odometry_model:={output.absolute()}')

@@ -12,6 +12,7 @@ from ... import __version__, oi
 from ...driver import Driver, DriverEvent, Health, Notice, Outcome, Settings, Severity
 from ...link.capture import begin, Capture, CapturedPort
 from ...link.session import Session
+from ...odometry import GyroSettings
 from ...oi.tools.capture_format import RecordKind
 from ...ros.programs import UserError
 from .moves import Move
@@ -52,7 +53,8 @@ class RobotLine:
             capture_file, {'driver': f'create_check of create_oi_ros {__version__}', 'port': url},
             lambda why: print(f'create_check: capture: {why}'))
         self.session = Session(
-            Driver(Settings(baud=baud, recover_mode=False), self.notebook), url,
+            Driver(Settings(baud=baud, recover_mode=False, gyro=GyroSettings()), self.notebook),
+            url,
             on_event=self._on_event, on_failure=self.lost.set, dead_man=True,
             open_port=partial(CheckedPort, self.heard, self.capture))
         self.runner = Runner(self.session.driver, self.notebook)

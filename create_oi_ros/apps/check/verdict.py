@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ... import oi
+from ...driver import Health
 from ...driver.learned_robot import in_words
 from ...odometry import Knowledge, Response, Rounding, SignSource
 from ...robot import MILLI, SLOT
@@ -57,6 +58,17 @@ def of_wheels(known: Knowledge, checksum: oi.Checksum | None) -> list[Finding]:
     sums = ('not known', 'nothing') if checksum is None else CHECKSUMS[checksum]
     return [*(Finding(name, answer, agrees.get(name, 'nothing measured'))
               for name, answer in in_words(known).items()), Finding('checksum', *sums)]
+
+
+def of_gyro(health: Health) -> Finding:
+    """Return what was found of a gyro on the analog input."""
+    gyro = None if health.robot is None else health.robot.gyro
+    if gyro is None:
+        why = 'nothing was seen' if health.gyro is None else health.gyro.problem
+        return Finding('gyro', f'none that follows the robot: {why}', 'a robot without one')
+    scale, unsure = gyro.scale
+    return Finding('gyro', f'{scale:.2f} +- {unsure:.2f} degrees a second for each volt, zero at '
+                   f'{gyro.zero.value:.3f} V', '80, the data sheet of an ADXRS613')
 
 
 def _of_period(period: float) -> str:
