@@ -15,11 +15,11 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from rosbags.rosbag2 import Reader
 
 from create_oi_ros.ros.recorder import Recorder
-from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED
 from support.pages import blocks, ROOT
 from support.ros import scene
 
-LATCHING = {f'/{topic.name}' for topic in PUBLISHED if topic.qos is LATCHED}
+LATCHING = {f'/{topic.name}' for topic in ALL_TOPICS if topic.qos is LATCHED}
 DESCRIBED = '/robot_description'
 FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 OFFERED = {
@@ -29,7 +29,7 @@ OFFERED = {
 """QoS as rosbag2 of Jazzy parses it (convert<rclcpp::QoS>), without the depth."""
 
 
-NAMES = [f'/{topic.name.lstrip("/")}' for topic in PUBLISHED]
+NAMES = [f'/{topic.name.lstrip("/")}' for topic in ALL_TOPICS]
 
 
 class Walk:
@@ -72,7 +72,7 @@ def test_the_metadata_is_what_rosbag2_of_jazzy_parses(walk):
         assert times['duration']['nanoseconds'] > 10**9
         assert times['starting_time']['nanoseconds_since_epoch'] > 10**18
         assert times['message_count'] == walk.messages
-    depths = {f'/{topic.name.lstrip("/")}': topic.qos.depth for topic in PUBLISHED}
+    depths = {f'/{topic.name.lstrip("/")}': topic.qos.depth for topic in ALL_TOPICS}
     depths |= {'/cmd_vel': 10, DESCRIBED: 1, '/tf_static': 1}
     for each in bag['topics_with_message_count']:
         topic = each['topic_metadata']
@@ -91,7 +91,7 @@ def test_the_file_alone_has_the_same_metadata_of_its_topics(walk):
         folder, file = (
             {each.topic: (each.msgtype, each.msgcount, each.ext) for each in bag.connections}
             for bag in (reader, alone))
-    assert folder == file and len(file) == len(PUBLISHED) + 3
+    assert folder == file and len(file) == len(ALL_TOPICS) + 3
 
 
 def test_types_and_qos_in_the_bag_are_those_that_the_driver_offers(walk):

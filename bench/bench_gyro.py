@@ -1,0 +1,120 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a gyro is worth: degrees of heading error in a minute of driving, with it and without.
+
+Each robot has its own gyro and drive. It first stands for half a minute and drives two on a hard
+floor, with a gyro of which only the data sheet is known; what the driver has learned then is what
+it starts with. Before the minute it stands for 20 seconds. The whole driver and the whole
+simulated robot talk as bytes.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import degrees
+from multiprocessing import Pool
+from random import Random
+from statistics import mean
+
+from create_oi_ros.odometry import GyroSettings, Knowledge
+from create_oi_ros.sim.body import Body
+from drives import DRIVES
+from odometry_loop import Journey, TURNS
+from odometry_rig import bursts, nothing, slip
+from results import Figure, run
+from robots import centre
+
+SHEET = GyroSettings()
+SEEDS = range(70_000, 70_016)
+"""Nobody tuned on these."""
+STYLES = ('smooth', 'straight')
+REST, MINUTE, LATENCY = 20.0, 60.0, 0.005
+MOST = 1.0
+"""Degrees a minute, of the mean."""
+
+
+def turned_by_hand(random: Random, body: Body) -> Iterator[bool]:
+    """Lift the robot now and then, turn it, and put it down."""
+    before = False
+    for begins, on in bursts(random, 20, 4):
+        if on and not before:
+            body.lift(True)
+        if begins:
+            body.push(speed=0.0, rate=random.choice((1, -1)) * random.uniform(0.5, 2.0),
+                      seconds=random.uniform(0.3, 1.3))
+        if before and not on:
+            body.lift(False)
+        before = on
+        yield not on
+
+
+FLOORS = {
+    'hard floor': (0.0, nothing), 'slip bursts': (0.0, slip), 'carpet, 2 % slip': (0.02, nothing),
+    'carpet, 10 % slip': (0.1, nothing), 'lifted and turned': (0.0, turned_by_hand)}
+
+
+class Minute(Journey):
+    """A journey in which something may happen."""
+
+    def __init__(self, floor: str, seed: int, **options: object) -> None:
+        part, event = FLOORS[floor]
+        robot = centre(Random(seed))
+        super().__init__(replace(robot, config=replace(
+            robot.config, gyro=True, right_slip=part, left_slip=part)), seed, latency=LATENCY,
+            **options)
+        self._event = event(Random(f'{floor} {seed}'), self.body)
+        self.happens = False
+
+    def go(self) -> None:
+        """Let a step of time pass."""
+        if self.happens and self._steps % TURNS == 0:
+            next(self._event)
+        super().go()
+
+    @property
+    def off(self) -> float:
+        """Degrees."""
+        return degrees(self.estimate.yaw - self.body.truth().turned)
+
+
+def learned(seed: int) -> Knowledge:
+    """Return what a driver has learned of a robot and its gyro on a hard floor."""
+    first = Minute('hard floor', seed, gyro=SHEET)
+    turns = [(30.0 + 7 * turn + at, 0.0, rate) for turn in range(6)
+             for at, rate in ((0.0, 1.3 if turn % 2 else -1.3), (5.0, 0.0))]
+    rest = [(75.0 + at, *wish) for at, *wish in DRIVES['straight'](Random(seed), 85.0)]
+    first.drive([*turns, *rest], 165.0)
+    robot = first.driver.health(first.now).robot
+    assert robot is not None
+    return robot
+
+
+def minute(job: tuple[str, int, Knowledge, bool]) -> tuple[str, bool, float]:
+    """Drive for a minute; return the error that it has added, degrees."""
+    floor, seed, known, gyro = job
+    journey = Minute(floor, seed, gyro=SHEET if gyro else None, known=known)
+    journey.drive([], REST)
+    before, journey.happens = journey.off, True
+    wishes = DRIVES[STYLES[seed % len(STYLES)]](Random(seed), MINUTE)
+    journey.drive([(REST + at, linear, angular) for at, linear, angular in wishes], REST + MINUTE)
+    return floor, gyro, abs(journey.off - before)
+
+
+def measure() -> list[Figure]:
+    """Return the mean and the worst of each floor."""
+    with Pool(2) as pool:
+        known = pool.map(learned, SEEDS)
+        jobs = [(floor, seed, robot, gyro) for floor in FLOORS
+                for seed, robot in zip(SEEDS, known) for gyro in (True, False)]
+        found = pool.map(minute, jobs, chunksize=1)
+    errors = {(floor, gyro): [off for at, had, off in found if (at, had) == (floor, gyro)]
+              for floor in FLOORS for gyro in (True, False)}
+    return [Figure(floor, mean(errors[floor, True]), 'deg a minute', MOST,
+                   worst=max(errors[floor, True]),
+                   beside=f'without {mean(errors[floor, False]):.3g}, '
+                          f'at most {max(errors[floor, False]):.3g}')
+            for floor in FLOORS]
+
+
+if __name__ == '__main__':
+    run('bench_gyro', measure)
