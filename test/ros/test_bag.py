@@ -15,7 +15,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from rosbags.rosbag2 import Reader
 
 from create_oi_ros.ros.recorder import Recorder
-from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED
+from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED, PUBLISHED
 from support.pages import blocks, ROOT
 from support.ros import scene
 
@@ -29,7 +29,7 @@ OFFERED = {
 """QoS as rosbag2 of Jazzy parses it (convert<rclcpp::QoS>), without the depth."""
 
 
-NAMES = [f'/{topic.name.lstrip("/")}' for topic in ALL_TOPICS]
+NAMES = [f'/{topic.name.lstrip("/")}' for topic in PUBLISHED]
 
 
 class Walk:
