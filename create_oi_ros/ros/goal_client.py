@@ -255,7 +255,7 @@ class GoalClient:
             if why is not None:
                 said = True
                 print(f'{self._name}: {why}', file=sys.stderr, flush=True)
-            self._spin()
+            time.sleep(LOOK_EVERY)
 
     def _cancel_running(self) -> bool:
         """Cancel a goal that was sent and has not ended; return whether it has ended now."""
