@@ -406,7 +406,7 @@ class GyroOdometry:
 
     def _problem(self, w: Window, turned: float) -> str | None:
         """Say why the gyro is not believed; None: it is."""
-        if w.jumps > MOST_JUMPS * w.frames:
+        if w.jumps > max(JUMPS, MOST_JUMPS * w.frames):
             return 'the voltage jumps: is a gyro connected to the analog input?'
         if w.unmeasured > w.frames / 2:
             return (f'{self._volts:.2f} V are beyond its range, or frames come without packet 33')
