@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench results: they are saved, and in the documents as they were measured."""
 
+import re
+
 import document
 from results import Figure, figures_of, keep, load, rows
 from support.source import ROOT
@@ -32,3 +34,14 @@ def test_results_are_kept_beside_those_of_other_programs(tmp_path):
     keep('two', second, {'date': 'now'}, path)
     assert figures_of(load(path), 'one') == first
     assert figures_of(load(path), 'two') == second
+
+
+def test_a_short_table_joins_the_figures_of_a_thing_and_shows_missed_targets_in_bold():
+    beside = 'before 0.2; a reading a second 3'
+    figures = [Figure('a: deg a turn', 0.5, 'deg a turn', 1.0, beside=beside),
+               Figure('a: deg a turn, 95th percentile', 2.0, 'deg a turn', 1.5, beside='before 1'),
+               Figure('b: slowest', 2500.0, 'us'), Figure('left out', 1.0, '')]
+    assert document.short(figures, re.compile('^a:|^b')) == [
+        ['what', 'value', 'target', 'before', 'a reading a second'],
+        ['a: deg a turn', '0.5, 2', '<= 1, **<= 1.5**', '0.2, 1', '3'],
+        ['b: slowest', '2,500 us', '', '', '']]
