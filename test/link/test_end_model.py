@@ -15,6 +15,7 @@ import time
 import pytest
 
 from create_oi_ros.robot import Rounding
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import shipped
 from support.end_model import explore, Found, State, steps
 from support.ros import Robot, TIMEOUT
@@ -138,7 +139,7 @@ class Real:
 @contextmanager
 def real(folder: Path) -> Iterator[Real]:
     """Yield a driver that is connected to its robot."""
-    robot = Robot(folder / 'tty', shipped('empty'), Rounding.CARRY)
+    robot = Robot(folder / 'tty', shipped('empty'), Rounding.CARRY, DEFAULT_BODY)
     try:
         made = Real(robot)
         try:

@@ -27,6 +27,7 @@ from create_oi_ros.link.port import exists, holder, lasting_name, Port, PortErro
 from create_oi_ros.link.session import Session
 from create_oi_ros.oi.codes import FAST_BAUD, FAST_SPACING
 from create_oi_ros.robot import Rounding
+from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import shipped
 from support.ros import Robot, TIMEOUT
 from support.simulator import receive
@@ -302,7 +303,7 @@ def session_on(url: Path | str, *, dead_man: bool = False):
 @contextmanager
 def robot_on(link: Path):
     """Switch a robot on."""
-    robot = Robot(link, shipped('empty'), Rounding.CARRY)
+    robot = Robot(link, shipped('empty'), Rounding.CARRY, DEFAULT_BODY)
     try:
         yield robot
     finally:

@@ -277,6 +277,8 @@ def test_a_client_that_polls_group_6_and_asks_for_group_100(robot: Robot) -> Non
     port, teacher = robot
     with serial.Serial(str(port), 57600, timeout=5) as client:
         client.write(bytes([128, 131, 137, 0, 100, 128, 0]))
+        teacher.tell('after 0.1')
+        client.reset_input_buffer()  # what the robot sent to the client before
         begun, travelled = 1000 * teacher.truth()['measured_travelled'], 0
         for _ in range(100):
             teacher.tell('after 0.015')
