@@ -13,6 +13,9 @@ other. Two song numbers that nobody has defined are used in turn: while a song p
 stored. The robot ignores Play Song while a song plays (manual: Play Song), so the next one is
 asked for in the frame in which packet 37 falls. No command ends a song: a tune that is canceled
 ends with the song that plays.
+
+An animation of the LEDs is LED commands that follow each other by the driver's time. It ends with
+what `set_leds` has set last.
 """
 
 from collections.abc import Sequence
@@ -36,6 +39,10 @@ FULL_DUTY = DUTY.high
 """What turns a low side driver on all the time (manual: PWM Low Side Drivers)."""
 FOREVER = -1
 """Iterations of a tune that plays until it is canceled."""
+DARK = oi.Leds(bits=0, color=0, intensity=0)
+"""All LEDs off, as they are when the robot enters Safe."""
+MIN_PERIOD, USUAL_PERIOD = 0.3, 1.0
+"""Seconds of a blink or round: at least (ten LED commands a second, 40 bytes), and as a rule."""
 WAIT = 'wait until the topic `song` says that it has ended'
 
 
@@ -73,6 +80,36 @@ class Tune(Pending):
         self.note = before + min(sum(end <= since for end in ends), len(song) - 1)
 
 
+def blink(chosen: oi.Leds) -> list[oi.Leds]:
+    """Return the chosen LEDs, and none."""
+    return [chosen, DARK]
+
+
+def spin(chosen: oi.Leds) -> list[oi.Leds]:
+    """Return each of the chosen LEDs alone: Play, Advance, Power."""
+    alone = [oi.Leds(bits=bit, color=0, intensity=0) for bit in oi.LedBits if bit & chosen.bits]
+    power = oi.Leds(bits=0, color=chosen.color, intensity=chosen.intensity)
+    return [*alone, power] if power.intensity else alone
+
+
+class Animation(Pending):
+    """An animation of the LEDs that was given to the driver, and how long it has been shown."""
+
+    def __init__(self, steps: Sequence[oi.Leds], period: float, max_seconds: float) -> None:
+        """Show all steps once in a period, again and again, for so many seconds."""
+        super().__init__()
+        self.steps = steps
+        self.period = period
+        self.max_seconds = max_seconds
+        self.seconds = 0.0
+        """How long it has been shown."""
+
+    @property
+    def step(self) -> oi.Leds:
+        """What is to be shown now."""
+        return self.steps[int(self.seconds / self.period * len(self.steps)) % len(self.steps)]
+
+
 class Outputs:
     """Everything that a request can set, except mode, wheels, demos and scripts."""
 
@@ -92,12 +129,19 @@ class Outputs:
         self._asked_at = 0.0
         self._begun_at: float | None = None
         """When the robot reported the song that was sent to play; None before that."""
+        self._animation: Animation | None = None
+        """The animation that is shown."""
+        self._animation_started_at = 0.0
+        self._shown: oi.Leds | None = None
+        """Its step that was sent last; None where the LEDs may show something else."""
 
     # Outputs.
 
     def set_leds(self, bits: oi.LedBits, color: int, intensity: int) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
-        return self._set(oi.Leds(bits=bits, color=color, intensity=intensity), 'LEDs sent')
+        self._shown = None
+        return self._set(oi.Leds(bits=bits, color=color, intensity=intensity), (
+            'LEDs sent' if self._animation is None else 'these LEDs show after the animation'))
 
     def set_outputs(self, bits: oi.OutputBits) -> Pending:
         """Set the digital outputs of the cargo bay."""
@@ -127,6 +171,7 @@ class Outputs:
         """Set LEDs and outputs again: the mode has changed, or the robot was switched off."""
         for command in self._to_restore.values():
             self._core.outbox.send(command)
+        self._shown = None
 
     def restore_songs(self) -> None:
         """Store the songs again: the robot may have been switched off."""
@@ -207,10 +252,12 @@ class Outputs:
         if self._store(tune, 0):
             self._play_stored(now)
 
-    def cancel_tune(self, tune: Tune, why: str = 'canceled') -> None:
-        """End a tune, if it still plays; the song that plays is heard to its end."""
-        if tune is self._tune:
+    def cancel(self, request: Tune | Animation, why: str = 'canceled') -> None:
+        """End a tune or an animation, if it goes on; the song that plays is heard to its end."""
+        if request is self._tune:
             self._fail_tune(f'{why}; the song that plays goes on to its end')
+        elif request is self._animation:
+            self._end_animation(False, why)
 
     def _fail_tune(self, why: str) -> None:
         tune, self._tune = self._tune, None
@@ -250,6 +297,37 @@ class Outputs:
         if self._stored not in self.songs or self._store(tune, following):
             self._play_stored(now)
 
+    # Animations.
+
+    def animate(self, animation: Animation, now: float) -> None:
+        """Show an animation; its outcome says how that ended, or why it cannot be shown."""
+        why = self._core.refusal(oi.Leds) if self._animation is None else (
+            'the LEDs are animated: cancel that goal, or wait until it has ended')
+        if why is None:
+            self._animation, self._animation_started_at, self._shown = animation, now, None
+        else:
+            animation.end(False, why)
+
+    def _show_step(self, animation: Animation, now: float) -> None:
+        """Send the step that is due, or end the animation."""
+        animation.seconds = min(now - self._animation_started_at, animation.max_seconds)
+        why = self._core.refusal(oi.Leds)
+        if why is not None:
+            self._end_animation(False, f'the animation ended before its end; {why}')
+        elif animation.seconds == animation.max_seconds:
+            self._end_animation(True, 'the animation was shown')
+        elif animation.step != self._shown:
+            self._shown = animation.step
+            self._core.outbox.send(animation.step)
+
+    def _end_animation(self, ok: bool, why: str) -> None:
+        """End the animation, if there is one, and show what was set before or meanwhile."""
+        animation, self._animation = self._animation, None
+        if animation is not None:
+            if self._core.refusal(oi.Leds) is None:
+                self._core.outbox.send(self._to_restore.get(oi.Leds, DARK))
+            animation.end(ok, why)
+
     # What the robot reports.
 
     def observe(self, readings: oi.Readings, now: float) -> None:
@@ -273,7 +351,9 @@ class Outputs:
             tune.follow(now - self._begun_at)
 
     def poll(self, now: float) -> None:
-        """End what waits for a song that is not reported; one may be too short to be seen."""
+        """Go on with an animation; end what waits for a song that is not reported."""
+        if self._animation is not None:
+            self._show_step(self._animation, now)
         tune, waits = self._tune, self._request.outcome is None
         if tune is None and not waits or now < self._asked_at + SONG_TIMEOUT:
             return
@@ -281,15 +361,16 @@ class Outputs:
         self._request.end(False, f'song {self._playing} {says_nothing}')
         if tune is None or self._begun_at is not None:
             return
-        song = tune.songs[tune.song]
+        song = tune.songs[tune.song]  # it may be too short to be seen
         if sum(note.duration for note in song) / oi.NOTES_PER_SECOND < MIN_SEEN_LENGTH:
             self._play_next(tune, now)
         else:
             self._fail_tune(f'a song of the tune {says_nothing}')
 
     def fail(self, why: str) -> None:
-        """End the tune, and the request for a song that has not been reported."""
+        """End tune and animation, and the request for a song that has not been reported."""
         self._fail_tune(why)
+        self._end_animation(False, why)
         self._request.end(False, why)
 
 

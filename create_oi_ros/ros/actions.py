@@ -3,22 +3,23 @@
 """
 The actions: each declared beside the function that turns its request into what the driver does.
 
-The driver pursues goals, one at a time, and plays tunes beside them. Here they are checked, handed
-over, reported on and answered. Only a malformed request is rejected, with the reason in the log;
-any other is accepted, and its result says why it could not be done.
+The driver pursues goals, one at a time, and plays tunes and animates LEDs beside them. Here they
+are checked, handed over, reported on and answered. Only a malformed request is rejected, with the
+reason in the log; any other is accepted, and its result says why it could not be done.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 from create_oi_msgs.action import (
     AudioNoteSequence,
     Dock,
     DriveArc,
     DriveDistance,
+    LedAnimation,
     NavigateToPosition,
     RotateAngle,
     Undock,
@@ -37,10 +38,12 @@ from rclpy.node import Node
 from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE
 from ..driver.goals import Code, Goal, Malformed, Phase, Progress, Running
+from ..driver.goals.goal import check_range
 from ..driver.goals.legs import StoppingModel
 from ..driver.goals.motions import Circle, TargetPose
+from ..driver.goals.wall_following import MINUTE
 from ..driver.outbox import Awaited
-from ..driver.outputs import Tune
+from ..driver.outputs import Animation, blink, MIN_PERIOD, spin, Tune, USUAL_PERIOD
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ..oi.tools.tunes import parse_tune, sounding_name
@@ -226,23 +229,41 @@ class TuneAction(Action):
         return TunePursuit(self, made)
 
 
-class TunePursuit(Pursuit):
-    """A tune that the robot plays."""
+Shown = TypeVar('Shown', Tune, Animation)
 
-    def __init__(self, action: Action, tune: Tune) -> None:
-        """Report on a tune that was handed over."""
-        self._action, self._tune = action, tune
-        self.awaited = tune
-        self._told = (0, -1)
-        """Iteration and place of the note in the last feedback."""
+
+class ShowPursuit(Pursuit, Generic[Shown]):
+    """A tune or an animation that the robot shows."""
+
+    awaited: Shown
+
+    def __init__(self, action: Action, shown: Shown) -> None:
+        """Report on what was handed over."""
+        self._action = action
+        self.awaited = shown
 
     def cancel(self, driver: Driver, now: float, *, gone: bool = False) -> None:
-        """End the tune, if it has not ended."""
-        driver.outputs.cancel_tune(self._tune, 'its client has gone' if gone else 'canceled')
+        """End it, if it has not ended."""
+        driver.outputs.cancel(self.awaited, 'its client has gone' if gone else 'canceled')
+
+    def fill(self, result: Any) -> tuple[bool, str]:
+        """Fill in how it ended."""
+        outcome = self.awaited.outcome
+        assert outcome is not None
+        fill(result, outcome)
+        result.runtime = messages.duration(self.awaited.seconds)
+        return outcome.ok, f'{self._action.name}: {outcome.text}'
+
+
+class TunePursuit(ShowPursuit[Tune]):
+    """A tune that the robot plays."""
+
+    _told = 0, -1
+    """Iteration and place of the note in the last feedback."""
 
     def news(self) -> Any:
         """Return feedback with each new note."""
-        tune = self._tune
+        tune = self.awaited
         place = tune.iterations_played, tune.note
         if tune.note < 0 or place == self._told:
             return None
@@ -254,12 +275,46 @@ class TunePursuit(Pursuit):
 
     def fill(self, result: Any) -> tuple[bool, str]:
         """Fill in how it ended."""
-        outcome = self._tune.outcome
-        assert outcome is not None
-        fill(result, outcome)
-        result.iterations_played = self._tune.iterations_played
-        result.runtime = messages.duration(self._tune.seconds)
-        return outcome.ok, f'{self._action.name}: {outcome.text}'
+        result.iterations_played = self.awaited.iterations_played
+        return super().fill(result)
+
+
+class AnimationAction(Action):
+    """An action that animates the LEDs; it moves no wheel."""
+
+    def make(self, request: Any, stopping: StoppingModels) -> Animation:
+        """Return the animation; ValueError says what is wrong."""
+        steps = {request.BLINK_LIGHTS: blink, request.SPIN_LIGHTS: spin}.get(
+            request.animation_type)
+        if steps is None:
+            raise ValueError(f'animation_type = {request.animation_type}; allowed: '
+                             f'{request.BLINK_LIGHTS} (blink), {request.SPIN_LIGHTS} (spin)')
+        if not (request.play or request.advance or request.power_intensity):
+            raise ValueError('no LED is chosen: set play, advance or power_intensity')
+        period = messages.seconds(request.period) or USUAL_PERIOD
+        check_range('period', period, 's', MIN_PERIOD)
+        runtime = messages.seconds(request.max_runtime)
+        check_range('max_runtime', runtime, 's', 0.0)
+        return Animation(steps(messages.leds(request)), period, runtime or MINUTE)
+
+    def start(self, driver: Driver, made: Animation, now: float) -> Pursuit:
+        """Show it."""
+        driver.outputs.animate(made, now)
+        return AnimationPursuit(self, made)
+
+
+class AnimationPursuit(ShowPursuit[Animation]):
+    """An animation of the LEDs."""
+
+    _frames = 0
+
+    def news(self) -> Any:
+        """Return feedback ten times a second."""
+        self._frames += 1
+        if self._frames % FEEDBACK_EVERY:
+            return None
+        return self._action.type.Feedback(remaining_runtime=messages.duration(
+            self.awaited.max_seconds - self.awaited.seconds))
 
 
 ACTIONS = (
@@ -304,7 +359,9 @@ ACTIONS = (
 """The actions that drive the robot."""
 ALL_ACTIONS: tuple[Action, ...] = (*ACTIONS, TuneAction(
     name='audio_note_sequence', type=AudioNoteSequence,
-    about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)'))
+    about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)'),
+    AnimationAction(
+        name='led_animation', type=LedAnimation, about='blink LEDs, or light them in turn'))
 
 
 def malformed(name: str, request: Any) -> str:

@@ -300,6 +300,12 @@ def age(stamp: Time, nanoseconds: int) -> float:
     return (nanoseconds - stamped) / NANOSECONDS if stamped else 0.0
 
 
+def leds(request: Any) -> oi.Leds:
+    """Return the LEDs that a request chooses."""
+    bits = oi.LedBits.PLAY * request.play | oi.LedBits.ADVANCE * request.advance
+    return oi.Leds(bits=bits, color=request.power_color, intensity=request.power_intensity)
+
+
 def script(text: str, code: bytes) -> Script:
     """Return a script from text or from bytes; ValueError says what is wrong."""
     if text and code:

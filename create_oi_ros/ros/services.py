@@ -69,9 +69,8 @@ def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pend
 
 def set_leds(driver: Driver, request: SetLeds.Request, _now: float) -> Pending:
     """Set the LEDs."""
-    bits = oi.LedBits.PLAY * request.play | oi.LedBits.ADVANCE * request.advance
-    return driver.outputs.set_leds(
-        oi.LedBits(bits), request.power_color, request.power_intensity)
+    leds = messages.leds(request)
+    return driver.outputs.set_leds(oi.LedBits(leds.bits), leds.color, leds.intensity)
 
 
 def set_digital_outputs(

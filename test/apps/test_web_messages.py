@@ -35,6 +35,7 @@ GOOD_GOALS = {
     'dock': {}, 'undock': {},
     'wall_follow': {'follow_side': -1, 'max_runtime': {'sec': 30}},
     'audio_note_sequence': {'notes': 'C4:1/4 60:0.5'},
+    'led_animation': {'animation_type': 1, 'play': True},
 }
 GOOD_CALLS = {
     'set_mode': {'mode': 2}, 'stop': {}, 'reset_odometry': {},

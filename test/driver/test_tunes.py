@@ -91,9 +91,9 @@ def test_a_tune_is_repeated_until_it_is_canceled(loop):
     assert 'a tune plays: cancel its goal' in twice.outcome.text
     assert 'a tune plays' in ask(
         loop, loop.driver.outputs.define_and_play, 0, [60], [1.0], loop.now).text
-    loop.driver.outputs.cancel_tune(twice)
+    loop.driver.outputs.cancel(twice)
     assert tune.outcome is None
-    loop.driver.outputs.cancel_tune(tune)
+    loop.driver.outputs.cancel(tune)
     assert tune.outcome.text == 'canceled; the song that plays goes on to its end'
     loop.run(1.0)
     assert loop.robot.note == oi.REST

@@ -3,9 +3,12 @@
 """Actions that move no wheel, from a client to the simulated robot."""
 
 from action_msgs.msg import GoalStatus
-from create_oi_msgs.action import AudioNoteSequence, DriveDistance
+from builtin_interfaces.msg import Duration
+from create_oi_msgs.action import AudioNoteSequence, DriveDistance, LedAnimation
+from create_oi_msgs.srv import SetLeds
 import pytest
 
+from create_oi_ros import oi
 from create_oi_ros.ros.actions import malformed
 from support.actions import Client
 
@@ -59,3 +62,48 @@ def test_a_wrong_tune_is_rejected_and_the_log_says_why(ready, client, fields, sa
     assert play(client, **fields) is None
     ready.ros.until(lambda: f'audio_note_sequence rejected: {says}' in ready.node.output, says)
     assert says in malformed('audio_note_sequence', AudioNoteSequence.Goal(**fields))
+
+
+def animate(client, **fields):
+    """Ask for an animation of the LEDs."""
+    return client.send(LedAnimation, 'led_animation', **fields)
+
+
+def test_leds_blink_while_the_robot_drives_and_are_then_as_before(ready, client):
+    ready.ask(SetLeds, 'set_leds', advance=True)
+    lights = animate(client, animation_type=LedAnimation.Goal.BLINK_LIGHTS, play=True,
+                     power_color=255, power_intensity=9, period=Duration(nanosec=300_000_000),
+                     max_runtime=Duration(sec=2))
+    robot = ready.robot.create
+    ready.ros.until(lambda: robot.lights == (oi.LedBits.PLAY, 255, 9), 'lights')
+    assert client.result(DriveDistance, 'drive_distance', distance=0.1).success
+    result = lights.result()
+    assert (result.success, result.message) == (True, 'the animation was shown')
+    assert lights.status == GoalStatus.STATUS_SUCCEEDED and result.runtime == Duration(sec=2)
+    left = [each.remaining_runtime.sec + each.remaining_runtime.nanosec / 1e9
+            for each in lights.feedback]
+    assert left == sorted(left, reverse=True) and 1.5 < left[0] < 2 and left[-1] < 0.5
+    ready.ros.until(lambda: robot.lights == (oi.LedBits.ADVANCE, 0, 0), 'the own setting')
+
+
+def test_an_animation_is_canceled(ready, client):
+    lights = animate(client, animation_type=LedAnimation.Goal.SPIN_LIGHTS, play=True, advance=True)
+    ready.ros.until(lambda: lights.feedback, 'feedback')
+    assert 'the LEDs are animated' in animate(
+        client, animation_type=LedAnimation.Goal.BLINK_LIGHTS, play=True).result().message
+    assert lights.cancel()
+    assert lights.result().message == 'canceled'
+    assert lights.status == GoalStatus.STATUS_CANCELED
+
+
+@pytest.mark.parametrize(('fields', 'says'), [
+    ({'animation_type': 3, 'play': True}, 'animation_type = 3; allowed: 1 (blink), 2 (spin)'),
+    ({'animation_type': 1, 'power_color': 9}, 'no LED is chosen: set play, advance or power_int'),
+    ({'animation_type': 1, 'play': True, 'period': Duration(nanosec=200_000_000)},
+     'period = 0.2 s; allowed: 0.3 or more'),
+    ({'animation_type': 1, 'play': True, 'max_runtime': Duration(sec=-1)},
+     'max_runtime = -1 s; allowed: 0 or more'),
+])
+def test_a_wrong_animation_is_rejected_and_the_log_says_why(ready, client, fields, says):
+    assert animate(client, **fields) is None
+    ready.ros.until(lambda: f'led_animation rejected: {says}' in ready.node.output, says)

@@ -1,0 +1,106 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Animations of the LEDs against the simulated robot without a clock."""
+
+from create_oi_ros import oi
+from create_oi_ros.driver.outputs import Animation, blink, DARK, spin
+from support.asking import ask, in_mode
+from support.loop import Loop, STEP
+
+PLAY, ADVANCE, BOTH = oi.LedBits.PLAY, oi.LedBits.ADVANCE, oi.LedBits.PLAY | oi.LedBits.ADVANCE
+ALL = oi.Leds(bits=BOTH, color=255, intensity=100)
+OWN = (PLAY, 20, 30)
+"""The user's own setting."""
+OFF = (0, 0, 0)
+
+
+def start(loop: Loop, steps=None, period: float = 0.3, seconds: float = 1.5) -> Animation:
+    """Have an animation shown, after the user's own setting."""
+    loop.run(0.5)
+    assert ask(loop, loop.driver.outputs.set_leds, *OWN).text == 'LEDs sent'
+    loop.commands()
+    animation = Animation(steps or blink(ALL), period, seconds)
+    loop.driver.outputs.animate(animation, loop.now)
+    return animation
+
+
+def seen(loop: Loop, seconds: float) -> list[tuple[tuple[int, int, int], float]]:
+    """Let time pass; return what the LEDs showed, one after the other, each with its seconds."""
+    shown: list[list] = []
+    for _ in range(round(seconds / STEP)):
+        loop.turn()
+        if not shown or shown[-1][0] != loop.robot.lights:
+            shown.append([loop.robot.lights, 0.0])
+        shown[-1][1] += STEP
+    return [(lights, round(lasted, 3)) for lights, lasted in shown]
+
+
+def test_leds_blink_and_are_then_as_the_user_had_them(loop):
+    animation = start(loop)
+    shown = seen(loop, 2.0)
+    on = (BOTH, 255, 100)
+    assert [lights for lights, _ in shown] == [on, OFF] * 5 + [OWN]
+    assert all(abs(lasted - 0.15) <= STEP for _, lasted in shown[:-1])
+    assert animation.outcome == (True, 'the animation was shown', b'')
+    assert animation.seconds == 1.5
+    leds = [each for each in loop.commands() if isinstance(each, oi.Leds)]
+    assert len(leds) == 11
+
+
+def test_leds_are_lit_in_turn_and_only_those_that_are_chosen(loop):
+    start(loop, spin(ALL), seconds=0.6)
+    assert [lights for lights, _ in seen(loop, 1.0)] == [
+        (PLAY, 0, 0), (ADVANCE, 0, 0), (0, 255, 100)] * 2 + [OWN]
+    assert spin(oi.Leds(bits=ADVANCE, color=9, intensity=0)) == [
+        oi.Leds(bits=ADVANCE, color=0, intensity=0)]
+    assert DARK not in spin(ALL)
+
+
+def test_an_animation_without_a_setting_of_the_user_ends_dark(loop):
+    loop.run(0.5)
+    loop.driver.outputs.animate(Animation(blink(ALL), 0.3, 0.2), loop.now)
+    assert seen(loop, 0.5)[-1][0] == OFF
+
+
+def test_what_is_set_meanwhile_shows_when_the_animation_is_canceled(loop):
+    outputs = loop.driver.outputs
+    animation = start(loop, seconds=60.0)
+    assert ask(loop, outputs.set_leds, ADVANCE, 1, 2).text == 'these LEDs show after the animation'
+    assert (ADVANCE, 1, 2) not in [lights for lights, _ in seen(loop, 1.0)]
+    another = Animation(blink(ALL), 1.0, 1.0)
+    outputs.animate(another, loop.now)
+    assert another.outcome.text == (
+        'the LEDs are animated: cancel that goal, or wait until it has ended')
+    outputs.cancel(another)
+    assert animation.outcome is None
+    outputs.cancel(animation)
+    assert animation.outcome == (False, 'canceled', b'')
+    assert abs(animation.seconds - 1.2) <= STEP
+    assert seen(loop, 1.0)[-1][0] == (ADVANCE, 1, 2)
+    loop.commands()
+    loop.run(1.0)
+    assert not [each for each in loop.commands() if isinstance(each, oi.Leds)]
+
+
+def test_an_animation_goes_on_through_a_mode_that_has_leds_and_ends_in_passive(loop):
+    animation = start(loop, [ALL], seconds=60.0)
+    in_mode(loop, oi.Mode.FULL)
+    assert loop.robot.lights == (BOTH, 255, 100)
+    in_mode(loop, oi.Mode.PASSIVE)
+    assert animation.outcome.text == (
+        'the animation ended before its end; robot is in PASSIVE: call set_mode with SAFE first')
+    refused = Animation(blink(ALL), 1.0, 1.0)
+    loop.driver.outputs.animate(refused, loop.now)
+    assert refused.outcome.text == 'robot is in PASSIVE: call set_mode with SAFE first'
+    in_mode(loop, oi.Mode.SAFE)
+    assert loop.robot.lights == OWN
+
+
+def test_an_animation_ends_with_the_line(loop):
+    animation = start(loop, seconds=60.0)
+    loop.cut = True
+    loop.run(3.0)
+    assert 'the robot was lost' in animation.outcome.text
+    loop.cut = False
+    loop.run(6.0)
+    assert loop.robot.lights == OWN
