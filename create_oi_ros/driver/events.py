@@ -88,6 +88,8 @@ class Settings:
     """What is known of this robot; None: the odometry learns everything."""
     gyro: GyroSettings | None = None
     """The gyro on the analog input; None: there is none."""
+    output_names: tuple[str, ...] = ('output_0', 'output_1', 'output_2')
+    """Names of the digital outputs 0, 1 and 2."""
 
 
 NO_ROBOT = 'no robot answers'

@@ -143,6 +143,16 @@ class Outputs:
         return self._set(oi.Leds(bits=bits, color=color, intensity=intensity), (
             'LEDs sent' if self._animation is None else 'these LEDs show after the animation'))
 
+    def set_output(self, name: str, *, high: bool) -> Pending:
+        """Set one digital output; the others stay, those that nobody has set are low."""
+        outputs = dict(zip(self._core.settings.output_names, oi.OutputBits))
+        if name not in outputs:
+            return refused(f'no output is called {name!r}; output_names: {", ".join(outputs)}')
+        last = self._to_restore.get(oi.DigitalOutputs)
+        bits = last.bits if isinstance(last, oi.DigitalOutputs) else 0
+        bit = outputs[name]
+        return self.set_outputs(oi.OutputBits(bits | bit if high else bits & ~bit))
+
     def set_outputs(self, bits: oi.OutputBits) -> Pending:
         """Set the digital outputs of the cargo bay."""
         return self._set(oi.DigitalOutputs(bits=bits), 'digital outputs sent')

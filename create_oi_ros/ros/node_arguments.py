@@ -14,7 +14,7 @@ from rclpy.utilities import remove_ros_args
 import yaml
 
 from .. import __version__
-from .parameters import listed, Parameters, suggestion
+from .parameters import listed, Parameters, shown, suggestion
 
 WIDTH = 96
 NODE = 'create'
@@ -138,9 +138,7 @@ def parameter_help() -> str:
         allowed = f' One of {listed(facts["choices"])}.' if facts['choices'] else ''
         if facts['low'] is not None:
             allowed = f' {facts["low"]} to {facts["high"]}.'
-        value = declared.default
-        default = str(value).lower() if isinstance(value, bool) else str(value) or "''"
-        lines.append(f'  {declared.name}:={default}')
+        lines.append(f'  {declared.name}:={shown(declared.default)}')
         lines += textwrap.wrap(f'{facts["description"]}.{allowed}', WIDTH,
                                initial_indent=' ' * 6, subsequent_indent=' ' * 6)
     return '\n'.join(lines)

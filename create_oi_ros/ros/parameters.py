@@ -143,6 +143,12 @@ class Parameters:
     reset_when_not_charging: bool = parameter(
         Settings.reset_when_not_charging, 'Whether a robot that does not charge on its Home Base '
         'is restarted (opcode 7)', fixed=True)
+    input_names: tuple[str, ...] = parameter(
+        ('input_0', 'input_1', 'input_2', 'input_3'), 'Names of the digital inputs of the cargo '
+        'bay, of the first ones where there are fewer; `cargo_bay` has them', fixed=True)
+    output_names: tuple[str, ...] = parameter(
+        Settings.output_names, 'Names of its digital outputs, for `set_digital_output`',
+        fixed=True)
     dead_man: bool = parameter(
         True, 'Whether a process of its own stops the robot when the node dies', fixed=True)
     capture: str = parameter(
@@ -158,7 +164,7 @@ class Parameters:
                 low=self.battery_low, empty=self.battery_empty,
                 action=ACTIONS[self.low_battery_action]),
             reset_when_not_charging=self.reset_when_not_charging,
-            dock_pose=pose(self.dock_pose),
+            dock_pose=pose(self.dock_pose), output_names=self.output_names,
             odometry_window=self.odometry_window, limits=self.limits(),
             gyro=None if self.gyro == 'none' else GyroSettings(
                 radians(self.gyro_scale), radians(self.gyro_range)),
@@ -195,7 +201,8 @@ DECLARED = Parameters.__dataclass_fields__
 OF_ROS = ('use_sim_time', 'start_type_description_service')
 """Beginnings of the names of parameters that every ROS node has."""
 
-TAKES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: 'text'}
+TAKES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: 'text',
+         tuple: 'a list of names'}
 
 
 def descriptor(name: str) -> ParameterDescriptor:
@@ -231,7 +238,7 @@ def declare(node: Node) -> Parameters:
     for declaration in fields(Parameters):
         assert declaration.default is not MISSING
         name = declaration.name
-        value = _whole_as_float(name, given.get(name, declaration.default))
+        value = _as_declared(name, given.get(name, declaration.default))
         reason = (refusal(name, value) if type(value) is type(declaration.default)
                   else wrong_type(name, value))
         if reason is not None:
@@ -248,13 +255,18 @@ def declare(node: Node) -> Parameters:
 
 
 def as_declared(parameters: list[Parameter]) -> list[Parameter]:
-    """Accept whole numbers for floating-point parameters: people write 1 for 1.0."""
-    return [Parameter(each.name, value=_whole_as_float(each.name, each.value))
+    """Accept what people write for the values of parameters, such as 1 for 1.0."""
+    return [Parameter(each.name, value=_as_declared(each.name, each.value))
             for each in parameters]
 
 
-def _whole_as_float(name: str, value: Any) -> Any:
-    return float(value) if type(value) is int and type(_default(name)) is float else value
+def _as_declared(name: str, value: Any) -> Any:
+    """Return a whole number as float, and names with those that were left out."""
+    default = _default(name)
+    if isinstance(default, tuple) and isinstance(value, list | tuple) and all(
+            isinstance(each, str) for each in value):
+        return (*value, *default[len(value):])
+    return float(value) if type(value) is int and type(default) is float else value
 
 
 def check(parameters: list[Parameter]) -> SetParametersResult:
@@ -283,6 +295,15 @@ def refusal(name: str, value: Any) -> str | None:
         return f'parameter {name} = {value:g}; allowed: {low:g} to {high:g}'
     if value == '' and _default(name) != '':
         return f'parameter {name} is empty: give a value, or leave it out'
+    if isinstance(value, tuple):
+        most = len(_default(name))
+        if len(value) > most:
+            return f'parameter {name} has {len(value)} names; allowed: up to {most}'
+        if '' in value:
+            return f'parameter {name} has an empty name: write {_default(name)[value.index("")]}'
+        twice = [each for each in value if value.count(each) > 1]
+        if twice:
+            return f'parameter {name} has {twice[0]!r} twice: give each a name of its own'
     if name == 'dock_pose':
         try:
             pose(value)
@@ -344,13 +365,22 @@ def wrong_type(name: str, value: Any) -> str:
 
 def written(value: Any) -> str:
     """Return a value as people write it in YAML."""
+    if isinstance(value, tuple):
+        return f'[{", ".join(value)}]'
     return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def shown(default: Any) -> str:
+    """Return a default as help and tables show it."""
+    return default or "''" if isinstance(default, str) else written(default)
 
 
 def _reads_as(kind: type, text: str) -> bool:
     """Tell whether a text, without its quotes, is of a type."""
     if kind is bool:
         return text in ('true', 'false')
+    if kind is tuple:
+        return False
     try:
         kind(text)
     except ValueError:

@@ -14,6 +14,7 @@ import time
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from create_oi_msgs.msg import CargoBay
 from rclpy.clock import ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -174,9 +175,12 @@ class FrameTopic:
 class SensorFrameTopic(FrameTopic):
     """Publishes a topic that is made from readings: when they change, else when it is told to."""
 
-    def __init__(self, node: Node, topic: SensorTopic, frame: str) -> None:
-        """Create the publisher; `frame` is that of the header."""
-        super().__init__(node, topic, messages.empty(topic.type, frame), topic.values)
+    def __init__(self, node: Node, topic: SensorTopic, parameters: Parameters) -> None:
+        """Create the publisher."""
+        message = messages.empty(topic.type, parameters.base_frame)
+        if topic.type is CargoBay:
+            message.input_names = list(parameters.input_names)
+        super().__init__(node, topic, message, topic.values)
         self.topic = topic
         self._watched = Readings.numbers(*topic.watch)
         self._last: tuple[int, ...] = ()
@@ -219,7 +223,7 @@ class FramePublisher:
             node, topics.JOINT_STATES, messages.empty_joint_states(), messages.joint_states))
         self._imu = None if parameters.gyro == 'none' else FrameTopic(
             node, topics.IMU, messages.empty_imu(parameters.base_frame), messages.imu)
-        self._sensors = [SensorFrameTopic(node, topic, parameters.base_frame)
+        self._sensors = [SensorFrameTopic(node, topic, parameters)
                          for topic in topics.sensor_topics(charge_known=charge_known)]
         # One pace for all topics of a period; a StateTopic is published on change only.
         periods = dict.fromkeys(

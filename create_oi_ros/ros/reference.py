@@ -18,7 +18,7 @@ from typing import Any
 
 from ..oi.tools import markdown
 from .actions import ALL_ACTIONS
-from .parameters import Parameters
+from .parameters import Parameters, shown
 from .services import SERVICES
 from .topics import ALL_TOPICS, type_name
 
@@ -55,10 +55,9 @@ def parameters() -> str:
     """Return the table of parameters."""
     rows = []
     for declared in fields(Parameters):
-        facts, value = declared.metadata, declared.default
-        default = str(value).lower() if isinstance(value, bool) else str(value) or "''"
+        facts = declared.metadata
         rows.append((
-            f'`{declared.name}`', f'`{default}`', _allowed(facts),
+            f'`{declared.name}`', f'`{shown(declared.default)}`', _allowed(facts),
             'at start' if facts['fixed'] else 'any time', facts['description']))
     return markdown.table(('parameter', 'default', 'allowed', 'set', 'what'), rows)
 

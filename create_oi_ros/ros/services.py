@@ -19,6 +19,7 @@ from create_oi_msgs.srv import (
     PlaySong,
     ResetPose,
     SendIr,
+    SetDigitalOutput,
     SetDigitalOutputs,
     SetLeds,
     SetLowSideDrivers,
@@ -154,6 +155,11 @@ SERVICES = (
     Service(
         name='set_digital_outputs', type=SetDigitalOutputs, request=set_digital_outputs,
         about='the three digital outputs of the cargo bay'),
+    Service(
+        name='set_digital_output', type=SetDigitalOutput,
+        request=lambda driver, request, _: driver.outputs.set_output(
+            request.output, high=request.high),
+        about='one of them, by its name in `output_names`; the others stay'),
     Service(
         name='set_low_side_drivers', type=SetLowSideDrivers,
         request=lambda driver, request, _: driver.outputs.set_drivers(

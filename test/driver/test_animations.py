@@ -1,8 +1,9 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Animations of the LEDs against the simulated robot without a clock."""
+"""Animations of the LEDs, and outputs by name, against the simulated robot without a clock."""
 
 from create_oi_ros import oi
+from create_oi_ros.driver import Settings
 from create_oi_ros.driver.outputs import Animation, blink, DARK, spin
 from support.asking import ask, in_mode
 from support.loop import Loop, STEP
@@ -104,3 +105,18 @@ def test_an_animation_ends_with_the_line(loop):
     loop.cut = False
     loop.run(6.0)
     assert loop.robot.lights == OWN
+
+
+def test_an_output_is_set_by_its_name_and_the_others_stay():
+    loop = Loop(Settings(output_names=('lamp', 'door', 'output_2')))
+    loop.run(1.0)
+    outputs, bits = loop.driver.outputs, oi.OutputBits
+    assert ask(loop, outputs.set_outputs, bits.OUTPUT_2).ok
+    assert ask(loop, outputs.set_output, 'door', high=True).text == 'digital outputs sent'
+    assert loop.robot.outputs == bits.OUTPUT_1 | bits.OUTPUT_2
+    assert ask(loop, outputs.set_output, 'output_2', high=False).ok
+    assert loop.robot.outputs == bits.OUTPUT_1
+    assert ask(loop, outputs.set_output, 'lamb', high=True).text == (
+        "no output is called 'lamb'; output_names: lamp, door, output_2")
+    in_mode(loop, oi.Mode.PASSIVE)
+    assert 'call set_mode with SAFE first' in ask(loop, outputs.set_output, 'lamp', high=True).text

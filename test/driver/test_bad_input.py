@@ -200,6 +200,8 @@ def bad_values(declared) -> list:
     facts, default = declared.metadata, declared.default
     if isinstance(default, bool):
         return [1, 'yes', 0.0, [True]]
+    if isinstance(default, tuple):
+        return ['', 1, nan, [1, 2], 'door', ('a', 'a'), ('a', ''), ('a', default[2])]
     if isinstance(default, float):
         return [nan, inf, -inf, facts['low'] - JUST, facts['high'] + JUST, 'fast', True, [default]]
     if isinstance(default, int):

@@ -114,7 +114,8 @@ def test_the_parameter_file_is_made_from_the_code():
     text = (ROOT / 'config' / 'create.yaml').read_text()
     assert text == config(), 'run `make docs`'
     values = yaml.safe_load(text)['/**']['ros__parameters']
-    defaults = {name: field.default for name, field in Parameters.__dataclass_fields__.items()}
+    defaults = {name: list(field.default) if isinstance(field.default, tuple) else field.default
+                for name, field in Parameters.__dataclass_fields__.items()}
     assert values == defaults
     assert {name: type(value) for name, value in values.items()} == {
         name: type(value) for name, value in defaults.items()}
