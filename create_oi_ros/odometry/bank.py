@@ -18,17 +18,14 @@ from ..robot import FIRMWARE_SEPARATION, Rounding
 from .estimate import Geometry
 from .hypotheses import (
     Array,
-    DEAD_BANDS,
     DEGREE,
     HIGHEST,
     Hypothesis,
-    likely,
     LOWEST,
     MM,
     SIGNS,
     SPREAD,
     STARTS,
-    starts,
     with_numbers,
 )
 from .knowledge import Knowledge, Known
@@ -44,7 +41,7 @@ TRUNCATE, ROUND, CARRY = (ROUNDINGS.index(each) for each in (
 NOISE = np.array([0.006, 0.025, 0.1])
 """Noise levels: part of its way by which a wheel strays within `STRAY_WAY`, and of its changes of
 speed, in seconds."""
-CURVED = 0.2
+CURVED = 0.3
 """Part of what a way may be off for its numbers that their derivatives do not tell."""
 SHAPE = 0.01
 """Part of a way, for each radian of turn, by which the mean shape of the way is off."""
@@ -52,21 +49,22 @@ STRAY_WAY = 0.1
 """m; over longer ways the deviation grows with the root."""
 LIKELY_SIGN = np.array([0.0, 1.0, 0.0, 0.0])
 LIKELY_ROUNDING, LIKELY_NOISE = np.zeros(3), np.array([0.0, 0.0, -1.0])
-LIKELY_ROUNDING[TRUNCATE] = 2.0
+LIKELY_ROUNDING[TRUNCATE] = 3.5
 """Logarithms of prior probabilities: encoders take the sign of the drive and fractions are cut off
 (reported), wheels run steadily."""
-GAIN_VARIANCE, GAIN_COVARIANCE, TURN_VARIANCE = 0.009, 0.006, 0.0005
-WALK, WALK_OF_CHANGE, NUMBER_WALK = 1e-7, 0.5, 1e-4
-"""Process noise of the gains, for each reading; the part of the squared noise level that comes on
-top where the requests changed by 0.1 m/s; that of the numbers, as a part of `SPREAD` squared."""
+GAIN_VARIANCE, GAIN_COVARIANCE, TURN_VARIANCE = 0.02, 0.012, 0.0005
+WALK, NUMBER_WALK = 0.5, 1e-4
+"""Process noise at a reading: of the gains, as a part of the squared noise level, where requests
+changed by 0.1 m/s; of the numbers, as a part of `SPREAD` squared."""
 FORGET = 0.99
 """Part of the logarithms of the weights that the next reading leaves."""
-GATE = 25.0
-"""Squared standard deviations of a reading that no filter explains."""
-REOPEN = 0.5
-"""Part of the first variances of gains and numbers that such a reading adds to them."""
+GATE = 36.0
+"""Squared standard deviations from which on a reading contradicts a filter."""
+FREE, STRAY = 0.3 ** 2, 0.002 ** 2
+"""Variance of the way of a wheel that does not follow its requests, and of one that nothing
+drives, m²."""
 UNKNOWN_WAY, UNKNOWN_TURN = 0.06, 0.1
-"""m/s and rad/s by which the pose is doubted while wheels do not follow their requests."""
+"""m/s and rad/s by which the pose is doubted then: nobody knows the sign of the counts."""
 TRUST, STALE, KNOWN_SPREAD = 8.0, 1.5, 0.25
 """Logarithm of how much likelier the wheels of a known robot are; the factor by which its gains
 are less sure the next day; the part of `SPREAD` by which its numbers are unsure."""
@@ -77,9 +75,8 @@ LEAST_LOG, UNLIKELY = 6.0, 0.02
 interval below which it is taken for a normal distribution."""
 APART = 0.4
 """Seconds between two readings from which on they tell how wheels follow."""
-NEGLIGIBLE, SAVED, YOUNG = 6e-6, 8, 5
-"""Probability below which a hypothesis is dropped; hypotheses that are saved; readings before
-which none is dropped."""
+NEGLIGIBLE, SAVED = 6e-6, 8
+"""Probability below which a hypothesis is dropped; hypotheses that are saved."""
 
 
 class Motion(NamedTuple):
@@ -90,16 +87,6 @@ class Motion(NamedTuple):
     yaw: float
     length: float
     seconds: float = 0.0
-    follows: bool = True
-    """Whether it is that of the wheels."""
-
-
-class Filters(NamedTuple):
-    """State of all filters."""
-
-    mean: Array
-    covariance: Array
-    log_weight: Array
 
 
 class Bank:
@@ -109,12 +96,13 @@ class Bank:
         """Begin at the origin, with a robot that is known or not."""
         self.geometry = geometry
         known = {} if robot is None else robot.hypotheses
-        self.rows = [*known, *starts()]
+        self.rows = [*known, *STARTS]
         self.signs = list(SIGNS)
         self.roundings = list(ROUNDINGS)
         self.wheels = Wheels(self.rows)
         shape = (len(self.rows), len(SIGNS), len(ROUNDINGS), len(NOISE))
-        prior = np.tile(np.concatenate([np.zeros(len(known)), likely()])[:, None], len(SIGNS))
+        prior = np.tile(np.array([0.0] * len(known) + [each.log for each in STARTS.values()])[
+            :, None], len(SIGNS))
         mean, covariance = np.zeros((*shape, SIZE)), np.zeros((*shape, SIZE, SIZE))
         mean[..., :TURN] = 1.0
         mean[..., NUMBER:X] = self.wheels.numbers[:, None, None, None]
@@ -122,8 +110,7 @@ class Bank:
         covariance[..., RIGHT, RIGHT] = covariance[..., LEFT, LEFT] = GAIN_VARIANCE
         covariance[..., TURN, TURN] = TURN_VARIANCE
         numbers = range(NUMBER, X)
-        unsure = np.repeat([each for *_, each in STARTS], len(DEAD_BANDS))
-        unsure = np.concatenate([np.full(len(known), KNOWN_SPREAD), unsure])
+        unsure = np.array([KNOWN_SPREAD] * len(known) + [each.unsure for each in STARTS.values()])
         covariance[..., numbers, numbers] = (unsure[:, None] * SPREAD)[:, None, None, None] ** 2
         sign, rounding = LIKELY_SIGN, LIKELY_ROUNDING
         if robot is not None:
@@ -137,11 +124,9 @@ class Bank:
                 mean[..., state] = number.value - (state == TURN)
                 covariance[..., state, :] = covariance[..., state] = 0.0
                 covariance[..., state, state] = (STALE * number.deviation) ** 2 + 1e-7
-        self._doubt = np.concatenate([
-            [GAIN_VARIANCE - GAIN_COVARIANCE] * 2, [TURN_VARIANCE], SPREAD ** 2])
-        """Variances of what a filter has to learn of a robot that nobody knows."""
-        self.filters = Filters(mean, covariance, (
-            prior + sign)[:, :, None, None] + rounding[:, None] + LIKELY_NOISE)
+        self.mean, self.covariances = mean, covariance
+        """State of each filter, and its covariance."""
+        self.log_weight = (prior + sign)[:, :, None, None] + rounding[:, None] + LIKELY_NOISE
         self.readings = 0
         """Readings in motion."""
         self._changed = np.zeros(2)
@@ -151,22 +136,22 @@ class Bank:
         self._yaw = scale / FIRMWARE_SEPARATION
         self._degrees = 1 / DEGREE / FIRMWARE_SEPARATION
         self._weigh()
+        self.wheels.move(self.wheels.numbers, self.means[:, :TURN])
 
     # Weights and means.
 
     def _weigh(self) -> None:
-        f = self.filters
-        weights = np.exp(f.log_weight - f.log_weight.max())
+        weights = np.exp(self.log_weight - self.log_weight.max())
         self.weights = weights = weights / weights.sum()
         self.of_rows = weights.sum(axis=(1, 2, 3))
         count = len(self.rows)
         shares = (weights + 1e-12).reshape(count, -1)
         shares /= shares.sum(axis=1)[:, None]
-        means = f.mean[..., :X].reshape(count, -1, X)
+        means = self.mean[..., :X].reshape(count, -1, X)
         self.means = np.einsum('kf,kfs->ks', shares, means)
         """Mean gains and numbers of each hypothesis."""
         off = means - self.means[:, None]
-        self._spread = np.einsum('kf,kfst->kst', shares, f.covariance[..., :X, :X].reshape(
+        self._spread = np.einsum('kf,kfst->kst', shares, self.covariances[..., :X, :X].reshape(
             count, -1, X, X)) + np.einsum('kf,kfs,kft->kst', shares, off, off)
         self._right_share, self._left_share = (
             self.of_rows * self.means[:, wheel] * self.geometry.linear_scale
@@ -185,7 +170,7 @@ class Bank:
     @property
     def pose(self) -> tuple[float, float, float]:
         """Mean pose at the last reading."""
-        poses = self.filters.mean[..., X:ANGLE].reshape(-1, 3)
+        poses = self.mean[..., X:ANGLE].reshape(-1, 3)
         x, y, yaw = (self.weights.reshape(-1) @ poses).tolist()
         return x, y, yaw
 
@@ -197,79 +182,83 @@ class Bank:
 
     # Readings.
 
-    def roll(self, dt: float, request: tuple[float, float]) -> Array | None:
+    def roll(self, dt: float, request: tuple[float, float], *, lifted: bool = False,
+             ) -> Array | None:
         """Let the wheels follow requests, m/s; return their travel; None: as in the last frame."""
         if request != self._request:
             for wheel in (0, 1):
                 self._changed[wheel] += (request[wheel] - self._request[wheel]) ** 2
             self._request = request
-        return self.wheels.roll(dt, request)
+        return self.wheels.roll(dt, request, lifted=lifted)
 
     def skip(self, motion: Motion) -> None:
         """Begin a new window without a reading: all poses follow the mean motion."""
-        f = self.filters
         self.wheels.flush()
-        if not motion.follows:
-            self.wheels.true[:] = 0.0
         self._predict(motion, 0.0)
         self._empty(np.zeros(2))
-        f.covariance[..., ANGLE:, :] = f.covariance[..., :, ANGLE:] = 0.0
-        f.mean[..., ANGLE:] = 0.0
+        self.covariances[..., ANGLE:, :] = self.covariances[..., :, ANGLE:] = 0.0
+        self.mean[..., ANGLE:] = 0.0
 
-    def read(self, reported: Array, motion: Motion, stray: float = 0.0, *, believe: bool = False,
-             ) -> bool:
+    def read(self, reported: Array, motion: Motion, *, driven: bool = True, trusted: bool = True,
+             lost: bool = False) -> bool:
         """
         Predict, and correct and weigh all filters by a reading, degrees and mm.
 
-        `stray`: variance of each wheel's way that no request explains, m². Return whether any
-        filter explains the reading. Where none does, nothing changes; unless it is to be
-        believed: then the poses follow it, and nothing else is learned.
+        A filter that the reading contradicts takes it that the wheels did not follow their
+        requests: its pose follows the reading, and its gains and numbers hardly change. Not
+        `trusted`: all filters do so. `lost`: the reading may not be whole; such filters then do
+        without it. Return whether the wheels followed, most likely.
         """
         wheels = self.wheels
         wheels.flush()
-        before = self.filters
-        self.filters = f = before._replace(
-            mean=before.mean.copy(), covariance=before.covariance.copy())
-        self._predict(motion, stray)
-        logs, beyond = np.zeros(self.weights.shape), np.zeros(self.weights.shape)
-        for state, value in ((ANGLE, float(reported[0])), (DISTANCE, float(reported[1]))):
-            column = f.covariance[..., state].copy()
+        by_ways = self._predict(motion, 0.0 if driven else STRAY)
+        ends = [[np.array(each)[:, None] for each in zip(*(
+            interval(value, rounding) for rounding in self.roundings))]
+            for value in reported.tolist()]
+        outside = np.stack([np.clip(0.0, low - state, high - state) for (low, high), state in zip(
+            ends, (self.mean[..., ANGLE], self.mean[..., DISTANCE]))], axis=-1)
+        free = np.full(self.weights.shape, not trusted)
+        if trusted:
+            spread = self.covariances[..., ANGLE:, ANGLE:] + 1e-6 * np.eye(2)
+            free = (outside * np.linalg.solve(spread, outside[..., None])[..., 0]).sum(-1) > GATE
+        if free.any() and not lost:
+            g = by_ways[free]
+            self.covariances[free, X:, X:] += FREE * g @ g.swapaxes(-1, -2)
+            doubt = (motion.seconds * np.array([UNKNOWN_WAY, UNKNOWN_WAY, UNKNOWN_TURN])) ** 2
+            self.covariances[free, X:ANGLE, X:ANGLE] += np.diag(doubt)
+        logs = np.zeros(self.weights.shape)
+        for state, (low, high) in zip((ANGLE, DISTANCE), ends):
+            column = self.covariances[..., state].copy()
             variance = np.maximum(column[..., state], 1e-6)
             deviation = np.sqrt(variance)
-            low, high = (np.array([ends[each] for each in self.roundings])[:, None]
-                         for ends in _interval(value))
-            off = f.mean[..., state]
-            shift, kept, log, sigmas = _cut((low - off) / deviation, (high - off) / deviation)
-            f.mean[:] += column * (shift / deviation)[..., None]
-            f.covariance[:] -= (((1 - kept) / variance)[..., None] * column)[
+            off = self.mean[..., state]
+            shift, kept, log = _cut((low - off) / deviation, (high - off) / deviation)
+            if lost:
+                shift, kept = np.where(free, 0.0, shift), np.where(free, 1.0, kept)
+            self.mean[:] += column * (shift / deviation)[..., None]
+            self.covariances[:] -= (((1 - kept) / variance)[..., None] * column)[
                 ..., None] * column[..., None, :]
             logs += log
-            beyond += sigmas ** 2
-        likely = self.weights > 1e-3 * self.weights.max()
-        if not believe and float(np.min(beyond[likely])) > GATE:
-            self.filters = before
-            return False
-        if not believe and (wheels.path.max() > 2e-3 or reported.any()):
+        followed = not float(self.weights[free].sum()) > 0.5
+        if trusted and (wheels.path.max() > 2e-3 or reported.any()):
             self.readings += motion.seconds > APART
-            self.filters = f._replace(
-                log_weight=FORGET * f.log_weight + EVIDENCE * np.maximum(logs, -LEAST_LOG))
-        if believe:  # nobody knows by which way it went, nor whether what was learned is wrong
-            now = f.covariance[..., range(X), range(X)]
-            f.covariance[..., range(X), range(X)] = np.maximum(
-                now, np.minimum(now + REOPEN * self._doubt, self._doubt))
-            f.covariance[..., [X, Y], [X, Y]] += (UNKNOWN_WAY * motion.seconds) ** 2
-            f.covariance[..., YAW, YAW] += (UNKNOWN_TURN * motion.seconds) ** 2
+            logs = np.where(free, -LEAST_LOG, np.maximum(logs, -LEAST_LOG))
+            self.log_weight[:] = FORGET * self.log_weight + EVIDENCE * logs
         self._empty(reported)
         self._weigh()
-        if not believe and motion.seconds >= APART:
+        if followed and motion.seconds >= APART:
             self._prune()
-            self.wheels.move(self.means[:, NUMBER:])
-        return True
+            self.wheels.move(self.means[:, NUMBER:], self.means[:, :TURN])
+        return followed
 
-    def _predict(self, motion: Motion, stray: float) -> None:
-        """Let poses and accumulators follow the wheels since the last reading."""
-        f, wheels, scale = self.filters, self.wheels, self.geometry.linear_scale
-        mean, p = f.mean, f.covariance
+    def _predict(self, motion: Motion, stray: float) -> Array:
+        """
+        Let poses and accumulators follow the wheels since the last reading.
+
+        Return what a metre of each wheel does to them.
+        """
+        wheels, scale = self.wheels, self.geometry.linear_scale
+        mean, p = self.mean, self.covariances
         off = (mean[..., NUMBER:X] - wheels.numbers[:, None, None, None])[..., None, :]
         by_number = []
         ways = []
@@ -291,8 +280,6 @@ class Bank:
         d_turn, d_angle = angle * self._yaw, angle * self._degrees
         yaw, gains = mean[..., YAW], mean[..., :TURN]
         turn, far = (d_turn * gains * true).sum(-1), (gains * true).sum(-1) * (scale / 2)
-        if not motion.follows:
-            turn, far = turn * 0 + motion.yaw, far * 0 + motion.length
         heading, middle = yaw + (turn - motion.yaw) / 2, yaw + turn / 2
         cos, sin = np.cos(heading), np.sin(heading)
         ahead_x, ahead_y = np.cos(middle), np.sin(middle)
@@ -333,10 +320,11 @@ class Bank:
         mean[..., YAW] += turn
         mean[..., ANGLE] += degrees
         mean[..., DISTANCE] += (gains * counted).sum(-1) / (2 * MM)
+        return g
 
     def _empty(self, reported: Array) -> None:
         """Empty the accumulators of filters whose robots lose fractions; let the gains walk."""
-        mean, p = self.filters.mean, self.filters.covariance
+        mean, p = self.mean, self.covariances
         for i, each in enumerate(self.roundings):
             if each is Rounding.CARRY:
                 mean[:, :, i, :, ANGLE:] -= reported
@@ -344,11 +332,10 @@ class Bank:
                 mean[:, :, i, :, ANGLE:] = 0.0
                 p[:, :, i, :, ANGLE:, :] = 0.0
                 p[:, :, i, :, :, ANGLE:] = 0.0
-        walk = WALK + WALK_OF_CHANGE * NOISE ** 2 * min(1.0, float(self._changed.max()) / 0.01)
-        for state, part in ((RIGHT, 1.0), (LEFT, 1.0), (TURN, 0.02)):
-            p[..., state, state] = np.maximum(p[..., state, state], 1e-9) + part * walk
-        numbers = range(NUMBER, X)
-        p[..., numbers, numbers] += NUMBER_WALK * SPREAD ** 2
+        walk = np.zeros((len(NOISE), X))
+        walk[:, :TURN] = (WALK * NOISE ** 2 * min(1.0, float(self._changed.max()) / 0.01))[:, None]
+        walk[:, NUMBER:] = NUMBER_WALK * SPREAD ** 2
+        p[..., range(X), range(X)] += walk + 1e-9
         np.clip(mean[..., :TURN], 0.3, 2.0, out=mean[..., :TURN])
         np.clip(mean[..., TURN], -0.2, 0.2, out=mean[..., TURN])
         np.clip(mean[..., NUMBER:X], LOWEST, HIGHEST, out=mean[..., NUMBER:X])
@@ -357,8 +344,6 @@ class Bank:
 
     def _prune(self) -> None:
         """Drop hypotheses, sources of signs and roundings that readings rule out."""
-        if self.readings < YOUNG:
-            return
         rows, signs, roundings = (
             np.flatnonzero(self.weights.sum(axis=others) > NEGLIGIBLE)
             for others in ((1, 2, 3), (0, 2, 3), (0, 1, 3)))
@@ -369,7 +354,8 @@ class Bank:
         self.roundings = [self.roundings[i] for i in roundings]
         self.wheels.keep(rows, signs)
         kept = np.ix_(rows, signs, roundings)
-        self.filters = Filters(*(array[kept] for array in self.filters))
+        self.mean, self.covariances = self.mean[kept], self.covariances[kept]
+        self.log_weight = self.log_weight[kept]
         self._weigh()
 
     # What is known.
@@ -397,7 +383,7 @@ class Bank:
 
     def reset(self, pose: tuple[float, float, float]) -> None:
         """Begin again at a pose; what was learned of the robot stays."""
-        mean, p = self.filters.mean, self.filters.covariance
+        mean, p = self.mean, self.covariances
         mean[..., X:ANGLE] = pose
         p[..., X:ANGLE, :] = 0.0
         p[..., :, X:ANGLE] = 0.0
@@ -407,54 +393,49 @@ class Bank:
     @property
     def covariance(self) -> Array:
         """Covariance of x, y, yaw at the last reading."""
-        f, w = self.filters, self.weights.reshape(-1)
-        poses = f.mean[..., X:ANGLE].reshape(-1, 3)
+        w = self.weights.reshape(-1)
+        poses = self.mean[..., X:ANGLE].reshape(-1, 3)
         off = poses - w @ poses
-        within = (w @ f.covariance[..., X:ANGLE, X:ANGLE].reshape(-1, 9)).reshape(3, 3)
+        within = (w @ self.covariances[..., X:ANGLE, X:ANGLE].reshape(-1, 9)).reshape(3, 3)
         covariance: Array = (off * w[:, None]).T @ off + within
         return covariance
 
-    def twist_variance(self) -> tuple[float, float]:
-        """Return the variances of the speed, m²/s², and of the turn rate, rad²/s²."""
-        w = self.of_rows
-        speeds = self.means[:, :TURN] * self.wheels.speed[:, 0]
-        ahead, turn = (speeds[:, 0] + speeds[:, 1]) / 2, (speeds[:, 0] - speeds[:, 1]) * self._yaw
-        noise = float(NOISE[1] ** 2 * (w @ speeds ** 2).sum()) + 1e-8
-        return (float(w @ (ahead - w @ ahead) ** 2) + noise / 4,
-                float(w @ (turn - w @ turn) ** 2) + noise * self._yaw ** 2)
+    def growth(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """
+        Return how unsure the motion is: since the last reading, and at present.
 
-    def growth(self) -> tuple[float, float]:
-        """Return the variances of distance, m², and turn, rad², since the last reading."""
+        Variances of distance, m², and turn, rad²; of speed, m²/s², and turn rate, rad²/s².
+        """
         wheels, w = self.wheels, self.of_rows
         wheels.flush()
-        true = wheels.true[:, 0]
-        ways = self.means[:, :TURN] * true
-        path = float((w @ wheels.path[:, 0]).sum())
-        noise = float((self.weights.sum(axis=(0, 1, 2)) * NOISE ** 2).sum()) * (
-            path * min(path, STRAY_WAY) + float(self._changed.sum()))
-        turn, far = (ways[:, 0] - ways[:, 1]) * self._yaw, (ways[:, 0] + ways[:, 1]) / 2
+        ways = np.stack([wheels.true[:, 0], wheels.speed[:, 0]])
+        path = float(w @ wheels.path[:, 0].sum(axis=1))
+        noise = self.weights.sum(axis=(0, 1, 2)) @ NOISE ** 2 * np.array([
+            path * min(path, STRAY_WAY) + float(self._changed.sum()), 0.1 * float(
+                w @ (ways[1] ** 2).sum(axis=1))])
+        each = ways * self.means[:, :TURN]
+        far, turn = each.sum(axis=-1) / 2, (each[..., 0] - each[..., 1]) * self._yaw
         slopes = (wheels.true[:, 1:] - wheels.true[:, :1]) / STEP[:, None]
-        row = np.concatenate([true * [1.0, -1.0], (true[:, :1] - true[:, 1:]),
+        row = np.concatenate([ways[0] * [1.0, -1.0], ways[0, :, :1] - ways[0, :, 1:],
                               slopes[..., 0] - slopes[..., 1]], axis=1)
-        of_gains = float(w @ (row[:, None] @ self._spread @ row[..., None])[:, 0, 0]
-                         ) * self._yaw ** 2
-        return (float(w @ (far - w @ far) ** 2) + noise / 2,
-                float(w @ (turn - w @ turn) ** 2) + of_gains + noise * self._yaw ** 2)
+        learned = float(w @ np.einsum('ks,kst,kt->k', row, self._spread, row)) * self._yaw ** 2
+        far, turn = ((each - (each @ w)[:, None]) ** 2 @ w for each in (far, turn))
+        far, turn = far + noise / 2 + 1e-8, turn + noise * self._yaw ** 2 + 1e-8
+        return ((float(far[0]), float(turn[0]) + learned), (float(far[1]), float(turn[1])))
 
 
-def _interval(value: float) -> tuple[dict[Rounding, float], dict[Rounding, float]]:
-    """Return between what the accumulator was, by rounding, when it was read as a whole number."""
-    low, high = value - (value <= 0), value + (value >= 0)
-    return ({Rounding.TRUNCATE: low, Rounding.CARRY: low, Rounding.ROUND: value - 0.5},
-            {Rounding.TRUNCATE: high, Rounding.CARRY: high, Rounding.ROUND: value + 0.5})
+def interval(value: float, rounding: Rounding) -> tuple[float, float]:
+    """Return between what an accumulator was when it was read as a whole number."""
+    if rounding is Rounding.ROUND:
+        return value - 0.5, value + 0.5
+    return value - (value <= 0), value + (value >= 0)
 
 
-def _cut(low: Array, high: Array) -> tuple[Array, Array, Array, Array]:
+def _cut(low: Array, high: Array) -> tuple[Array, Array, Array]:
     """
     Cut standard normal distributions to intervals.
 
-    Return the means, the variances, the logarithms of the probabilities, and how far outside the
-    interval zero is.
+    Return the means, the variances, and the logarithms of the probabilities.
     """
     probability = _cumulative(high) - _cumulative(low)
     beyond = np.maximum(np.maximum(low, -high), 0.0)
@@ -469,7 +450,7 @@ def _cut(low: Array, high: Array) -> tuple[Array, Array, Array, Array]:
     mean = np.where(far, centre / (1 + width), mean)
     kept = np.where(far, width / (1 + width), np.clip(kept, 0.0, 1.0))
     log = np.where(far, np.log(UNLIKELY) - 0.5 * (beyond ** 2 - 4.0), np.log(z))
-    return mean, kept, log, beyond
+    return mean, kept, log
 
 
 def _cumulative(x: Array) -> Array:

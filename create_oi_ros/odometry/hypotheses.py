@@ -62,14 +62,29 @@ class Hypothesis(NamedTuple):
 REFERENCE_SPEED = 0.1
 """m/s."""
 SIGNS = tuple(SignSource)
-STARTS = (
-    (Response.LAG, 0.15, 1.0, 0.5, 0.3), (Response.LAG, 0.10, 0.4, 0.0, 1.0),
-    (Response.SPRING, 0.035, 0.4, -1.0, 1.0), (Response.RAMP, 1.0, 0.0, -1.0, 1.0))
-"""Response, time, power of 1/v, the logarithm of how likely that is, and the part of `SPREAD` by
-which it is unsure: the first Create coasted as far at any speed."""
-OVERSHOOT, BRAKING, DEAD_TIME = 0.2, 1.0, 0.045
-DEAD_BANDS = 0.0035, 0.0095, 0.0145, 0.0195, 0.0245, 0.045
+DEAD_BANDS = 0.0035, 0.0095, 0.0165, 0.0245
 """m/s; between the whole mm/s that can be requested."""
+
+
+class Start(NamedTuple):
+    """What is thought of a hypothesis before any reading."""
+
+    log: float
+    """Logarithm of how likely it is."""
+    unsure: float
+    """Part of `SPREAD` by which its numbers are unsure."""
+
+
+STARTS = {Hypothesis(response, time, power, 0.2, 1.0, 0.045, band): start
+          for response, time, power, start in (
+              (Response.LAG, 0.15, 1.0, Start(0.5, 0.3)),
+              (Response.LAG, 0.06, 0.4, Start(-0.7, 0.8)),
+              (Response.LAG, 0.17, 0.4, Start(-0.7, 0.8)),
+              (Response.SPRING, 0.035, 0.4, Start(-1.0, 1.0)),
+              (Response.RAMP, 0.6, 0.0, Start(-1.7, 0.8)),
+              (Response.RAMP, 1.8, 0.0, Start(-1.7, 0.8)))
+          for band in DEAD_BANDS}
+"""Hypotheses of a robot that nobody knows: the first Create coasted as far at any speed."""
 NUMBERS = 5
 """How many numbers of a hypothesis are estimated: ln(time), power, ln(braking), dead time,
 overshoot."""
@@ -77,17 +92,6 @@ SPREAD = np.array([0.6, 0.4, 0.5, 0.05, 0.12])
 """Their standard deviations at first."""
 LOWEST = np.array([log(0.01), 0.0, log(0.25), 0.0, 0.02])
 HIGHEST = np.array([log(4.0), 1.0, log(4.0), 0.2, 0.6])
-
-
-def starts() -> list[Hypothesis]:
-    """Return the hypotheses of a robot that nobody knows."""
-    return [Hypothesis(response, time, power, OVERSHOOT, BRAKING, DEAD_TIME, band)
-            for response, time, power, *_ in STARTS for band in DEAD_BANDS]
-
-
-def likely() -> Array:
-    """Return the logarithms of how likely they are."""
-    return np.array([prior for *_, prior, _ in STARTS for _ in DEAD_BANDS])
 
 
 def numbers_of(row: Hypothesis) -> list[float]:

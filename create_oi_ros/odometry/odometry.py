@@ -25,12 +25,8 @@ MAX_CORRECTION, MAX_TURN_CORRECTION = 0.067, 8 * DEGREE
 """The fastest that corrections are blended in, m/s and rad/s."""
 FREE_CORRECTION, FREE_TURN_CORRECTION, FREE_TIME = 0.3, 3.0, 2.0
 """The same for so many seconds after wheels did not follow their requests: the robot moved so."""
-GROWTH_EVERY, STEADY_GROWTH_EVERY = 2, 20
-"""Frames from one prediction of the covariance to the next, and while wheels run steadily."""
-FREE = 0.3 ** 2
-"""Variance of the way of a wheel that does not follow its requests, m²."""
-STRAY = 0.002 ** 2
-"""Variance of the way of a wheel that nothing drives, m²."""
+GROWTH_EVERY = 5
+"""Frames from one prediction of the covariance to the next."""
 FLOOR = 1e-8
 """Least variance of a pose, m² and rad²."""
 AS_BUILT = Geometry()
@@ -53,10 +49,8 @@ class Odometry:
         self._plan = ReadingPlan(window)
         self._discard = True
         """Whether the next reading holds what came before."""
-        self._lifted = self._lost = self._doubted = False
-        """Whether that happened since the last reading."""
-        self._unexplained = False
-        """Whether no filter explained the last reading."""
+        self._lost = self._doubted = False
+        """Whether the next reading may not be whole, or is to be taken as it is."""
         self._free: tuple[float, float] | None = None
         """m/s and rad/s of wheels that do not follow their requests; None: they do."""
         self._seconds = self._far = 0.0
@@ -69,9 +63,8 @@ class Odometry:
         """What of the corrections is not blended in yet."""
         self._base = np.zeros((3, 3))
         """Covariance of the pose at the last reading."""
-        self._grown = (0.0, 0.0)
+        self._grown, self._twist_variance = (0.0, 0.0), self.estimate.twist_covariance
         self._frame = 0
-        self._twist_variance = self.estimate.twist_covariance
         self._start = (0.0, 0.0, 0.0)
         """Mean pose at the last reading."""
         self._twist = (0.0, 0.0)
@@ -133,8 +126,7 @@ class Odometry:
         far, turn = self._predicted(dt, request, increment.lifted)
         self._advance(far, turn)
         self._seconds += dt
-        self._lifted |= increment.lifted
-        self._lost |= increment.lost
+        self._lost |= increment.lost or increment.lifted
         if increment.distance is not None and increment.angle is not None:
             self._read(increment.distance, increment.angle, increment.driven)
         self._plan.step(dt, request, self.bank,
@@ -144,7 +136,7 @@ class Odometry:
     def _predicted(self, dt: float, request: tuple[float, float], lifted: bool,
                    ) -> tuple[float, float]:
         """Return the mean distance and turn of a frame."""
-        travel = self.bank.roll(dt, request)
+        travel = self.bank.roll(dt, request, lifted=lifted)
         if travel is not None:
             far, turn = self.bank.motion(travel)
             self._twist = far / dt, turn / dt
@@ -168,24 +160,19 @@ class Odometry:
         bank, reported = self.bank, np.array([angle, distance], float)
         x, y, yaw = self._pose()
         moved_x, moved_y, turned = self._moved.tolist()
-        motion = Motion(moved_x, moved_y, turned, self._far, self._seconds, not self._lifted)
-        if self._discard or self._lifted:
-            bank.skip(motion)
-        elif not self._doubted and bank.read(reported, motion, 0.0 if driven else STRAY):
-            self._free = None
-            self._unexplained = False
-        elif self._lost and not self._doubted:
+        motion = Motion(moved_x, moved_y, turned, self._far, self._seconds)
+        followed = True
+        if self._discard:
             bank.skip(motion)
         else:
-            bank.read(reported, motion, FREE, believe=True)
-            again, self._unexplained = self._unexplained and not self._doubted, True
-            self._hurry = FREE_TIME if again else 0.0
+            followed = bank.read(reported, motion, driven=driven, trusted=not self._doubted,
+                                 lost=self._lost)
+        self._free = None
+        if not (followed or self._doubted or self._lost):
+            self._hurry = FREE_TIME
             self._free = (distance * MM * self.geometry.linear_scale / self._seconds,
-                          angle * DEGREE * self.geometry.angular_scale / self._seconds
-                          ) if again else None
-        if self._doubted:
-            self._free = None
-        self._discard = self._lifted = self._lost = self._doubted = False
+                          angle * DEGREE * self.geometry.angular_scale / self._seconds)
+        self._discard = self._lost = self._doubted = False
         self._moved[:] = 0.0
         self._seconds = self._far = 0.0
         bx, by, byaw = bank.pose
@@ -222,8 +209,8 @@ class Odometry:
         forward = (ex - before.x) * cos(middle) + (ey - before.y) * sin(middle)
         half = (eyaw - before.yaw) * g.wheel_separation / 2
         speed, rate = far / dt, turn / dt * g.wheel_separation / 2
-        if self._frame % (STEADY_GROWTH_EVERY if self.bank.wheels.steady else GROWTH_EVERY) == 0:
-            self._grown, self._twist_variance = self.bank.growth(), self.bank.twist_variance()
+        if self._frame % GROWTH_EVERY == 0:
+            self._grown, self._twist_variance = self.bank.growth()
         self._frame += 1
         self.estimate = Estimate(
             x=ex, y=ey, yaw=eyaw, linear=speed, angular=turn / dt,

@@ -36,6 +36,8 @@ class Wheels:
         shape = (len(rows), NUMBERS + 1, 2)
         self.numbers = np.array([numbers_of(row) for row in rows])
         """What each hypothesis believes: ln(time), power, ln(braking), dead time, overshoot."""
+        self._gains = np.ones((len(rows), 1, 2))
+        """Speeds of the wheels over those that are simulated: a time may go with the speed."""
         self._response = np.array([row.response for row in rows])
         self._band = np.array([row.dead_band for row in rows])[:, None, None]
         self.speed = np.zeros(shape)
@@ -56,6 +58,7 @@ class Wheels:
         self._request, self._unchanged, self._dt = (0.0, 0.0), 0.0, 0.0
         self._last_sign = np.ones(2)
         self._arrived, self._moving = True, False
+        self._lifted = False
         self._steady = 0.0
         """Seconds of steady motion that are not in these sums yet."""
         self.true, self.path = np.zeros(shape), np.zeros(shape)
@@ -82,20 +85,20 @@ class Wheels:
         """Go on with some of the hypotheses and sources of signs."""
         self.flush()
         self._sources = self._sources[sources]
-        for name in ('numbers', '_response', '_band', 'speed', '_rate', '_goal', '_brakes',
-                     '_top', 'true', 'path'):
+        for name in ('numbers', '_gains', '_response', '_band', 'speed', '_rate', '_goal',
+                     '_brakes', '_top', 'true', 'path'):
             setattr(self, name, getattr(self, name)[order])
         for name in ('_sign', 'counted', 'unsure'):
             setattr(self, name, getattr(self, name)[sources][:, order])
         self._derive()
 
-    def move(self, numbers: Array) -> None:
-        """Believe in other numbers, when nothing has rolled since the last reading."""
+    def move(self, numbers: Array, gains: Array) -> None:
+        """Believe in other numbers and gains, when nothing has rolled since the last reading."""
         shift = (numbers - self.numbers)[:, None, :, None]
         for state in (self.speed, self._rate):
             slopes = (state[:, 1:] - state[:, :1]) / STEP[:, None]
             state += np.clip((slopes[:, None] * shift).sum(axis=2), -0.5, 0.5)
-        self.numbers = numbers
+        self.numbers, self._gains = numbers, gains[:, None]
         self._derive()
 
     @property
@@ -108,12 +111,18 @@ class Wheels:
         """Whether all wheels stand."""
         return self.steady and not self._moving
 
-    def roll(self, dt: float, request: tuple[float, float]) -> Array | None:
+    def roll(self, dt: float, request: tuple[float, float], *, lifted: bool = False,
+             ) -> Array | None:
         """
         Let time pass under requests, m/s; return the travel of each wheel, m.
 
+        Wheels that are lifted count, but take the robot nowhere.
+
         None: all wheels run as they did in the frame before.
         """
+        if lifted != self._lifted:
+            self.flush()
+            self._lifted = lifted
         if request != self._request:
             self.flush()
             self._request, self._unchanged = request, 0.0
@@ -132,7 +141,8 @@ class Wheels:
         goal = np.where(below, 0.0, asked)
         travel = self._follow(dt, goal)
         size = np.abs(travel)
-        self.true += travel
+        if not lifted:
+            self.true += travel
         self.path += size
         self._count(travel, size, asked, below)
         self._arrived = bool((np.abs(self.speed - goal) < ARRIVED).all())
@@ -151,7 +161,8 @@ class Wheels:
         self._asked_sum += way
         if self._moving:
             travel = self.speed * seconds
-            self.true += travel
+            if not self._lifted:
+                self.true += travel
             self.path += np.abs(travel)
             self.counted += np.abs(travel) * self._sign
 
@@ -195,7 +206,8 @@ class Wheels:
 
     def _prepare(self, dt: float, harder: Array) -> None:
         """Work out how speeds follow for frames of this length and the present braking."""
-        time = self._time * (REFERENCE_SPEED / np.clip(self._top, SLOWEST, FASTEST)) ** self._power
+        top = np.clip(self._gains * self._top, SLOWEST, FASTEST)
+        time = self._time * (REFERENCE_SPEED / top) ** self._power
         lag = time / harder
         self._off_stays = np.exp(-dt / lag)
         self._off_travels = lag * (1 - self._off_stays)

@@ -118,9 +118,9 @@ def test_knowledge_makes_the_start_of_an_unusual_robot_right():
         wishes = [(side, 0.0, 1.0), (-side, 0.0, 1.0), (0.1, turn, 2.0), (0.0, 0.0, 1.0)]
         yaw, place = errors(robot(Rounding.CARRY, unusual, known), wishes)
         assert yaw < 0.5
-        assert place < 0.005
+        assert place < 0.003
         near, far = near + place, far + errors(robot(Rounding.CARRY, unusual), wishes)[1]
-    assert near < 0.75 * far
+    assert near < far / 2
 
 
 def test_wheels_that_overshoot_are_known_as_such():

@@ -72,7 +72,7 @@ def play(loop: Loop, text: str) -> tuple[float, float, float]:
 
 
 @pytest.mark.parametrize(('script', 'metres', 'turn'), [
-    (LINE, 0.008, 1.0), (ARC, 0.008, 1.0), (CORNER, 0.05, 7.0), (DIRECT, 0.03, 2.0)])
+    (LINE, 0.008, 1.0), (ARC, 0.008, 1.0), (CORNER, 0.015, 2.0), (DIRECT, 0.008, 1.0)])
 @pytest.mark.parametrize('rounding', list(Rounding))
 def test_after_a_script_the_odometry_is_where_the_robot_is(
         rounding: Rounding, script: str, metres: float, turn: float) -> None:

@@ -152,6 +152,19 @@ def test_a_robot_that_is_lifted_goes_nowhere():
     assert hypot(after.x - before.x, after.y - before.y) < 0.005
 
 
+def test_a_robot_that_is_lifted_while_it_drives_goes_on_from_there():
+    ride = Ride(Rounding.CARRY).mixed(12, 60.0)
+    yaw, place = ride.off
+    for _ in range(4):
+        ride.go(0.2, 0.1, 2.0)
+        ride.body.lift(True)
+        ride.go(0.0, 0.0, 2.0, lifted=True)
+        ride.body.lift(False)
+    ride.go(0.0, 0.0, 2.0)
+    assert abs(ride.off[0] - yaw) < 3.0
+    assert abs(ride.off[1] - place) < 0.15
+
+
 def test_a_reading_that_was_lost_is_no_held_robot():
     ride = Ride().mixed(9, 30.0)
     ride.go(0.2, 0.2, 3.0)

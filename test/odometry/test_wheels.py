@@ -11,7 +11,7 @@ from create_oi_ros.odometry.hypotheses import (
     Response,
     SIGNS,
     SignSource,
-    starts,
+    STARTS,
     with_numbers,
 )
 from create_oi_ros.odometry.wheels import STEP, Wheels
@@ -54,6 +54,17 @@ def test_wheels_whose_time_goes_with_the_speed_coast_as_far_at_any(speed):
 
 def test_a_request_below_the_dead_band_moves_nothing():
     assert not rolled(LAG._replace(dead_band=0.02), 1.0, (0.019, -0.019)).true.any()
+
+
+@pytest.mark.parametrize('seconds', [0.3, 5.0])
+def test_wheels_that_are_lifted_count_but_take_the_robot_nowhere(seconds):
+    wheels = rolled(LAG, seconds)
+    before, counted = wheels.true.copy(), wheels.counted.copy()
+    for _ in range(20):
+        wheels.roll(0.015, (SPEED, SPEED), lifted=True)
+    wheels.flush()
+    assert wheels.true == pytest.approx(before)
+    assert (wheels.counted > counted + 0.01).all()
 
 
 def after_turning_back(row: Hypothesis, source: SignSource, *requests: float) -> tuple:
@@ -119,7 +130,7 @@ def test_wheels_that_believe_in_other_numbers_go_on_as_if_they_always_had():
     before, other = LAG._replace(of_speed=0.0), LAG._replace(time=0.21)
     wheels, there = rolled(before, 0.3), rolled(other, 0.3)
     wheels.begin_window()
-    wheels.move(np.array([numbers_of(other)]))
+    wheels.move(np.array([numbers_of(other)]), np.ones((1, 2)))
     assert wheels.speed[0, 0, 0] == pytest.approx(there.speed[0, 0, 0], abs=2e-4)
 
 
@@ -135,4 +146,4 @@ def test_some_hypotheses_and_sources_of_signs_are_kept():
 
 
 def test_hypotheses_at_the_start_have_every_response():
-    assert {row.response for row in starts()} == set(Response)
+    assert {row.response for row in STARTS} == set(Response)
