@@ -41,7 +41,7 @@ TRUNCATE, ROUND, CARRY = (ROUNDINGS.index(each) for each in (
 NOISE = np.array([0.006, 0.025, 0.1])
 """Noise levels: part of its way by which a wheel strays within `STRAY_WAY`, and of its changes of
 speed, in seconds."""
-CURVED = 0.3
+CURVED = 0.2
 """Part of what a way may be off for its numbers that their derivatives do not tell."""
 SHAPE = 0.01
 """Part of a way, for each radian of turn, by which the mean shape of the way is off."""
@@ -49,7 +49,7 @@ STRAY_WAY = 0.1
 """m; over longer ways the deviation grows with the root."""
 LIKELY_SIGN = np.array([0.0, 1.0, 0.0, 0.0])
 LIKELY_ROUNDING, LIKELY_NOISE = np.zeros(3), np.array([0.0, 0.0, -1.0])
-LIKELY_ROUNDING[TRUNCATE] = 3.5
+LIKELY_ROUNDING[TRUNCATE] = 3.0
 """Logarithms of prior probabilities: encoders take the sign of the drive and fractions are cut off
 (reported), wheels run steadily."""
 GAIN_VARIANCE, GAIN_COVARIANCE, TURN_VARIANCE = 0.02, 0.012, 0.0005

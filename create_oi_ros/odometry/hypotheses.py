@@ -62,7 +62,7 @@ class Hypothesis(NamedTuple):
 REFERENCE_SPEED = 0.1
 """m/s."""
 SIGNS = tuple(SignSource)
-DEAD_BANDS = 0.0035, 0.0095, 0.0165, 0.0245
+DEAD_BANDS = 0.0035, 0.0095, 0.0165, 0.0245, 0.045
 """m/s; between the whole mm/s that can be requested."""
 
 
