@@ -58,8 +58,9 @@ WALK, NUMBER_WALK = 0.5, 1e-4
 changed by 0.1 m/s; of the numbers, as a part of `SPREAD` squared."""
 FORGET = 0.99
 """Part of the logarithms of the weights that the next reading leaves."""
-GATE = 36.0
-"""Squared standard deviations from which on a reading contradicts a filter."""
+GATE, SLACK = 36.0, 0.2 ** 2
+"""Squared standard deviations from which on a reading contradicts a filter; the variance in
+degrees² and mm² that a frame which comes early or late adds."""
 FREE, STRAY = 0.3 ** 2, 0.002 ** 2
 """Variance of the way of a wheel that does not follow its requests, and of one that nothing
 drives, m²."""
@@ -219,7 +220,7 @@ class Bank:
             ends, (self.mean[..., ANGLE], self.mean[..., DISTANCE]))], axis=-1)
         free = np.full(self.weights.shape, not trusted)
         if trusted:
-            spread = self.covariances[..., ANGLE:, ANGLE:] + 1e-6 * np.eye(2)
+            spread = self.covariances[..., ANGLE:, ANGLE:] + SLACK * np.eye(2)
             free = (outside * np.linalg.solve(spread, outside[..., None])[..., 0]).sum(-1) > GATE
         if free.any() and not lost:
             g = by_ways[free]
@@ -239,13 +240,13 @@ class Bank:
             self.covariances[:] -= (((1 - kept) / variance)[..., None] * column)[
                 ..., None] * column[..., None, :]
             logs += log
-        followed = not float(self.weights[free].sum()) > 0.5
         if trusted and (wheels.path.max() > 2e-3 or reported.any()):
             self.readings += motion.seconds > APART
             logs = np.where(free, -LEAST_LOG, np.maximum(logs, -LEAST_LOG))
             self.log_weight[:] = FORGET * self.log_weight + EVIDENCE * logs
         self._empty(reported)
         self._weigh()
+        followed = float(self.weights[free].sum()) < 0.5
         if followed and motion.seconds >= APART:
             self._prune()
             self.wheels.move(self.means[:, NUMBER:], self.means[:, :TURN])
