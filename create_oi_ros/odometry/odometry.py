@@ -51,6 +51,8 @@ class Odometry:
         """Whether the next reading holds what came before."""
         self._lost = self._doubted = False
         """Whether the next reading may not be whole, or is to be taken as it is."""
+        self._contradicted = False
+        """Whether the last reading said that wheels did not follow their requests."""
         self._free: tuple[float, float] | None = None
         """m/s and rad/s of wheels that do not follow their requests; None: they do."""
         self._seconds = self._far = 0.0
@@ -130,7 +132,7 @@ class Odometry:
         if increment.distance is not None and increment.angle is not None:
             self._read(increment.distance, increment.angle, increment.driven)
         self._plan.step(dt, request, self.bank,
-                        free=self._free is not None or not increment.driven)
+                        free=self._contradicted or not increment.driven)
         return self._publish(dt, far, turn)
 
     def _predicted(self, dt: float, request: tuple[float, float], lifted: bool,
@@ -167,8 +169,10 @@ class Odometry:
         else:
             followed = bank.read(reported, motion, driven=driven, trusted=not self._doubted,
                                  lost=self._lost)
+        again = self._contradicted
+        self._contradicted = not (followed or self._doubted or self._lost)
         self._free = None
-        if not (followed or self._doubted or self._lost):
+        if again and self._contradicted:
             self._hurry = FREE_TIME
             self._free = (distance * MM * self.geometry.linear_scale / self._seconds,
                           angle * DEGREE * self.geometry.angular_scale / self._seconds)
