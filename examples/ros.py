@@ -68,6 +68,7 @@ def main() -> None:
                 for name, kind in sorted(found(node, services).items()):
                     print(f'{name:40s} {kind}')
         case 'echo', [topic]:
+            topic = node.resolve_topic_name(topic)
             kind = found(node, False).get(topic)
             if kind is None:
                 parser.error(f'nobody publishes {topic}: see list')
@@ -76,6 +77,7 @@ def main() -> None:
                 depth=10, reliability=offered.reliability, durability=offered.durability))
             rclpy.spin(node)
         case 'call', [service, *fields]:
+            service = node.resolve_service_name(service)
             kind = found(node, True).get(service)
             if kind is None:
                 parser.error(f'nobody offers {service}: see list')
