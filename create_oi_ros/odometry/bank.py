@@ -391,6 +391,10 @@ class Bank:
 
     # How sure it is.
 
+    def shift(self, x: float, y: float, yaw: float) -> None:
+        """Move the poses of all filters."""
+        self.mean[..., X:ANGLE] += x, y, yaw
+
     @property
     def covariance(self) -> Array:
         """Covariance of x, y, yaw at the last reading."""

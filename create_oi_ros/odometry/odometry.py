@@ -51,6 +51,8 @@ class Odometry:
         """Whether the next reading holds what came before."""
         self._lost = self._doubted = False
         """Whether the next reading may not be whole, or is to be taken as it is."""
+        self._placed: tuple[float, ...] | None = None
+        """Motion since the last reading when the pose was set; None: it was not."""
         self._contradicted = False
         """Whether the last reading said that wheels did not follow their requests."""
         self._free: tuple[float, float] | None = None
@@ -99,6 +101,7 @@ class Odometry:
         c, s = cos(heading), sin(heading)
         self._start = x - c * dx + s * dy, y - s * dx - c * dy, heading
         self.bank.reset(self._start)
+        self._placed = dx, dy, turn
         self._behind = (0.0, 0.0, 0.0)
         self._base[:] = 0.0
 
@@ -180,6 +183,10 @@ class Odometry:
         self._moved[:] = 0.0
         self._seconds = self._far = 0.0
         bx, by, byaw = bank.pose
+        if self._placed == (moved_x, moved_y, turned):  # the reading is all of before
+            bank.shift(x - bx, y - by, yaw - byaw)
+            bx, by, byaw = bank.pose
+        self._placed = None
         a, b, c = self._behind
         self._behind = a + bx - x, b + by - y, c + byaw - yaw
         self._start = bank.pose

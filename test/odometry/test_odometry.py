@@ -175,6 +175,16 @@ def test_a_reading_that_was_lost_is_no_held_robot():
     assert ride.off[1] < 0.3
 
 
+def test_a_reading_after_a_reset_does_not_move_a_robot_that_stands():
+    ride = Ride()
+    ride.go(0.2, 0.1, 0.6)
+    while ride.go(0.0, 0.0, SLOT).linear:
+        pass
+    ride.odometry.reset(1.0, 2.0, 0.5)
+    for _ in range(200):
+        assert ride.go(0.0, 0.0, SLOT)[:3] == pytest.approx((1.0, 2.0, 0.5), abs=1e-7)
+
+
 def test_after_a_reset_the_robot_is_at_the_origin_and_still_known():
     ride = Ride().mixed(10, 20.0)
     known = ride.odometry.knowledge
