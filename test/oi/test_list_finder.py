@@ -7,11 +7,19 @@ from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.oi.tools.explain import ListFinder, lists_in
+from create_oi_ros.oi.tools.explain import ListFinder
 from support.oi_strategies import frames, packet_lists
 
 CLIFF = oi.PacketList([29, 13])
 GOOD = CLIFF.pack_frame([549, 0])
+
+
+def lists_in(data: bytes) -> list[oi.PacketList]:
+    """Return the lists of packets whose frames are in these bytes, in order of appearance."""
+    finder = ListFinder()
+    finder.feed(data)
+    finder.finish()
+    return list(finder.lists)
 
 
 @given(packet_lists().flatmap(lambda packets: st.tuples(

@@ -182,14 +182,6 @@ def decimal(data: bytes) -> str:
     return ' '.join(map(str, data))
 
 
-def lists_in(data: bytes) -> list[PacketList]:
-    """Return the lists of packets whose frames are in these bytes, in order of appearance."""
-    finder = ListFinder()
-    finder.feed(data)
-    finder.finish()
-    return list(finder.lists)
-
-
 class ListFinder:
     """Finds lists in bytes as they arrive."""
 
