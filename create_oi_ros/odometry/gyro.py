@@ -14,7 +14,7 @@ gyro can have. Before, and else, the odometry is that of the wheels.
 """
 
 from dataclasses import dataclass, replace
-from math import cos, exp, hypot, isnan, nan, radians, sin
+from math import cos, hypot, isnan, nan, radians, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ import numpy as np
 from .estimate import Estimate, Increment
 from .hypotheses import Array, DEGREE
 from .knowledge import Knowledge, Known, KnownGyro
-from .odometry import BLEND_TIME, FLOOR, MAX_CORRECTION, MAX_TURN_CORRECTION, Odometry
+from .odometry import blended, moved_covariance, Odometry
 
 X, Y, YAW, ZERO, DRIFT, SCALE = range(6)
 """The errors in the filter: m, m, rad; V, V/s, and a part of the scale."""
@@ -261,10 +261,8 @@ class GyroOdometry:
         dx, dy = c * dx - s * dy, s * dx + c * dy
         w.x, w.y = w.x + dx, w.y + dy
         w.way += hypot(dx, dy)
+        share, twist = blended(self._behind, dt)
         x, y, yaw = self._behind
-        off, part = hypot(x, y), 1 - exp(-dt / BLEND_TIME)
-        share = min(part, MAX_CORRECTION * dt / off) if off else 0.0
-        twist = yaw * min(part, MAX_TURN_CORRECTION * dt / abs(yaw)) if yaw else 0.0
         self._behind = x * (1 - share), y * (1 - share), yaw - twist
         self.estimate = was._replace(x=was.x + dx + x * share, y=was.y + dy + y * share,
                                      yaw=was.yaw + turn + twist)
@@ -293,15 +291,9 @@ class GyroOdometry:
     def _covariance(self) -> tuple[float, ...]:
         """Return the covariance of the published pose."""
         w = self._window
-        (xx, xy, xa), (_, yy, ya), (_, _, aa) = self._p[:ZERO, :ZERO].tolist()
-        x, y, yaw = self._behind
-        far = (WHEEL_WAY * w.way) ** 2 + FLOOR
-        xx += w.y * w.y * aa - 2 * w.y * xa + x * x + far
-        xy += w.x * xa - w.y * ya - w.x * w.y * aa + x * y
-        yy += w.x * w.x * aa + 2 * w.x * ya + y * y + far
-        xa, ya = xa - w.y * aa + x * yaw, ya + w.x * aa + y * yaw
-        aa += w.variance + (max(self._slip, GUESSED) * w.guessed) ** 2 + yaw * yaw + FLOOR
-        return xx, xy, xa, xy, yy, ya, xa, ya, aa
+        turn = w.variance + (max(self._slip, GUESSED) * w.guessed) ** 2
+        return moved_covariance(
+            self._p[:ZERO, :ZERO], (w.x, w.y), self._behind, (WHEEL_WAY * w.way) ** 2, turn)
 
     # Readings.
 

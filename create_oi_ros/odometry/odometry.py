@@ -14,7 +14,7 @@ import numpy as np
 
 from .bank import Bank, Motion
 from .estimate import Estimate, Geometry, Increment
-from .hypotheses import DEGREE, MM
+from .hypotheses import Array, DEGREE, MM
 from .knowledge import Knowledge
 from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
@@ -30,6 +30,33 @@ GROWTH_EVERY = 5
 FLOOR = 1e-8
 """Least variance of a pose, m² and rad²."""
 AS_BUILT = Geometry()
+
+
+def blended(behind: tuple[float, float, float], dt: float, most: float = MAX_CORRECTION,
+            most_turn: float = MAX_TURN_CORRECTION) -> tuple[float, float]:
+    """Return the part of the place and the turn, rad, that are corrected in a frame."""
+    x, y, yaw = behind
+    off, part = hypot(x, y), 1 - exp(-dt / BLEND_TIME)
+    share = min(part, most * dt / off) if off else 0.0
+    return share, yaw * min(part, most_turn * dt / abs(yaw)) if yaw else 0.0
+
+
+def moved_covariance(covariance: Array, way: tuple[float, float],
+                     behind: tuple[float, float, float], far: float, turn: float,
+                     ) -> tuple[float, ...]:
+    """
+    Return the covariance of a pose after a way whose variances are `far`, m², and `turn`, rad².
+
+    The published pose is so far behind it.
+    """
+    (xx, xy, xa), (_, yy, ya), (_, _, aa) = covariance.tolist()
+    (dx, dy), (x, y, yaw) = way, behind
+    xx += dy * dy * aa - 2 * dy * xa + x * x + far + FLOOR
+    xy += dx * xa - dy * ya - dx * dy * aa + x * y
+    yy += dx * dx * aa + 2 * dx * ya + y * y + far + FLOOR
+    xa, ya = xa - dy * aa + x * yaw, ya + dx * aa + y * yaw
+    aa += turn + yaw * yaw + FLOOR
+    return xx, xy, xa, xy, yy, ya, xa, ya, aa
 
 
 class Odometry:
@@ -205,14 +232,11 @@ class Odometry:
     def _publish(self, dt: float, far: float, turn: float) -> Estimate:
         """Return the estimate a frame further: moved as the wheels, and some way corrected."""
         before, g = self.estimate, self.geometry
-        x, y, yaw = self._behind
-        part = 1 - exp(-dt / BLEND_TIME)
         self._hurry = max(0.0, self._hurry - dt)
-        off = hypot(x, y)
-        most, most_turn = (MAX_CORRECTION, MAX_TURN_CORRECTION) if self._hurry <= 0 else (
+        limits = (MAX_CORRECTION, MAX_TURN_CORRECTION) if self._hurry <= 0 else (
             FREE_CORRECTION, FREE_TURN_CORRECTION)
-        share = min(part, most * dt / off) if off else 0.0
-        twist = yaw * (min(part, most_turn * dt / abs(yaw)) if yaw else 0.0)
+        share, twist = blended(self._behind, dt, *limits)
+        x, y, yaw = self._behind
         self._behind = x, y, yaw = x * (1 - share), y * (1 - share), yaw - twist
         ex, ey, eyaw = self._pose()
         ex, ey, eyaw = ex - x, ey - y, eyaw - yaw
@@ -225,7 +249,7 @@ class Odometry:
         self._frame += 1
         self.estimate = Estimate(
             x=ex, y=ey, yaw=eyaw, linear=speed, angular=turn / dt,
-            pose_covariance=self._covariance(x, y, yaw),
+            pose_covariance=self._covariance(),
             twist_covariance=self._twist_variance,
             right_wheel=before.right_wheel + (forward + half) / g.wheel_radius,
             right_wheel_speed=(speed + rate) / g.wheel_radius,
@@ -233,16 +257,10 @@ class Odometry:
             left_wheel_speed=(speed - rate) / g.wheel_radius)
         return self.estimate
 
-    def _covariance(self, x: float, y: float, yaw: float) -> tuple[float, ...]:
-        """Return the covariance of the estimate, which is so far behind the bank's pose."""
-        (xx, xy, xa), (_, yy, ya), (_, _, aa) = self._base.tolist()
+    def _covariance(self) -> tuple[float, ...]:
+        """Return the covariance of the estimate."""
+        dx, dy = self._moved[:2].tolist()
+        c, s = cos(self._start[2]), sin(self._start[2])
         far, turn = self._grown
-        dx, dy, heading = self._moved[0], self._moved[1], self._start[2]
-        dx, dy = (dx * cos(heading) - dy * sin(heading), dx * sin(heading) + dy * cos(heading))
-        xx += dy * dy * aa - 2 * dy * xa + x * x + far + FLOOR
-        xy += dx * xa - dy * ya - dx * dy * aa + x * y
-        yy += dx * dx * aa + 2 * dx * ya + y * y + far + FLOOR
-        xa, ya = xa - dy * aa + x * yaw, ya + dx * aa + y * yaw
-        aa += turn + yaw * yaw + FLOOR
-        return (float(xx), float(xy), float(xa), float(xy), float(yy), float(ya), float(xa),
-                float(ya), float(aa))
+        return moved_covariance(
+            self._base, (dx * c - dy * s, dx * s + dy * c), self._behind, far, turn)
