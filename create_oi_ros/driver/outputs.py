@@ -133,13 +133,12 @@ class Outputs:
         """The animation that is shown."""
         self._animation_started_at = 0.0
         self._shown: oi.Leds | None = None
-        """Its step that was sent last; None where the LEDs may show something else."""
+        """The step of an animation that was sent last; None where the LEDs may show another."""
 
     # Outputs.
 
     def set_leds(self, bits: oi.LedBits, color: int, intensity: int) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
-        self._shown = None
         return self._set(oi.Leds(bits=bits, color=color, intensity=intensity), (
             'LEDs sent' if self._animation is None else 'these LEDs show after the animation'))
 
@@ -161,6 +160,7 @@ class Outputs:
         request = self._core.request(command, done)
         if request.outcome is None:
             self._to_restore[type(command)] = command
+            self._shown = None
         return request
 
     def set_drivers(self, duties: Sequence[float]) -> Pending:
@@ -331,11 +331,10 @@ class Outputs:
             self._core.outbox.send(animation.step)
 
     def _end_animation(self, ok: bool, why: str) -> None:
-        """End the animation, if there is one, and show what was set before or meanwhile."""
+        """End the animation, if there is one; `poll` shows what was set before or meanwhile."""
         animation, self._animation = self._animation, None
         if animation is not None:
-            if self._core.refusal(oi.Leds) is None:
-                self._core.outbox.send(self._to_restore.get(oi.Leds, DARK))
+            self._to_restore.setdefault(oi.Leds, DARK)
             animation.end(ok, why)
 
     # What the robot reports.
@@ -364,6 +363,9 @@ class Outputs:
         """Go on with an animation; end what waits for a song that is not reported."""
         if self._animation is not None:
             self._show_step(self._animation, now)
+        if self._animation is None and self._shown and self._core.refusal(oi.Leds) is None:
+            self._core.outbox.send(self._to_restore[oi.Leds])
+            self._shown = None
         tune, waits = self._tune, self._request.outcome is None
         if tune is None and not waits or now < self._asked_at + SONG_TIMEOUT:
             return

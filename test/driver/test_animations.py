@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Animations of the LEDs, and outputs by name, against the simulated robot without a clock."""
 
+import pytest
+
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings
 from create_oi_ros.driver.outputs import Animation, blink, DARK, spin
+from create_oi_ros.oi.tools.text import parse_script
 from support.asking import ask, in_mode
 from support.loop import Loop, STEP
 
@@ -105,6 +108,36 @@ def test_an_animation_ends_with_the_line(loop):
     loop.cut = False
     loop.run(6.0)
     assert loop.robot.lights == OWN
+
+
+@pytest.mark.parametrize('mode', [oi.Mode.SAFE, oi.Mode.FULL])
+def test_a_driver_that_ends_leaves_the_leds_as_they_were(mode):
+    loop = Loop(Settings(mode_on_start=mode, mode_on_exit=oi.Mode.FULL))
+    animation = start(loop, [ALL], seconds=60.0)
+    loop.run(0.5)
+    assert loop.robot.lights == (BOTH, 255, 100)
+    loop.driver.shut_down(loop.now)
+    loop.robot.receive(loop.driver.data_to_send(), loop.now)
+    loop.robot.poll(loop.now + 0.1)
+    assert (loop.robot.mode, loop.robot.lights) == (oi.Mode.FULL, OWN)
+    assert animation.outcome.text == 'driver is shutting down'
+
+
+def test_leds_are_dark_after_what_ended_an_animation_and_the_robot_obeys_again():
+    loop = Loop(Settings(mode_on_start=oi.Mode.FULL))
+    loop.run(0.5)
+    for ends in (lambda: loop.driver.scripts.show(loop.now),
+                 lambda: loop.driver.scripts.play(loop.now, force=False)):
+        assert ask(loop, loop.driver.scripts.define, parse_script('Wait Time time=5')).ok
+        animation = Animation([ALL], 0.3, 60.0)
+        loop.driver.outputs.animate(animation, loop.now)
+        loop.run(0.5)
+        assert loop.robot.lights == (BOTH, 255, 100)
+        ends()
+        loop.run(2.0)
+        assert 'the animation ended before its end' in animation.outcome.text
+        assert loop.driver.state.refusal is None
+        assert loop.robot.lights == OFF
 
 
 def test_an_output_is_set_by_its_name_and_the_others_stay():
