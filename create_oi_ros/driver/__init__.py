@@ -22,9 +22,3 @@ from .machine import Driver
 from .motion import wheel_speeds
 from .outbox import DEAD_MAN_STOP, Outcome, Pending
 from .state import Activity
-
-__all__ = [
-    'Activity', 'BatteryLevel', 'BatteryLimits', 'Cause', 'Driver', 'DriverEvent', 'Health',
-    'DEAD_MAN_STOP', 'LinkCounts', 'LowBatteryAction', 'ModeChanged', 'ModeStatus', 'MotionLimits',
-    'Moved', 'Notice', 'Outcome', 'Pending', 'Settings', 'Severity', 'wheel_speeds',
-]

@@ -8,7 +8,3 @@ from .gyro import GyroOdometry, GyroSettings, GyroState
 from .hypotheses import Hypothesis, Response, SignSource
 from .knowledge import Knowledge, Known, KnownGyro
 from .odometry import Odometry
-
-__all__ = ['Estimate', 'Geometry', 'GyroOdometry', 'GyroSettings', 'GyroState', 'Hypothesis',
-           'Increment', 'Knowledge', 'Known', 'KnownGyro', 'Odometry', 'Response', 'Rounding',
-           'SignSource']

@@ -30,7 +30,6 @@ from .codes import (
 )
 from .commands import (
     ACTUATE,
-    ANY,
     Baud,
     COMMANDS,
     Control,
@@ -60,7 +59,6 @@ from .commands import (
     SOUNDING,
     Spot,
     Start,
-    STARTED,
     Stream,
     WaitAngle,
     WaitDistance,
@@ -74,24 +72,8 @@ from .packets import (
     FRAME_LIMIT,
     GROUPS,
     HEADER,
-    PACKET_IDS,
     PacketList,
-    singles,
     size_of,
 )
 from .readings import NAMES, NUMBERS, Packet, PACKETS, Readings
 from .stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
-
-__all__ = [
-    'ACTUATE', 'ANY', 'BITS_PER_BYTE', 'COMMANDS', 'GROUPS', 'HEADER', 'NAMES', 'NOTES_PER_SECOND',
-    'NUMBERS', 'PACKETS', 'PACKET_IDS', 'REST', 'SLOT', 'SOUNDING', 'STARTED', 'Baud', 'BaudCode',
-    'Budget', 'BumpsAndWheelDrops', 'Buttons', 'ChargingSources', 'ChargingState', 'Checksum',
-    'Command', 'CommandReader', 'Control', 'Cover', 'CoverAndDock', 'Demo', 'DemoNumber',
-    'DigitalInputs', 'DigitalOutputs', 'Drive', 'DriveDirect', 'DriverBits', 'Event',
-    'FRAME_LIMIT', 'Frame', 'Full', 'Garbage', 'Infrared', 'LedBits', 'Leds', 'LowSideDrivers',
-    'Mode', 'Note', 'OutputBits', 'Overcurrents', 'Packet', 'PacketList', 'PauseResumeStream',
-    'PlayScript', 'PlaySong', 'PwmLowSideDrivers', 'QueryList', 'Radius', 'Readings', 'Safe',
-    'Script', 'SendIr', 'Sensors', 'ShowScript', 'Song', 'Spot', 'Start', 'Stream', 'StreamReader',
-    'StreamState', 'UnknownOpcode', 'WaitAngle', 'WaitDistance', 'WaitEvent', 'WaitTime',
-    'singles', 'size_of',
-]

@@ -6,8 +6,6 @@ from pathlib import Path
 
 from .world import parse, shipped, shipped_names, World, WorldError
 
-__all__ = ['read_world', 'shipped_names', 'WorldError']
-
 
 def read_world(text: str) -> World:
     """Read a world by its name or from a file; WorldError says what is wrong, and what allowed."""

@@ -6,8 +6,3 @@ from .docking import Dock, Undock
 from .goal import Code, Ending, Goal, Malformed, Phase, Progress, Running
 from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle
 from .wall_following import WallFollow
-
-__all__ = [
-    'Code', 'Dock', 'DriveArc', 'DriveDistance', 'Ending', 'Goal', 'Malformed',
-    'NavigateToPosition', 'Phase', 'Progress', 'RotateAngle', 'Running', 'Undock', 'WallFollow',
-]

@@ -5,5 +5,3 @@
 from ...robot import Rounding
 from .body import Body
 from .config import BodyConfig
-
-__all__ = ['Body', 'BodyConfig', 'Rounding']

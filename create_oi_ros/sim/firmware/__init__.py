@@ -4,5 +4,3 @@
 
 from .create import Create
 from .guesses import Guesses
-
-__all__ = ['Create', 'Guesses']

@@ -9,5 +9,3 @@ world, `replay` replays a captured robot, and `create_sim` is the executable.
 
 from .create_sim import main
 from .serve import Server
-
-__all__ = ['main', 'Server']

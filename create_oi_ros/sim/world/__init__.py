@@ -12,6 +12,3 @@ from .world import (
     World,
     WorldError,
 )
-
-__all__ = [
-    'HomeBase', 'parse', 'Pose', 'shipped', 'shipped_names', 'VirtualWall', 'World', 'WorldError']
