@@ -26,7 +26,6 @@ from ..oi.script import (
     endless_wait,
     open_waits,
     SCRIPT_LIMIT,
-    script_of_reply,
 )
 from ..oi.tools.text import format_command
 from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
@@ -225,7 +224,7 @@ class ScriptControl:
         if not self._reply or len(self._reply) <= self._reply[0]:
             return
         try:
-            script = script_of_reply(bytes(self._reply))
+            script = oi.Script.decode(bytes([oi.Script.opcode]) + self._reply)
             script.encode()
         except ValueError as error:
             self._end_show(False, f'the reply came damaged ({error}): try again')

@@ -230,7 +230,7 @@ class Tracking:
 
     def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
         """Take a verified frame in; None where `OddValues` drops it."""
-        stamp, dt = self.clock.stamp(now, frame.packets.wire_time(baud))
+        stamp, dt = self.clock.stamp(now, frame.packets.budget(baud).seconds)
         self._unseen += dt
         self._found_lost += self.clock.found_lost
         readings = self.odd.corrected(frame.readings)

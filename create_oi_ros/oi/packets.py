@@ -49,13 +49,12 @@ def size_of(packet: int | str) -> int:
 
     KeyError for a number, ValueError for a name that no packet has.
     """
-    return struct.calcsize(BIG_ENDIAN + ''.join(PACKETS[n].wire.format for n in singles(packet)))
+    return struct.calcsize(BIG_ENDIAN + _format(number_of(packet)))
 
 
-def singles(packet: int | str) -> Sequence[int]:
-    """Return the single packets of a packet or group; errors are those of `size_of`."""
-    number = number_of(packet)
-    return GROUPS[number] if number in GROUPS else (PACKETS[number].id,)
+def _format(number: int) -> str:
+    """Return the struct format of a packet or group."""
+    return ''.join(PACKETS[n].wire.format for n in GROUPS.get(number, (number,)))
 
 
 class Budget(NamedTuple):
@@ -96,13 +95,13 @@ class PacketList:
         for number in self.ids:
             if number not in PACKET_IDS:
                 raise ValueError(no_packet(number))
-        self.packets = tuple(PACKETS[n] for number in self.ids for n in singles(number))
+        self.packets = tuple(
+            PACKETS[n] for number in self.ids for n in GROUPS.get(number, (number,)))
         self.names = tuple(NAMES[packet.id] for packet in self.packets)
-        wires = [packet.wire for packet in self.packets]
-        self._values = struct.Struct(BIG_ENDIAN + ''.join(wire.format for wire in wires))
+        formats = [_format(number) for number in self.ids]
+        self._values = struct.Struct(BIG_ENDIAN + ''.join(formats))
         self._frame = struct.Struct(BIG_ENDIAN + 'xx' + ''.join(
-            'x' + ''.join(PACKETS[n].wire.format for n in singles(number))
-            for number in self.ids) + 'x')
+            'x' + each for each in formats) + 'x')
         self.reply_size = self._values.size
         self.frame_size = self._frame.size
         self.length = self.frame_size - len((HEADER, 'length', 'checksum')) & 0xff
@@ -139,10 +138,6 @@ class PacketList:
     def budget(self, baud: int) -> Budget:
         """Return what a frame costs at a baud rate (manual: Stream)."""
         return Budget(self.frame_size, baud)
-
-    def wire_time(self, baud: int) -> float:
-        """Return the seconds that a frame takes on the wire at a baud rate."""
-        return self.budget(baud).seconds
 
     def unpack_reply(self, reply: bytes) -> Readings:
         """Decode the reply to Query List (or Sensors); ValueError if its length is wrong."""

@@ -122,9 +122,6 @@ class Readings:
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Readings) and self._numbers == other._numbers
 
-    def __hash__(self) -> int:
-        return hash(frozenset(self._numbers.items()))
-
     @property
     def analog_volts(self) -> float:
         """

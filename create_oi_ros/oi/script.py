@@ -72,15 +72,6 @@ def commands_of(script: Script) -> list[Command]:
     return commands
 
 
-def script_of_reply(reply: bytes) -> Script:
-    """
-    Return the script in a reply to Show Script, which is a count and the bytes.
-
-    ValueError if the count does not match the number of bytes.
-    """
-    return Script.decode(bytes([Script.opcode]) + reply)
-
-
 def can_end(script: Script) -> bool:
     """
     Tell whether a script can end: not if it contains Play Script, which starts it again.
@@ -106,9 +97,7 @@ def open_waits(script: Script) -> list[Command]:
 def _read(script: Script) -> Iterator[Command]:
     reader = CommandReader()
     reader.feed(script.script)
-    for found in reader:
-        if isinstance(found, Command):
-            yield found
+    yield from (found for found in reader if isinstance(found, Command))
 
 
 class EndlessWait(NamedTuple):

@@ -25,9 +25,8 @@ class Wire:
     """
     One number on the wire: a struct format, the range the manual allows, unit and names.
 
-    Members of `names` outside of `low` to `high` are allowed too (the special radii of
-    Drive). Values in `but` are not allowed (there is no event 0). Where the names are flags,
-    only their bits are allowed.
+    Members of `names` outside of `low` to `high` are allowed too (the special radii of Drive).
+    Where the names are flags, only their bits are allowed.
     """
 
     format: str
@@ -35,10 +34,9 @@ class Wire:
     high: int
     unit: str = ''
     names: type[IntEnum] | type[IntFlag] | None = None
-    but: tuple[int, ...] = ()
     boolean: bool = False
     inverse: bool = False
-    """Whether the negative of a named number stands for its inverse (Wait Event)."""
+    """Whether the negative of a named number means its inverse, and 0 nothing (Wait Event)."""
 
     @cached_property
     def allowed(self) -> range | frozenset[int]:
@@ -46,9 +44,9 @@ class Wire:
         inside = range(self.low, self.high + 1)
         if self.mask:
             return frozenset(number for number in inside if not number & ~self.mask)
-        if self.names is None and not self.but:
+        if self.names is None:
             return inside
-        return frozenset(inside).union(self._values).difference(self.but)
+        return frozenset(inside).union(self._values).difference((0,) if self.inverse else ())
 
     @property
     def size(self) -> int:
@@ -101,9 +99,7 @@ class Wire:
         text = f'{self.low} to {self.high}{unit}'
         text += ''.join(f', {value} {member.name}' for value, member in self._values.items()
                         if not self.low <= value <= self.high)
-        if self.inverse:
-            text += ' (negative for the inverse)'
-        return text + ''.join(f', but not {value}' for value in self.but)
+        return text + (' (negative for the inverse), but not 0' if self.inverse else '')
 
     def named(self, value: int | None) -> Any:
         """Return a number as a truth value or named member; unchanged if it is neither."""
@@ -148,7 +144,7 @@ def choice(code: str, names: type[IntEnum]) -> Wire:
 def signed_choice(code: str, names: type[IntEnum]) -> Wire:
     """Declare a number that must be a member of an enumeration, or the negative of one."""
     most = max(member.value for member in names)
-    return Wire(code, -most, most, names=names, but=(0,), inverse=True)
+    return Wire(code, -most, most, names=names, inverse=True)
 
 
 def bits(code: str, names: type[IntFlag]) -> Wire:

@@ -46,7 +46,7 @@ from ..driver.outbox import Awaited
 from ..driver.outputs import Animation, blink, MIN_PERIOD, spin, Tune, USUAL_PERIOD
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
-from ..oi.tools.tunes import parse_tune, sounding_name
+from ..oi.tools.tunes import note_text, parse_tune
 from . import messages
 from .messages import of_yaw, yaw_of
 from .parameters import Parameters
@@ -269,7 +269,7 @@ class TunePursuit(ShowPursuit[Tune]):
             return None
         self._told = place
         return self._action.type.Feedback(
-            note=sounding_name(tune.notes[tune.note].number), place=tune.note,
+            note=note_text(tune.notes[tune.note].number), place=tune.note,
             iterations_played=tune.iterations_played,
             current_runtime=messages.duration(tune.seconds))
 

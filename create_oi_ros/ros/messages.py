@@ -35,7 +35,7 @@ from ..oi import (
     Script,
 )
 from ..oi.script import commands_of
-from ..oi.tools.text import format_commands, parse_script
+from ..oi.tools.text import format_command, parse_script
 from ..robot import MILLI, MOST_CHARGE
 
 NANOSECONDS = 1_000_000_000
@@ -316,7 +316,7 @@ def script(text: str, code: bytes) -> Script:
 def script_text(code: bytes) -> str:
     """Return the commands of a script, one a line; '' if its bytes are no commands."""
     try:
-        return format_commands(commands_of(Script(script=code)))
+        return ''.join(f'{format_command(each)}\n' for each in commands_of(Script(script=code)))
     except ValueError:
         return ''
 

@@ -10,7 +10,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP, WAKE_UP
 from support.robot import GENTLE, Robot
 
-BYTE = oi.PacketList((7,)).wire_time(57600) / oi.PacketList((7,)).frame_size
+BYTE = oi.PacketList((7,)).budget(57600).seconds / oi.PacketList((7,)).frame_size
 """Seconds that a byte takes."""
 AT_ONCE, DRAINED = 0.003, 0.06
 """Seconds until the wheels stand, for commands of known and of counted length."""

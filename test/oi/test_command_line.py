@@ -18,7 +18,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.oi.tools.command_line import main, run
 from create_oi_ros.oi.tools.tables import columns, document, groups_table
-from create_oi_ros.oi.tools.text import format_commands
+from create_oi_ros.oi.tools.text import format_command
 from support.oi_strategies import commands
 
 ROOT = Path(__file__).parents[2]
@@ -144,7 +144,7 @@ def test_text_is_encoded() -> None:
 
 @given(st.lists(commands(), max_size=8))
 def test_decode_undoes_encode(listed: list[oi.Command]) -> None:
-    text = format_commands(listed)
+    text = '\n'.join(map(format_command, listed))
     status, lines, _ = ran('encode', stdin=text)
     assert status == 0 and len(lines) == len(listed)
     assert ran('decode', stdin='\n'.join(lines)) == (0, text.splitlines(), '')

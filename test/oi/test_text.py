@@ -13,11 +13,9 @@ from create_oi_ros.oi.script import (
     commands_of,
     open_waits,
     SCRIPT_LIMIT,
-    script_of_reply,
 )
 from create_oi_ros.oi.tools.text import (
     format_command,
-    format_commands,
     parse_command,
     parse_commands,
     parse_script,
@@ -58,10 +56,9 @@ def test_the_manuals_scripts_come_out_byte_for_byte(
     script = build_script(listed)
     assert script.encode() == sent
     assert commands_of(script) == listed
-    assert format_commands(listed) == TEXTS[name]
+    assert ''.join(f'{format_command(each)}\n' for each in listed) == TEXTS[name]
     assert parse_script(TEXTS[name]).encode() == sent
     assert parse_command(format_command(script)) == script
-    assert script_of_reply(sent[1:]) == script
 
 
 def test_only_a_script_that_does_not_play_itself_can_end() -> None:
@@ -241,8 +238,6 @@ def test_an_error_names_line_column_and_what_is_allowed(
         text: str, line: int, column: int, reason: str) -> None:
     with pytest.raises(TextError) as refused:
         parse_commands(text)
-    assert refused.value.reason.startswith(reason)
-    assert (refused.value.line, refused.value.column) == (line, column)
     assert str(refused.value).startswith(f'line {line}, column {column}: {reason}')
 
 
@@ -268,4 +263,4 @@ def test_any_text_is_parsed_or_raises_a_text_error(text: str) -> None:
         found = parse_commands(text)
     except TextError:
         return
-    assert parse_commands(format_commands(found)) == found
+    assert parse_commands('; '.join(map(format_command, found))) == found

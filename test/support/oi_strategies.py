@@ -41,7 +41,7 @@ def commands(kinds: Iterable[type[oi.Command]] = oi.COMMANDS) -> st.SearchStrate
 
 def packet_lists(max_size: int = 12) -> st.SearchStrategy[oi.PacketList]:
     """Draw lists of single packets and groups that fit in a frame."""
-    lists = st.lists(st.sampled_from(oi.PACKET_IDS), min_size=1, max_size=max_size)
+    lists = st.lists(st.sampled_from([*oi.GROUPS, *oi.PACKETS]), min_size=1, max_size=max_size)
     return lists.map(oi.PacketList).filter(lambda packets: packets.frame_size <= 258)
 
 

@@ -113,7 +113,7 @@ def explain_stream(
         if found.packets not in named:
             named.add(found.packets)
             yield FOUND + ','.join(map(str, found.packets.ids))
-        yield explain_frame(found)
+        yield explain_readings(found.packets, found.readings)
 
 
 def _searched(chunks: Iterable[bytes], reader: StreamReader) -> Iterator[bytes]:
@@ -141,7 +141,7 @@ def explain_replies(chunks: Iterable[bytes], packets: PacketList) -> Iterator[st
     for chunk in chunks:
         rest += chunk
         while len(rest) >= packets.reply_size:
-            yield _readings(packets, packets.unpack_reply(rest[:packets.reply_size]))
+            yield explain_readings(packets, packets.unpack_reply(rest[:packets.reply_size]))
             rest = rest[packets.reply_size:]
     if rest:
         each = [packet.id for packet in packets.packets]
@@ -149,16 +149,12 @@ def explain_replies(chunks: Iterable[bytes], packets: PacketList) -> Iterator[st
             lambda part: part.reply_size <= len(rest),
             (PacketList(each[:count]) for count in range(len(each))))
         if whole.ids:
-            yield _readings(whole, whole.unpack_reply(rest[:whole.reply_size]))
+            yield explain_readings(whole, whole.unpack_reply(rest[:whole.reply_size]))
         yield f'# reply is cut short: {len(rest)} of {packets.reply_size} bytes'
 
 
-def explain_frame(frame: Frame) -> str:
-    """Explain all values of a frame."""
-    return _readings(frame.packets, frame.readings)
-
-
-def _readings(packets: PacketList, readings: Readings) -> str:
+def explain_readings(packets: PacketList, readings: Readings) -> str:
+    """Explain all values of a frame or a reply."""
     values = dict(readings.items())
     return ', '.join(explain_reading(packet, values[name])
                      for packet, name in zip(packets.packets, packets.names))

@@ -43,7 +43,7 @@ def _payload(kind: type[Command]) -> str:
 
 def _described(wire: Wire) -> str:
     bytes_ = FORMATS[wire.format]
-    if (wire.low, wire.high) == wire.limits and not wire.but:
+    if (wire.low, wire.high) == wire.limits:
         return f'{bytes_} ({wire.unit})' if wire.unit else bytes_
     return f'{bytes_}, {wire.describe()}'
 

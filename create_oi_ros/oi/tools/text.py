@@ -25,20 +25,19 @@ or after a space. Every command whose values are in range is the same after writ
 The parser reads forward only and knows its position, so that every error names line and column.
 """
 
-from collections.abc import Iterable
 from contextlib import suppress
 from enum import IntEnum, IntFlag
 import re
 from typing import Any, NamedTuple, NoReturn
 
 from ..codes import BaudCode
-from ..commands import COMMANDS, Note, REST, Script, SOUNDING
+from ..commands import COMMANDS, Note, REST, Script
 from ..declaration import Command, Tail
 from ..packets import PACKET_ID
 from ..readings import NUMBERS, PACKETS
 from ..script import build_script, commands_of, SCRIPT_LIMIT
 from ..wire import Wire
-from .tunes import note_name, note_number
+from .tunes import note_number, note_text
 
 # Commands to text.
 
@@ -63,11 +62,6 @@ def format_command(command: Command) -> str:
     return ' '.join(words)
 
 
-def format_commands(commands: Iterable[Command]) -> str:
-    """Return commands as text, one line each."""
-    return ''.join(f'{format_command(command)}\n' for command in commands)
-
-
 def format_number(wire: Wire, value: int) -> str:
     """Return a number by its name, or its bits by theirs, where these have names."""
     if wire.names is None:
@@ -89,14 +83,8 @@ def _format_items(item: type, value: Any) -> str:
             build_script(commands)
             return '{' + '; '.join(map(format_command, commands)) + '}'
     if item is Note:
-        return ','.join(f'{_format_note(number)}:{duration}' for number, duration in value)
+        return ','.join(f'{note_text(number)}:{duration}' for number, duration in value)
     return ','.join(str(int(number)) for number in value)
-
-
-def _format_note(number: int) -> str:
-    if number in SOUNDING:
-        return note_name(number)
-    return 'rest' if number == REST else str(number)
 
 
 # Text to commands.
@@ -107,12 +95,8 @@ class TextError(ValueError):
     def __init__(self, text: str, place: int, reason: str) -> None:
         """Take the text, the index of the error, and what is wrong."""
         before = text[:place]
-        self.line = before.count('\n') + 1
-        """Line of the error, from 1."""
-        self.column = place - before.rfind('\n')
-        """Column of the error, from 1."""
-        self.reason = reason
-        super().__init__(f'line {self.line}, column {self.column}: {reason}')
+        line, column = before.count('\n') + 1, place - before.rfind('\n')
+        super().__init__(f'line {line}, column {column}: {reason}')
 
 
 def parse_commands(text: str) -> list[Command]:

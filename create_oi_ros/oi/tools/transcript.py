@@ -17,7 +17,7 @@ from ..packets import PACKET_IDS, PacketList
 from ..readings import NUMBERS, PACKETS
 from ..stream import Checksum, CommandReader, Frame, Garbage, StreamReader, UnknownOpcode
 from .capture_format import MICROSECONDS, Record, RecordKind
-from .explain import CONVENTIONS, decimal, explain_command, explain_frame, explain_reading
+from .explain import CONVENTIONS, decimal, explain_command, explain_reading, explain_readings
 
 SUMMARY_INTERVAL = 10 * MICROSECONDS
 SILENCE = MICROSECONDS // 4
@@ -25,8 +25,6 @@ SILENCE = MICROSECONDS // 4
 BYTES_SHOWN = 24
 GARBAGE_SHOWN = 5
 """Pieces of garbage that are shown until the next summary."""
-LISTS_KEPT = 32
-"""Number of lists of packets whose frames are expected: the newest."""
 IDEMPOTENT = (Drive, DriveDirect, Stream)
 """Commands that change nothing when they are repeated."""
 FROM_ROBOT, TO_ROBOT, OTHER = '<-', '->', '--'
@@ -83,7 +81,7 @@ class Transcript:
     def __init__(self, *, at_length: bool = False, everything: bool = False) -> None:
         self._at_length, self._everything = at_length, everything
         self._robot, self._host = StreamReader(), CommandReader()
-        self._lists: dict[PacketList, None] = {}
+        self._lists: set[PacketList] = set()
         self._checksum: Checksum | None = None
         self._failures = 0
         self._summary = Summary(0)
@@ -150,7 +148,7 @@ class Transcript:
             self._checksum = event.checksum
             yield self._line(OTHER, CONVENTIONS[event.checksum].removeprefix('# '))
         if self._everything:
-            yield self._line(FROM_ROBOT, explain_frame(event))
+            yield self._line(FROM_ROBOT, explain_readings(event.packets, event.readings))
             return
         self._summary.add(event)
         news = {name: value for name, value in event.readings.items()
@@ -178,7 +176,8 @@ class Transcript:
             yield from self._unknown(unknown)
             unknown.clear()
             if isinstance(found, Stream) and set(found.packets) <= set(PACKET_IDS):
-                self._expect(PacketList(found.packets))
+                self._lists.add(PacketList(found.packets))
+                self._robot.expect(self._lists)
             if self._is_new(found) or self._everything:
                 yield self._line(TO_ROBOT, explain_command(found, at_length=self._at_length))
             else:
@@ -199,12 +198,6 @@ class Transcript:
                 self._sent[kind] = []
         self._sent[type(command)].append(command)
         return True
-
-    def _expect(self, packets: PacketList) -> None:
-        if packets not in self._lists:
-            self._lists[packets] = None
-            self._lists = dict.fromkeys(list(self._lists)[-LISTS_KEPT:])
-            self._robot.expect(self._lists)
 
     def _decimal(self, data: bytes) -> str:
         if len(data) <= BYTES_SHOWN or self._everything:

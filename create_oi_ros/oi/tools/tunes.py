@@ -40,6 +40,13 @@ def note_name(number: int) -> str:
     return f'{PITCHES[pitch]}{4 + octave}'
 
 
+def note_text(number: int) -> str:
+    """Return the name of a note, 'rest', or the number of another one that makes no sound."""
+    if number in SOUNDING:
+        return note_name(number)
+    return 'rest' if number == REST else str(number)
+
+
 def note_number(name: str) -> int:
     """
     Return the number of a note that sounds, such as 61 for 'C#4', 'c#4' or 'Db4'.
@@ -82,11 +89,6 @@ def parse_tune(text: str) -> tuple[Note, ...]:
     if not notes:
         raise ValueError('a tune needs a note, such as C4:1/4')
     return tuple(notes)
-
-
-def sounding_name(number: int) -> str:
-    """Return the name of a note, 'rest' for one that makes no sound."""
-    return note_name(number) if number in SOUNDING else 'rest'
 
 
 def _listed(text: str) -> Iterator[tuple[str, int, Fraction]]:
