@@ -1,7 +1,7 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a page may send: messages of its own, goals of all actions, and requests of some services.
+What a page may send: messages of its own, goals of actions, and requests of some services.
 
 A goal or a request is sent as the fields that it has in ROS; what is left out has its default.
 """
@@ -13,13 +13,16 @@ import json
 from math import isfinite
 from typing import Any, NamedTuple
 
+from create_oi_msgs.action import LedAnimation
+
 from ...robot import TOP_SPEED
 from ...ros.actions import ALL_ACTIONS, malformed
 from ...ros.services import SERVICES
 from .driver_seat import TOP_TURN
 
-GOALS: Mapping[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
-"""The type of each action, by its name."""
+GOALS: Mapping[str, Any] = {
+    action.name: action.type for action in ALL_ACTIONS if action.type is not LedAnimation}
+"""The type of each action that a page shows, by its name."""
 CALLED = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
 CALLS: Mapping[str, Any] = {each.name: each.type for each in SERVICES if each.name in CALLED}
 """The types of the services that a page can call."""
