@@ -67,8 +67,14 @@ class CreateNode(Node):
         `ended` gets the exit code when the node cannot go on; options are those of rclpy's Node,
         such as `namespace` and `cli_args` where several robots share a process.
         """
-        super().__init__(
-            node_arguments.NODE, automatically_declare_parameters_from_overrides=True, **options)
+        try:
+            super().__init__(node_arguments.NODE,
+                             automatically_declare_parameters_from_overrides=True, **options)
+        except ValueError as error:
+            if 'PARAMETER_NOT_SET' not in str(error):
+                raise
+            raise ValueError('a parameter is an empty list, [], of which ROS cannot tell the '
+                             'type: leave it out') from None
         self.parameters = parameters.declare(self)
         self._periods = self.parameters.periods()
         self.add_pre_set_parameters_callback(parameters.as_declared)

@@ -96,11 +96,15 @@ def test_inputs_and_outputs_of_the_cargo_bay_have_names(tmp_path):
         assert 'published as an object' not in own.node.output
 
 
-def test_names_given_twice_end_the_node_with_the_reason(tmp_path):
+@pytest.mark.parametrize(('names', 'why'), [
+    ('[lamp, lamp]', "parameter input_names has 'lamp' twice: give each a name of its own"),
+    ('[]', 'create_node: a parameter is an empty list, [], of which ROS cannot tell the type: '
+           'leave it out')])
+def test_names_that_cannot_be_end_the_node_with_the_reason(names, why, tmp_path):
     with scene(tmp_path) as stage:
-        node = stage.node(stage.folder / 'none', input_names='[lamp, lamp]')
+        node = stage.node(stage.folder / 'none', input_names=names)
         assert node.ended() == 2
-        assert "parameter input_names has 'lamp' twice: give each a name of its own" in node.output
+        assert why in node.output
 
 
 def points(cloud: PointCloud2) -> list[tuple[float, ...]]:
