@@ -6,8 +6,8 @@ Processor time and memory of the node: `python bench/bench_cost.py`, ten minutes
 The node runs with its dead-man process at 66.7 frames a second, with one subscriber on each topic,
 or on `odom` alone, in another process. Its processor time, as a share of one core, is measured
 standing, and in the first 20 s of driving in a circle with `cmd_vel` ten times a second. Memory is
-resident memory. The floor (programs/floor.py) imports the same message packages and publishes one
-Odometry for each frame to one subscriber. Node and floor take turns.
+resident memory. The floor (programs/floor.py) publishes one Odometry for each frame to one
+subscriber. Node and floor take turns.
 
 The targets are what `create_driver` takes, the C++ driver of the package create_robot, over the
 same floor: it was measured once beside the node, with the same simulated robot and commands.
@@ -19,7 +19,7 @@ from time import sleep
 from typing import NamedTuple
 
 from create_oi_ros.ros.topics import PUBLISHED
-from processes import processor_shares, resident
+from processes import processor_share, resident
 from results import Figure, figures_of, load, repeated, run
 from scene import scene
 
@@ -29,10 +29,6 @@ SETTLE, WATCH = 1.5, 4.0
 DRIVE = 20.0
 """The same for a robot that drives: a new robot costs more, until its odometry knows it."""
 ALL = tuple(topic.name for topic in PUBLISHED)
-MESSAGES = (
-    'builtin_interfaces.msg', 'create_oi_msgs.msg', 'create_oi_msgs.srv', 'diagnostic_msgs.msg',
-    'geometry_msgs.msg', 'nav_msgs.msg', 'rcl_interfaces.msg', 'sensor_msgs.msg',
-    'std_msgs.msg', 'std_srvs.srv', 'tf2_msgs.msg')
 
 
 class Node(NamedTuple):
@@ -43,16 +39,15 @@ class Node(NamedTuple):
     memory: float
 
 
-def floor() -> tuple[float, float]:
-    """Return the processor share and memory of the floor."""
+def floor() -> float:
+    """Return the processor share of the floor, %."""
     with scene() as stage:
         stage.robot()
         listener = stage.listener('odom')
-        driver = stage.driver(floor=True, imports=MESSAGES)
+        driver = stage.driver(floor=True)
         listener.line()
         sleep(SETTLE)
-        share, = processor_shares([driver.pid], WATCH)
-        return share, resident(driver.pid)
+        return processor_share(driver.pid, WATCH)
 
 
 def node(*topics: str) -> Node:
@@ -63,18 +58,15 @@ def node(*topics: str) -> Node:
         driver = stage.driver()
         listener.line()
         sleep(SETTLE)
-        standing, = processor_shares([driver.pid], WATCH)
+        standing = processor_share(driver.pid, WATCH)
         stage.program('circle')
         sleep(SETTLE)
-        driving, = processor_shares([driver.pid], DRIVE)
-        return Node(standing, driving, resident(driver.pid))
+        return Node(standing, processor_share(driver.pid, DRIVE), resident(driver.pid))
 
 
 def measure() -> list[Figure]:
     """Run all in turn; return the figures."""
-    runs = [(*floor(), node(*ALL), node('odom'))
-            for _ in range(REPETITIONS)]
-    floors, memory, most, heard = zip(*runs)
+    floors, most, heard = zip(*((floor(), node(*ALL), node('odom')) for _ in range(REPETITIONS)))
     theirs = [figure.value for figure in figures_of(load(), 'create_driver')]
     return [
         repeated('floor: processor', floors, '% of a core'),
@@ -82,7 +74,6 @@ def measure() -> list[Figure]:
         compared('node, driving', [each.driving for each in most], floors, theirs[0]),
         compared('node, only odom heard, driving', [each.driving for each in heard], floors,
                  theirs[1]),
-        repeated('floor: memory', memory, 'MB'),
         repeated('node: memory', [each.memory for each in most], 'MB')]
 
 

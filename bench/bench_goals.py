@@ -12,13 +12,13 @@ distance, 1 degree + 0.3 % of an angle. Then cancels: frames from a cancel to a 
 from math import degrees, radians
 from multiprocessing import Pool
 from random import Random
-from statistics import mean, quantiles
+from statistics import mean
 from typing import NamedTuple
 
 from create_oi_ros import oi
 from create_oi_ros.driver.goals import DriveDistance, Goal, RotateAngle
 from odometry_loop import Journey
-from results import Figure, run
+from results import Figure, percentile, run
 from robots import CLASSES, spread
 
 GOALS = 1000
@@ -117,11 +117,6 @@ def cancels(count: int) -> list[int]:
             waited += 1
         frames.append(-(-waited // 3))
     return frames
-
-
-def percentile(values: list[float]) -> float:
-    """Return the 95th percentile."""
-    return quantiles(values, n=20, method='inclusive')[-1]
 
 
 def figures(scores: list[Score], frames: list[int]) -> list[Figure]:

@@ -36,7 +36,7 @@ from multiprocessing import Pool
 from multiprocessing.pool import Pool as Workers
 from pathlib import Path
 from random import Random
-from statistics import mean, quantiles
+from statistics import mean
 from typing import NamedTuple
 
 from create_oi_ros.robot import Rounding
@@ -46,7 +46,7 @@ from odometry_cost import costs
 from odometry_loop import Journey
 from odometry_rig import Condition, CONDITIONS, follow, nees_of, simulate
 from odometry_starts import starts
-from results import Figure, keep, machine
+from results import Figure, keep, machine, percentile
 from rivals import Rival
 from robots import CLASSES
 
@@ -137,9 +137,7 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
 
     scores = {}
     for name, interval in RIVALS.items():
-        rival = Rival(robot.geometry, robot.rounding, interval)
-        for slot, counts in enumerate(journey.counts, 1):
-            rival.frame(counts, robot.period, last=slot == len(journey.counts))
+        rival = Rival(robot, interval).follow(journey.counts)
         scores[name] = missed(rival.x, rival.y, rival.yaw)
     e = journey.estimate
     ours = missed(e.x, e.y, e.yaw)
@@ -178,11 +176,6 @@ def largest_step(journey: Journey) -> float:
             corrections.popleft()
         largest = max(largest, abs(corrections[-1][1] - corrections[0][1]))
     return degrees(largest)
-
-
-def percentile(values: list[float]) -> float:
-    """Return the 95th percentile."""
-    return quantiles(values, n=20, method='inclusive')[-1] if len(values) > 1 else values[0]
 
 
 def show(name: str, estimator: str, scores: list[Score]) -> str:
@@ -300,14 +293,10 @@ def old(job: tuple[Condition, int]) -> list[Result]:
     instants = simulate(seed, condition)
     found = []
     for rounding in Rounding:
-        score = follow(instants, rounding, 1.0, condition)
+        score = follow(instants, rounding, condition)
         found.append((condition.name, rounding.value, 'ours',
                       Score(score.turn, score.distance, score.nees)))
     return found
-
-
-def _drive(job: tuple[str, str, int]) -> list[Result]:
-    return drive(*job)
 
 
 def main() -> None:
@@ -325,7 +314,7 @@ def main() -> None:
             for i in range(options.drives) for kind in TARGETS]
     with Pool(options.processes) as pool:
         cells = print_table(
-            [each for some in pool.imap_unordered(_drive, jobs) for each in some])
+            [each for some in pool.starmap(drive, jobs, chunksize=1) for each in some])
         print_course({kind: cells[kind, 'ours'] for kind in TARGETS})
         old_jobs = [(c, seed) for c in CONDITIONS for seed in range(OLD_DRIVES)]
         of_conditions = conditions(print_table(

@@ -4,8 +4,7 @@
 What the web page costs: `python bench/bench_web.py`, a minute, a table.
 
 A simulated robot, its driver and `create_web`, without a page and with one that drives. Then how
-soon the robot hears of it when the page says nothing more, and when it is closed; and how soon the
-robot stands, which takes its own time to slow down.
+soon the wheels are told to stand when the page says nothing more, and when it is closed.
 """
 
 import asyncio
@@ -19,7 +18,7 @@ from time import monotonic
 import aiohttp
 
 from create_oi_ros.ros.programs import PROGRAMS
-from processes import processor_shares
+from processes import processor_share
 from results import Figure, repeated, run
 from scene import Scene, scene
 
@@ -30,7 +29,7 @@ SETTLE = 3.0
 """Seconds until all have found each other."""
 TARGET, STOP_TARGET = 5.0, 0.3
 """% of a core with one viewer; seconds until the wheels are told to stand."""
-TOLD, STANDS = 'wait right=0 left=0', 'wait speed<0.001'
+TOLD = 'wait right=0 left=0'
 SPEED = 0.2
 
 
@@ -55,15 +54,13 @@ async def held(connection: aiohttp.ClientWebSocketResponse, until: Callable[[], 
 async def share_with_a_page(web: int, port: int) -> float:
     """Return the processor share, %, of a server whose only page drives."""
     async with page(port) as connection:
-        measured = asyncio.create_task(asyncio.to_thread(processor_shares, [web], WATCH))
+        measured = asyncio.create_task(asyncio.to_thread(processor_share, web, WATCH))
         await held(connection, measured.done)
-        return (await measured)[0]
+        return await measured
 
 
-async def stop_times(
-    ask: Callable[[str], str], port: int, *, closing: bool,
-) -> tuple[float, float]:
-    """Return the seconds from the last command until the wheels are told to stand, and stand."""
+async def stop_time(ask: Callable[[str], str], port: int, *, closing: bool) -> float:
+    """Return the seconds from the last command until the wheels are told to stand."""
     async with page(port) as connection:
         def truth(line: str) -> dict[str, float]:
             return dict(json.loads(ask(line)))
@@ -72,8 +69,7 @@ async def stop_times(
         if closing:
             await connection.close()
         told = await asyncio.to_thread(truth, TOLD)
-        stands = await asyncio.to_thread(truth, STANDS)
-        return told['time'] - begun, stands['time'] - begun
+        return told['time'] - begun
 
 
 def started(stage: Scene, control: Path) -> tuple[int, int]:
@@ -94,18 +90,17 @@ def measure() -> list[Figure]:
     with scene() as stage:
         web, port = started(stage, stage.control)
         asyncio.run(asyncio.sleep(SETTLE))
-        alone, = processor_shares([web], WATCH)
+        alone = processor_share(web, WATCH)
         watched = asyncio.run(share_with_a_page(web, port))
         with stage.control_socket() as ask:
-            (silent_told, silent_stands), (closed_told, _) = (
-                zip(*(asyncio.run(stop_times(ask, port, closing=closing)) for _ in range(STOPS)))
+            silent, closed = (
+                [asyncio.run(stop_time(ask, port, closing=closing)) for _ in range(STOPS)]
                 for closing in (False, True))
     return [
         Figure('create_web, no page open: processor', alone, '% of a core'),
         Figure('create_web, one page that drives: processor', watched, '% of a core', TARGET),
-        repeated('last word of a page to wheels told to stand', silent_told, 's', STOP_TARGET),
-        repeated('last word of a page to a robot that stands', silent_stands, 's'),
-        repeated('page closed to wheels told to stand', closed_told, 's', STOP_TARGET)]
+        repeated('last word of a page to wheels told to stand', silent, 's', STOP_TARGET),
+        repeated('page closed to wheels told to stand', closed, 's', STOP_TARGET)]
 
 
 if __name__ == '__main__':

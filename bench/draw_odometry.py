@@ -23,12 +23,12 @@ from matplotlib import pyplot
 
 SECONDS, SEED, LATENCY = 120.0, 8, 0.005
 ROBOTS = {
-    'the centre of what was measured': Robot('picture', DEFAULT_BODY, Rounding.TRUNCATE, 0.015),
-    'as a Create 2, rounds': Robot('picture', replace(
+    'the centre of what was measured': Robot(DEFAULT_BODY, Rounding.TRUNCATE, 0.015),
+    'as a Create 2, rounds': Robot(replace(
         DEFAULT_BODY, response=Response.SECOND_ORDER, overshoot=0.2,
         time_constant=TimeConstant(0.05), right_speed_gain=1.04, left_speed_gain=0.99),
         Rounding.ROUND, 0.015625),
-    'constant acceleration, true signs, carries': Robot('picture', replace(
+    'constant acceleration, true signs, carries': Robot(replace(
         DEFAULT_BODY, response=Response.RAMP, encoder_sign=EncoderSign.TRUE,
         wheel_acceleration=0.8, dead_time=0.1), Rounding.CARRY, 0.015),
 }
@@ -43,9 +43,9 @@ def tracks(robot: Robot) -> tuple[Track, dict[str, Track]]:
     journey.drive(list(mixed(Random(SEED), SECONDS)), SECONDS)
     found: dict[str, Track] = {}
     for name, interval in (('each frame read', 0.0), ('a reading a second', 1.0)):
-        rival, found[name] = Rival(robot.geometry, robot.rounding, interval), []
+        rival, found[name] = Rival(robot, interval), []
         for counts in journey.counts:
-            rival.frame(counts, robot.period)
+            rival.frame(counts)
             found[name].append((rival.x, rival.y))
     found['this odometry'] = [(e.x, e.y) for _, e, _ in journey.moves]
     return [(truth.pose.x, truth.pose.y) for _, _, truth in journey.moves], found

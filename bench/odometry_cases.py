@@ -4,6 +4,7 @@
 
 from collections.abc import Callable, Sequence
 import csv
+from itertools import accumulate, pairwise
 from math import degrees
 from pathlib import Path
 from random import Random
@@ -15,8 +16,11 @@ from create_oi_ros.sim.body.config import IDEAL
 from create_oi_ros.sim.body.mechanics import Accumulator, Rounding
 from odometry_loop import Journey
 from robots import Robot
-from wheel_log import WheelLog
 
+C2_TICK = 0.0004446
+"""Metres a count of a Create 2."""
+COUNTS = 1 << 16
+"""Its encoders begin again after so many."""
 DAMAGED, SHORT, NOISY = 0.05, 0.05, 0.05
 """Probability that a byte of a frame is wrong, that one is missing, that garbage follows."""
 SPEED, WAY, BEGIN = 0.1, 2.5, 2.0
@@ -50,7 +54,7 @@ def damage(random: Random) -> Callable[[bytes], bytes]:
 
 def damaged_line(rounding: Rounding, seed: int) -> float:
     """Drive straight over a damaged line; return the error, per cent of the way."""
-    journey = Journey(Robot('ideal', IDEAL, rounding, 0.015), seed, damage=damage(Random(seed)))
+    journey = Journey(Robot(IDEAL, rounding, 0.015), seed, damage=damage(Random(seed)))
     seconds = BEGIN + WAY / SPEED
     journey.drive([(BEGIN, SPEED, 0.0), (seconds, 0.0, 0.0)], seconds + 2)
     return 100 * abs(journey.estimate.x - journey.body.truth().pose.x) / WAY
@@ -67,13 +71,18 @@ class Row(NamedTuple):
 
 
 def rows_of(path: Path) -> list[Row]:
-    """Return a log (docs/simulator.md has its columns)."""
-    text = path.read_text('utf-8')
-    wheels = WheelLog.parse(text)
-    asked = [(int(row['requested_right_mm_s']) / 1000, int(row['requested_left_mm_s']) / 1000)
-             for row in csv.DictReader(text.splitlines())]
-    return [Row(time, *speeds, right, left) for time, speeds, right, left in zip(
-        wheels.times, asked, wheels.right, wheels.left)]
+    """Return a log of the wheels of a Create 2, a CSV with a row for each moment."""
+    rows = list(csv.DictReader(path.read_text('utf-8').splitlines()))
+    ways = (metres([int(row[f'encoder_{side}']) for row in rows]) for side in ('right', 'left'))
+    return [Row(float(row['time_s']), int(row['requested_right_mm_s']) / 1000,
+                int(row['requested_left_mm_s']) / 1000, *way)
+            for row, *way in zip(rows, *ways)]
+
+
+def metres(counts: Sequence[int]) -> list[float]:
+    """Return what a wheel has rolled since the first count."""
+    steps = ((b - a + COUNTS // 2) % COUNTS - COUNTS // 2 for a, b in pairwise(counts))
+    return [C2_TICK * total for total in accumulate(steps, initial=0)]
 
 
 def follow_log(log: Sequence[Row], rounding: Rounding) -> Stray:
@@ -81,7 +90,7 @@ def follow_log(log: Sequence[Row], rounding: Rounding) -> Stray:
     odometry = Odometry(window=1.0)
     distance, angle = Accumulator(rounding), Accumulator(rounding)
     turned = most = off = 0.0
-    for before, row in zip(log, log[1:]):
+    for before, row in pairwise(log):
         right, left = row.right_way - before.right_way, row.left_way - before.left_way
         turn = (right - left) / FIRMWARE_SEPARATION
         turned += turn

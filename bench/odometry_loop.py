@@ -4,10 +4,9 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from math import degrees, hypot, tau
 from random import Random
 
-from create_oi_ros.driver import Driver, MotionLimits, Moved, Settings
+from create_oi_ros.driver import Driver, Moved, Settings
 from create_oi_ros.odometry import Estimate, GyroSettings, Knowledge, Odometry
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.mechanics import Truth
@@ -53,16 +52,14 @@ class Line:
 class Journey:
     """A driver, a robot, and what both say about where it is."""
 
-    def __init__(self, robot: Robot, seed: int, *, latency: float = 0.0, window: float = 1.0,
-                 limits: MotionLimits | None = None, damage: Damage = bytes,
+    def __init__(self, robot: Robot, seed: int, *, latency: float = 0.0, damage: Damage = bytes,
                  odometry: Odometry | None = None, gyro: GyroSettings | None = None,
                  known: Knowledge | None = None) -> None:
         self.body = Body(World(), rounding=robot.rounding, config=robot.config, seed=seed)
         self.robot = Create(self.body, guesses=Guesses(
             boot_seconds=0.0, banner=False, frame_period=robot.period))
-        self.driver = Driver(Settings(
-            odometry_window=window, limits=limits or MotionLimits(), geometry=robot.geometry,
-            gyro=gyro, robot=known), odometry)
+        self.driver = Driver(
+            Settings(geometry=robot.geometry, gyro=gyro, robot=known), odometry)
         self._damage = damage
         self._step = robot.period / TURNS
         random = Random(seed)
@@ -120,10 +117,3 @@ class Journey:
                     spoken = self.now + COMMAND_EVERY
                 self.go()
             velocity, spoken = (linear, angular), self.now
-
-    @property
-    def errors(self) -> tuple[float, float]:
-        """Degrees of yaw error a turn, and per cent of the path, at the end."""
-        truth, e = self.body.truth(), self.estimate
-        return (degrees(abs(e.yaw - truth.turned)) / max(self.turned / tau, 1.0),
-                100 * hypot(e.x - truth.pose.x, e.y - truth.pose.y) / max(self.path, 0.5))

@@ -60,17 +60,15 @@ class Condition:
     """Whether requests take effect within their slot, not from its start."""
     happens: str = ''
     """slip, held, lifted, pushed or demo."""
-    target: bool = False
-    """Whether the issue sets figures to reach."""
     slip: float = FLOOR
     """What the estimator is told of the floor."""
     seconds: float = 90.0
 
 
 CONDITIONS = (
-    Condition('ideal', gain=0.0, target=True, seconds=300),
-    Condition('3 % speed error', target=True, seconds=300),
-    Condition('and latency', latency=0.03, any_moment=True, target=True, seconds=300),
+    Condition('ideal', gain=0.0, seconds=300),
+    Condition('3 % speed error', seconds=300),
+    Condition('and latency', latency=0.03, any_moment=True, seconds=300),
     Condition('slip bursts', latency=0.03, happens='slip', slip=0.03),
     Condition('wheels held', latency=0.03, happens='held'),
     Condition('lifted', latency=0.03, happens='lifted'),
@@ -198,26 +196,16 @@ class Score(NamedTuple):
     distance: float
     """Position error at the end, per cent of the path's length."""
     nees: float
-    step: float
-    """Largest step between two frames beyond what the robot can move in that time, mm; it can
-    do `TOP_SPEED`. Likewise in degrees of yaw."""
-    step_angle: float
 
 
-TOP_SPEED = 0.5 * 1.03
-"""m/s: what a wheel can be asked, and the error of its speed."""
-
-
-def follow(instants: list[Instant], rounding: Rounding, window: float, condition: Condition,
-           seen: Callable[[Estimate], None] = lambda _: None) -> Score:
-    """Let an odometry follow a drive over a line with delays; `seen` is told every estimate."""
-    odometry = Odometry(Geometry(slip=condition.slip), window=window)
+def follow(instants: list[Instant], rounding: Rounding, condition: Condition) -> Score:
+    """Let an odometry follow a drive over a line with delays, and judge its last estimate."""
+    odometry = Odometry(Geometry(slip=condition.slip), window=1.0)
     latency, random = condition.latency, Random(len(instants))
     distance, angle = Accumulator(rounding), Accumulator(rounding)
     switches: deque[tuple[float, bool]] = deque()
-    full = asked = window == 0
+    full = asked = False
     counted = counted_angle = heard = 0.0
-    before, step, step_angle = odometry.estimate, 0.0, 0.0
     for slot, instant in enumerate(instants, 1):
         now = slot * SLOT
         distance.add(instant.counted - counted)
@@ -229,41 +217,20 @@ def follow(instants: list[Instant], rounding: Rounding, window: float, condition
             dt=SLOT, right=instant.right / 1000, left=instant.left / 1000, driven=instant.driven,
             lifted=instant.lifted, distance=distance.take() if full else None,
             angle=angle.take() if full else None))
-        seen(estimate)
-        step = max(step, hypot(estimate.x - before.x, estimate.y - before.y))
-        step_angle = max(step_angle, abs(estimate.yaw - before.yaw))
-        before = estimate
         if odometry.reading_due != asked:
             asked = not asked
             heard = max(heard, now + random.uniform(0, latency) + random.uniform(0, latency))
             switches.append((heard, asked))
-    return score(instants, before, step, step_angle)
-
-
-def score(instants: list[Instant], end: Estimate, step: float, step_angle: float) -> Score:
-    """Judge the last estimate, and the largest steps, m and rad."""
-    turn, path = errors(instants, end)
-    reach, reach_angle = TOP_SPEED * SLOT, TOP_SPEED * SLOT / HALF_TRACK
-    return Score(turn, path, nees(instants[-1], end), 1000 * max(0.0, step - reach),
-                 degrees(max(0.0, step_angle - reach_angle)))
-
-
-def errors(instants: list[Instant], estimate: Estimate) -> tuple[float, float]:
-    """Return the yaw's error, degrees a turn, and the position's, per cent of the path."""
     end = instants[-1]
     turned = sum(abs(b.yaw - a.yaw) for a, b in zip(instants, instants[1:]))
     path = sum(hypot(b.x - a.x, b.y - a.y) for a, b in zip(instants, instants[1:]))
-    return (degrees(abs(estimate.yaw - end.yaw)) / max(turned / tau, 1e-9),
-            100 * hypot(estimate.x - end.x, estimate.y - end.y) / max(path, 1e-9))
-
-
-def nees(truth: Instant, estimate: Estimate) -> float:
-    """Return the normalised estimation error squared of x, y and yaw: 3 on average is honest."""
-    return nees_of(truth.x, truth.y, truth.yaw, estimate)
+    return Score(degrees(abs(estimate.yaw - end.yaw)) / max(turned / tau, 1e-9),
+                 100 * hypot(estimate.x - end.x, estimate.y - end.y) / max(path, 1e-9),
+                 nees_of(end.x, end.y, end.yaw, estimate))
 
 
 def nees_of(x: float, y: float, yaw: float, estimate: Estimate) -> float:
-    """Return the same for a true pose."""
+    """Return the normalised estimation error squared at a true pose: 3 on average is honest."""
     error = np.array([estimate.x - x, estimate.y - y, estimate.yaw - yaw])
     covariance = np.array(estimate.pose_covariance).reshape(3, 3)
     return float(error @ np.linalg.solve(covariance, error))

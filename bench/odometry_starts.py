@@ -56,9 +56,7 @@ def start(style: str, seed: int) -> tuple[str, Start]:
     journey = Journey(robot, seed, latency=LATENCY)
     journey.drive(list(STYLES[style](random, seconds)), seconds)
     off = [degrees(abs(e.yaw - truth.turned)) for _, e, truth in journey.moves]
-    rival = Rival(robot.geometry, robot.rounding, 1.0)
-    for slot, counts in enumerate(journey.counts, 1):
-        rival.frame(counts, robot.period, last=slot == len(journey.counts))
+    rival = Rival(robot, 1.0).follow(journey.counts)
     turned = journey.body.truth().turned
     return style, Start(off[-1], max(off), degrees(abs(rival.yaw - turned)))
 

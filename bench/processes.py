@@ -31,13 +31,11 @@ def processor_seconds(number: int) -> float:
         for each in family(number) for task in Path(f'/proc/{each}/task').iterdir())
 
 
-def processor_shares(numbers: list[int], seconds: float) -> list[float]:
-    """Wait; return the processor share of each process meanwhile, % of one core."""
-    before, begun = [processor_seconds(number) for number in numbers], monotonic()
+def processor_share(number: int, seconds: float) -> float:
+    """Wait; return the processor share of a process and its descendants, % of one core."""
+    used, begun = processor_seconds(number), monotonic()
     sleep(seconds)
-    passed = monotonic() - begun
-    return [100 * (processor_seconds(number) - used) / passed
-            for number, used in zip(numbers, before)]
+    return 100 * (processor_seconds(number) - used) / (monotonic() - begun)
 
 
 def resident(number: int) -> float:

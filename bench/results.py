@@ -15,7 +15,7 @@ import json
 import os
 from pathlib import Path
 import platform
-from statistics import median
+from statistics import median, quantiles
 from time import monotonic, sleep
 from typing import Any, NamedTuple
 
@@ -52,6 +52,11 @@ def repeated(what: str, values: Sequence[float], unit: str, target: float | None
     """Return the median of repetitions and the worst: the highest, unless higher is better."""
     worst = min(values) if at_least else max(values)
     return Figure(what, median(values), unit, target, at_least, worst, beside)
+
+
+def percentile(values: Sequence[float]) -> float:
+    """Return the 95th percentile."""
+    return quantiles(values, n=20, method='inclusive')[-1] if len(values) > 1 else values[0]
 
 
 def load_before(seconds: float = 1.0) -> float:

@@ -22,7 +22,6 @@ SIGNS = (EncoderSign.DRIVE, EncoderSign.DRIVE, EncoderSign.UNTIL_REST, EncoderSi
 class Robot:
     """A body, what the firmware adds to it, and what a calibration of it found."""
 
-    kind: str
     config: BodyConfig
     rounding: Rounding
     period: float
@@ -42,7 +41,7 @@ def spread(random: Random, low: float, high: float) -> float:
 
 def centre(random: Random) -> Robot:
     """Return the simulator's default robot, whatever is drawn."""
-    return Robot('centre', DEFAULT_BODY, Rounding.TRUNCATE, 0.015)
+    return Robot(DEFAULT_BODY, Rounding.TRUNCATE, 0.015)
 
 
 def anywhere(random: Random) -> Robot:
@@ -63,34 +62,23 @@ def anywhere(random: Random) -> Robot:
         dead_time=random.uniform(0, 0.15), dead_band=random.uniform(0, 0.025),
         right_speed_gain=gain / ratio, left_speed_gain=gain * ratio,
         encoder_tick=random.choice((0.0, 0.00027, 0.0004446)), encoder_sign=random.choice(SIGNS))
-    return Robot('all ranges', config, random.choice(ROUNDINGS), random.uniform(0.015, 0.015625))
+    return Robot(config, random.choice(ROUNDINGS), random.uniform(0.015, 0.015625))
 
 
 def exact(random: Random) -> Robot:
     """Draw from the ranges a robot that carries fractions and knows its wheels' directions."""
     drawn = anywhere(random)
-    return replace(drawn, kind='carried, true sign', rounding=Rounding.CARRY,
-                   config=replace(drawn.config, encoder_sign=EncoderSign.TRUE))
-
-
-def stress(random: Random) -> Robot:
-    """Draw from beyond the ranges: gains far off, and depending on the speed."""
-    drawn = anywhere(random)
-    config = replace(
-        drawn.config, right_speed_gain=random.uniform(0.85, 1.15),
-        left_speed_gain=random.uniform(0.85, 1.15),
-        right_speed_offset=random.uniform(0.0, 0.012),
-        left_speed_offset=random.uniform(0.0, 0.012), dead_time=random.uniform(0, 0.2))
-    return replace(drawn, kind='stress', config=config)
+    return replace(drawn, rounding=Rounding.CARRY, config=replace(
+        drawn.config, encoder_sign=EncoderSign.TRUE))
 
 
 def unsteady(random: Random) -> Robot:
     """Draw from the ranges a robot whose wheels do not run steadily."""
     drawn = anywhere(random)
-    return replace(drawn, kind='all ranges, unsteady', config=replace(
+    return replace(drawn, config=replace(
         drawn.config, speed_jitter=spread(random, *JITTERS),
         speed_wander=random.uniform(*WANDERS)))
 
 
 CLASSES = {'centre': centre, 'all ranges': anywhere, 'carried, true sign': exact,
-           'all ranges, unsteady': unsteady, 'stress': stress}
+           'all ranges, unsteady': unsteady}

@@ -139,11 +139,11 @@ class Scene:
                     return answer.removeprefix('ok ')
                 yield send
 
-    def driver(self, *, floor: bool = False, imports: tuple[str, ...] = ()) -> Process:
+    def driver(self, *, floor: bool = False) -> Process:
         """Start the node, or the floor (programs/floor.py)."""
         if floor:
             return self.program('floor', str(self.port), FLOOR_CALL.hex(), FLOOR_LAYOUT,
-                                str(oi.DriveDirect.opcode), *imports)
+                                str(oi.DriveDirect.opcode))
         return self.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={self.port}')
 
     def listener(self, *topics: str) -> Process:

@@ -1,18 +1,16 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The least that a driver can do: `floor.py PORT CALL LAYOUT COMMAND [MODULE ...]`.
+The least that a driver can do: `floor.py PORT CALL LAYOUT COMMAND`.
 
 One thread reads the port, unpacks each frame with one `struct` and publishes one Odometry for it.
 A velocity from `cmd_vel` is written to the port at once. There is no checksum, no mode, no
 odometry and no other topic, so what the node takes beyond this is the cost of its own work.
 
 CALL (hex) is sent first: it starts the stream. LAYOUT unpacks a frame to the requested right and
-left velocity. COMMAND is the opcode of Drive Direct. Each MODULE is imported, to take the memory
-that it takes in the node.
+left velocity. COMMAND is the opcode of Drive Direct.
 """
 
-from importlib import import_module
 import signal
 import struct
 import sys
@@ -26,8 +24,6 @@ import serial
 port = serial.Serial(sys.argv[1], 57600, exclusive=True)
 layout = struct.Struct(sys.argv[3])
 opcode = int(sys.argv[4])
-for module in sys.argv[5:]:
-    import_module(module)
 rclpy.init()
 node = rclpy.create_node('floor')
 odom = node.create_publisher(Odometry, 'odom', 10)

@@ -42,9 +42,7 @@ call_on_signal(lambda: ended.set_result(0))
 rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
 node = rclpy.create_node('listener')
 for name in received:
-    # In a namespace, the last part of the name is the topic.
-    topic = TOPICS.get(name) or TOPICS[name.rpartition('/')[2]]
-    node.create_subscription(topic.type, name, partial(log, name), topic.qos)
+    node.create_subscription(TOPICS[name].type, name, partial(log, name), TOPICS[name].qos)
 print('subscribed', flush=True)
 executor = SingleThreadedExecutor()
 executor.add_node(node)
