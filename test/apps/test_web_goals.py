@@ -73,7 +73,7 @@ def test_goals_are_sent_watched_and_reached(robot, pages):
     witness.until(lambda: goal_of(witness).get('state') == 'reached')
     assert goal_of(witness) == {
         'name': 'drive_distance', 'viewer': page.known['you'], 'state': 'reached',
-        'text': reply['text'], 'code': 0, 'feedback': None}
+        'text': reply['text'], 'feedback': None}
     assert 0.1 < robot.body.truth().pose.x < 0.25
     x, y = page.known['pose']['x'], page.known['pose']['y']
     place = {'pose': {'position': {'x': x + 0.05, 'y': y}}}

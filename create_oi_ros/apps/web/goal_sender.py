@@ -36,8 +36,6 @@ class SentGoal:
     """Set when the driver has accepted it."""
     canceling: bool = False
     running: bool = True
-    code: int = 0
-    """`error_code` of its result; 0 also while there is none."""
 
 
 class GoalSender:
@@ -96,7 +94,6 @@ class GoalSender:
             if not (ended.done() or client.server_is_ready()):
                 return GONE
         result = ended.result().result
-        goal.code = int(getattr(result, 'error_code', 0))
         return Reply(bool(result.success), str(result.message))
 
     def _on_feedback(self, goal: SentGoal, feedback: Any) -> None:
@@ -108,7 +105,7 @@ class GoalSender:
         if goal is self._newest:
             self._robot.parts.put(self._part, {
                 'name': goal.name, 'viewer': goal.viewer, 'state': state, 'text': text,
-                'code': goal.code, 'feedback': feedback})
+                'feedback': feedback})
 
     def cancel(self, but: int | None = None) -> bool:
         """Cancel the goal that runs, if it is not of a viewer; return whether there is one."""

@@ -3,6 +3,8 @@
 // Charts that share one time: curves, and bars of what held. They zoom together, and one cursor
 // shows the values in all of them. The report gives them a recording, the live page its last minute.
 
+import { element } from './dom.js';
+
 const RIGHT = 6, LEFT = 52, NARROW_LEFT = 34, NARROW = 260;  // pixels: beside the curves; a chart
 const SHORTEST = 0.2;           // seconds that are shown at least
 const CLICK = 5;                // pixels that the pointer may move in a click
@@ -38,18 +40,17 @@ export class Charts {
   }
 
   build(place, chart) {
-    const figure = element('figure', place), caption = element('figcaption', figure);
-    element('span', caption).textContent = chart.title;
-    const values = element('span', caption, 'chart-values'), paper = element('div', figure, 'paper');
-    const canvas = element('canvas', paper);
-    canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', `Chart: ${chart.title}`);
+    const figure = element(place, 'figure'), caption = element(figure, 'figcaption');
+    element(caption, 'span', { textContent: chart.title });
+    const values = element(caption, 'span', { className: 'chart-values' });
+    const paper = element(figure, 'div', { className: 'paper' });
+    const canvas = element(paper, 'canvas', { role: 'img', ariaLabel: `Chart: ${chart.title}` });
     if (chart.rows) paper.style.height = `${1.2 * chart.rows.length + 1}rem`;
     const lines = (chart.lines || [{ name: '' }]).map((line, at) => {
-      const item = element('span', values);
-      if (line.name) element('span', item, 'chart-key').dataset.line = at;
+      const item = element(values, 'span');
+      if (line.name) element(item, 'span', { className: 'chart-key' }).dataset.line = at;
       if (line.name) item.append(`${line.name} `);
-      return { ...line, at, item, shown: true, value: element('b', item) };
+      return { ...line, at, item, shown: true, value: element(item, 'b') };
     });
     const built = { ...chart, figure, canvas, still: document.createElement('canvas'), stamp: '', lines };
     for (const line of lines) this.offer(built, line);
@@ -59,8 +60,8 @@ export class Charts {
 
   // A check box that shows and hides a line, and its chart with the last one.
   offer(chart, line) {
-    const label = element('label', this.choice, 'check'), box = element('input', label);
-    Object.assign(box, { type: 'checkbox', checked: true });
+    const label = element(this.choice, 'label', { className: 'check' });
+    const box = element(label, 'input', { type: 'checkbox', checked: true });
     label.append(line.name ? `${chart.title}: ${line.name}` : chart.title);
     box.addEventListener('change', () => {
       line.shown = box.checked;
@@ -282,11 +283,12 @@ export class Charts {
     const last = Math.min(times.length - 1, indexAt(times, this.to) + 1);
     if (last - first > 2 * columns) {
       const pixels = perPixel(times, values, this.from, this.to, columns);
-      return { low: least(pixels.map(each => each.low)), high: most(pixels.map(each => each.high)),
+      return { low: Math.min(...pixels.map(each => each.low)),
+               high: Math.max(...pixels.map(each => each.high)),
                draw: (c, px, py, left) => this.drawPixels(c, py, left, pixels, at) };
     }
     const seen = Array.from(values.slice(first, last + 1)).filter(Number.isFinite);
-    return { low: least(seen), high: most(seen), draw: (c, px, py) => {
+    return { low: Math.min(...seen), high: Math.max(...seen), draw: (c, px, py) => {
       this.pen(c, at);
       c.beginPath();
       for (let place = first; place <= last; place += 1) {
@@ -354,17 +356,8 @@ export class Charts {
   }
 }
 
-function element(name, parent, kind = '') {
-  const made = document.createElement(name);
-  if (kind) made.className = kind;
-  parent.append(made);
-  return made;
-}
-
 const leftOf = canvas => (canvas.clientWidth < NARROW ? NARROW_LEFT : LEFT);
 const wideOf = canvas => Math.max(1, canvas.clientWidth - leftOf(canvas) - RIGHT);
-const least = values => values.reduce((a, b) => Math.min(a, b), Infinity);
-const most = values => values.reduce((a, b) => Math.max(a, b), -Infinity);
 
 // The index of the last time that is not after `time`; -1: there is none.
 export function indexAt(times, time) {

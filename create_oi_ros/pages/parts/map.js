@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The map: room, track, events, the robot, and how sure the odometry is of its place.
 
+import { element } from './dom.js';
 import {
-  cornersOf, crosses, drawEllipse, drawRing, drawRobot, drawRoom, fillKey, sign, SIGNS,
+  cornersOf, crosses, drawEllipse, drawRing, drawRobot, drawRoom, drawSign, fillKey, Pen,
 } from './map_drawing.js';
-import { box, Track } from './map_track.js';
+import { Track } from './map_track.js';
 
 const LEAST_SCALE = 4, MOST_SCALE = 1200, FIRST_SCALE = 90;  // pixels for a metre
-const BEYOND = 200;         // pixels around the map that are drawn, too
+const BEYOND = 400;         // pixels by which what stands still is wider than the map
 const ZOOM = 1.35;          // of one step
 const TAP = 6;              // pixels that a finger may move while it taps
 const EASE = 60;            // ms in which the robot drawn follows the one measured
@@ -25,7 +26,8 @@ export class Map2D {
     this.onTap = () => {};      // is told x and y, metres
     this.scrolls = false;       // the wheel scrolls the page, and zooms with Ctrl
     this.track = new Track();
-    this.layer = new StillLayer();
+    this.still = document.createElement('canvas');
+    this.stamp = '';            // of what is drawn on it
     this.changes = 0;           // of what stands still, besides the track
     this.events = [];
     this.pose = this.drawn = this.truth = this.room = this.origin = null;
@@ -60,15 +62,9 @@ export class Map2D {
   touch() { this.dirty = true; }
 
   addButtons() {
-    const place = document.createElement('div');
-    place.className = 'map-buttons';
-    const button = (id, text, title, act) => {
-      const made = document.createElement('button');
-      Object.assign(made, { id, textContent: text, title });
-      made.addEventListener('click', act);
-      place.append(made);
-      return made;
-    };
+    const place = element(this.canvas.parentElement, 'div', { className: 'map-buttons' });
+    const button = (id, textContent, title, onclick) =>
+      element(place, 'button', { id, textContent, title, onclick });
     button('zoom-in', '+', 'Zoom in', () => this.zoom(ZOOM)).ariaLabel = 'Zoom in';
     button('zoom-out', '\u2212', 'Zoom out', () => this.zoom(1 / ZOOM)).ariaLabel = 'Zoom out';
     button('zoom-all', 'All', 'Show everything', () => this.showAll());
@@ -177,13 +173,14 @@ export class Map2D {
   }
 
   showAll() {
-    const corners = this.track.corners();
+    const corners = [...this.track.points];
     if (this.pose) corners.push([this.pose.x, this.pose.y]);
     if (this.room && this.origin) {
       corners.push(...cornersOf(this.room).map(corner => this.fromRoom(...corner)));
     }
     if (!corners.length) return;
-    const { left, right, low, high } = box(corners.map(c => c[0]), corners.map(c => c[1]));
+    const [xs, ys] = [0, 1].map(axis => corners.map(each => each[axis]));
+    const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     this.setFollow(false);
     this.center = { x: (left + right) / 2, y: (low + high) / 2 };
     const margin = 0.6;
@@ -236,63 +233,77 @@ export class Map2D {
 
   draw() {
     this.dirty = false;
-    const { context: c, ratio } = this;
+    const { drawn, radius } = this;
     if (!this.width) return;
-    if (this.follow && this.drawn) this.center = { x: this.drawn.x, y: this.drawn.y };
-    c.setTransform(1, 0, 0, 1, 0, 0);
-    c.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    this.pixel = 1 / this.scale;
-    this.layer.show(this, [this.changes, this.track.still].join(),
-                    (still, view) => this.drawStill(still, view));
-    const zoom = this.scale * ratio;
-    c.setTransform(zoom, 0, 0, -zoom, this.canvas.width / 2 - this.center.x * zoom,
-                   this.canvas.height / 2 + this.center.y * zoom);
-    c.lineCap = c.lineJoin = 'round';
-    const { color, pixel, radius } = this;
-    this.drawTrack(c, () => this.track.drawNew(c, this.view(), this.drawn));
-    this.drawWay(c);
+    if (this.follow && drawn) this.center = { x: drawn.x, y: drawn.y };
+    const pen = this.penOn(this.canvas, this.center, () => this.showStill()), { c } = pen;
+    this.drawTrack(pen, () => this.track.drawNew(c, drawn));
+    this.drawWay(pen);
     if (this.pose) {
-      drawRobot(c, this.drawn, radius, this.lit.bump || {}, color, pixel);
-      if (this.pose.covariance) drawEllipse(c, this.drawn, this.pose.covariance, color, pixel);
+      drawRobot(pen, drawn, radius, this.lit.bump || {});
+      if (this.pose.covariance) drawEllipse(pen, drawn, this.pose.covariance);
     }
-    for (const event of this.events) this.drawSign(event);
+    for (const [kind, x, y] of this.events) {
+      c.save();
+      c.translate(x, y);
+      c.scale(pen.pixel, -pen.pixel);
+      drawSign(new Pen(c, this.color), kind);
+      c.restore();
+    }
     if (this.truth && this.origin) {
       const [x, y, yaw] = this.truth;
-      drawRing(c, [...this.fromRoom(x, y), yaw + this.origin[2]], radius, color('--truth'), pixel);
+      drawRing(pen, [...this.fromRoom(x, y), yaw + this.origin[2]], radius, '--truth');
     }
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.drawScale();
+    c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    this.drawScale(new Pen(c, this.color));
   }
 
-  view() {
-    const [w, h] = [this.width / 2 / this.scale, this.height / 2 / this.scale];
-    return { left: this.center.x - w, right: this.center.x + w,
-             low: this.center.y - h, high: this.center.y + h };
+  // Return a pen for metres on a canvas that is empty but for a background.
+  penOn(canvas, { x, y }, background = () => {}) {
+    const c = canvas.getContext('2d'), zoom = this.scale * this.ratio;
+    c.setTransform(1, 0, 0, 1, 0, 0);
+    c.clearRect(0, 0, canvas.width, canvas.height);
+    background();
+    c.setTransform(zoom, 0, 0, -zoom, canvas.width / 2 - x * zoom, canvas.height / 2 + y * zoom);
+    c.lineCap = c.lineJoin = 'round';
+    return new Pen(c, this.color, 1 / this.scale);
   }
 
-  drawStill(c, view) {
-    this.drawGrid(c, view);
-    if (this.room && this.origin) drawRoom(c, this.room, this.origin, this.color, this.pixel);
-    this.drawTrack(c, () => this.track.drawStill(c, view));
+  // Show what stands still. It is drawn once, on a larger canvas around a place near the middle: a
+  // long track takes 50 ms, so a frame of a map that follows the robot only moves it.
+  showStill() {
+    const { canvas, still, center, ratio } = this, zoom = this.scale * ratio, cell = BEYOND / this.scale;
+    const [x, y] = [center.x, center.y].map(each => Math.round(each / cell) * cell);
+    const stamp = [x, y, this.changes, this.track.still, zoom, canvas.width, canvas.height].join();
+    if (this.stamp !== stamp) {
+      this.stamp = stamp;
+      still.width = canvas.width + BEYOND * ratio;
+      still.height = canvas.height + BEYOND * ratio;
+      const pen = this.penOn(still, { x, y });
+      this.drawGrid(pen, x, y);
+      if (this.room && this.origin) drawRoom(pen, this.room, this.origin);
+      this.drawTrack(pen, () => this.track.drawStill(pen.c));
+    }
+    this.context.drawImage(still, Math.round((x - center.x) * zoom - BEYOND * ratio / 2),
+                           Math.round((center.y - y) * zoom - BEYOND * ratio / 2));
   }
 
-  drawGrid(c, view) {
+  drawGrid(pen, x, y) {
     const step = this.scale > 30 ? 1 : this.scale > 8 ? 5 : 20;
-    c.beginPath();
-    for (let x = Math.ceil(view.left / step) * step; x <= view.right; x += step) {
-      c.moveTo(x, view.low); c.lineTo(x, view.high);
-    }
-    for (let y = Math.ceil(view.low / step) * step; y <= view.high; y += step) {
-      c.moveTo(view.left, y); c.lineTo(view.right, y);
-    }
-    c.strokeStyle = this.color('--grid');
-    c.lineWidth = this.pixel;
-    c.stroke();
+    const [wide, high] = [this.width, this.height].map(each => (each + BEYOND) / 2 / this.scale);
+    pen.draw(c => {
+      for (let at = Math.ceil((x - wide) / step) * step; at <= x + wide; at += step) {
+        c.moveTo(at, y - high); c.lineTo(at, y + high);
+      }
+      for (let at = Math.ceil((y - high) / step) * step; at <= y + high; at += step) {
+        c.moveTo(x - wide, at); c.lineTo(x + wide, at);
+      }
+    }, { stroke: '--grid', width: 1 });
   }
 
-  drawTrack(c, draw) {
-    c.strokeStyle = this.color('--track');
-    c.lineWidth = 2.5 * this.pixel;
+  drawTrack(pen, draw) {
+    pen.c.strokeStyle = this.color('--track');
+    pen.c.lineWidth = 2.5 * pen.pixel;
     draw();
   }
 
@@ -307,75 +318,25 @@ export class Map2D {
 
   isBlocked(way) { return this.legs(way).some(leg => this.blocks(leg)); }
 
-  drawWay(c) {
-    const { color, pixel } = this;
+  drawWay(pen) {
     for (const leg of this.legs(this.way)) {
       const [from, to] = leg, blocked = this.blocks(leg);
-      c.strokeStyle = color(blocked ? '--stop' : '--accent');
-      c.lineWidth = (blocked ? 4 : 2) * pixel;
-      c.beginPath(); c.moveTo(from[0], from[1]); c.lineTo(to[0], to[1]); c.stroke();
-      if (to.length > 2) drawRing(c, to, this.radius, color('--accent'), pixel);
+      pen.draw(c => { c.moveTo(from[0], from[1]); c.lineTo(to[0], to[1]); },
+               blocked ? { stroke: '--stop', width: 4 } : { stroke: '--accent' });
+      if (to.length > 2) drawRing(pen, to, this.radius, '--accent');
     }
   }
 
-  drawSign([kind, x, y]) {
-    const c = this.context;
-    c.save();
-    c.translate(x, y);
-    c.scale(this.pixel, -this.pixel);
-    sign(c, kind, this.color(SIGNS[kind][1]), this.color('--card'));
-    c.restore();
-  }
-
-  drawScale() {
-    const c = this.context;
+  drawScale(pen) {
     const metres = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20].find(each => each * this.scale >= 50) || 50;
-    const long = metres * this.scale, left = 14, low = this.height - 14;
-    c.strokeStyle = c.fillStyle = this.color('--ink');
-    c.lineWidth = 1.5;
-    c.beginPath();
-    c.moveTo(left, low - 5); c.lineTo(left, low); c.lineTo(left + long, low);
-    c.lineTo(left + long, low - 5);
-    c.stroke();
-    c.font = '12px system-ui, sans-serif';
-    c.fillText(`${metres} m`, left + 4, low - 5);
+    const right = 14 + metres * this.scale, low = this.height - 14;
+    pen.draw(c => {
+      c.moveTo(14, low - 5); c.lineTo(14, low); c.lineTo(right, low); c.lineTo(right, low - 5);
+    }, { stroke: '--ink', width: 1.5 });
+    pen.c.font = '12px system-ui, sans-serif';
+    pen.c.fillStyle = this.color('--ink');
+    pen.c.fillText(`${metres} m`, 18, low - 5);
   }
 }
 
 function apart(one, other) { return Math.hypot(one[0] - other[0], one[1] - other[1]); }
-
-// What of the map stands still, drawn once, on a canvas that is larger than the map: a frame of a
-// map that follows the robot only moves it.
-class StillLayer {
-  constructor() {
-    this.canvas = document.createElement('canvas');
-    this.context = this.canvas.getContext('2d');
-    this.made = null;  // the centre of what is drawn, and its stamp
-  }
-
-  // Put the layer on the map. It is painted anew when its stamp changes, or the map leaves it.
-  show(map, stamp, paint) {
-    const beyond = Math.round(BEYOND * map.ratio), zoom = map.scale * map.ratio;
-    const whole = [stamp, map.scale, map.ratio, map.width, map.height].join();
-    const away = () => [(this.made.x - map.center.x) * zoom, (map.center.y - this.made.y) * zoom];
-    if (this.made?.whole !== whole || away().some(each => Math.abs(each) > beyond)) {
-      this.made = { ...map.center, whole };
-      this.paint(map, beyond, zoom, paint);
-    }
-    const [dx, dy] = away().map(Math.round);
-    map.context.setTransform(1, 0, 0, 1, 0, 0);
-    map.context.drawImage(this.canvas, dx - beyond, dy - beyond);
-  }
-
-  paint(map, beyond, zoom, paint) {
-    const { canvas, context: c } = this;
-    canvas.width = map.canvas.width + 2 * beyond;
-    canvas.height = map.canvas.height + 2 * beyond;
-    c.setTransform(zoom, 0, 0, -zoom, canvas.width / 2 - map.center.x * zoom,
-                   canvas.height / 2 + map.center.y * zoom);
-    c.lineCap = c.lineJoin = 'round';
-    const [w, h] = [canvas.width / 2 / zoom, canvas.height / 2 / zoom];
-    paint(c, { left: map.center.x - w, right: map.center.x + w,
-               low: map.center.y - h, high: map.center.y + h });
-  }
-}

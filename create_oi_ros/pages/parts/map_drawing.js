@@ -3,64 +3,75 @@
 // What is drawn on the map, in scale: the room, the robot, rings, and signs. Each kind of sign has a
 // shape of its own: nobody needs the colours.
 
-const HOME_BASE = [0.06, 0.2];  // metres, drawn
+import { element } from './dom.js';
 
-export function drawRoom(c, room, origin, color, pixel) {
-  c.save();
-  c.translate(origin[0], origin[1]);
-  c.rotate(origin[2]);
-  drawCliffs(c, room, color, pixel);
-  drawVirtualWalls(c, room, color, pixel);
-  c.strokeStyle = color('--room');
-  c.fillStyle = color('--room');
-  c.lineWidth = Math.max(0.03, 2 * pixel);
-  c.beginPath();
-  for (const [ax, ay, bx, by] of room.walls) { c.moveTo(ax, ay); c.lineTo(bx, by); }
-  c.stroke();
-  for (const [x, y, radius] of room.posts) {
-    c.beginPath(); c.arc(x, y, radius, 0, 7); c.fill();
-  }
-  c.fillStyle = color('--accent');
-  for (const [x, y, yaw] of room.home_bases) {
-    c.save();
-    c.translate(x, y);
-    c.rotate(yaw);
-    c.fillRect(-HOME_BASE[0] / 2, -HOME_BASE[1] / 2, ...HOME_BASE);
-    c.restore();
-  }
-  c.restore();
-}
+const HOME_BASE = [-0.03, -0.1, 0.06, 0.2];  // a rectangle, metres
+const SIGMAS = 2;       // of the ellipse
+const LEAST_ARROW = 9;  // pixels: the arrow is seen from afar
+const ARROW = [0.8, 0, -0.45, 0.45, -0.2, 0, -0.45, -0.45];  // x, y, ... for a radius of 1
 
-function drawCliffs(c, room, color, pixel) {
-  c.strokeStyle = color('--cliff');
-  c.fillStyle = color('--pit');
-  c.lineWidth = 2 * pixel;
-  c.setLineDash([6 * pixel, 5 * pixel]);
-  for (const polygon of room.cliffs) { trace(c, pairs(polygon)); c.fill(); c.stroke(); }
-  for (const polygon of room.grounds) { trace(c, pairs(polygon)); c.stroke(); }
-  c.setLineDash([]);
-}
+// Draws on a canvas: `pixel` is the size of one in its units, `color` returns a colour by its name.
+export class Pen {
+  constructor(c, color, pixel = 1) { Object.assign(this, { c, color, pixel }); }
 
-function drawVirtualWalls(c, room, color, pixel) {
-  c.setLineDash([2 * pixel, 5 * pixel]);
-  c.strokeStyle = color('--virtual');
-  c.lineWidth = 2 * pixel;
-  for (const [x, y, yaw, reach] of room.virtual_walls) {
+  // Fill and stroke what `path` adds to the canvas; width and dash are in pixels.
+  draw(path, { fill, stroke, width = 2, dash = [] }) {
+    const { c, color, pixel } = this;
     c.beginPath();
-    c.moveTo(x, y);
-    c.lineTo(x + reach * Math.cos(yaw), y + reach * Math.sin(yaw));
+    path(c);
+    if (fill) {
+      c.fillStyle = color(fill);
+      c.fill();
+    }
+    if (!stroke) return;
+    c.strokeStyle = color(stroke);
+    c.lineWidth = width * pixel;
+    c.setLineDash(dash.map(each => each * pixel));
     c.stroke();
+    c.setLineDash([]);
   }
-  c.setLineDash([]);
+
+  // Draw with the origin at another place, turned by `yaw`.
+  at([x, y, yaw], draw) {
+    this.c.save();
+    this.c.translate(x, y);
+    this.c.rotate(yaw);
+    draw();
+    this.c.restore();
+  }
 }
 
-function trace(c, points) {
-  c.beginPath();
-  points.forEach(([x, y], at) => c[at ? 'lineTo' : 'moveTo'](x, y));
+export function drawRoom(pen, room, origin) {
+  const cliff = { stroke: '--cliff', dash: [6, 5] };
+  pen.at(origin, () => {
+    for (const each of room.cliffs) pen.draw(c => polygon(c, each), { fill: '--pit', ...cliff });
+    for (const each of room.grounds) pen.draw(c => polygon(c, each), cliff);
+    for (const [x, y, yaw, reach] of room.virtual_walls) {
+      pen.draw(c => ray(c, x, y, yaw, reach), { stroke: '--virtual', dash: [2, 5] });
+    }
+    pen.draw(c => {
+      for (const [ax, ay, bx, by] of room.walls) { c.moveTo(ax, ay); c.lineTo(bx, by); }
+    }, { stroke: '--room', width: Math.max(0.03 / pen.pixel, 2) });
+    for (const [x, y, radius] of room.posts) {
+      pen.draw(c => c.arc(x, y, radius, 0, 7), { fill: '--room' });
+    }
+    for (const base of room.home_bases) {
+      pen.at(base, () => pen.draw(c => c.rect(...HOME_BASE), { fill: '--accent' }));
+    }
+  });
+}
+
+function polygon(c, flat) {
+  for (const [x, y] of pairs(flat)) c.lineTo(x, y);
   c.closePath();
 }
 
-// Whether a robot of this radius, on its straight way between two places, would meet a wall or a post.
+function ray(c, x, y, yaw, reach) {
+  c.moveTo(x, y);
+  c.lineTo(x + reach * Math.cos(yaw), y + reach * Math.sin(yaw));
+}
+
+// Whether a robot of this radius, on its straight way between two places, meets a wall or a post.
 export function crosses(room, [ox, oy, yaw], from, to, radius) {
   const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
   const [a, b] = [from, to].map(([x, y]) => [
@@ -94,127 +105,69 @@ function pairs(flat) {
 
 // The robot, where it really is, and how sure the odometry is of its place.
 
-const SIGMAS = 2;           // of the ellipse
-const LEAST_ARROW = 9;      // pixels: the arrow is seen from afar
-
-export function drawRobot(c, { x, y, yaw }, radius, bump, color, pixel) {
-  c.save();
-  c.translate(x, y);
-  c.rotate(yaw);
-  c.lineWidth = 2 * pixel;
-  c.fillStyle = color('--robot');
-  c.strokeStyle = color('--ink');
-  c.beginPath();
-  c.arc(0, 0, radius, 0, 7);
-  c.fill();
-  c.stroke();
-  for (const [on, from, to] of [[bump.left, 0, Math.PI / 2], [bump.right, -Math.PI / 2, 0]]) {
-    if (!on) continue;
-    c.strokeStyle = color('--bump');
-    c.lineWidth = Math.max(0.035, 5 * pixel);
-    c.beginPath();
-    c.arc(0, 0, radius, from, to);
-    c.stroke();
-  }
-  const arrow = Math.max(radius, LEAST_ARROW * pixel);
-  c.fillStyle = color('--ink');
-  c.beginPath();
-  c.moveTo(0.8 * arrow, 0);
-  c.lineTo(-0.45 * arrow, 0.45 * arrow);
-  c.lineTo(-0.2 * arrow, 0);
-  c.lineTo(-0.45 * arrow, -0.45 * arrow);
-  c.closePath();
-  c.fill();
-  c.restore();
+export function drawRobot(pen, { x, y, yaw }, radius, bump) {
+  const edge = { stroke: '--bump', width: Math.max(0.035 / pen.pixel, 5) };
+  const arrow = Math.max(radius, LEAST_ARROW * pen.pixel);
+  pen.at([x, y, yaw], () => {
+    pen.draw(c => c.arc(0, 0, radius, 0, 7), { fill: '--robot', stroke: '--ink' });
+    if (bump.left) pen.draw(c => c.arc(0, 0, radius, 0, Math.PI / 2), edge);
+    if (bump.right) pen.draw(c => c.arc(0, 0, radius, -Math.PI / 2, 0), edge);
+    pen.draw(c => polygon(c, ARROW.map(each => each * arrow)), { fill: '--ink' });
+  });
 }
 
-// A dashed ring with a heading, as [x, y, yaw].
-export function drawRing(c, [x, y, yaw], radius, color, pixel) {
-  c.strokeStyle = color;
-  c.lineWidth = 2 * pixel;
-  c.setLineDash([4 * pixel, 4 * pixel]);
-  c.beginPath();
-  c.arc(x, y, radius, 0, 7);
-  if (yaw !== null) {
-    c.moveTo(x, y);
-    c.lineTo(x + radius * Math.cos(yaw), y + radius * Math.sin(yaw));
-  }
-  c.stroke();
-  c.setLineDash([]);
+// A dashed ring, with a heading unless `yaw` is null.
+export function drawRing(pen, [x, y, yaw], radius, color) {
+  pen.draw(c => {
+    c.arc(x, y, radius, 0, 7);
+    if (yaw !== null) ray(c, x, y, yaw, radius);
+  }, { stroke: color, dash: [4, 4] });
 }
 
-export function drawEllipse(c, { x, y }, [xx, xy, yy], color, pixel) {
+export function drawEllipse(pen, { x, y }, [xx, xy, yy]) {
   if ([xx, xy, yy].some(each => each === null)) return;
   const middle = (xx + yy) / 2;
   const apart = Math.hypot((xx - yy) / 2, xy);
   const [long, short] = [middle + apart, Math.max(0, middle - apart)]
     .map(variance => SIGMAS * Math.sqrt(variance));
-  c.fillStyle = color('--doubt');
-  c.strokeStyle = color('--doubt-edge');
-  c.lineWidth = 1.5 * pixel;
-  c.beginPath();
-  c.ellipse(x, y, long, short, Math.atan2(2 * xy, xx - yy) / 2, 0, 7);
-  c.fill();
-  c.stroke();
+  pen.draw(c => c.ellipse(x, y, long, short, Math.atan2(2 * xy, xx - yy) / 2, 0, 7),
+           { fill: '--doubt', stroke: '--doubt-edge', width: 1.5 });
 }
 
-// Signs.
+// Signs: their names, colours and paths, in pixels.
 
 export const SIGNS = {
-  bump: ['bump', '--bump'], cliff: ['cliff', '--cliff'], drop: ['wheel drop', '--drop'],
+  bump: { name: 'bump', color: '--bump', path: c => {
+    c.moveTo(-5, -5); c.lineTo(5, 5); c.moveTo(-5, 5); c.lineTo(5, -5);
+  } },
+  cliff: { name: 'cliff', color: '--cliff', path: c => polygon(c, [-6, -4, 6, -4, 0, 6]) },
+  drop: { name: 'wheel drop', color: '--drop', path: c => c.rect(-5, -5, 10, 10) },
 };
 
-export function sign(c, kind, color, edge) {
-  for (const [style, width] of [[edge, 5], [color, 2.5]]) {
-    c.strokeStyle = style;
-    c.lineWidth = width;
-    c.lineCap = c.lineJoin = 'round';
-    c.beginPath();
-    if (kind === 'bump') { c.moveTo(-5, -5); c.lineTo(5, 5); c.moveTo(-5, 5); c.lineTo(5, -5); }
-    else if (kind === 'cliff') { c.moveTo(-6, -4); c.lineTo(6, -4); c.lineTo(0, 6); c.closePath(); }
-    else c.rect(-5, -5, 10, 10);
-    c.stroke();
-  }
-}
-
-function line(c, color, dash, width = 2.5) {
-  c.strokeStyle = color;
-  c.lineWidth = width;
-  c.setLineDash(dash);
-  c.beginPath(); c.moveTo(-8, 0); c.lineTo(8, 0); c.stroke();
-}
-
-function ring(c, color, fill, dash) {
-  c.strokeStyle = color;
-  c.fillStyle = fill;
-  c.lineWidth = 1.5;
-  c.setLineDash(dash);
-  c.beginPath(); c.arc(0, 0, 7, 0, 7); c.fill(); c.stroke();
+export function drawSign(pen, kind) {
+  const { color, path } = SIGNS[kind];
+  pen.c.lineCap = pen.c.lineJoin = 'round';
+  pen.draw(path, { stroke: '--card', width: 5 });
+  pen.draw(path, { stroke: color, width: 2.5 });
 }
 
 // The key below the map: the same signs with their names.
 export function fillKey(list, color, names) {
-  list.replaceChildren();
+  const line = c => { c.moveTo(-8, 0); c.lineTo(8, 0); }, ring = c => c.arc(0, 0, 7, 0, 7);
   const entries = [
-    ['track', c => line(c, color('--track'), [])],
-    ['2σ of the place', c => ring(c, color('--doubt-edge'), color('--doubt'), [])],
-    ['true place', c => ring(c, color('--truth'), 'transparent', [3, 3]), 'simulated'],
-    ['Home Base', c => line(c, color('--accent'), [], 6), 'simulated'],
-    ['virtual wall', c => line(c, color('--virtual'), [2, 5]), 'simulated'],
-    ...Object.entries(SIGNS).map(([kind, [name, tint]]) =>
-      [name, c => sign(c, kind, color(tint), color('--card'))]),
-  ];
-  for (const [name, paint, only] of entries) {
-    if (names && !names.includes(name)) continue;
-    const item = document.createElement('li');
-    const canvas = document.createElement('canvas');
-    const ratio = devicePixelRatio || 1;
-    canvas.width = canvas.height = 18 * ratio;
-    const c = canvas.getContext('2d');
+    ['track', pen => pen.draw(line, { stroke: '--track' })],
+    ['2σ of the place', pen => pen.draw(ring, { fill: '--doubt', stroke: '--doubt-edge' })],
+    ['true place', pen => pen.draw(ring, { stroke: '--truth', dash: [3, 3] }), 'simulated'],
+    ['Home Base', pen => pen.draw(line, { stroke: '--accent', width: 6 }), 'simulated'],
+    ['virtual wall', pen => pen.draw(line, { stroke: '--virtual', dash: [2, 5] }), 'simulated'],
+    ...Object.entries(SIGNS).map(([kind, { name }]) => [name, pen => drawSign(pen, kind)]),
+  ].filter(([name]) => !names || names.includes(name));
+  list.replaceChildren();
+  for (const [name, paint, only = ''] of entries) {
+    const item = element(list, 'li', { className: only }), ratio = devicePixelRatio || 1;
+    const c = element(item, 'canvas', { width: 18 * ratio, height: 18 * ratio }).getContext('2d');
     c.setTransform(ratio, 0, 0, ratio, 9 * ratio, 9 * ratio);
-    paint(c);
-    item.append(canvas, name);
-    if (only) item.className = only;
-    list.append(item);
+    paint(new Pen(c, color));
+    item.append(name);
   }
 }

@@ -16,8 +16,7 @@ export class ReplayTrack extends Track {
   constructor(odom, jumps, color) {
     super();
     Object.assign(this, { odom, jumps, color });
-    this.points = [];   // [x, y, time]
-    this.times = [];
+    this.times = [];    // of the points
     this.until = 0;
     const apart = Math.max(STEP, this.length() / MOST);
     const { t, x, y, yaw } = odom, whole = t.at(-1) - t[0] || 1;
@@ -27,7 +26,6 @@ export class ReplayTrack extends Track {
       const last = this.points.at(-1), broken = whereabouts === null || this.broken(whereabouts, at);
       whereabouts = at;
       if (!broken && Math.hypot(x[at] - last[0], y[at] - last[1]) < apart) return;
-      this.points.push([x[at], y[at], time]);
       this.times.push(time);
       this.append([x[at], y[at]], Math.round((time - t[0]) / whole * TINTS) / TINTS, broken);
       const chunk = this.chunks.at(-1);
@@ -64,23 +62,23 @@ export class ReplayTrack extends Track {
   // The time at which the robot was nearest to a place; null: it never was within `reach` metres.
   timeNear(x, y, reach) {
     let nearest = reach, found = null;
-    this.points.forEach(([px, py, time]) => {
+    this.points.forEach(([px, py], at) => {
       const away = Math.hypot(px - x, py - y);
-      if (away < nearest) { nearest = away; found = time; }
+      if (away < nearest) { nearest = away; found = this.times[at]; }
     });
     return found;
   }
 
-  drawStill(context, view) {
+  drawStill(context) {
     context.globalAlpha = 0.25;
-    this.stroke(context, view, this.chunks);
+    this.stroke(context, this.chunks);
     context.globalAlpha = 1;
   }
 
-  drawNew(context, view) {
+  drawNew(context) {
     const gone = indexAt(this.times, this.until) + 1;
     const whole = this.chunks.filter(chunk => chunk.end <= gone), next = this.chunks[whole.length];
-    this.stroke(context, view, whole);
+    this.stroke(context, whole);
     if (!next) return;
     context.strokeStyle = this.tint(next.part);
     context.beginPath();
@@ -88,10 +86,10 @@ export class ReplayTrack extends Track {
     context.stroke();
   }
 
-  stroke(context, view, chunks) {
-    for (const chunk of chunks) {
-      context.strokeStyle = this.tint(chunk.part);
-      super.stroke(context, view, [chunk]);
+  stroke(context, chunks) {
+    for (const { part, path } of chunks) {
+      context.strokeStyle = this.tint(part);
+      context.stroke(path);
     }
   }
 

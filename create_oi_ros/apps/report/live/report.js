@@ -3,10 +3,10 @@
 // The report: one time, which slider, charts, track and lists set and show.
 
 import { Charts } from './charts.js';
+import { byId } from './dom.js';
 import { Map2D } from './map.js';
 import { ReplayTrack } from './replay_track.js';
 
-const byId = id => document.getElementById(id);
 const SIGNS = { bumper: 'bump', cliff: 'cliff', 'wheel drop': 'drop' };
 const STEP = 1, PAGE = 10;  // seconds of the arrow keys, without and with shift
 const SECOND = 2;           // a value that comes once a second holds so long, seconds

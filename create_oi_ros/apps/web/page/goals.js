@@ -3,7 +3,8 @@
 // Goals: motions with an end. A form for each, places that are tapped on the map, how the newest goal
 // fares, and buttons that cancel.
 
-import { byId, forPeople, say, toast } from './panels.js';
+import { byId, element } from './dom.js';
+import { forPeople, say, toast } from './panels.js';
 
 const METRES = { unit: 'm' };
 const DEGREES = { unit: '°', scale: Math.PI / 180 };
@@ -58,12 +59,6 @@ const DRIVES = 2;  // a navigate_state
 export const UNDER_WAY = ['sent', 'under way', 'canceling'];
 const PLACE = 'navigate_to_position';
 const THROUGH = 'The way there leads through a wall';
-const ENDS = {  // by `error_code` of the result
-  1: 'took too long', 2: 'bumped into something', 3: 'there is a cliff', 4: 'a wheel hangs',
-  5: 'the wheels are blocked, or may not turn', 6: 'the robot is in no mode to drive: press Safe',
-  7: 'no robot answers', 8: 'the robot was lost', 9: 'found no Home Base',
-  10: 'something else took over', 11: 'it was stopped',
-};
 
 export class Goals {
   // `speed` returns the speed, m/s, at which places that were tapped are driven to.
@@ -117,28 +112,19 @@ export class Goals {
   choose() {
     const { fields = {}, hint } = GOALS[this.name.value];
     this.inputs = {};
-    byId('goal-fields').replaceChildren(
-      ...Object.entries(fields).map(([name, field]) => this.input(name, field)));
-    if (hint) {
-      const words = document.createElement('p');
-      words.className = 'words';
-      words.textContent = hint;
-      byId('goal-fields').append(words);
-    }
+    const place = byId('goal-fields');
+    place.replaceChildren();
+    for (const [name, field] of Object.entries(fields)) this.addInput(place, name, field);
+    if (hint) element(place, 'p', { className: 'words', textContent: hint });
     this.showTarget();
   }
 
-  input(name, { label, unit, value, min, flag, optional }) {
-    const input = document.createElement('input');
-    input.type = flag ? 'checkbox' : 'number';
-    if (!flag) Object.assign(input, { step: 'any', value, required: !optional, inputMode: 'decimal' });
-    if (min) input.min = min;
+  addInput(place, name, { label, unit, value, min = '', flag, optional }) {
+    const shown = element(place, 'label', { textContent: unit ? `${label}, ${unit}` : label });
+    const input = this.inputs[name] = element(shown, 'input', flag ? { type: 'checkbox' } : {
+      type: 'number', step: 'any', value, min, required: !optional, inputMode: 'decimal' });
     input.id = `goal-${name}`;
     input.addEventListener('input', () => this.showTarget());
-    const shown = document.createElement('label');
-    shown.append(unit ? `${label}, ${unit}` : label, input);
-    this.inputs[name] = input;
-    return shown;
   }
 
   fields() {
@@ -168,7 +154,7 @@ export class Goals {
     say('goal-way', blocked ? `▲ ${THROUGH}` : '');
   }
 
-  show({ name, state, text, code, feedback }) {
+  show({ name, state, text, feedback }) {
     const ran = this.busy;
     this.busy = UNDER_WAY.includes(state);
     if (this.busy) this.asked = null;
@@ -182,7 +168,7 @@ export class Goals {
     byId('goal-cancel').disabled = !this.busy || state === 'canceling';
     const mark = { reached: '✓ ', ended: '▲ ' }[state] || '';
     const words = feedback ? inWords(feedback)
-      : { reached: 'reached', canceled: 'cancelled', ended: ENDS[code] || forPeople(text) }[state] || state;
+      : { reached: 'reached', canceled: 'cancelled', ended: forPeople(text) }[state] || state;
     say('goal-text', `${mark}${GOALS[name].title}: ${words}`);
     byId('goal-text').title = text;
     byId('goal-text').dataset.level = { reached: 'good', ended: 'error' }[state] || '';

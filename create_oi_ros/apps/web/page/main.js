@@ -4,6 +4,7 @@
 
 import { Body } from './body.js';
 import { Connection } from './connection.js';
+import { byId } from './dom.js';
 import { Goals } from './goals.js';
 import { LastMinute } from './last_minute.js';
 import { Map2D } from './map.js';
@@ -12,7 +13,7 @@ import * as panels from './panels.js';
 import { Stick } from './stick.js';
 import { whyNot } from './why.js';
 
-const { byId, say, toast } = panels;
+const { say, toast } = panels;
 const DONE = {
   set_mode: 'Mode changed', set_leds: 'LEDs set', reset_odometry: 'Odometry begins here', stop: 'Stopped',
 };
@@ -29,19 +30,13 @@ const goals = new Goals(byId('goal-form'), map, send, () => Number(byId('limit')
 const robot = { you: null, topTurn: 3.8, oldestView: 0.5, separation: 0.258, silent: true };
 let trouble = '', stopSent = false;
 
-const connection = new Connection(receive, showState);
+const connection = new Connection(message => RECEIVE[message.type](message), showState);
 const stick = new Stick(byId('stick'), byId('knob'), byId('limit'), connection, () => robot.topTurn, stop);
 const music = new Music(send);
 
-function send(type, fields) {
-  return connection.send(type, fields);
-}
+const RECEIVE = { hello: greet, reply, news: tell };
 
-function receive(message) {
-  if (message.type === 'hello') greet(message);
-  else if (message.type === 'reply') reply(message);
-  else if (message.type === 'news') tell(message);
-}
+function send(type, fields) { return connection.send(type, fields); }
 
 function greet({ you, top_speed: topSpeed, top_turn: topTurn, radius, separation,
                  oldest_view: oldestView }) {
@@ -69,12 +64,8 @@ const TELL = {
     goals.showTarget();
     panels.showPose(pose, robot.separation);
   },
-  bump: sides => light('bump', sides),
-  cliff: sides => light('cliff', sides),
-  drop: sides => light('drop', sides),
-  wall: sides => light('wall', sides),
-  overcurrent: sides => light('overcurrent', sides),
-  buttons: sides => light('buttons', sides),
+  ...Object.fromEntries(['bump', 'cliff', 'drop', 'wall', 'overcurrent', 'buttons'].map(
+    group => [group, sides => light(group, sides)])),
   room: room => {
     map.set('room', room);
     document.body.classList.add('simulated');

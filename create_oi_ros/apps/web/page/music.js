@@ -3,8 +3,9 @@
 // Tunes: one that is chosen, typed or pasted, and a small piano. Notes that are pressed while a tune
 // plays wait for its end, and are the next tune.
 
+import { byId, element } from './dom.js';
 import { UNDER_WAY } from './goals.js';
-import { byId, say, toast } from './panels.js';
+import { say, toast } from './panels.js';
 
 const TUNE = 'audio_note_sequence';
 const LOWEST = 67, KEYS = 17;  // G4 and up
@@ -48,11 +49,11 @@ export class Music {
 
   buildPiano(place) {
     this.keys = Array.from({ length: KEYS }, (_, at) => {
-      const key = document.createElement('button'), note = LOWEST + at, step = note % 12;
-      key.type = 'button';
-      key.className = BLACK.has(step) ? 'black' : 'white';
-      key.setAttribute('aria-label', `${NAMES[step]} ${Math.floor(note / 12) - 1}`);
-      key.tabIndex = at ? -1 : 0;  // arrow keys go from key to key
+      const note = LOWEST + at, step = note % 12;
+      const key = element(place, 'button', {
+        type: 'button', className: BLACK.has(step) ? 'black' : 'white',
+        ariaLabel: `${NAMES[step]} ${Math.floor(note / 12) - 1}`,
+        tabIndex: at ? -1 : 0 });  // arrow keys go from key to key
       key.dataset.arrows = '';
       key.addEventListener('click', () => {
         this.played.push(`${note}:${LENGTH}`);
@@ -61,7 +62,6 @@ export class Music {
       });
       return key;
     });
-    place.append(...this.keys);
     place.addEventListener('keydown', event => {
       const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
       const at = this.keys.indexOf(event.target);

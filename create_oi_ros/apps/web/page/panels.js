@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the page says in words. All text goes in as text, never as HTML.
 
+import { byId, element } from './dom.js';
+
 const WARN = 1, ERROR = 2;
 const SAID_AT_STICK = ['mode', 'safety'];
 const MOST_LOGGED = 200;
-
-export const byId = id => document.getElementById(id);
 
 export function say(id, text) {
   const element = byId(id);
@@ -50,7 +50,7 @@ export function showBattery({ part, voltage, current, minutes, temperature }) {
        part !== null && part < 0.2 ? 'warn' : '');
 }
 
-export function showCharger({ state, home_base: base, charger }) {
+export function showCharger({ state, home_base: base, internal_charger: charger }) {
   const where = base ? ', on the Home Base' : charger ? ', plugged in' : '';
   say('charger-text', `${state}${where}`);
 }
@@ -137,12 +137,11 @@ export function showWhy(why, act) {
 // What happened: [the server's time, '', warn or error, text]; `now` is the server's time.
 export function addToLog(entries, now) {
   for (const [at, level, text] of entries) {
-    const item = document.createElement('li'), time = document.createElement('time');
-    time.textContent = new Date(Date.now() - 1000 * (now - at)).toLocaleTimeString();
-    const words = document.createElement('span');
-    words.textContent = `${level ? '▲ ' : ''}${forPeople(text)}`;
-    words.dataset.level = level;
-    item.append(time, words);
+    const item = element(byId('log-list'), 'li');
+    const time = new Date(Date.now() - 1000 * (now - at)).toLocaleTimeString();
+    element(item, 'time', { textContent: time });
+    element(item, 'span', { textContent: `${level ? '▲ ' : ''}${forPeople(text)}` })
+      .dataset.level = level;
     byId('log-list').prepend(item);
   }
   while (byId('log-list').children.length > MOST_LOGGED) byId('log-list').lastChild.remove();

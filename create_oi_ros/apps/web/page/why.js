@@ -33,7 +33,7 @@ function inMode(robot, mode) {
   if (!mode || DRIVABLE.includes(mode.actual) || robot.goalRuns) return null;
   const hangs = named(robot.drop), cliff = named(robot.cliff);
   if (robot.charging?.home_base) return ['on its dock', 'Leave the dock', 'undock'];
-  if (robot.charging?.charger) return ['the charger is plugged in: pull its plug'];
+  if (robot.charging?.internal_charger) return ['the charger is plugged in: pull its plug'];
   if (hangs) return [`${hangs.includes('and') ? 'it' : hangs} hangs in the air: put the robot down`];
   if (cliff) return [`cliff ${cliff}: pull the robot back`];
   const name = mode.actual[0] + mode.actual.slice(1).toLowerCase();
