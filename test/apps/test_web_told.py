@@ -14,11 +14,15 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from create_oi_ros.apps.web.bag_recording import recorder_arguments
-from create_oi_ros.apps.web.live_robot import BatteryTime, Cursor, LiveRobot, OLD, SILENT
-from create_oi_ros.apps.web.past import (
+from create_oi_ros.apps.web.live_robot import (
+    BatteryTime,
+    Cursor,
     FlatPose,
+    LiveRobot,
     MOST_POINTS,
     NewestLog,
+    OLD,
+    SILENT,
     STEP,
     TrackLog,
 )

@@ -6,6 +6,6 @@
 `create_web` is the program. `web_server` answers browsers, `viewers` holds their connections,
 `web_node` is the ROS node, and `goal_sender` follows goals to their end. The rest is pure:
 `access` (who may see the page), `driver_seat` (who drives), `page_messages` (what a
-page may send), `live_robot` and `past` (what a page is sent). `simulated_truth` asks a
+page may send), `live_robot` (what a page is sent). `simulated_truth` asks a
 simulated robot where it really is. `page/` is what a browser loads.
 """

@@ -9,9 +9,10 @@ changed since it was sent something before.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 import json
-from math import exp, hypot, inf, isfinite
+from math import exp, hypot, inf, isfinite, remainder, tau
 from typing import Any, NamedTuple
 
 from create_oi_msgs import msg
@@ -20,22 +21,18 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
 from ...ros.messages import charging_name, mode_name, UNKNOWN_SIGNAL, yaw_of
-from .past import (
-    CHART_SECONDS,
-    FlatPose,
-    MOST_EVENTS,
-    MOST_LOGGED,
-    NewestLog,
-    SAMPLE_PERIOD,
-    TrackLog,
-)
 
 Json = Any
-HAZARDS = {msg.Bumper: 'bump', msg.Cliff: 'cliff', msg.WheelDrop: 'drop'}
-"""Messages whose flags are events on the map."""
-TAKEN = (Odometry, BatteryState, msg.Mode, msg.Charging, msg.Bumper, msg.Cliff, msg.WheelDrop,
-         msg.Wall, msg.Buttons, msg.Overcurrent, msg.Song, msg.IrOmni)
-"""Types of the messages that `LiveRobot.update` takes."""
+PARTS: Mapping[type, str] = {
+    Odometry: 'pose', BatteryState: 'battery', msg.Mode: 'mode', msg.Charging: 'charging',
+    msg.Bumper: 'bump', msg.Cliff: 'cliff', msg.WheelDrop: 'drop', msg.Wall: 'wall',
+    msg.Buttons: 'buttons', msg.Overcurrent: 'overcurrent', msg.Song: 'song',
+    msg.IrOmni: 'infrared'}
+"""Messages that `LiveRobot.update` takes, and the parts that are made from them."""
+HAZARDS = {'bump': 'bumper', 'cliff': 'cliff', 'drop': 'wheel drop'}
+"""Parts whose flags are events on the map, and their names for people."""
+REPEATED = ('pose', 'battery', 'wall', *HAZARDS)
+"""Parts whose messages come again without a change."""
 FARTHEST = 1e6
 """Metres from the origin beyond which a place is wrong and is not shown."""
 SILENT = 1.5
@@ -43,9 +40,6 @@ SILENT = 1.5
 OLD, OLDEST = 3.5, 30.0
 """Seconds after which a value is old that should come again: at least, and at most, where three
 times its last interval lies between."""
-REPEATED = {Odometry: 'pose', BatteryState: 'battery', msg.Wall: 'wall', **HAZARDS}
-"""Messages that come again without a change, and the parts that are made from them."""
-TOUCHED = {'bump': 'bumper', 'cliff': 'cliff', 'drop': 'wheel drop'}
 REPORTED_OTHERWISE = ('mode', 'safety')
 """Statuses that repeat what topics say, and are no news of their own."""
 
@@ -55,6 +49,18 @@ LEAST_CURRENT = 0.02
 """Amperes below which no time is told."""
 LONGEST_TIME = 24 * 60
 """Minutes; a longer time is not told."""
+
+STEP = 0.02
+"""Metres between two points of the track, at first."""
+MOST_POINTS = 20_000
+MOST_EVENTS, MOST_LOGGED = 500, 200
+CHART_SECONDS, SAMPLE_PERIOD = 60.0, 0.2
+"""Seconds that the charts show, and between two of their samples."""
+
+SLACK, FASTEST = 0.1, 1.0
+"""Metres and m/s; a longer step means that the odometry was reset."""
+TURN_SLACK, FASTEST_TURN = 0.3, 5.0
+"""The same for the heading: radians and rad/s."""
 
 
 def finite(value: float, digits: int) -> float | None:
@@ -116,6 +122,82 @@ class BatteryTime:
         return minutes if minutes <= LONGEST_TIME else None
 
 
+class FlatPose(NamedTuple):
+    """A pose on the floor: metres and radians."""
+
+    x: float
+    y: float
+    yaw: float
+
+    def follows(self, last: FlatPose, seconds: float) -> bool:
+        """Return whether a robot can come here from its last pose in this time."""
+        moved = hypot(self.x - last.x, self.y - last.y)
+        turned = abs(remainder(self.yaw - last.yaw, tau))
+        return moved <= SLACK + FASTEST * seconds and turned <= TURN_SLACK + FASTEST_TURN * seconds
+
+
+class NewestLog:
+    """The newest entries of a log, with running numbers: readers ask for all since theirs."""
+
+    def __init__(self, most: int) -> None:
+        """Keep this many entries."""
+        self._kept: deque[Any] = deque(maxlen=most)
+        self.count = 0
+        """Entries that were ever added."""
+
+    def add(self, entry: Any) -> None:
+        """Add an entry; the oldest one may be dropped."""
+        self._kept.append(entry)
+        self.count += 1
+
+    def since(self, count: int) -> list[Any]:
+        """Return the entries that were added when there were `count` already."""
+        new = min(self.count - count, len(self._kept))
+        return [self._kept[place] for place in range(len(self._kept) - new, len(self._kept))]
+
+    def clear(self) -> None:
+        """Drop all entries; their numbers are not used again."""
+        self._kept.clear()
+
+
+class TrackLog:
+    """
+    The robot's track: a point for each STEP.
+
+    When there are MOST_POINTS, every second one is dropped, and from then on they are twice as far
+    apart.
+    """
+
+    def __init__(self) -> None:
+        self._points: list[FlatPose] = []
+        self._step = STEP
+        self.epoch = 0
+        """Grows when the track begins anew, or has lost points."""
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def add(self, pose: FlatPose) -> None:
+        """Add a pose, if it is a step from the last one."""
+        last = self._points[-1] if self._points else None
+        if last is not None and hypot(pose.x - last.x, pose.y - last.y) < self._step:
+            return
+        self._points.append(pose)
+        if len(self._points) > MOST_POINTS:
+            del self._points[1::2]
+            self._step *= 2
+            self.epoch += 1
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self._points, self._step = [], STEP
+        self.epoch += 1
+
+    def since(self, count: int) -> list[float]:
+        """Return the points after so many, as x, y, x, y, ... in millimetre steps."""
+        return [round(each, 3) for pose in self._points[count:] for each in pose[:2]]
+
+
 class Cursor(NamedTuple):
     """How far a page has been told."""
 
@@ -138,7 +220,7 @@ class LiveRobot:
         self.log = NewestLog(MOST_LOGGED)
         """What happened: when, how bad ('', warn or error), and what."""
         self._battery = BatteryTime()
-        self._newest: dict[type, Any] = {}
+        self._newest: dict[str, Any] = {}
         self._touched: dict[str, bool] = {}
         self._levels: dict[str, int] = {}
         self.resets = 0
@@ -159,34 +241,33 @@ class LiveRobot:
 
     def update(self, message: Any, now: float) -> None:
         """Take a message of the driver."""
-        self._newest[type(message)] = message
-        if type(message) in REPEATED:
-            self._see(REPEATED[type(message)], now)
+        part = PARTS[type(message)]
+        self._newest[part] = message
+        if part in REPEATED:
+            self._see(part, now)
         match message:
             case Odometry():
                 self._heard_at = now
                 self._move(message, now)
-            case msg.Bumper() | msg.Cliff() | msg.WheelDrop():
-                self.parts.put(HAZARDS[type(message)], flags(message))
-                self._remember(HAZARDS[type(message)], flags(message), now)
-            case msg.Wall() | msg.Buttons() | msg.Overcurrent():
-                self.parts.put(type(message).__name__.lower(), flags(message))
             case BatteryState():
-                self.parts.put('battery', self._battery_part(message, now))
+                self.parts.put(part, self._battery_part(message, now))
             case msg.Mode():
-                actual, wanted = mode_name(message.mode, message.reason), mode_name(message.wanted)
-                if self.parts.put('mode', {
-                        'actual': actual, 'wanted': wanted, 'reason': message.reason}):
-                    why = f': {message.reason}' if message.reason else ''
-                    self.happened('' if actual == wanted else 'warn', f'mode {actual}{why}', now)
+                self._change_mode(message, now)
             case msg.Charging():
-                self.parts.put('charging', {
-                    'state': charging_name(message.state), 'home_base': message.home_base,
-                    'charger': message.internal_charger})
-            case msg.Song():
-                self.parts.put('song', {'number': message.number, 'playing': message.playing})
+                self.parts.put(part, {'state': charging_name(message.state), **flags(message)})
             case msg.IrOmni():
-                self.parts.put('infrared', {'code': message.character, 'name': message.name})
+                self.parts.put(part, {'code': message.character, 'name': message.name})
+            case _:
+                self.parts.put(part, flags(message))
+                if part in HAZARDS:
+                    self._remember(part, flags(message), now)
+
+    def _change_mode(self, message: msg.Mode, now: float) -> None:
+        actual, wanted = mode_name(message.mode, message.reason), mode_name(message.wanted)
+        if self.parts.put('mode', {
+                'actual': actual, 'wanted': wanted, 'reason': message.reason}):
+            why = f': {message.reason}' if message.reason else ''
+            self.happened('' if actual == wanted else 'warn', f'mode {actual}{why}', now)
 
     def diagnose(self, statuses: Mapping[str, DiagnosticStatus], now: float) -> None:
         """Take the statuses of the driver, by their names without the node's name."""
@@ -222,7 +303,7 @@ class LiveRobot:
         """Add an event where something is touched that was free before."""
         touched = ' and '.join(side for side, on in sides.items() if on).replace('_', ' ')
         if touched and not self._touched.get(kind):
-            self.happened('warn', f'{TOUCHED[kind]} {touched}', now)
+            self.happened('warn', f'{HAZARDS[kind]} {touched}', now)
             if self.pose is not None:
                 self.events.add([kind, round(self.pose.x, 3), round(self.pose.y, 3), touched])
         self._touched[kind] = bool(touched)
@@ -243,9 +324,8 @@ class LiveRobot:
         if silent or now - self._sampled_at < SAMPLE_PERIOD:
             return
         self._sampled_at = now
-        cliff, wall = self._newest.get(msg.Cliff), self._newest.get(msg.Wall)
-        twist = self._newest[Odometry].twist.twist
-        battery = self._newest.get(BatteryState)
+        cliff, wall = self._newest.get('cliff'), self._newest.get('wall')
+        twist, battery = self._newest['pose'].twist.twist, self._newest.get('battery')
         self.samples.add([
             round(now, 2), finite(twist.linear.x, 3), finite(twist.angular.z, 3),
             None if battery is None else finite(battery.current, 3),

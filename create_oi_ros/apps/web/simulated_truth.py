@@ -12,8 +12,7 @@ from math import cos, sin
 from pathlib import Path
 from typing import Any
 
-from .live_robot import LiveRobot
-from .past import FlatPose
+from .live_robot import FlatPose, LiveRobot
 
 PERIOD = 0.1
 """Seconds between two questions."""

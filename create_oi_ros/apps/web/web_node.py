@@ -17,11 +17,11 @@ from rclpy.task import Future
 from ...ros import topics
 from ...ros.diagnostics import of_driver, PARAMETERS
 from ...ros.velocity_output import NEWEST, VelocityOutput
-from .live_robot import LiveRobot, TAKEN
+from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, GOALS
 
 HEARD = tuple(topic for topic in topics.PUBLISHED
-              if topic.type in TAKEN or topic is topics.DIAGNOSTICS)
+              if topic.type in PARTS or topic is topics.DIAGNOSTICS)
 """Topics to subscribe to: those that the page shows."""
 REPLY_TIMEOUT = 10.0
 """Seconds to wait for the reply of a service."""
