@@ -8,7 +8,7 @@ A goal or a request is sent as the fields that it has in ROS; what is left out h
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 import json
 from math import isfinite
 from typing import Any, NamedTuple
@@ -35,42 +35,17 @@ class MessageError(ValueError):
     """Its type, as far as that is known."""
 
 
-class FieldCheck(NamedTuple):
-    """What a field may be: a test and its description."""
-
-    passes: Callable[[Any], bool]
-    allowed: str
-
-
-def is_number(value: Any) -> bool:
-    """Return whether a value of JSON is a number; true and false are none."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def number(low: float, high: float) -> FieldCheck:
-    """Return a check for a number within limits; NaN is outside of them."""
-    return FieldCheck(lambda value: is_number(value) and low <= value <= high,
-                 f'a number from {low:g} to {high:g}')
-
-
-def one_of(*allowed: str) -> FieldCheck:
-    """Return a check for one of some texts."""
-    return FieldCheck(lambda value: isinstance(value, str) and value in allowed,
-                 ', '.join(allowed))
-
-
-FLAG = FieldCheck(lambda value: isinstance(value, bool), 'true or false')
-MESSAGES: Mapping[str, Mapping[str, FieldCheck]] = {
-    'drive': {'linear': number(-TOP_SPEED, TOP_SPEED), 'angular': number(-TOP_TURN, TOP_TURN),
-              'seen': number(0, 1e12)},
+MESSAGES: Mapping[str, Mapping[str, tuple[float, float] | list[Any]]] = {
+    'drive': {'linear': (-TOP_SPEED, TOP_SPEED), 'angular': (-TOP_TURN, TOP_TURN),
+              'seen': (0, 1e12)},
     'release': {},
     'take_over': {},
     'leave': {},
-    'cancel': {'what': one_of('goal', 'tune')},
+    'cancel': {'what': ['goal', 'tune']},
     'ping': {},
-    'record': {'on': FLAG},
+    'record': {'on': [True, False]},
 }
-"""Each message of a page's own by its `type`, with the checks of its fields."""
+"""Each message of a page's own by its `type`; of each field the limits, or all that is allowed."""
 TYPES = (*MESSAGES, *CALLS, *GOALS)
 
 
@@ -107,12 +82,24 @@ def read(text: str) -> PageMessage:
 
 
 def _check(type_: str, found: Mapping[str, Any]) -> None:
-    checks = MESSAGES[type_]
-    if found.keys() != checks.keys():
-        raise MessageError(f'{type_}: allowed fields: {", ".join(checks) or "none"}')
-    for name, check in checks.items():
-        if not check.passes(found[name]):
-            raise MessageError(f'{type_}: {name} is not allowed; allowed: {check.allowed}')
+    fields = MESSAGES[type_]
+    if found.keys() != fields.keys():
+        raise MessageError(f'{type_}: allowed fields: {", ".join(fields) or "none"}')
+    for name, allowed in fields.items():
+        value = found[name]
+        if isinstance(allowed, tuple):
+            low, high = allowed
+            fits, words = _is_number(value) and low <= value <= high, f'{low:g} to {high:g}'
+        else:
+            choices = [json.dumps(each) for each in allowed]
+            fits, words = json.dumps(value) in choices, ' or '.join(choices)
+        if not fits:
+            raise MessageError(f'{type_}: {name} is not allowed; allowed: {words}')
+
+
+def _is_number(value: Any) -> bool:
+    """Return whether a value of JSON is a number; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _goal(name: str, fields: Mapping[str, Any]) -> Any:
@@ -134,7 +121,7 @@ def _filled(type_: Any, fields: Mapping[str, Any], where: str) -> Any:
         try:
             if isinstance(value, dict) and '/' in types[name]:
                 value = _filled(type(present), value, f'{where}: {name}')
-            elif isinstance(present, float) and is_number(value):
+            elif isinstance(present, float) and _is_number(value):
                 value = float(value)
             setattr(made, name, value)
         except (AssertionError, OverflowError):  # 10 ** 400 is no float

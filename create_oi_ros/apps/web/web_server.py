@@ -15,7 +15,6 @@ from importlib import resources
 import resource
 import socket
 import ssl
-import time
 from typing import Any
 
 from aiohttp import web
@@ -54,8 +53,6 @@ WRONG_TOKEN = 0.5
 """Seconds that an answer to a wrong token takes; one after the other, whoever asks."""
 MOST_WRONG = 8
 """Wrong tokens that wait for their answers; more are refused at once."""
-COMPLAINT = 60.0
-"""Seconds between two lines about bad HTTP."""
 ASK, PAGE = 'token.html', 'index.html'
 OPEN = ('token.html', 'base.css', 'style.css', 'icon.svg', 'icon.png', 'page.webmanifest')
 """Files that the question for the token needs, or a home screen."""
@@ -73,52 +70,25 @@ def files() -> dict[str, tuple[bytes, str]]:
     return {name: (body, TYPES['.' + name.rpartition('.')[2]]) for name, body in found.items()}
 
 
-class Limits:
-    """How many connections each address has, and when bad HTTP was complained of last."""
-
-    def __init__(self, complain: Callable[[str], object]) -> None:
-        """`complain` is told of bad HTTP, not too often."""
-        self._complain = complain
-        self.connections: Counter[str] = Counter()
-        self._next_at, self._more = 0.0, 0
-
-    def admit(self, address: str) -> bool:
-        """Count a connection; return whether it may stay."""
-        self.connections[address] += 1
-        return (self.connections[address] <= MOST_OF_ADDRESS
-                and self.connections.total() <= MOST_CONNECTIONS)
-
-    def leave(self, address: str) -> None:
-        """Count a connection that has ended."""
-        self.connections[address] -= 1
-        self.connections += Counter()  # drops those that are 0
-
-    def complain(self, text: str) -> None:
-        """Say something about bad HTTP, once in COMPLAINT seconds."""
-        if time.monotonic() < self._next_at:
-            self._more += 1
-            return
-        more = f'; {self._more} more since the last line' if self._more else ''
-        self._complain(f'refused bad HTTP from {text}{more}')
-        self._next_at, self._more = time.monotonic() + COMPLAINT, 0
-
-
 class Connection(web.RequestHandler):
     """A connection that must send a request in time; bad ones are answered and barely logged."""
 
-    def __init__(self, server: web.Server, limits: Limits) -> None:
-        """Pass requests on to `server`."""
+    def __init__(self, server: web.Server, opened: Counter[str],
+                 complain: Callable[[str], object]) -> None:
+        """Pass requests on to `server`; count the connections of each address in `opened`."""
         loop = asyncio.get_running_loop()
         super().__init__(server, loop=loop, keepalive_timeout=IDLE_TIME,
                          access_log=None)  # type: ignore[arg-type]
-        self._limits, self._address, self._end = limits, '', b''
+        self._opened, self._complain, self._address, self._end = opened, complain, '', b''
         self._slow = loop.call_later(HEADER_TIME, self.force_close)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Count it, and end it if there are too many."""
         super().connection_made(transport)
         self._address = transport.get_extra_info('peername')[0]
-        if not self._limits.admit(self._address):
+        self._opened[self._address] += 1
+        if (self._opened[self._address] > MOST_OF_ADDRESS
+                or self._opened.total() > MOST_CONNECTIONS):
             self.force_close()
 
     def data_received(self, data: bytes) -> None:
@@ -132,14 +102,15 @@ class Connection(web.RequestHandler):
     def connection_lost(self, exc: BaseException | None) -> None:
         """Count it no more."""
         self._slow.cancel()
-        self._limits.leave(self._address)
+        self._opened[self._address] -= 1
+        self._opened += Counter()  # drops those that are 0
         super().connection_lost(exc)
 
     def log_exception(self, *args: Any, **kw: Any) -> None:
         """Log what is wrong here with its traceback, and what is wrong there in a line."""
         error = kw.get('exc_info')
         if isinstance(error, HttpProcessingError):
-            self._limits.complain(f'{self._address}: {type(error).__name__}')
+            self._complain(f'refused bad HTTP from {self._address}: {type(error).__name__}')
         else:
             super().log_exception(*args, **kw)
 
@@ -171,13 +142,13 @@ class WebServer:
 
     async def serve(self, listener: socket.socket, tls: ssl.SSLContext | None,
                     complain: Callable[[str], object]) -> web.AppRunner:
-        """Answer who connects to a socket; return what ends that."""
-        runner, limits = web.AppRunner(self._application()), Limits(complain)
+        """Answer who connects to a socket; return what ends that. Bad HTTP is complained of."""
+        runner, opened = web.AppRunner(self._application()), Counter[str]()
         await runner.setup()
         assert runner.server is not None
         server = runner.server
         await asyncio.get_running_loop().create_server(
-            lambda: Connection(server, limits), sock=listener, ssl=tls,
+            lambda: Connection(server, opened, complain), sock=listener, ssl=tls,
             ssl_handshake_timeout=HEADER_TIME if tls else None)
         return runner
 
