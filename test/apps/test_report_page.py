@@ -18,10 +18,9 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros import pages
 from create_oi_ros.apps.report import page
-from create_oi_ros.apps.report.page import kept, packed, steps, write
+from create_oi_ros.apps.report.page import kept, one_script, packed, steps, write
 from create_oi_ros.apps.report.recording import Recording, Span, Spans
 from create_oi_ros.apps.report.summary import clock
-from create_oi_ros.pages.one_file import one_script
 
 EVIL = '</script><img id=evil src=x onerror=alert(1)>$style'
 

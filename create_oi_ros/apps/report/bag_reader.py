@@ -20,8 +20,9 @@ from ...robot import TOP_SPEED
 from ...ros.bags import BagError, DamageError, definitions, reading
 from ...ros.diagnostics import HARDWARE, LINK, PARAMETERS
 from ...ros.messages import charging_name, mode_name, yaw_of
+from ...ros.topics import CMD_VEL, PUBLISHED, type_name
 from .bag_files import BagFiles, Topic
-from .recording import Recording, Span, Spans
+from .recording import Recording, Span, Spans, TOPICS
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -39,6 +40,10 @@ CHARGING = {state.value: charging_name(state) for state in ChargingState
             if state is not ChargingState.NOT_CHARGING}
 LEVELS = {1: 'warning', 2: 'error', 3: 'stale'}
 OURS, DIAGNOSTICS = 'create_oi_msgs/msg/', 'diagnostic_msgs/msg/DiagnosticArray'
+TYPES = {type_name(topic.type).replace('/', '/msg/'): topic.name for topic in PUBLISHED
+         if topic.name in TOPICS} | dict.fromkeys(
+             ('geometry_msgs/msg/Twist', 'geometry_msgs/msg/TwistStamped'), CMD_VEL)
+"""The name of the topic that has a type."""
 Progress = Callable[[float], None]
 """Called with the part that is done, 0 to 1."""
 
@@ -51,23 +56,19 @@ class RecordingBuilder:
         self._last_message: float | None = None
         self._last_odom: float | None = None
         self._stamp = 0.0
-        self.adders: dict[str, Callable[[float, Any], None]] = {
-            'nav_msgs/msg/Odometry': self._add_odom,
-            'geometry_msgs/msg/Twist': self._add_twist,
-            'geometry_msgs/msg/TwistStamped':
-                lambda time, message: self._add_twist(time, message.twist),
-            'sensor_msgs/msg/BatteryState': self._add_battery,
-            DIAGNOSTICS: self._add_diagnostics,
-            f'{OURS}Mode': self._add_mode,
-            f'{OURS}Song': self._add_song,
-            f'{OURS}Charging': self._add_charging,
-            f'{OURS}Bumper': self._contacts('bumper', 'left', 'right'),
-            f'{OURS}Cliff': self._contacts('cliff', 'left', 'front_left', 'front_right', 'right'),
-            f'{OURS}WheelDrop': self._contacts('wheel drop', 'left', 'right', 'caster'),
-            f'{OURS}Buttons': self._contacts('buttons', 'play', 'advance'),
-            f'{OURS}Overcurrent': self._contacts(
-                'overcurrent', 'left_wheel', 'right_wheel', 'driver_0', 'driver_1', 'driver_2'),
-        }
+        self._adders: dict[str, Callable[[float, Any], None]] = {
+            'odom': self._add_odom, CMD_VEL: self._add_twist, 'battery_state': self._add_battery,
+            'diagnostics': self._add_diagnostics, 'mode': self._add_mode, 'song': self._add_song,
+            'charging': self._add_charging}
+
+    def add(self, topic: str, time: float, message: Any) -> None:
+        """Add a message of one of TOPICS."""
+        if topic in self._adders:
+            self._adders[topic](time, message)
+        else:
+            self.recording.spans[topic.replace('_', ' ')].contact(time, [
+                name.replace('_', ' ') for name in message.__dataclass_fields__
+                if getattr(message, name) is True])
 
     def note_time(self, time: float) -> None:
         """Note the time of a message; a long silence before it is a gap."""
@@ -114,7 +115,8 @@ class RecordingBuilder:
             self.recording.jumps.append(Span(time, text, time))
 
     def _add_twist(self, time: float, message: Any) -> None:
-        self.recording.commands.add(time, message.linear.x, message.angular.z)
+        twist = getattr(message, 'twist', message)  # of a TwistStamped
+        self.recording.commands.add(time, twist.linear.x, twist.angular.z)
 
     def _add_battery(self, time: float, message: Any) -> None:
         self.recording.battery.add(
@@ -136,13 +138,6 @@ class RecordingBuilder:
 
     def _add_charging(self, time: float, message: Any) -> None:
         self.recording.spans['charging'].change(time, CHARGING.get(message.state, ''))
-
-    def _contacts(self, what: str, *names: str) -> Callable[[float, Any], None]:
-        """Return a method for messages with these boolean fields."""
-        spans = self.recording.spans[what]
-        words = {name: name.replace('_', ' ') for name in names}
-        return lambda time, message: spans.contact(
-            time, [words[name] for name in names if getattr(message, name)])
 
     def _add_diagnostics(self, time: float, message: Any) -> None:
         prefix = f'{self.recording.robot}/'.lstrip('/')
@@ -180,7 +175,7 @@ def read(path: Path, progress: Progress, robot: str | None = None) -> Recording:
             path.resolve().name, files.storage, files.start / 1e9,
             (files.end - files.start) / 1e9, files.counts.total(), robot,
             undefined=sorted(topic.name for topic in files.counts if topic.encoding == 'unknown'))
-        recording.heard = {topic.name.rpartition('/')[2] for topic in topics}
+        recording.heard = set(map(base_name, topics))
         builder = RecordingBuilder(recording)
         try:
             _read_messages(files, topics, builder, progress)
@@ -214,7 +209,7 @@ def _read_messages(
             before[topic.name] = body
         with reading():
             message = decoders[topic].deserialize_cdr(raw, topic.type)
-        builder.adders[topic.type](time, message)
+        builder.add(base_name(topic), time, message)
     progress(1.0)
 
 
@@ -229,24 +224,19 @@ def _decoder(topic: Topic) -> Typestore:
     return store
 
 
-TOPICS = {
-    'nav_msgs/msg/Odometry': 'odom', 'geometry_msgs/msg/Twist': 'cmd_vel',
-    'geometry_msgs/msg/TwistStamped': 'cmd_vel', 'sensor_msgs/msg/BatteryState': 'battery_state',
-    **{f'{OURS}{kind}': name for kind, name in {
-        'Mode': 'mode', 'Song': 'song', 'Charging': 'charging', 'Bumper': 'bumper',
-        'Cliff': 'cliff', 'WheelDrop': 'wheel_drop', 'Buttons': 'buttons',
-        'Overcurrent': 'overcurrent'}.items()}}
+def base_name(topic: Topic) -> str:
+    """Return the name of a topic without its namespace."""
+    return topic.name.rpartition('/')[2]
 
 
 def _wanted(files: BagFiles, path: Path, robot: str | None) -> tuple[set[Topic], str]:
     """Return the topics of one robot, and its namespace."""
     found: dict[str, set[Topic]] = {}
     for topic in files.counts:
-        space, _, name = topic.name.rpartition('/')
-        if TOPICS.get(topic.type) == name:
-            found.setdefault(space.strip('/'), set()).add(topic)
-    robots = {space: topics for space, topics in found.items() if any(
-        TOPICS[topic.type] in ('odom', 'mode') for topic in topics)}
+        if base_name(topic) == TYPES.get(topic.type):
+            found.setdefault(topic.name.rpartition('/')[0].strip('/'), set()).add(topic)
+    robots = {space: topics for space, topics in found.items()
+              if {'odom', 'mode'} & set(map(base_name, topics))}
     if not robots:
         names = ', '.join(sorted(topic.name for topic in files.counts)[:6])
         raise BagError(f'{path} has neither `odom` nor `mode` of this driver: its topics are '

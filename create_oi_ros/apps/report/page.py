@@ -16,12 +16,12 @@ from importlib import resources
 import json
 from math import isfinite, isnan
 from pathlib import Path
+import re
 from string import Template
 from typing import Any
 import zlib
 
 from ... import pages
-from ...pages.one_file import one_script
 from ...ros.odometry_model import write_whole
 from .recording import Curve, CURVES, Recording, Span, SPANS
 from .summary import absent, clock, events, summary, TimelineEvent, warnings
@@ -79,12 +79,37 @@ def _event_table(shown: list[TimelineEvent]) -> str:
 def _settings(recording: Recording) -> str:
     if not recording.settings:
         return '<p>Not in the bag: record /diagnostics to have them.</p>'
-    return _table(list(recording.settings.items()))
+    rows = [f'<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>'
+            for name, value in recording.settings.items()]
+    return '<table>' + '\n'.join(rows) + '</table>'
 
 
-def _table(rows: Sequence[tuple[str, ...]]) -> str:
-    lines = [''.join(f'<td>{escape(cell)}</td>' for cell in row) for row in rows]
-    return '<table>' + '\n'.join(f'<tr>{line}</tr>' for line in lines) + '</table>'
+# One script of several modules.
+
+IMPORT = re.compile(r"^import (\{[^}]*\}) from '\./(\w+)\.js';\n", re.MULTILINE)
+EXPORT = re.compile(r'^export ((?:async )?(?:function|class|const) (\w+))', re.MULTILINE)
+"""The only forms that our modules use: named imports, and exports where a name is declared."""
+
+
+def one_script(modules: Mapping[str, str], entry: str) -> str:
+    """Return a script that runs the module `entry`; the others are functions before it."""
+    functions: dict[str, str] = {}
+
+    def with_constants(text: str) -> str:
+        """Return a module whose imports are constants, once those modules are functions."""
+        for found in IMPORT.finditer(text):
+            if found[2] not in functions:
+                functions[found[2]] = as_function(found[2])
+        return IMPORT.sub(r'const \1 = \2_js;\n', text)
+
+    def as_function(name: str) -> str:
+        """Return a module as a function that is called once, and returns what it exports."""
+        text = with_constants(modules[f'{name}.js'])
+        exported = ', '.join(found[2] for found in EXPORT.finditer(text))
+        body = EXPORT.sub(r'\1', text)
+        return f'const {name}_js = (() => {{\n{body}\nreturn {{ {exported} }};\n}})();\n'
+    main = with_constants(modules[entry])
+    return ''.join([*functions.values(), main])
 
 
 # The data.
@@ -134,7 +159,7 @@ def page_data(recording: Recording, most: int) -> dict[str, Any]:
     return {
         'seconds': recording.seconds, 'pause': PAUSE, 'damage': recording.damage,
         'began': recording.began, 'jumps': [round(each.start, 3) for each in recording.jumps],
-        'gaps': [each[:2] for each in _bars(recording.gaps)],
+        'gaps': _bars(recording.gaps),
         'spans': [{'name': name, 'spans': _bars(recording.spans[name].all)} for name in SPANS
                   if name.replace(' ', '_') in recording.heard],
         'curves': {name: _curve(getattr(recording, name), units, most)

@@ -94,6 +94,9 @@ CURVES = {
 """The curves of a recording: their columns, and the step of each in the page."""
 SPANS = ('mode', 'bumper', 'cliff', 'wheel drop', 'overcurrent', 'buttons', 'song', 'charging')
 """Rows of the timeline, from top to bottom."""
+TOPICS = ('odom', 'cmd_vel', 'battery_state', 'diagnostics', *(
+    kind.replace(' ', '_') for kind in SPANS))
+"""Topics of a robot that are read, without its namespace."""
 
 
 @dataclass

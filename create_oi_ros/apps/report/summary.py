@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime, UTC
 from math import hypot, isfinite
 
-from .recording import Recording, Span, SPANS
+from .recording import Recording, Span, TOPICS
 
 CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
            'overcurrent': 'Too much current', 'buttons': 'Button'}
@@ -101,8 +101,7 @@ def summary(recording: Recording) -> list[str]:
 
 def absent(recording: Recording) -> list[str]:
     """Return what the bag lacks: topics, and values that are never known."""
-    missing = [name for name in ('odom', 'cmd_vel', 'battery_state', 'diagnostics', *(
-        kind.replace(' ', '_') for kind in SPANS)) if name not in recording.heard]
+    missing = [name for name in TOPICS if name not in recording.heard]
     unknown = [f'{name} of the battery (never known)' for name in ('volts', 'amperes', 'charge')
                if recording.battery and not any(map(isfinite, recording.battery[name]))]
     return missing + unknown
