@@ -16,7 +16,6 @@ from create_oi_ros.oi.script import (
 )
 from create_oi_ros.oi.tools.text import (
     format_command,
-    parse_command,
     parse_commands,
     parse_script,
     TextError,
@@ -58,7 +57,7 @@ def test_the_manuals_scripts_come_out_byte_for_byte(
     assert commands_of(script) == listed
     assert ''.join(f'{format_command(each)}\n' for each in listed) == TEXTS[name]
     assert parse_script(TEXTS[name]).encode() == sent
-    assert parse_command(format_command(script)) == script
+    assert parse_commands(format_command(script)) == [script]
 
 
 def test_only_a_script_that_does_not_play_itself_can_end() -> None:
@@ -123,7 +122,7 @@ def test_a_name_of_no_sounding_note_is_refused(name: str) -> None:
 def test_parsing_a_formatted_command_returns_it(command: oi.Command) -> None:
     text = format_command(command)
     assert '\n' not in text
-    assert parse_command(text) == command
+    assert parse_commands(text) == [command]
     assert parse_commands(f'  {text} ;\n\n# {text}\n{text} # {text}') == [command, command]
 
 
@@ -133,7 +132,7 @@ def test_parsing_a_formatted_nested_script_returns_it(listed: list[oi.Command]) 
         script = build_script(listed)
     except ValueError:
         return
-    assert parse_command(format_command(script)) == script
+    assert parse_commands(format_command(script)) == [script]
 
 
 @pytest.mark.parametrize('text, sent', [
@@ -167,7 +166,8 @@ def test_parsing_a_formatted_nested_script_returns_it(listed: list[oi.Command]) 
     ('Script script={Script script={Full; Safe;}\nStart}', '152 5 152 2 132 131 128'),
 ])
 def test_variants_of_the_text_form_are_parsed(text: str, sent: str) -> None:
-    assert parse_command(text).encode() == vectors.octets(sent)
+    command, = parse_commands(text)
+    assert command.encode() == vectors.octets(sent)
 
 
 @pytest.mark.parametrize('command, text', [
@@ -239,12 +239,6 @@ def test_an_error_names_line_column_and_what_is_allowed(
     with pytest.raises(TextError) as refused:
         parse_commands(text)
     assert str(refused.value).startswith(f'line {line}, column {column}: {reason}')
-
-
-def test_parse_command_refuses_none_or_several() -> None:
-    for text in ('', '# none', 'Full; Safe'):
-        with pytest.raises(TextError, match='commands; expected one'):
-            parse_command(text)
 
 
 def test_a_script_of_text_longer_than_the_robot_can_store_is_refused() -> None:

@@ -15,8 +15,7 @@ from pathlib import Path
 import sys
 from typing import TextIO
 
-from ..commands import QueryList
-from ..packets import no_packet, PACKET_IDS, PacketList
+from ..packets import PacketList
 from ..readings import PACKETS
 from .capture_format import CaptureError, CaptureReader, records_of
 from .explain import (
@@ -28,7 +27,7 @@ from .explain import (
     understood,
 )
 from .tables import budget_lines, columns, commands_table, document, packets_table
-from .text import parse_command, parse_commands
+from .text import PACKET_NAMES, parse_commands, plain
 from .transcript import explain_capture
 
 NOT_UNDERSTOOD = 1
@@ -54,12 +53,8 @@ def _chunks(options: Namespace, stdin: TextIO) -> Iterator[bytes]:
 
 
 def _packet_list(text: str) -> PacketList:
-    for word in map(str.strip, text.split(',')):
-        if word.isdecimal() and int(word) not in PACKET_IDS:
-            raise ValueError(no_packet(int(word)))
-    command = parse_command(f'Query List packets={text}')
-    assert isinstance(command, QueryList)
-    return PacketList(command.packets)
+    return PacketList(PACKET_NAMES.get(plain(word), int(word) if word.isdecimal() else word)
+                      for word in map(str.strip, text.split(',')))
 
 
 def _capture(options: Namespace) -> Iterator[str]:

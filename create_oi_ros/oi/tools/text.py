@@ -104,14 +104,6 @@ def parse_commands(text: str) -> list[Command]:
     return Text(text).commands('')
 
 
-def parse_command(text: str) -> Command:
-    """Return the command in a text; TextError also if there is none or more than one."""
-    commands = parse_commands(text)
-    if len(commands) != 1:
-        raise TextError(text, 0, f'{len(commands)} commands; expected one')
-    return commands[0]
-
-
 def parse_script(text: str) -> Script:
     """Return the command that stores the commands in a text as a script; TextError as above."""
     commands = parse_commands(text)
