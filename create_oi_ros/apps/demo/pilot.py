@@ -9,14 +9,13 @@ from math import remainder, tau
 import time
 from typing import Any
 
-from create_oi_msgs.msg import Bumper, Mode, Song
+from create_oi_msgs.msg import Bumper, Mode
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from ...driver import MotionLimits
 from ...ros.goal_client import GoalClient, GoalFailed
 from ...ros.messages import yaw_of
 from ...ros.robot_state import RobotState
@@ -24,12 +23,6 @@ from ...ros.topics import CMD_VEL
 
 PERIOD = 0.05
 """Seconds between two commands."""
-CRUISE, SPIRAL_TURN = 0.3, 1.6
-"""Highest speeds of a spiral, m/s and rad/s."""
-BRAKING = min(2.5, MotionLimits.angular_acceleration / SPIRAL_TURN)
-"""Turning speed, rad/s, for each radian left to turn: braking stays within the driver's limits."""
-SLOWEST = 0.2
-"""Turning speed at least, rad/s."""
 STANDING = 0.01
 """m/s; a slower robot stands."""
 
@@ -53,14 +46,9 @@ class Pilot(GoalClient):
         self.node, self._executor, self._check = node, executor, check
         self._velocity = node.create_publisher(Twist, CMD_VEL, 1)
         self._commanded: Twist | None = None
-        self._steer: Callable[[], None] = lambda: None
         self._next = 0.0
-        self.sent = 0
-        """Commands published."""
-        self.turned = 0.0
-        """Angle turned since the start, rad; may exceed a full turn."""
         self.state = RobotState()
-        self.state.listen(node, Odometry, Bumper, Mode, Song, DiagnosticArray)
+        self.state.listen(node, Odometry, Bumper, Mode, DiagnosticArray)
 
     @property
     def odom(self) -> Odometry | None:
@@ -78,12 +66,6 @@ class Pilot(GoalClient):
         """Whether the bumper is pressed."""
         bumper = self.state.newest(Bumper)
         return bumper is not None and bool(bumper.left or bumper.right)
-
-    @property
-    def song_plays(self) -> bool:
-        """Whether a song plays."""
-        song = self.state.newest(Song)
-        return song is not None and bool(song.playing)
 
     @property
     def warnings(self) -> list[str]:
@@ -111,12 +93,9 @@ class Pilot(GoalClient):
         twist = self.odom.twist.twist if self.odom else Twist()
         return bool(abs(twist.linear.x) < STANDING and abs(twist.angular.z) < 5 * STANDING)
 
-    def until(
-        self, happened: Callable[[], Any], what: str, seconds: float = 10.0,
-        steer: Callable[[], None] = lambda: None,
-    ) -> None:
-        """Wait for a condition, steering meanwhile; TourError: it did not come in time."""
-        deadline, self._steer = time.monotonic() + seconds, steer
+    def until(self, happened: Callable[[], Any], what: str, seconds: float = 10.0) -> None:
+        """Wait for a condition; TourError: it did not come in time."""
+        deadline = time.monotonic() + seconds
         while not happened():
             if time.monotonic() > deadline:
                 self.release()
@@ -126,14 +105,10 @@ class Pilot(GoalClient):
     def _spin(self) -> None:
         """Receive, and send the velocity that is set when it is time."""
         self._check()
-        before = self.yaw
         self._executor.spin_once(timeout_sec=PERIOD / 2)
-        self.turned += remainder(self.yaw - before, tau)
-        if time.monotonic() >= self._next:
+        if self._commanded is not None and time.monotonic() >= self._next:
             self._next = time.monotonic() + PERIOD
-            self._steer()
-            if self._commanded is not None:
-                self._publish(self._commanded)
+            self._velocity.publish(self._commanded)
 
     def command(self, speed: float, turn: float) -> None:
         """Set the velocity to send from now on, m/s and rad/s."""
@@ -141,12 +116,8 @@ class Pilot(GoalClient):
 
     def release(self) -> None:
         """Send a zero velocity, then no more commands."""
-        self._publish(Twist())
+        self._velocity.publish(Twist())
         self._commanded = None
-
-    def _publish(self, command: Twist) -> None:
-        self.sent += 1
-        self._velocity.publish(command)
 
     def stop(self) -> None:
         """Stop, and wait until the robot stands."""
@@ -155,7 +126,7 @@ class Pilot(GoalClient):
 
     def start(self, name: str, **goal: Any) -> None:
         """Send a goal instead of velocities, which would take over."""
-        self._commanded, self._steer = None, lambda: None
+        self._commanded = None
         super().start(name, **goal)
 
     def turn_to(self, yaw: float) -> None:
@@ -166,19 +137,3 @@ class Pilot(GoalClient):
         """Turn towards a point and drive there; GoalFailed: an obstacle is in the way."""
         place = Pose(position=Point(x=x, y=y))
         self.do('navigate_to_position', goal_pose=PoseStamped(pose=place))
-
-    def spiral(self, turns: float, inner: float, outer: float) -> None:
-        """Drive a clockwise spiral from an inner to an outer radius, metres."""
-        began = self.turned
-
-        def left() -> float:
-            return turns * tau - (began - self.turned)
-
-        def steer() -> None:
-            done = 1 - left() / (turns * tau)
-            radius = inner + (outer - inner) * min(1.0, max(0.0, done))
-            # It brakes half as hard as a turn in place, for nothing corrects its end.
-            rate = min(SPIRAL_TURN, CRUISE / radius, max(SLOWEST, BRAKING * left() / 2))
-            self.command(rate * radius, -rate)
-        self.until(lambda: left() <= 0, f'{turns} turns of a spiral', 20.0 * turns, steer)
-        self.stop()

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import dist, pi
+from math import dist, pi, tau
 from typing import NamedTuple
 
 from create_oi_msgs.msg import Mode
@@ -15,10 +15,10 @@ from .pilot import Pilot, TourError
 WORLD = 'apartment'
 GREEN, ORANGE, RED = 0, 96, 255
 """Colours of the power LED."""
-HELLO, GOODBYE = 0, 1
-"""Numbers of the songs."""
-SIDE = 0.6
-"""Side of the square, metres."""
+HELLO, GOODBYE = 'C5:0.2 E5:0.2 G5:0.2 C6:0.4', 'G5:0.25 E5:0.25 C5:0.5'
+"""Notes with their seconds."""
+SIDE, RADII = 0.6, (0.15, 0.25, 0.35)
+"""Side of the square, and radii of the circles, metres."""
 WALL_AHEAD = (-0.1, -1.5)
 """A point in front of a wall of the living room; x is the robot's first heading."""
 DOORS = ((0.4, -1.05), (2.85, -1.05), (2.85, -3.25))
@@ -40,21 +40,11 @@ class TourStep(NamedTuple):
 
 
 def hello(pilot: Pilot) -> None:
-    """Wait for the robot, store two songs, play one."""
+    """Wait for the robot, and play a tune."""
     pilot.until(lambda: pilot.odom is not None and pilot.mode == Mode.SAFE,
                 'the robot answers and is in Safe', 30.0)
     pilot.call('set_leds', play=True, power_color=GREEN, power_intensity=255)
-    pilot.call('define_song', number=GOODBYE, pitches=[79, 76, 72],
-               seconds=[0.25, 0.25, 0.5])
-    pilot.call('define_song', number=HELLO, pitches=[72, 76, 79, 84],
-               seconds=[0.2, 0.2, 0.2, 0.4], play=True)
-    song_ends(pilot)
-
-
-def song_ends(pilot: Pilot) -> None:
-    """Wait until a song has begun and ended."""
-    pilot.until(lambda: pilot.song_plays, 'a song begins')
-    pilot.until(lambda: not pilot.song_plays, 'a song ends')
+    pilot.do('audio_note_sequence', notes=HELLO)
 
 
 def square(pilot: Pilot) -> None:
@@ -64,10 +54,11 @@ def square(pilot: Pilot) -> None:
     pilot.turn_to(0.0)
 
 
-def spiral(pilot: Pilot) -> None:
-    """Drive a spiral."""
+def circles(pilot: Pilot) -> None:
+    """Drive circles to the right, each larger than the one before."""
     pilot.call('set_leds', advance=True, power_color=ORANGE, power_intensity=255)
-    pilot.spiral(3.0, 0.08, 0.4)
+    for radius in RADII:
+        pilot.do('drive_arc', angle=-tau, radius=radius, translate_direction=1)
 
 
 def bump_and_turn(pilot: Pilot) -> None:
@@ -112,20 +103,20 @@ def cliff(pilot: Pilot) -> None:
 
 
 def goodbye(pilot: Pilot) -> None:
-    """Turn round, play the other song, and release the wheels."""
+    """Turn round, play another tune, and release the wheels."""
     pilot.turn_to(pi)
     pilot.call('set_leds', power_color=RED, power_intensity=60)
-    pilot.call('play_song', number=GOODBYE)
-    song_ends(pilot)
+    pilot.do('audio_note_sequence', notes=GOODBYE)
     pilot.release()
 
 
 TOUR: Sequence[TourStep] = (
-    TourStep('LEDs and a song', hello), TourStep('a square', square), TourStep('a spiral', spiral),
+    TourStep('LEDs and a tune', hello), TourStep('a square', square),
+    TourStep('three circles', circles),
     TourStep('bump and turn, twice', bump_and_turn),
     TourStep('through two doors to the hall', to_the_hall),
     TourStep('the stairs: a cliff, Passive, back off in Full, Safe', cliff),
-    TourStep('another song', goodbye))
+    TourStep('another tune', goodbye))
 SHORT: Sequence[TourStep] = (
-    TourStep('LEDs and a song', hello),
-    TourStep('a turn', lambda pilot: pilot.turn_to(pi / 2)), TourStep('another song', goodbye))
+    TourStep('LEDs and a tune', hello),
+    TourStep('a turn', lambda pilot: pilot.turn_to(pi / 2)), TourStep('another tune', goodbye))
