@@ -8,6 +8,7 @@ from typing import NamedTuple
 from ... import oi
 from ...oi import DriverBits, LedBits, OutputBits
 from ...oi.commands import DUTY, wheel_speeds, WheelSpeeds
+from ...oi.script import STANDING
 from ...robot import BODY_RADIUS, MM_PER_M
 from ..body import Body
 
@@ -21,9 +22,6 @@ class Lights(NamedTuple):
 
 
 DARK = Lights()
-
-
-STANDING = WheelSpeeds(0.0, 0.0)
 
 
 class ActuatorState:
