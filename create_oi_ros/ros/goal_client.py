@@ -53,26 +53,29 @@ def filled(message: Any, values: Mapping[str, Any], where: str) -> Any:
     """
     Set fields of a message, also those of messages in it, and return it.
 
-    A whole number becomes a float where the field is one. GoalFailed: there is no such field, or
-    the value does not fit; without its check fields, ROS would send something else, or abort.
+    A mapping stands for a message in it. A whole number becomes a float where the field is one.
+    GoalFailed: there is no such field, or the value does not fit; without its check fields, ROS
+    would send something else, or abort.
     """
     types = message.get_fields_and_field_types()
     for field, value in values.items():
         if field not in types:
-            raise GoalFailed(f'{where} has no field {field!r}; there are {", ".join(types)}')
+            raise GoalFailed(f'{where} has no field {field!r:.50}; allowed: '
+                             f'{", ".join(types) or "none"}')
         present = getattr(message, field)
         if hasattr(value, 'get_fields_and_field_types') and type(value) is type(present):
-            parts = {part: getattr(value, part) for part in value.get_fields_and_field_types()}
-            value = filled(type(value)(check_fields=True), parts, f'{where}: {field}')
-        elif isinstance(value, Real) and not isinstance(value, bool):
-            if isinstance(present, float):
-                value = float(value)
-            elif isinstance(value, Integral):  # such as one of numpy's
-                value = int(value)
+            value = {part: getattr(value, part) for part in value.get_fields_and_field_types()}
         try:
+            if isinstance(value, Mapping) and '/' in types[field]:
+                value = filled(type(present)(check_fields=True), value, f'{where}: {field}')
+            elif isinstance(value, Real) and not isinstance(value, bool):
+                if isinstance(present, float):
+                    value = float(value)
+                elif isinstance(value, Integral):  # such as one of numpy's
+                    value = int(value)
             setattr(message, field, value)
-        except AssertionError:
-            raise GoalFailed(f'{where}: {field} = {value!r}; allowed is a value of type '
+        except (AssertionError, OverflowError):  # 10 ** 400 is no float
+            raise GoalFailed(f'{where}: {field} = {value!r:.50}; allowed is a value of type '
                              f'{types[field]}') from None
     return message
 

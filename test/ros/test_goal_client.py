@@ -37,7 +37,7 @@ def test_whole_numbers_are_taken_for_floats_also_inside_a_message():
 
 
 @pytest.mark.parametrize(('fields', 'words'), [
-    ({'dist': 0.1}, "drive_distance has no field 'dist'; there are distance, max_trans"),
+    ({'dist': 0.1}, "drive_distance has no field 'dist'; allowed: distance, max_trans"),
     ({'distance': '0.1'}, "distance = '0.1'; allowed is a value of type float"),
     ({'distance': True}, 'distance = True; allowed is a value of type float'),
     ({'distance': 1e40}, 'type float'),

@@ -17,6 +17,7 @@ from create_oi_msgs.action import LedAnimation
 
 from ...robot import TOP_SPEED
 from ...ros.actions import ALL_ACTIONS, malformed
+from ...ros.goal_client import filled, GoalFailed
 from ...ros.services import SERVICES
 from .driver_seat import TOP_TURN
 
@@ -73,7 +74,7 @@ def read(text: str) -> PageMessage:
         if type_ in GOALS:
             return PageMessage(type_, found, _goal(type_, found))
         if type_ in CALLS:
-            return PageMessage(type_, found, _filled(CALLS[type_].Request, found, type_))
+            return PageMessage(type_, found, _message(CALLS[type_].Request, found, type_))
         _check(type_, found)
     except MessageError as error:
         error.to = type_
@@ -89,7 +90,8 @@ def _check(type_: str, found: Mapping[str, Any]) -> None:
         value = found[name]
         if isinstance(allowed, tuple):
             low, high = allowed
-            fits, words = _is_number(value) and low <= value <= high, f'{low:g} to {high:g}'
+            words = f'{low:g} to {high:g}'
+            fits = type(value) in (int, float) and low <= value <= high
         else:
             choices = [json.dumps(each) for each in allowed]
             fits, words = json.dumps(value) in choices, ' or '.join(choices)
@@ -97,37 +99,20 @@ def _check(type_: str, found: Mapping[str, Any]) -> None:
             raise MessageError(f'{type_}: {name} is not allowed; allowed: {words}')
 
 
-def _is_number(value: Any) -> bool:
-    """Return whether a value of JSON is a number; true and false are none."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
 def _goal(name: str, fields: Mapping[str, Any]) -> Any:
-    made = _filled(GOALS[name].Goal, fields, name)
+    made = _message(GOALS[name].Goal, fields, name)
     why = malformed(name, made)
     if why:
         raise MessageError(f'{name}: {why}')
     return made
 
 
-def _filled(type_: Any, fields: Mapping[str, Any], where: str) -> Any:
-    """Return a message of ROS with these fields; an object is a message in it."""
-    made = type_(check_fields=True)
-    types = made.get_fields_and_field_types()
-    for name, value in fields.items():
-        if name not in types:
-            raise MessageError(f'{where}: allowed fields: {", ".join(types) or "none"}')
-        present = getattr(made, name)
-        try:
-            if isinstance(value, dict) and '/' in types[name]:
-                value = _filled(type(present), value, f'{where}: {name}')
-            elif isinstance(present, float) and _is_number(value):
-                value = float(value)
-            setattr(made, name, value)
-        except (AssertionError, OverflowError):  # 10 ** 400 is no float
-            raise MessageError(f'{where}: {name} is not allowed; allowed: a value of type '
-                               f'{types[name]}') from None
-    return made
+def _message(type_: Any, fields: Mapping[str, Any], where: str) -> Any:
+    """Return a message of ROS with these fields."""
+    try:
+        return filled(type_(check_fields=True), fields, where)
+    except GoalFailed as error:
+        raise MessageError(str(error)) from None
 
 
 def feedback_part(feedback: Any) -> dict[str, Any]:
