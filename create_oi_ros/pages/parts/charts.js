@@ -215,12 +215,6 @@ export class Charts {
     for (const line of chart.lines) line.value.textContent = this.valueAt(chart, line, time ?? this.to);
   }
 
-  pen(c, at) {
-    c.strokeStyle = this.color(COLORS[at]);
-    c.lineWidth = 1.6;
-    c.setLineDash(DASHES[at]);
-  }
-
   place(canvas) {
     const left = leftOf(canvas), scale = wideOf(canvas) / (this.to - this.from || 1);
     return time => left + (time - this.from) * scale;
@@ -261,11 +255,11 @@ export class Charts {
     }
   }
 
-  drawLines({ c, px, left, wide, height, within }, { lines, least, digits }) {
-    const shown = lines.filter(line => line.shown)
-      .map(line => this.visible(line, Math.max(1, Math.round(wide))));
-    let [low, high] = least;
-    for (const each of shown) { low = Math.min(low, each.low); high = Math.max(high, each.high); }
+  drawLines({ c, left, wide, height, within }, { lines, least, digits }) {
+    const shown = lines.filter(line => line.shown).map(line => [line, this.pixels(line, wide)]);
+    const pixels = shown.flatMap(([, each]) => each);
+    const low = Math.min(least[0], ...pixels.map(each => each.low));
+    const high = Math.max(least[1], ...pixels.map(each => each.high));
     const py = value => 7 + (high - value) / (high - low) * (height - 23);
     c.textAlign = 'right';
     c.textBaseline = 'middle';
@@ -274,49 +268,49 @@ export class Charts {
       if (value && Math.abs(py(value) - py(0)) < 9) continue;  // it would lie over the 0
       c.fillText(value.toFixed(value === 0 ? 0 : digits), left - 4, py(value));
     }
-    within(() => shown.forEach(each => each.draw(c, px, py, left)));
+    within(() => shown.forEach(([line, each]) => this.drawLine(c, py, left, line, each)));
   }
 
-  // Return the part of a line that is shown: every point if there are few, else what pixels show.
-  visible({ times, values, step, hold, at }, columns) {
-    const first = Math.max(0, indexAt(times, this.from));
+  // The part of a line that is shown: of each pixel that has values the least, the greatest, the
+  // mean, the last, and the times of the first and the last.
+  pixels({ times, values }, wide) {
+    const found = [], scale = wide / (this.to - this.from || 1);
     const last = Math.min(times.length - 1, indexAt(times, this.to) + 1);
-    if (last - first > 2 * columns) {
-      const pixels = perPixel(times, values, this.from, this.to, columns);
-      return { low: Math.min(...pixels.map(each => each.low)),
-               high: Math.max(...pixels.map(each => each.high)),
-               draw: (c, px, py, left) => this.drawPixels(c, py, left, pixels, at) };
-    }
-    const seen = Array.from(values.slice(first, last + 1)).filter(Number.isFinite);
-    return { low: Math.min(...seen), high: Math.max(...seen), draw: (c, px, py) => {
-      this.pen(c, at);
-      c.beginPath();
-      for (let place = first; place <= last; place += 1) {
-        const gone = place === first || times[place] - times[place - 1] > hold
-          || Number.isNaN(values[place - 1]);
-        if (Number.isNaN(values[place])) continue;
-        if (step && !gone) c.lineTo(px(times[place]), py(values[place - 1]));
-        c[gone ? 'moveTo' : 'lineTo'](px(times[place]), py(values[place]));
+    for (let at = Math.max(0, indexAt(times, this.from)); at <= last; at += 1) {
+      const value = values[at], column = Math.floor((times[at] - this.from) * scale);
+      if (Number.isNaN(value)) continue;
+      if (found.at(-1)?.column !== column) {
+        found.push({ column, begin: times[at], low: value, high: value, sum: 0, count: 0 });
       }
-      c.stroke();
-    } };
+      const pixel = found.at(-1);
+      pixel.low = Math.min(pixel.low, value);
+      pixel.high = Math.max(pixel.high, value);
+      pixel.sum += value;
+      pixel.count += 1;
+      pixel.last = value;
+      pixel.end = times[at];
+    }
+    return found;
   }
 
   // From least to greatest pale, the mean strong.
-  drawPixels(c, py, left, pixels, at) {
+  drawLine(c, py, left, { at, step, hold }, pixels) {
     c.globalAlpha = 0.3;
     c.fillStyle = this.color(COLORS[at]);
     for (const { column, low, high } of pixels) {
-      c.fillRect(left + column, py(high), 1, Math.max(1, py(low) - py(high)));
+      if (low < high) c.fillRect(left + column, py(high), 1, py(low) - py(high));
     }
     c.globalAlpha = 1;
-    this.pen(c, at);
+    c.strokeStyle = this.color(COLORS[at]);
+    c.lineWidth = 1.6;
+    c.setLineDash(DASHES[at]);
     c.beginPath();
-    let before = -9;
-    for (const { column, mean } of pixels) {
-      c[column - before > 3 ? 'moveTo' : 'lineTo'](left + column + 0.5, py(mean));
-      before = column;
-    }
+    pixels.forEach(({ column, begin, sum, count }, place) => {
+      const before = pixels[place - 1], x = left + column + 0.5;
+      const joined = before && begin - before.end <= hold;
+      if (joined && step) c.lineTo(x, py(before.last));
+      c[joined ? 'lineTo' : 'moveTo'](x, py(sum / count));
+    });
     c.stroke();
   }
 
@@ -368,23 +362,4 @@ export function indexAt(times, time) {
     else high = middle;
   }
   return low - 1;
-}
-
-// Of each pixel that has values: the least, the greatest and their mean.
-function perPixel(times, values, from, to, columns) {
-  const found = [];
-  let at = Math.max(0, indexAt(times, from));
-  const end = Math.min(times.length, indexAt(times, to) + 2);
-  for (let column = 0; column < columns && at < end; column += 1) {
-    const until = from + (column + 1) / columns * (to - from);
-    let low = Infinity, high = -Infinity, sum = 0, count = 0;
-    for (; at < end && times[at] < until; at += 1) {
-      const value = values[at];
-      if (Number.isNaN(value)) continue;
-      low = Math.min(low, value); high = Math.max(high, value);
-      sum += value; count += 1;
-    }
-    if (count) found.push({ column, low, high, mean: sum / count });
-  }
-  return found;
 }
