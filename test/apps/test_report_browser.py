@@ -241,7 +241,7 @@ def shown(browser, folder: Path, made: Recording) -> OpenPage:
 
 @pytest.mark.parametrize('jumps', [True, False])
 def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(browser, tmp_path, jumps):
-    """It drives along y = 0, then along y = 9 m; the way between leads through the middle."""
+    """It drives along y = 0, then y = 9 m; the way between leads past 45 px left of the middle."""
     made = blank()
     for tick in range(80):
         made.odom.add(tick / 4, tick % 40 * 9 / 39, 9.0 * (tick >= 40), 0.0, 0.5, 0.0)
@@ -256,7 +256,7 @@ def test_the_track_is_coloured_over_time_and_a_jump_breaks_it(browser, tmp_path,
                 && all[at + 3] === 255 && like(red, all[at + 2]));
             return [has([0, height / 2, width, height / 2], (red, blue) => blue > red + 90),
                     has([0, 0, width, height / 2], (red, blue) => red > 200 && blue < 30),
-                    data(width / 2 - 4, height / 2 - 4, 8, 8).some(each => each)];
+                    data(width / 2 - 49, height / 2 - 4, 8, 8).some(each => each)];
         }""") == [True, True, not jumps], 'blue, then amber, and the line between')
         assert page.errors == []
 

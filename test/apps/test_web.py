@@ -376,7 +376,7 @@ def test_a_simulated_robot_shows_its_room_and_where_it_really_is(stage, pages, t
         assert page.known['room_origin'] == pytest.approx([-1.0, 1.0, -1.5708], abs=1e-3)
         teacher.tell('bump left 0.3')
         page.until(lambda: page.known['events'])
-        assert page.known['events'][0][0] == 'bump'
+        assert page.known['events'][0][0] == 'bumper'
         teacher.tell('quit')
         page.until(lambda: page.known['true_pose'] is None)
 

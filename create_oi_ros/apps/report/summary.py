@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from datetime import datetime, UTC
 from math import hypot, isfinite
+from typing import NamedTuple
 
 from .recording import Recording, Span, TOPICS
 
@@ -17,8 +17,7 @@ CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
 HOUR = 3600
 
 
-@dataclass(frozen=True)
-class TimelineEvent:
+class TimelineEvent(NamedTuple):
     """Something that happened, with its time."""
 
     time: float

@@ -20,6 +20,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
+from ...ros.diagnostics import PARAMETERS
 from ...ros.messages import charging_name, mode_name, UNKNOWN_SIGNAL, yaw_of
 
 Json = Any
@@ -40,8 +41,8 @@ SILENT = 1.5
 OLD, OLDEST = 3.5, 30.0
 """Seconds after which a value is old that should come again: at least, and at most, where three
 times its last interval lies between."""
-REPORTED_OTHERWISE = ('mode', 'safety')
-"""Statuses that repeat what topics say, and are no news of their own."""
+NO_NEWS = ('mode', 'safety', PARAMETERS)
+"""Statuses that repeat what topics say, or never change."""
 
 SMOOTHING = 20.0
 """Seconds over which the current is averaged."""
@@ -272,16 +273,17 @@ class LiveRobot:
     def diagnose(self, statuses: Mapping[str, DiagnosticStatus], now: float) -> None:
         """Take the statuses of the driver, by their names without the node's name."""
         self._see('diagnostics', now)
-        for name, status in statuses.items():
-            level = int.from_bytes(status.level, 'little')
-            if level != self._levels.get(name, 0) and name not in REPORTED_OTHERWISE:
-                self.happened(('', 'warn')[level] if level < 2 else 'error',
-                              f'{name}: {status.message}', now)
-            self._levels[name] = level
-        self.parts.put('diagnostics', {name: {
+        part = {name: {
             'level': int.from_bytes(status.level, 'little'), 'message': status.message,
             'values': {each.key: each.value for each in status.values}}
-            for name, status in statuses.items()})
+            for name, status in statuses.items() if name not in NO_NEWS}
+        for name, told in part.items():
+            level = told['level']
+            if level != self._levels.get(name, 0):
+                self.happened(('', 'warn')[level] if level < 2 else 'error',
+                              f'{name}: {told["message"]}', now)
+            self._levels[name] = level
+        self.parts.put('diagnostics', part)
 
     def _move(self, odom: Odometry, now: float) -> None:
         pose, twist, known = odom.pose.pose, odom.twist.twist, odom.pose.covariance
@@ -305,7 +307,8 @@ class LiveRobot:
         if touched and not self._touched.get(kind):
             self.happened('warn', f'{HAZARDS[kind]} {touched}', now)
             if self.pose is not None:
-                self.events.add([kind, round(self.pose.x, 3), round(self.pose.y, 3), touched])
+                self.events.add([
+                    HAZARDS[kind], round(self.pose.x, 3), round(self.pose.y, 3), touched])
         self._touched[kind] = bool(touched)
 
     def _battery_part(self, message: BatteryState, now: float) -> Json:

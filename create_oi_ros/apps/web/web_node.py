@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from ...ros import topics
-from ...ros.diagnostics import of_driver, PARAMETERS
+from ...ros.diagnostics import of_driver
 from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, GOALS
@@ -74,9 +74,7 @@ class WebNode(Node):
         """Pass on the diagnostics of the driver in our namespace."""
         found = of_driver(message, self._own_namespace)
         if found is not None:
-            _, statuses = found
-            self._robot.diagnose({name: status for name, status in statuses.items()
-                                  if name != PARAMETERS}, time.monotonic())
+            self._robot.diagnose(found[1], time.monotonic())
 
     def action_client(self, name: str) -> ActionClient:
         """Return the client of an action; it is made when it is first needed."""

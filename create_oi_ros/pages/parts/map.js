@@ -10,6 +10,8 @@ import { Track } from './map_track.js';
 
 const LEAST_SCALE = 4, MOST_SCALE = 1200, FIRST_SCALE = 90;  // pixels for a metre
 const BEYOND = 400;         // pixels by which what stands still is wider than the map
+const BUTTONS = 90;         // pixels that they hide on the right
+const MARGIN = 0.6;         // metres, around everything
 const ZOOM = 1.35;          // of one step
 const TAP = 6;              // pixels that a finger may move while it taps
 const EASE = 60;            // ms in which the robot drawn follows the one measured
@@ -33,7 +35,6 @@ export class Map2D {
     this.pose = this.drawn = this.truth = this.room = this.origin = null;
     this.way = [];              // where goals lead: x, y, and a heading or null where they end
     this.radius = 0.165;
-    this.lit = {};
     this.pointers = new Map();
     this.dirty = true;
     this.readColors();
@@ -100,8 +101,6 @@ export class Map2D {
     if (name === 'room' || name === 'origin') this.changes += 1;
     this.touch();
   }
-
-  light(group, sides) { this.lit[group] = sides; this.touch(); }
 
   // Looking.
 
@@ -180,12 +179,13 @@ export class Map2D {
     }
     if (!corners.length) return;
     const [xs, ys] = [0, 1].map(axis => corners.map(each => each[axis]));
-    const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    const [left, right] = [Math.min(...xs), Math.max(...xs)];
+    const [low, high] = [Math.min(...ys), Math.max(...ys)];
     this.setFollow(false);
-    this.center = { x: (left + right) / 2, y: (low + high) / 2 };
-    const margin = 0.6;
-    this.scale = Math.max(LEAST_SCALE, Math.min(
-      FIRST_SCALE * 2, this.width / (right - left + margin), this.height / (high - low + margin)));
+    const fits = Math.min((this.width - BUTTONS) / (right - left + MARGIN),
+                          this.height / (high - low + MARGIN));
+    this.scale = Math.max(LEAST_SCALE, Math.min(FIRST_SCALE * 2, fits));
+    this.center = { x: (left + right + BUTTONS / this.scale) / 2, y: (low + high) / 2 };
     this.touch();
   }
 
@@ -240,15 +240,14 @@ export class Map2D {
     this.drawTrack(pen, () => this.track.drawNew(c, drawn));
     this.drawWay(pen);
     if (this.pose) {
-      drawRobot(pen, drawn, radius, this.lit.bump || {});
+      drawRobot(pen, drawn, radius, this.bump);
       if (this.pose.covariance) drawEllipse(pen, drawn, this.pose.covariance);
     }
-    for (const [kind, x, y] of this.events) {
-      c.save();
-      c.translate(x, y);
-      c.scale(pen.pixel, -pen.pixel);
-      drawSign(new Pen(c, this.color), kind);
-      c.restore();
+    for (const [name, x, y] of this.events) {
+      pen.at([x, y, 0], () => {
+        c.scale(pen.pixel, -pen.pixel);
+        drawSign(new Pen(c, this.color), name);
+      });
     }
     if (this.truth && this.origin) {
       const [x, y, yaw] = this.truth;
@@ -272,7 +271,8 @@ export class Map2D {
   // Show what stands still. It is drawn once, on a larger canvas around a place near the middle: a
   // long track takes 50 ms, so a frame of a map that follows the robot only moves it.
   showStill() {
-    const { canvas, still, center, ratio } = this, zoom = this.scale * ratio, cell = BEYOND / this.scale;
+    const { canvas, still, center, ratio } = this, zoom = this.scale * ratio;
+    const cell = BEYOND / this.scale;
     const [x, y] = [center.x, center.y].map(each => Math.round(each / cell) * cell);
     const stamp = [x, y, this.changes, this.track.still, zoom, canvas.width, canvas.height].join();
     if (this.stamp !== stamp) {

@@ -105,7 +105,7 @@ function pairs(flat) {
 
 // The robot, where it really is, and how sure the odometry is of its place.
 
-export function drawRobot(pen, { x, y, yaw }, radius, bump) {
+export function drawRobot(pen, { x, y, yaw }, radius, bump = {}) {
   const edge = { stroke: '--bump', width: Math.max(0.035 / pen.pixel, 5) };
   const arrow = Math.max(radius, LEAST_ARROW * pen.pixel);
   pen.at([x, y, yaw], () => {
@@ -134,18 +134,18 @@ export function drawEllipse(pen, { x, y }, [xx, xy, yy]) {
            { fill: '--doubt', stroke: '--doubt-edge', width: 1.5 });
 }
 
-// Signs: their names, colours and paths, in pixels.
+// Signs by their names, with colours and paths, in pixels.
 
 export const SIGNS = {
-  bump: { name: 'bump', color: '--bump', path: c => {
+  bumper: { color: '--bump', path: c => {
     c.moveTo(-5, -5); c.lineTo(5, 5); c.moveTo(-5, 5); c.lineTo(5, -5);
   } },
-  cliff: { name: 'cliff', color: '--cliff', path: c => polygon(c, [-6, -4, 6, -4, 0, 6]) },
-  drop: { name: 'wheel drop', color: '--drop', path: c => c.rect(-5, -5, 10, 10) },
+  cliff: { color: '--cliff', path: c => polygon(c, [-6, -4, 6, -4, 0, 6]) },
+  'wheel drop': { color: '--drop', path: c => c.rect(-5, -5, 10, 10) },
 };
 
-export function drawSign(pen, kind) {
-  const { color, path } = SIGNS[kind];
+export function drawSign(pen, name) {
+  const { color, path } = SIGNS[name];
   pen.c.lineCap = pen.c.lineJoin = 'round';
   pen.draw(path, { stroke: '--card', width: 5 });
   pen.draw(path, { stroke: color, width: 2.5 });
@@ -160,7 +160,7 @@ export function fillKey(list, color, names) {
     ['true place', pen => pen.draw(ring, { stroke: '--truth', dash: [3, 3] }), 'simulated'],
     ['Home Base', pen => pen.draw(line, { stroke: '--accent', width: 6 }), 'simulated'],
     ['virtual wall', pen => pen.draw(line, { stroke: '--virtual', dash: [2, 5] }), 'simulated'],
-    ...Object.entries(SIGNS).map(([kind, { name }]) => [name, pen => drawSign(pen, kind)]),
+    ...Object.keys(SIGNS).map(name => [name, pen => drawSign(pen, name)]),
   ].filter(([name]) => !names || names.includes(name));
   list.replaceChildren();
   for (const [name, paint, only = ''] of entries) {

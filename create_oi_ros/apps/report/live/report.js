@@ -5,9 +5,9 @@
 import { Charts } from './charts.js';
 import { byId } from './dom.js';
 import { Map2D } from './map.js';
+import { SIGNS } from './map_drawing.js';
 import { ReplayTrack } from './replay_track.js';
 
-const SIGNS = { bumper: 'bump', cliff: 'cliff', 'wheel drop': 'drop' };
 const STEP = 1, PAGE = 10;  // seconds of the arrow keys, without and with shift
 const SECOND = 2;           // a value that comes once a second holds so long, seconds
 const FRAME = 0.5;          // and one of the odometry
@@ -38,7 +38,7 @@ function decode({ unit, steps }) {
 
 // The map.
 
-const map = new Map2D(byId('map-canvas'), byId('map-key'), ['bump', 'cliff', 'wheel drop']);
+const map = new Map2D(byId('map-canvas'), byId('map-key'), Object.keys(SIGNS));
 const track = new ReplayTrack(odom, data.jumps, name => map.color(name));
 map.track = track;
 map.scrolls = true;
@@ -47,7 +47,7 @@ byId('no-track').hidden = track.points.length > 0;
 byId('map').classList.toggle('empty', !track.points.length);
 map.mark(data.spans.flatMap(({ name, spans }) => (SIGNS[name] ? spans.flatMap(([start]) => {
   const pose = poseAt(start);
-  return pose ? [[SIGNS[name], pose.x, pose.y]] : [];
+  return pose ? [[name, pose.x, pose.y]] : [];
 }) : [])));
 
 function poseAt(time) { return odom.t.length ? track.poseAt(time) : null; }
@@ -113,7 +113,7 @@ function show(time) {
   if (pose) map.move(pose);
   byId('place').textContent = pose
     ? `x ${pose.x.toFixed(2)} m, y ${pose.y.toFixed(2)} m, heading ${degrees}°` : '';
-  map.light('bump', bumped(time));
+  map.set('bump', bumped(time));
   const current = starts.findLastIndex(start => start <= time + 1e-3);
   rows.forEach((row, at) => row.classList.toggle('current', at === current));
 }

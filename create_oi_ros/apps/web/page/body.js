@@ -44,8 +44,6 @@ export class Body {
     }
     this.sign(84, 128, 'M -3 -4 L 4 0 L -3 4 Z');
     this.sign(116, 128, 'M -5 -4 L 0 0 L -5 4 Z M 0 -4 L 5 0 L 0 4 Z');
-    this.power = element('circle', { cx: 100, cy: 158, r: 6, class: 'power' }, this.svg);
-    element('title', {}, this.power).textContent = 'Power LED';
     this.describe();
   }
 

@@ -27,7 +27,7 @@ const map = new Map2D(byId('map-canvas'), byId('map-key'));
 const body = new Body(byId('body'), byId('sensed'));
 const charts = new LastMinute(byId('chart-list'), byId('chart-pause'), name => map.color(name));
 const goals = new Goals(byId('goal-form'), map, send, () => Number(byId('limit').value));
-const robot = { you: null, topTurn: 3.8, oldestView: 0.5, separation: 0.258, silent: true };
+const robot = {};  // what the server told, by its parts
 let trouble = '', stopSent = false;
 
 const connection = new Connection(message => RECEIVE[message.type](message), showState);
@@ -108,7 +108,7 @@ function tell(news) {
 
 function light(group, sides) {
   body.light(group, sides);
-  map.light(group, sides);
+  if (group === 'bump') map.set('bump', sides);
   notice(group, Object.values(sides).some(Boolean));
 }
 

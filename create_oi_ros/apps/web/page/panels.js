@@ -5,7 +5,6 @@
 import { byId, element } from './dom.js';
 
 const WARN = 1, ERROR = 2;
-const SAID_AT_STICK = ['mode', 'safety'];
 const MOST_LOGGED = 200;
 
 export function say(id, text) {
@@ -69,7 +68,7 @@ export function showDiagnostics(statuses) {
     say('publishers-text', `from ${driver.values['cmd_vel publishers']}`);
   }
   const troubles = Object.entries(statuses)
-    .filter(([name, status]) => status.level >= WARN && !SAID_AT_STICK.includes(name))
+    .filter(([, status]) => status.level >= WARN)
     .map(([name, status]) => `${name}: ${forPeople(status.message)}`);
   return troubles.join(' · ');
 }
