@@ -8,11 +8,10 @@ are checked, handed over, reported on and answered. Only a malformed request is 
 reason in the log; any other is accepted, and its result says why it could not be done.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any
 
 from create_oi_msgs.action import (
     AudioNoteSequence,
@@ -36,13 +35,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from ..driver import Driver, goals
-from ..driver.goal_control import CANCELED, CLIENT_GONE
-from ..driver.goals import Code, Goal, Malformed, Phase, Progress, Running
+from ..driver.goal_control import CANCELED, CLIENT_GONE, GoalControl
+from ..driver.goals import Code, Malformed, Phase, Running
 from ..driver.goals.goal import check_range
-from ..driver.goals.legs import StoppingModel
 from ..driver.goals.motions import Circle, TargetPose
 from ..driver.goals.wall_following import MINUTE
-from ..driver.outbox import Awaited
 from ..driver.outputs import Animation, blink, MIN_PERIOD, spin, Tune, USUAL_PERIOD
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
@@ -71,40 +68,28 @@ SEARCH = {
 }
 
 
-class StoppingModels(Protocol):
-    """How far a robot coasts, as goals learn it."""
-
-    straight: StoppingModel
-    turning: StoppingModel
-
-
-class DefaultStoppingModels:
-    """Those of a robot of which nothing is learned yet."""
-
-    def __init__(self) -> None:
-        self.straight, self.turning = StoppingModel(), StoppingModel()
-
-
-def distance_left(feedback: Any, progress: Progress) -> None:
+def distance_left(feedback: Any, running: Running) -> None:
     """Fill in the distance that is left."""
-    feedback.remaining_travel_distance = progress.distance
+    feedback.remaining_travel_distance = running.progress.distance
 
 
-def angle_left(feedback: Any, progress: Progress) -> None:
+def angle_left(feedback: Any, running: Running) -> None:
     """Fill in the angle that is left."""
-    feedback.remaining_angle_travel = progress.angle
+    feedback.remaining_angle_travel = running.progress.angle
 
 
-def phase_left(feedback: Any, progress: Progress) -> None:
+def phase_left(feedback: Any, running: Running) -> None:
     """Fill in the phase, and what is left of it."""
+    progress = running.progress
     if progress.phase is not None:
         feedback.navigate_state = PHASES[progress.phase]
     feedback.remaining_angle_travel = progress.angle
     feedback.remaining_travel_distance = progress.distance
 
 
-def dock_seen(feedback: Any, progress: Progress) -> None:
+def dock_seen(feedback: Any, running: Running) -> None:
     """Fill in how far the search for the dock is, and what of it is seen."""
+    progress = running.progress
     beams = max(0, progress.infrared - BEAMS)
     feedback.state = SEARCH.get(progress.phase or Phase.LOOKING, Dock.Feedback.LOOKING)
     feedback.sees_dock = bool(beams)
@@ -113,265 +98,21 @@ def dock_seen(feedback: Any, progress: Progress) -> None:
     feedback.force_field = bool(beams & FORCE_FIELD)
 
 
-def wall_engaged(feedback: Any, progress: Progress) -> None:
+def wall_engaged(feedback: Any, running: Running) -> None:
     """Fill in whether a wall is followed."""
-    feedback.engaged = progress.phase is Phase.ENGAGED
+    feedback.engaged = running.progress.phase is Phase.ENGAGED
 
 
-@dataclass(frozen=True, kw_only=True)
-class Action(ABC):
-    """One action."""
-
-    name: str
-    type: Any
-    about: str
-
-    @abstractmethod
-    def make(self, request: Any, stopping: StoppingModels) -> Any:
-        """Turn a request into what the driver does; ValueError says what is wrong with it."""
-
-    @abstractmethod
-    def start(self, driver: Driver, made: Any, now: float) -> 'Pursuit':
-        """Hand it to the driver."""
+def note_played(feedback: Any, tune: Tune) -> None:
+    """Fill in the note that sounds."""
+    feedback.note = note_text(tune.notes[tune.note].number)
+    feedback.place, feedback.iterations_played = tune.note, tune.iterations_played
+    feedback.current_runtime = messages.duration(tune.seconds)
 
 
-class Pursuit(ABC):
-    """What the driver does for a request, until it ends."""
-
-    awaited: Awaited[Any]
-    """How it ends."""
-
-    @abstractmethod
-    def cancel(self, driver: Driver, now: float, *, gone: bool = False) -> None:
-        """End it, if it has not ended; `gone`: because its client has gone."""
-
-    @abstractmethod
-    def news(self) -> Any:
-        """Return feedback, or None where there is none to give; called in every frame."""
-
-    @abstractmethod
-    def fill(self, result: Any) -> tuple[bool, str]:
-        """Fill in how it ended; return whether it succeeded, and a line for the log."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class GoalAction(Action):
-    """An action that drives the robot."""
-
-    goal: Callable[[Any, StoppingModels], Goal]
-    """Turns a request into a goal; Malformed says what is wrong."""
-    feedback: Callable[[Any, Progress], None]
-    """Fills the feedback."""
-
-    def make(self, request: Any, stopping: StoppingModels) -> Goal:
-        """Return the goal."""
-        return self.goal(request, stopping)
-
-    def start(self, driver: Driver, made: Goal, now: float) -> Pursuit:
-        """Pursue it."""
-        return GoalPursuit(self, driver.goals.start(made, now))
-
-
-class GoalPursuit(Pursuit):
-    """A goal that the driver pursues."""
-
-    def __init__(self, action: GoalAction, running: Running) -> None:
-        """Report on a goal that was handed over."""
-        self._action, self._running = action, running
-        self.awaited = running
-        self._feedback = action.type.Feedback()
-        self._frames = 0
-
-    def cancel(self, driver: Driver, now: float, *, gone: bool = False) -> None:
-        """End the goal, if it has not ended."""
-        driver.goals.cancel(self._running, now, CLIENT_GONE if gone else CANCELED)
-
-    def news(self) -> Any:
-        """Return feedback ten times a second."""
-        self._frames += 1
-        if self._frames % FEEDBACK_EVERY:
-            return None
-        self._action.feedback(self._feedback, self._running.progress)
-        return self._feedback
-
-    def fill(self, result: Any) -> tuple[bool, str]:
-        """Fill in how it ended; the header of the pose is filled already."""
-        ending = self._running.ending
-        assert ending is not None
-        result.success = ending.code is Code.NONE
-        result.error_code = ending.code
-        result.message = ending.text
-        position = result.pose.pose.position
-        position.x, position.y = ending.estimate.x, ending.estimate.y
-        turned = result.pose.pose.orientation
-        turned.z, turned.w = of_yaw(ending.estimate.yaw)
-        if hasattr(result, 'is_docked'):
-            result.is_docked = ending.docked
-        if hasattr(result, 'runtime'):
-            result.runtime = messages.duration(ending.seconds)
-        how = 'succeeded' if result.success else f'ended, {ending.code.name}'
-        return result.success, f'{self._action.name} {how}: {ending.text}'
-
-
-class TuneAction(Action):
-    """An action that plays a tune; it moves no wheel."""
-
-    def make(self, request: Any, stopping: StoppingModels) -> Tune:
-        """Return the tune; ValueError says what is wrong."""
-        if request.iterations != request.INFINITE and request.iterations < 1:
-            raise ValueError(f'iterations = {request.iterations}; allowed: above 0, or '
-                             f'{request.INFINITE}, until it is canceled')
-        return Tune(parse_tune(request.notes), request.iterations)
-
-    def start(self, driver: Driver, made: Tune, now: float) -> Pursuit:
-        """Play it."""
-        driver.outputs.play_tune(made, now)
-        return TunePursuit(self, made)
-
-
-Shown = TypeVar('Shown', Tune, Animation)
-
-
-class ShowPursuit(Pursuit, Generic[Shown]):
-    """A tune or an animation that the robot shows."""
-
-    awaited: Shown
-
-    def __init__(self, action: Action, shown: Shown) -> None:
-        """Report on what was handed over."""
-        self._action = action
-        self.awaited = shown
-
-    def cancel(self, driver: Driver, now: float, *, gone: bool = False) -> None:
-        """End it, if it has not ended."""
-        driver.outputs.cancel(self.awaited, 'its client has gone' if gone else 'canceled')
-
-    def fill(self, result: Any) -> tuple[bool, str]:
-        """Fill in how it ended."""
-        outcome = self.awaited.outcome
-        assert outcome is not None
-        fill(result, outcome)
-        result.runtime = messages.duration(self.awaited.seconds)
-        return outcome.ok, f'{self._action.name}: {outcome.text}'
-
-
-class TunePursuit(ShowPursuit[Tune]):
-    """A tune that the robot plays."""
-
-    _told = 0, -1
-    """Iteration and place of the note in the last feedback."""
-
-    def news(self) -> Any:
-        """Return feedback with each new note."""
-        tune = self.awaited
-        place = tune.iterations_played, tune.note
-        if tune.note < 0 or place == self._told:
-            return None
-        self._told = place
-        return self._action.type.Feedback(
-            note=note_text(tune.notes[tune.note].number), place=tune.note,
-            iterations_played=tune.iterations_played,
-            current_runtime=messages.duration(tune.seconds))
-
-    def fill(self, result: Any) -> tuple[bool, str]:
-        """Fill in how it ended."""
-        result.iterations_played = self.awaited.iterations_played
-        return super().fill(result)
-
-
-class AnimationAction(Action):
-    """An action that animates the LEDs; it moves no wheel."""
-
-    def make(self, request: Any, stopping: StoppingModels) -> Animation:
-        """Return the animation; ValueError says what is wrong."""
-        steps = {request.BLINK_LIGHTS: blink, request.SPIN_LIGHTS: spin}.get(
-            request.animation_type)
-        if steps is None:
-            raise ValueError(f'animation_type = {request.animation_type}; allowed: '
-                             f'{request.BLINK_LIGHTS} (blink), {request.SPIN_LIGHTS} (spin)')
-        if not (request.play or request.advance or request.power_intensity):
-            raise ValueError('no LED is chosen: set play, advance or power_intensity')
-        period = messages.seconds(request.period) or USUAL_PERIOD
-        check_range('period', period, 's', MIN_PERIOD)
-        runtime = messages.seconds(request.max_runtime)
-        check_range('max_runtime', runtime, 's', 0.0)
-        return Animation(steps(messages.leds(request)), period, runtime or MINUTE)
-
-    def start(self, driver: Driver, made: Animation, now: float) -> Pursuit:
-        """Show it."""
-        driver.outputs.animate(made, now)
-        return AnimationPursuit(self, made)
-
-
-class AnimationPursuit(ShowPursuit[Animation]):
-    """An animation of the LEDs."""
-
-    _frames = 0
-
-    def news(self) -> Any:
-        """Return feedback ten times a second."""
-        self._frames += 1
-        if self._frames % FEEDBACK_EVERY:
-            return None
-        return self._action.type.Feedback(remaining_runtime=messages.duration(
-            self.awaited.max_seconds - self.awaited.seconds))
-
-
-ACTIONS = (
-    GoalAction(
-        name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
-        goal=lambda goal, stopping: goals.DriveDistance(
-            goal.distance, goal.max_translation_speed, allowance(goal), stopping.straight),
-        feedback=distance_left),
-    GoalAction(
-        name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
-        goal=lambda goal, stopping: goals.RotateAngle(
-            goal.angle, goal.max_rotation_speed, allowance(goal), stopping.turning),
-        feedback=angle_left),
-    GoalAction(
-        name='drive_arc', type=DriveArc, about='drive on a circle',
-        goal=lambda goal, stopping: goals.DriveArc(
-            Circle(goal.angle, goal.radius, goal.translate_direction),
-            goal.max_translation_speed, allowance(goal), stopping.turning),
-        feedback=angle_left),
-    GoalAction(
-        name='navigate_to_position', type=NavigateToPosition,
-        about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
-        goal=lambda goal, stopping: goals.NavigateToPosition(
-            place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
-            stopping.straight, stopping.turning),
-        feedback=phase_left),
-    GoalAction(
-        name='dock', type=Dock, about='look for the Home Base and charge there; '
-        'the service `dock` only starts to',
-        goal=lambda goal, stopping: goals.Dock(allowance(goal)),
-        feedback=dock_seen),
-    GoalAction(
-        name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
-        goal=lambda goal, stopping: goals.Undock(allowance(goal), stopping.straight),
-        feedback=distance_left),
-    GoalAction(
-        name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
-        goal=lambda goal, stopping: goals.WallFollow(
-            goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
-        feedback=wall_engaged),
-)
-"""The actions that drive the robot."""
-ALL_ACTIONS: tuple[Action, ...] = (*ACTIONS, TuneAction(
-    name='audio_note_sequence', type=AudioNoteSequence,
-    about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)'),
-    AnimationAction(
-        name='led_animation', type=LedAnimation, about='blink LEDs, or light them in turn'))
-
-
-def malformed(name: str, request: Any) -> str:
-    """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
-    action, = (each for each in ALL_ACTIONS if each.name == name)
-    try:
-        action.make(request, DefaultStoppingModels())
-    except ValueError as error:
-        return str(error)
-    return ''
+def runtime_left(feedback: Any, animation: Animation) -> None:
+    """Fill in the time that is left."""
+    feedback.remaining_runtime = messages.duration(animation.max_seconds - animation.seconds)
 
 
 def allowance(goal: Any) -> float:
@@ -386,16 +127,193 @@ def place(goal: Any) -> TargetPose:
     return TargetPose(pose.position.x, pose.position.y, heading)
 
 
-@dataclass
-class Pursued:
-    """A request that the driver follows, and who waits for its end."""
+def tune(request: Any, _: GoalControl) -> Tune:
+    """Return the tune of a request; ValueError says what is wrong."""
+    if request.iterations != request.INFINITE and request.iterations < 1:
+        raise ValueError(f'iterations = {request.iterations}; allowed: above 0, or '
+                         f'{request.INFINITE}, until it is canceled')
+    return Tune(parse_tune(request.notes), request.iterations)
 
-    handle: ServerGoalHandle
-    pursuit: Pursuit
-    service: str
-    """The service by which its client sent it."""
-    unheard: int = 0
-    """Checks of the graph in a row that showed no client."""
+
+def animation(request: Any, _: GoalControl) -> Animation:
+    """Return the animation of a request; ValueError says what is wrong."""
+    steps = {request.BLINK_LIGHTS: blink, request.SPIN_LIGHTS: spin}.get(request.animation_type)
+    if steps is None:
+        raise ValueError(f'animation_type = {request.animation_type}; allowed: '
+                         f'{request.BLINK_LIGHTS} (blink), {request.SPIN_LIGHTS} (spin)')
+    if not (request.play or request.advance or request.power_intensity):
+        raise ValueError('no LED is chosen: set play, advance or power_intensity')
+    period = messages.seconds(request.period) or USUAL_PERIOD
+    check_range('period', period, 's', MIN_PERIOD)
+    runtime = messages.seconds(request.max_runtime)
+    check_range('max_runtime', runtime, 's', 0.0)
+    return Animation(steps(messages.leds(request)), period, runtime or MINUTE)
+
+
+def start_tune(driver: Driver, tune: Tune, now: float) -> Tune:
+    """Play a tune."""
+    driver.outputs.play_tune(tune, now)
+    return tune
+
+
+def start_animation(driver: Driver, animation: Animation, now: float) -> Animation:
+    """Show an animation."""
+    driver.outputs.animate(animation, now)
+    return animation
+
+
+def cancel_goal(driver: Driver, running: Running, now: float, *, gone: bool) -> None:
+    """End a goal, if it has not ended; `gone`: because its client has gone."""
+    driver.goals.cancel(running, now, CLIENT_GONE if gone else CANCELED)
+
+
+def cancel_show(driver: Driver, shown: Tune | Animation, _now: float, *, gone: bool) -> None:
+    """End a tune or an animation, if it has not ended."""
+    driver.outputs.cancel(shown, 'its client has gone' if gone else 'canceled')
+
+
+def fill_ending(result: Any, running: Running) -> str:
+    """Fill in how a goal ended, but for the header of the pose; return that for the log."""
+    ending = running.ending
+    assert ending is not None
+    result.success = ending.code is Code.NONE
+    result.error_code = ending.code
+    result.message = ending.text
+    position = result.pose.pose.position
+    position.x, position.y = ending.estimate.x, ending.estimate.y
+    turned = result.pose.pose.orientation
+    turned.z, turned.w = of_yaw(ending.estimate.yaw)
+    if hasattr(result, 'is_docked'):
+        result.is_docked = ending.docked
+    if hasattr(result, 'runtime'):
+        result.runtime = messages.duration(ending.seconds)
+    return f'{"succeeded" if result.success else f"ended, {ending.code.name}"}: {ending.text}'
+
+
+def fill_show(result: Any, shown: Tune | Animation) -> str:
+    """Fill in how a tune or an animation ended; return that for the log."""
+    assert shown.outcome is not None
+    fill(result, shown.outcome)
+    result.runtime = messages.duration(shown.seconds)
+    if isinstance(shown, Tune):
+        result.iterations_played = shown.iterations_played
+    return f'ended: {shown.outcome.text}'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Action:
+    """One action; unless its row says otherwise, one that drives the robot."""
+
+    name: str
+    type: Any
+    about: str
+    make: Callable[[Any, GoalControl], Any]
+    """Turns a request into what the driver does; ValueError says what is wrong with it."""
+    start: Callable[[Driver, Any, float], Any] = (
+        lambda driver, goal, now: driver.goals.start(goal, now))
+    """Hands that to the driver, with the time, s; returns what `cancel` and the others take."""
+    cancel: Callable[..., None] = cancel_goal
+    feedback: Callable[[Any, Any], None]
+    """Fills feedback."""
+    news: Callable[[Any], object] | None = None
+    """Returns what must change for feedback to be sent; None: it is sent ten times a second."""
+    fill: Callable[[Any, Any], str] = fill_ending
+    """Fills the result; returns a text for the log."""
+
+
+ACTIONS = (
+    Action(
+        name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
+        make=lambda goal, robot: goals.DriveDistance(
+            goal.distance, goal.max_translation_speed, allowance(goal), robot.straight),
+        feedback=distance_left),
+    Action(
+        name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
+        make=lambda goal, robot: goals.RotateAngle(
+            goal.angle, goal.max_rotation_speed, allowance(goal), robot.turning),
+        feedback=angle_left),
+    Action(
+        name='drive_arc', type=DriveArc, about='drive on a circle',
+        make=lambda goal, robot: goals.DriveArc(
+            Circle(goal.angle, goal.radius, goal.translate_direction),
+            goal.max_translation_speed, allowance(goal), robot.turning),
+        feedback=angle_left),
+    Action(
+        name='navigate_to_position', type=NavigateToPosition,
+        about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
+        make=lambda goal, robot: goals.NavigateToPosition(
+            place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
+            robot.straight, robot.turning),
+        feedback=phase_left),
+    Action(
+        name='dock', type=Dock, about='look for the Home Base and charge there; '
+        'the service `dock` only starts to',
+        make=lambda goal, robot: goals.Dock(allowance(goal)),
+        feedback=dock_seen),
+    Action(
+        name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
+        make=lambda goal, robot: goals.Undock(allowance(goal), robot.straight),
+        feedback=distance_left),
+    Action(
+        name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
+        make=lambda goal, robot: goals.WallFollow(
+            goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
+        feedback=wall_engaged),
+)
+"""The actions that drive the robot."""
+ALL_ACTIONS = (
+    *ACTIONS,
+    Action(
+        name='audio_note_sequence', type=AudioNoteSequence,
+        about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
+        make=tune, start=start_tune, cancel=cancel_show, feedback=note_played,
+        news=lambda tune: (tune.iterations_played, tune.note), fill=fill_show),
+    Action(
+        name='led_animation', type=LedAnimation, about='blink LEDs, or light them in turn',
+        make=animation, start=start_animation, cancel=cancel_show, feedback=runtime_left,
+        fill=fill_show),
+)
+
+
+def malformed(name: str, request: Any) -> str:
+    """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
+    action, = (each for each in ALL_ACTIONS if each.name == name)
+    try:
+        action.make(request, Driver().goals)
+    except ValueError as error:
+        return str(error)
+    return ''
+
+
+class Pursued:
+    """A request that the driver follows, and the goal of the client that waits for its end."""
+
+    def __init__(self, action: Action, started: Any, handle: ServerGoalHandle) -> None:
+        """Report on what the driver has started."""
+        self.action, self.started, self.handle = action, started, handle
+        self.feedback = action.type.Feedback()
+        self._frames = 0
+        self._news = self._newest()
+        self.unheard = 0
+        """Checks of the graph in a row that showed no client."""
+
+    def _newest(self) -> object:
+        if self.action.news is None:
+            return self._frames // FEEDBACK_EVERY
+        return self.action.news(self.started)
+
+    def report(self) -> None:
+        """Send feedback where there is news; called in every frame."""
+        self._frames += 1
+        before, self._news = self._news, self._newest()
+        if self._news != before and self.started.outcome is None:
+            self.action.feedback(self.feedback, self.started)
+            self.handle.publish_feedback(self.feedback)
+
+    def cancel(self, session: Session, *, gone: bool = False) -> None:
+        """End what was started, if it has not ended; `gone`: because its client has gone."""
+        with session.request() as (driver, now):
+            self.action.cancel(driver, self.started, now, gone=gone)
 
 
 class Actions:
@@ -443,22 +361,19 @@ class Actions:
         """Pursue a goal of an action."""
         made = self._make(action, handle.request)
         with self._session.request() as (driver, now):
-            pursuit = action.start(driver, made, now)
-            pursued = Pursued(handle, pursuit, self._node.resolve_service_name(
-                f'{action.name}/_action/send_goal'))
+            pursued = Pursued(action, action.start(driver, made, now), handle)
             self._pursued.append(pursued)
             if handle.is_cancel_requested:
-                pursuit.cancel(driver, now)
-            ended = future_of(pursuit.awaited, self._node)
+                pursued.cancel(self._session)
+            ended = future_of(pursued.started, self._node)
         await ended
         self._pursued.remove(pursued)
         result = action.type.Result()
         if hasattr(result, 'pose'):
             stamp = messages.time(self._stamps.newest or 0)  # the frame's, so that tf2 knows it
             result.pose.header = messages.header(self._odom_frame, stamp)
-        succeeded, line = pursuit.fill(result)
-        self._node.get_logger().info(line)
-        if succeeded:
+        self._node.get_logger().info(f'{action.name} {action.fill(result, pursued.started)}')
+        if result.success:
             handle.succeed()
         elif handle.is_cancel_requested:
             handle.canceled()
@@ -483,23 +398,20 @@ class Actions:
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         for each in self._pursued:
             if each.handle is handle:
-                with self._session.request() as (driver, now):
-                    each.pursuit.cancel(driver, now)
+                each.cancel(self._session)
         return CancelResponse.ACCEPT
 
     def check_clients(self) -> None:
         """End what nobody waits for any more; called once a second."""
         for each in self._pursued:
-            each.unheard = 0 if self._node.count_clients(each.service) else each.unheard + 1
+            service = self._node.resolve_service_name(f'{each.action.name}/_action/send_goal')
+            each.unheard = 0 if self._node.count_clients(service) else each.unheard + 1
             if each.unheard >= CLIENT_LOST_CHECKS:
-                with self._session.request() as (driver, now):
-                    each.pursuit.cancel(driver, now, gone=True)
+                each.cancel(self._session, gone=True)
 
     # On the session's thread.
 
     def report(self) -> None:
         """Publish feedback of what is under way; called in every frame."""
         for each in tuple(self._pursued):
-            feedback = each.pursuit.news() if each.pursuit.awaited.outcome is None else None
-            if feedback is not None:
-                each.handle.publish_feedback(feedback)
+            each.report()
