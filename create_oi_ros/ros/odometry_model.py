@@ -10,11 +10,10 @@ deviations. docs/robot_check.md describes it.
 
 from collections.abc import Mapping
 from contextlib import suppress
-from enum import Enum
 from math import isfinite
 import os
 from pathlib import Path
-from stat import S_IMODE
+import shutil
 from typing import Any, TypeVar
 
 from rclpy.node import Node
@@ -25,40 +24,36 @@ from ..driver.frame_clock import MAX_PERIOD, MIN_PERIOD
 from ..link.session import Session
 from ..odometry import Hypothesis, Knowledge, Known, KnownGyro, Response, Rounding, SignSource
 
-FORMAT, OLD_FORMATS = 2, (1,)
+FORMAT = 2
 HEAD = """\
 # What is known of a robot's wheels and counts, for the parameter odometry_model of create_node.
 # Each number has its standard deviation; metres, seconds, m/s.
 """
 DIGITS = 7
 """Significant digits in the file."""
-NUMBERS = {'right_gain': (0.3, 2.0), 'left_gain': (0.3, 2.0), 'angle_factor': (0.8, 1.2),
-           'frame_period': (MIN_PERIOD, MAX_PERIOD)}
-"""Ranges of the numbers."""
-GYRO = {'zero': (0.0, 5.0), 'drift': (-0.1, 0.1), 'scale': (-1000.0, 1000.0)}
-"""The same of a gyro: V, V/s, degrees a second for each volt."""
-WHEELS = {'time': (1e-3, 10.0), 'of_speed': (0.0, 1.0), 'overshoot': (0.0, 0.9),
-          'braking': (0.05, 20.0), 'dead_time': (0.0, 0.4), 'dead_band': (0.0, 0.1)}
-"""The same of a hypothesis."""
+NUMBERS = ('right_gain', 'left_gain', 'angle_factor', 'frame_period')
+"""Numbers with a standard deviation."""
+WHEELS = ('time', 'of_speed', 'overshoot', 'braking', 'dead_time', 'dead_band')
+"""Numbers of a hypothesis."""
+RANGES = {
+    'right_gain': (0.3, 2.0), 'left_gain': (0.3, 2.0), 'angle_factor': (0.8, 1.2),
+    'frame_period': (MIN_PERIOD, MAX_PERIOD), 'deviation': (0.0, 10.0),
+    'zero': (0.0, 5.0), 'drift': (-0.1, 0.1), 'scale': (-1000.0, 1000.0),
+    'time': (1e-3, 10.0), 'of_speed': (0.0, 1.0), 'overshoot': (0.0, 0.9),
+    'braking': (0.05, 20.0), 'dead_time': (0.0, 0.4), 'dead_band': (0.0, 0.1),
+    'probability': (0.0, 1.0)}
+"""Of all numbers; of a gyro they are in V, V/s, degrees a second for each volt."""
 MOST_HYPOTHESES = 64
 MIN_READINGS = 30
 """Readings since the start from which on the file is written at the end."""
 NO_FILE = ('parameter odometry_model is empty: start the node with '
            '-p odometry_model:=FILE to have a file')
 NOTHING = 'nothing was learned yet: drive and turn the robot first'
-Kind = TypeVar('Kind', bound=Enum)
-
-
-class OldModel(ValueError):
-    """The file is of an older odometry, which this one cannot use."""
+Thing = TypeVar('Thing')
 
 
 def read(path: Path) -> Knowledge | None:
-    """
-    Return what a file knows; None: there is no file yet; ValueError: why it is no good.
-
-    OldModel: it was written by an older odometry.
-    """
+    """Return what a file knows; None: there is no file yet; ValueError: why it is no good."""
     try:
         text = path.read_text('utf-8')
     except FileNotFoundError:
@@ -72,8 +67,6 @@ def read(path: Path) -> Knowledge | None:
         raise ValueError(f'{path} is no text') from None
     try:
         return parsed(text)
-    except OldModel:
-        raise
     except ValueError as error:
         raise ValueError(f'{path}: {error}; delete the file to learn the robot anew') from error
 
@@ -109,40 +102,48 @@ def parsed(text: str) -> Knowledge:
         raise ValueError(f'it is no YAML: {" ".join(str(error).split())}') from error
     if not isinstance(content, dict) or 'format' not in content:
         raise ValueError("it is no model of a robot: it has no 'format'")
-    if content['format'] in OLD_FORMATS:
-        raise OldModel(f"format {content['format']} is of an older odometry")
     if content['format'] != FORMAT:
         raise ValueError(f"format {content['format']!r} is not known; it must be {FORMAT}")
     rows = content.get('wheels')
     if not isinstance(rows, list) or not 1 <= len(rows) <= MOST_HYPOTHESES:
         raise ValueError(f'wheels must be a list of 1 to {MOST_HYPOTHESES} hypotheses')
-    hypotheses = dict(_hypothesis(row) for row in rows)
-    numbers: dict[str, Any] = {name: _known(content, name, *NUMBERS[name]) for name in NUMBERS}
-    gyro = content.get('gyro')
-    if gyro is not None and not isinstance(gyro, dict):
-        raise ValueError('gyro must be a mapping')
+    for row in rows:
+        _mapping(row, 'wheels: each hypothesis')
+    rounding = _mapping(content.get('rounding'), 'rounding')
+    for unknown in rounding.keys() - {kind.value for kind in Rounding}:
+        raise ValueError(f'rounding: {unknown!r} is unknown; allowed: '
+                         f'{", ".join(kind.value for kind in Rounding)}')
+    gyro = None
+    if 'gyro' in content:
+        numbers = _mapping(content['gyro'], 'gyro')
+        gyro = KnownGyro(*(_known(numbers, name) for name in KnownGyro._fields))
+    known: dict[str, Any] = {name: _known(content, name) for name in NUMBERS}
     return Knowledge(
-        gyro=None if gyro is None else KnownGyro(
-            **{name: _known(gyro, name, *GYRO[name]) for name in GYRO}),
-        hypotheses=_normalised(hypotheses, 'wheels'),
-        rounding=_probabilities(content.get('rounding'), 'rounding', Rounding), **numbers)
+        gyro=gyro, **known,
+        hypotheses=_normalised(
+            {_hypothesis(row): _number(row, 'probability') for row in rows}, 'wheels'),
+        rounding=_normalised(
+            {kind: _number({kind.value: 0.0, **rounding}, kind.value, 'probability')
+             for kind in Rounding}, 'rounding'))
 
 
-def _hypothesis(row: Any) -> tuple[Hypothesis, float]:
-    """Return a hypothesis and its probability."""
-    if not isinstance(row, dict):
-        raise ValueError('wheels: each hypothesis must be a mapping')
-    names = {kind.name.lower(): kind for kind in Response}
-    signs = {kind.value: kind for kind in SignSource}
-    response, sign = row.get('response'), row.get('encoder_sign')
-    if response not in names:
-        raise ValueError(f'response is {response!r}; allowed: {", ".join(names)}')
-    if sign not in signs:
-        raise ValueError(f'encoder_sign is {sign!r}; allowed: {", ".join(signs)}')
+def _mapping(value: Any, name: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError(f'{name} is missing' if value is None else f'{name} must be a mapping')
+    return value
+
+
+def _hypothesis(row: dict[str, Any]) -> Hypothesis:
     return Hypothesis(
-        response=names[response], sign=signs[sign],
-        **{name: _real(row.get(name), name, *WHEELS[name]) for name in WHEELS},
-    ), _real(row.get('probability'), 'probability', 0.0, 1.0)
+        response=_choice(row, 'response', {each.name.lower(): each for each in Response}),
+        sign=_choice(row, 'encoder_sign', {each.value: each for each in SignSource}),
+        **{name: _number(row, name) for name in WHEELS})
+
+
+def _choice(row: dict[str, Any], name: str, allowed: Mapping[str, Thing]) -> Thing:
+    if row.get(name) not in list(allowed):
+        raise ValueError(f'{name} is {row.get(name)!r}; allowed: {", ".join(allowed)}')
+    return allowed[row[name]]
 
 
 def _pair(number: Known) -> dict[str, float]:
@@ -153,34 +154,22 @@ def _short(value: float) -> float:
     return float(f'{value:.{DIGITS}g}')
 
 
-def _real(value: Any, name: str, low: float, high: float) -> float:
-    """Return a number within a range; ValueError: it is not one."""
+def _known(content: Mapping[str, Any], name: str) -> Known:
+    pair = _mapping(content.get(name), name)
+    try:
+        return Known(_number(pair, 'value', name), _number(pair, 'deviation'))
+    except ValueError as error:
+        raise ValueError(f'{name}: {error}') from error
+
+
+def _number(content: Mapping[str, Any], name: str, range_of: str = '') -> float:
+    """Return a number within its range; ValueError: it is not one."""
+    value, (low, high) = content.get(name), RANGES[range_of or name]
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise ValueError(f'{name} is {value!r}: a number is wanted')
     if not low <= value <= high:
         raise ValueError(f'{name} is {value}; allowed: {low:g} to {high:g}')
     return float(value)
-
-
-def _known(content: Mapping[str, Any], name: str, low: float, high: float) -> Known:
-    number = content.get(name)
-    if not isinstance(number, dict):
-        raise ValueError(f'{name} is missing' if number is None else f'{name} must be a mapping')
-    return Known(_real(number.get('value'), f'{name}: value', low, high),
-                 _real(number.get('deviation'), f'{name}: deviation', 0.0, 10.0))
-
-
-def _probabilities(given: Any, name: str, kinds: type[Kind]) -> Mapping[Kind, float]:
-    if not isinstance(given, dict):
-        raise ValueError(f'{name} is missing' if given is None else f'{name} must be a mapping')
-    allowed = [kind.value for kind in kinds]
-    for unknown in given.keys() - set(allowed):
-        raise ValueError(f'{name}: {unknown!r} is unknown; allowed: {", ".join(allowed)}')
-    return _normalised({kind: _real(given.get(kind.value, 0.0), f'{name}: {kind.value}', 0.0, 1.0)
-                        for kind in kinds}, name)
-
-
-Thing = TypeVar('Thing')
 
 
 def _normalised(weights: Mapping[Thing, float], name: str) -> dict[Thing, float]:
@@ -202,15 +191,6 @@ class ModelKeeper:
             return
         try:
             self.robot = read(self._path)
-        except OldModel as error:
-            aside = self._path.with_name(f'{self._path.name}.old')
-            try:
-                self._path.replace(aside)
-            except OSError as why:
-                raise ValueError(f'parameter odometry_model: {self._path}: {error}, and it cannot '
-                                 f'be moved to {aside}: {why.strerror}') from why
-            self._log.warning(f'{self._path}: {error}: it is kept as {aside}, and the robot is '
-                              'learned anew')
         except ValueError as error:
             raise ValueError(f'parameter odometry_model: {error}') from error
         self._log.info(
@@ -259,23 +239,16 @@ def write_whole(target: Path, content: bytes) -> None:
     A device such as /dev/stdout is written directly. OSError: it cannot be; it names the target.
     """
     real = Path(os.path.realpath(target))
+    beside = real.with_name(f'.{real.name}.{os.getpid()}')
     try:
         if real.exists() and not real.is_file():
             real.write_bytes(content)
-        else:
-            _replace(real, content)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(target)) from error
-
-
-def _replace(target: Path, content: bytes) -> None:
-    beside = target.with_name(f'.{target.name}.{os.getpid()}')
-    try:
+            return
         beside.write_bytes(content)
-        if target.exists():
-            beside.chmod(S_IMODE(target.stat().st_mode))
-        beside.replace(target)
-    except OSError:
-        with suppress(FileNotFoundError):  # where it could not be created
+        if real.exists():
+            shutil.copymode(real, beside)
+        beside.replace(real)
+    except OSError as error:
+        with suppress(OSError):  # where it could not be created
             beside.unlink()
-        raise
+        raise OSError(error.errno, error.strerror, str(target)) from error

@@ -16,7 +16,6 @@ import yaml
 from create_oi_ros.odometry import Geometry, Known, KnownGyro, Odometry
 from create_oi_ros.odometry.bank import Bank
 from create_oi_ros.ros.odometry_model import (
-    OldModel,
     parsed,
     read,
     text_of,
@@ -57,13 +56,6 @@ def test_an_odometry_that_starts_with_a_file_knows_what_it_says():
     known = Odometry(window=1.0, robot=parsed(yaml.safe_dump(model))).bank.knowledge
     assert known.right_gain.value == pytest.approx(1.03, abs=1e-3)
     assert known.likeliest[0].value == 'round'
-
-
-def test_a_file_of_the_old_odometry_is_told_from_a_broken_one(tmp_path):
-    file = tmp_path / 'model.yaml'
-    file.write_text('format: 1\n')
-    with pytest.raises(OldModel, match='older odometry'):
-        read(file)
 
 
 def hypothesis(**change) -> dict:
@@ -176,15 +168,6 @@ def test_a_broken_file_keeps_the_node_from_starting(stage, tmp_path):
     assert node.ended() == 2
     assert f'create_node: parameter odometry_model: {file}: format 9' in node.output
     assert 'Traceback' not in node.output
-
-
-def test_a_file_of_the_old_odometry_is_kept_aside(stage, tmp_path):
-    robot, file = stage.robot(), tmp_path / 'model.yaml'
-    file.write_text('format: 1\n')
-    node = stage.node(robot.link, odometry_model=file)
-    stage.ros.until(lambda: 'the robot is learned anew' in node.output)
-    assert (tmp_path / 'model.yaml.old').read_text() == 'format: 1\n'
-    assert not file.exists()
 
 
 def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
