@@ -346,7 +346,7 @@ def too_slow_for_gyro(baud: int) -> str | None:
 
 
 def wrong_type(name: str, value: Any) -> str:
-    """Say what a parameter takes, and how to write the value that was probably meant."""
+    """Say what a parameter takes, and how to write such a value."""
     default = _default(name)
     takes = TAKES[type(default)]
     advice = f'write {written(default)}, for example'
@@ -356,10 +356,6 @@ def wrong_type(name: str, value: Any) -> str:
                   f"""write '{value}' with its quotes (after -p: {name}:="'{value}'")""")
     elif isinstance(default, str) and isinstance(value, Iterable):
         advice = f"write '{' '.join(map(str, value))}' with its quotes"
-    elif isinstance(value, str) and _reads_as(type(default), value):
-        advice = f'write {value} without quotes'
-    elif isinstance(value, float) and value.is_integer() and isinstance(default, int):
-        advice = f'write {written(type(default)(value))}'
     return f'parameter {name} = {written(value)} is of the wrong type: it takes {takes}; {advice}'
 
 
@@ -373,19 +369,6 @@ def written(value: Any) -> str:
 def shown(default: Any) -> str:
     """Return a default as help and tables show it."""
     return default or "''" if isinstance(default, str) else written(default)
-
-
-def _reads_as(kind: type, text: str) -> bool:
-    """Tell whether a text, without its quotes, is of a type."""
-    if kind is bool:
-        return text in ('true', 'false')
-    if kind is tuple:
-        return False
-    try:
-        kind(text)
-    except ValueError:
-        return False
-    return True
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

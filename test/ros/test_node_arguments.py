@@ -88,10 +88,10 @@ def test_a_frame_with_a_leading_slash_is_refused():
 
 @pytest.mark.parametrize(('name', 'value', 'words'), [
     ('baud', 'fast', "= 'fast' is of the wrong type: it takes a whole number; write 57600, for"),
-    ('baud', 57600.0, 'write 57600'), ('baud', '57600', 'write 57600 without quotes'),
+    ('baud', 57600.0, 'write 57600'), ('baud', '57600', 'write 57600'),
     ('publish_tf', 'yes', 'it takes true or false; write true, for example'),
-    ('publish_tf', 'true', 'write true without quotes'), ('publish_tf', 0, 'write true'),
-    ('cmd_vel_timeout', '0.5', 'write 0.5 without quotes'),
+    ('publish_tf', 'true', 'write true'), ('publish_tf', 0, 'write true'),
+    ('cmd_vel_timeout', '0.5', 'write 0.5'),
     ('cmd_vel_timeout', True, 'it takes a number; write 0.5'),
     ('bump_stop', False, 'it takes text; allowed: none, forward'),
     ('port', 3, """write '3' with its quotes (after -p: port:="'3'")"""),
