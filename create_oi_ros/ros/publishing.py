@@ -15,7 +15,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from create_oi_msgs.msg import CargoBay
-from rclpy.clock import ROSClock
+from rclpy.clock import JumpThreshold, ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
@@ -81,8 +81,12 @@ class StampClock:
         assert isinstance(clock, ROSClock), 'the clock of every node'
         self._clock = clock
         self._log = node.get_logger()
-        self._offset = 0
+        self._offset: int | None = None
+        """Nanoseconds from the driver's clock to the node's; None: that is simulated."""
         self._measure_at = -inf
+        self._jump_handle = clock.create_jump_callback(  # when `use_sim_time` is set
+            JumpThreshold(min_forward=None, min_backward=None),
+            post_callback=lambda _: setattr(self, '_measure_at', -inf))
         self.newest: int | None = None
         """Stamp of the newest frame; None before the first."""
 
@@ -92,13 +96,11 @@ class StampClock:
 
     def of_frame(self, stamp: float) -> int | None:
         """Return the stamp of a frame that left the robot at this moment, s, of the driver."""
-        if self._clock.ros_time_is_active:
-            found = self.now()
-        else:
-            if stamp >= self._measure_at:
-                self._measure_at = stamp + CHECK_INTERVAL
-                self._measure()
-            found = self._offset + round(stamp * messages.NANOSECONDS)
+        if stamp >= self._measure_at:
+            self._measure_at = stamp + CHECK_INTERVAL
+            self._offset = None if self._clock.ros_time_is_active else self._measured()
+        found = (self.now() if self._offset is None
+                 else self._offset + round(stamp * messages.NANOSECONDS))
         if found is not None and self.newest is not None and found < self.newest:
             if self.newest - found > CLOCK_JITTER:
                 self._log.warning(
@@ -110,15 +112,15 @@ class StampClock:
         self.newest = found
         return found
 
-    def _measure(self) -> None:
-        """Measure the node's clock against the driver's."""
+    def _measured(self) -> int:
+        """Return by how many nanoseconds the node's clock is ahead of the driver's."""
         for _ in range(CLOCK_TRIES):
             before, now = time.monotonic_ns(), self._clock.now().nanoseconds
             after = time.monotonic_ns()
             # On a busy computer much time may pass between reading two clocks.
             if after - before < CLOCK_SPREAD * messages.NANOSECONDS:
                 break
-        self._offset = now - (before + after) // 2
+        return now - (before + after) // 2
 
 
 class Pace:
@@ -155,16 +157,15 @@ class FrameTopic:
         self._values = values
         self._seconds, self._nanoseconds = f'{header}.stamp.sec', f'{header}.stamp.nanosec'
         self._encode: Callable[[Values], Any] | None = None
-        self._wanted = False
+        self.wanted = False
+        """Whether there are subscribers, or there may be later."""
 
     def check(self) -> None:
         """Check for subscribers."""
-        self._wanted = self._latched or self._publisher.get_subscription_count() > 0
+        self.wanted = self._latched or self._publisher.get_subscription_count() > 0
 
     def publish(self, stamp: int, source: Any) -> None:
-        """Publish the message of an estimate or of readings with this stamp, ns, if wanted."""
-        if not self._wanted:
-            return
+        """Publish the message of an estimate or of readings with this stamp, ns."""
         values = self._values(source)
         values[self._seconds], values[self._nanoseconds] = divmod(stamp, messages.NANOSECONDS)
         if self._encode is None:
@@ -202,7 +203,8 @@ class SensorFrameTopic(FrameTopic):
         changed = watched != self._last
         if changed:
             self._last = watched
-            self.publish(stamp, readings)
+            if self.wanted:
+                self.publish(stamp, readings)
         return changed
 
 
@@ -225,13 +227,19 @@ class FramePublisher:
             node, topics.IMU, messages.empty_imu(parameters.base_frame), messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters)
                          for topic in topics.sensor_topics(charge_known=charge_known)]
+        self._watched = Readings.numbers(
+            *{name for each in self._sensors for name in each.topic.watch})
+        self._last: tuple[int, ...] = ()
+        """All watched readings in the newest frame."""
+        self._complete = False
+        """Whether all sensors are complete."""
         # One pace for all topics of a period; a StateTopic is published on change only.
         periods = dict.fromkeys(
             each.topic.period for each in self._sensors if each.topic.period != inf)
         self._repeated = [
             (Pace(), period, [each for each in self._sensors if each.topic.period == period])
             for period in periods]
-        self._motion_pace, self._check_pace = Pace(), Pace()
+        self._motion_pace, self._check_at = Pace(), -inf
         self._check()
 
     def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> int | None:
@@ -246,22 +254,33 @@ class FramePublisher:
         if stamp is None:
             return None
         # A change, such as a bump, must not wait; what is only due again can.
-        changed = [sensor for sensor in self._sensors
-                   if sensor.publish_change(stamp, moved.readings)]
+        changed = self._publish_changes(stamp, moved.readings)
         if stamp != before:
-            if self._motion_pace.due(moved.stamp, motion_period):
+            if not motion_period or self._motion_pace.due(moved.stamp, motion_period):
                 for topic in self._motion:
-                    topic.publish(stamp, moved.estimate)
-            if self._imu is not None and moved.estimate.gyro is not None:
+                    if topic.wanted:
+                        topic.publish(stamp, moved.estimate)
+            if self._imu is not None and self._imu.wanted and moved.estimate.gyro is not None:
                 self._imu.publish(stamp, moved.estimate)
             for pace, period, sensors in self._repeated:
                 if pace.due(moved.stamp, period or sensor_period):
                     for sensor in sensors:
-                        if sensor.complete and sensor not in changed:
+                        if sensor.wanted and sensor.complete and sensor not in changed:
                             sensor.publish(stamp, moved.readings)
-        if self._check_pace.due(moved.stamp, CHECK_INTERVAL):  # last, since it takes a while
+        if moved.stamp >= self._check_at:  # last, since it takes a while
+            self._check_at = moved.stamp + CHECK_INTERVAL
             self._check()
         return stamp
+
+    def _publish_changes(self, stamp: int, readings: Readings) -> list[SensorFrameTopic]:
+        """Publish the sensors that have changed, and return them."""
+        if self._complete:
+            before, self._last = self._last, self._watched(readings)
+            if self._last == before:
+                return []  # as in most frames
+        changed = [sensor for sensor in self._sensors if sensor.publish_change(stamp, readings)]
+        self._complete = all(sensor.complete for sensor in self._sensors)
+        return changed
 
     def _check(self) -> None:
         """Check for subscribers."""
