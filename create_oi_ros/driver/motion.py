@@ -282,7 +282,8 @@ class Motion:
                 return None
             self._sent, self._sent_at = (0, 0), now
             return HALT
-        self._speeds = next_speeds(self._speeds, self._wanted, since, limits)
+        if self._speeds != self._wanted:
+            self._speeds = next_speeds(self._speeds, self._wanted, since, limits)
         if blocked:
             self._speeds = without_forward(self._speeds)
         # While they change, an error lasts a slot: each wheel follows its own ramp.

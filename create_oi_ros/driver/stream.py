@@ -153,15 +153,7 @@ class CommandWatch:
     """Compares what the robot does with what it was asked for."""
 
     def __init__(self) -> None:
-        self._list: tuple[int, ...] | None = None
-        """The packets of the newest frame."""
-        self._unseen_since: float | None = None
-        self._stage: CommandNews | None = None
-
-    @property
-    def suspects(self) -> bool:
-        """Whether the robot may not take commands."""
-        return self._stage is not None
+        self.restart()
 
     @property
     def ignores(self) -> bool:
@@ -170,7 +162,16 @@ class CommandWatch:
 
     def restart(self) -> None:
         """Start again: the robot was away, takes commands, or cannot take them now."""
-        self._list = self._unseen_since = self._stage = None
+        self._list: tuple[int, ...] | None = None
+        """The packets of the newest frame."""
+        self._unseen_since: float | None = None
+        self._enter(None)
+
+    def _enter(self, stage: CommandNews | None) -> None:
+        # Worked out once here, since the driver asks many times in every frame.
+        self._stage = stage
+        self.suspects = stage is not None
+        """Whether the robot may not take commands."""
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
         """Note that the robot was asked for frames with these packets."""
@@ -186,13 +187,14 @@ class CommandWatch:
         """Return what is new; `missed_since`: when speeds were sent that it has not taken."""
         times = [since for since in (missed_since, self._unseen_since) if since is not None]
         if not times:
-            obeys = CommandNews.OBEYS_AGAIN if self.suspects else None
-            self._stage = None
-            return obeys
+            if not self.suspects:
+                return None  # as in most frames
+            self._enter(None)
+            return CommandNews.OBEYS_AGAIN
         stage = next((stage for stage, after in STAGES if now - min(times) > after), None)
         if stage is None or self._stage is not None and stage.value <= self._stage.value:
             return None
-        self._stage = stage
+        self._enter(stage)
         return stage
 
 

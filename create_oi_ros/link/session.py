@@ -15,6 +15,7 @@ from dataclasses import replace
 from math import inf
 import threading
 import time
+from types import TracebackType
 
 from ..driver import DEAD_MAN_STOP, Driver, DriverEvent, Health, Notice, Severity
 from .dead_man import DeadMan
@@ -31,6 +32,30 @@ CHECK_INTERVAL = 0.1
 LEAST_LIFE = 1.0
 """Seconds that a dead-man must have run to be started again."""
 UNGUARDED = 'if this process dies, the robot drives on'
+
+
+class DriverUse:
+    """Gives the driver to one thread at a time, with the time; an error ends the session."""
+
+    def __init__(self, fail: Callable[[], None]) -> None:
+        """`fail` is called after an error."""
+        self.lock = threading.RLock()
+        self._fail = fail
+
+    def __enter__(self) -> float:
+        self.lock.acquire()
+        return time.monotonic()
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        try:
+            if isinstance(error, Exception):
+                try:
+                    self._fail()
+                finally:
+                    raise error from None  # what fails because of it is not reported
+        finally:
+            self.lock.release()
 
 
 class Session:
@@ -56,7 +81,7 @@ class Session:
         self._on_failure = on_failure
         self._wants_dead_man = dead_man
         self._open_port = open_port
-        self._lock = threading.RLock()
+        self._driver_use = DriverUse(self._fail)
         self._port: Port | None = None
         self._dead_man: DeadMan | None = None
         self._dead_man_started_at = self._check_at = 0.0
@@ -73,26 +98,20 @@ class Session:
         self._thread.start()
 
     @contextmanager
-    def _use_driver(self) -> Iterator[float]:
-        """Give the driver to one thread, with the time; an error stops the robot for good."""
-        with self._lock:
-            try:
-                yield time.monotonic()
-            except Exception as error:
-                self._closing.set()
-                try:
-                    self._stop_robot()
-                finally:
-                    self._on_failure()
-                    raise error from None  # what fails because of it is not reported
-
-    @contextmanager
     def request(self) -> Iterator[tuple[Driver, float]]:
         """Lend the driver, with the time; what it decides to send is written."""
-        with self._use_driver() as now:
+        with self._driver_use as now:
             yield self.driver, now
             self._send()  # first: a command must not wait for the rest
             self._exchange(now)
+
+    def _fail(self) -> None:
+        """Stop the robot for good, after an error."""
+        self._closing.set()
+        try:
+            self._stop_robot()
+        finally:
+            self._on_failure()
 
     def drive(self, linear: float, angular: float) -> None:
         """
@@ -101,7 +120,7 @@ class Session:
         It is written at once. All else waits for the next frame, unless it made the driver queue
         more, such as a change of mode.
         """
-        with self._use_driver() as now:
+        with self._driver_use as now:
             self.driver.drive(linear, angular, now)
             self._send()
             if self.driver.busy:
@@ -111,7 +130,7 @@ class Session:
 
     def health(self) -> Health:
         """Return what is known of driver, line and robot; nothing is sent."""
-        with self._use_driver() as now:
+        with self._driver_use as now:
             health = self.driver.health(now)
             return replace(health, line_problem=self._reported or health.line_problem)
 
@@ -125,7 +144,7 @@ class Session:
         failed, stopped = self._closing.is_set(), False
         self._closing.set()
         try:
-            with self._lock:
+            with self._driver_use.lock:
                 self._stop_robot()
                 stopped = True
                 if not failed:  # else whoever listens may be what failed
@@ -189,7 +208,7 @@ class Session:
         except PortError as error:
             self._report(error)
             return None
-        with self._use_driver() as now:
+        with self._driver_use as now:
             if self._closing.is_set():
                 port.close()
                 return None
@@ -234,7 +253,7 @@ class Session:
             received = port.read()
         except PortError as error:
             received = error
-        with self._use_driver() as now:
+        with self._driver_use as now:
             # Another thread may have lost it meanwhile, while writing.
             if self._closing.is_set() or self._port is not port:
                 return
