@@ -82,10 +82,10 @@ class ReadingPlan:
     def _tells_rounding(self, dt: float, bank: Bank) -> bool:
         """Return whether readings in a row would now tell the roundings apart."""
         right, left = self._request
-        if (not (right or left) or self._steady < PROBE_STEADY or self._probed < PROBE_EVERY
-                or float(bank.rounding.max()) > SURE):
+        if not (right or left) or self._steady < PROBE_STEADY or self._probed < PROBE_EVERY:
             return False
         amounts = (abs(right - left) / FIRMWARE_SEPARATION / DEGREE * dt,
                    abs(right + left) / 2 / MM * dt)
-        return any(each > 0.15 and (0.22 < each % 1 < 0.38 or 0.62 < each % 1 < 0.88)
-                   for each in amounts)
+        tells = any(each > 0.15 and (0.22 < each % 1 < 0.38 or 0.62 < each % 1 < 0.88)
+                    for each in amounts)
+        return tells and float(bank.rounding.max()) <= SURE
