@@ -151,8 +151,8 @@ class CreateNode(Node):
 
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
-    def _on_velocity(self, linear: float, angular: float, stamp: Time) -> None:
-        age = messages.age(stamp, self.get_clock().now().nanoseconds)
+    def _on_velocity(self, linear: float, angular: float, stamp: Time | None) -> None:
+        age = 0.0 if stamp is None else messages.age(stamp, self.get_clock().now().nanoseconds)
         if age <= self.parameters.cmd_vel_timeout:
             self.session.drive(linear, angular)
             return

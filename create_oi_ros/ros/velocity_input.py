@@ -42,12 +42,13 @@ class VelocityInput:
     while one of them is not: a reliable subscription would get nothing from that one.
     """
 
-    def __init__(self, node: Node, type_: str, on_command: Callable[[float, float, Time], None],
+    def __init__(self, node: Node, type_: str,
+                 on_command: Callable[[float, float, Time | None], None],
                  *, on_failure: Callable[[], None]) -> None:
         """
         Subscribe for a node, with one of TYPES; `start` begins to take commands.
 
-        `on_command` gets forward speed, m/s, turn rate, rad/s, and stamp, 0 for a Twist.
+        `on_command` gets forward speed, m/s, turn rate, rad/s, and the stamp, if it has one.
         `on_failure` is called when the thread ends with an error, whose traceback is printed.
         """
         self._topic = node.resolve_topic_name(CMD_VEL)
@@ -147,7 +148,7 @@ class VelocityInput:
         stamped = isinstance(message, TwistStamped)
         twist = message.twist if stamped else message
         self._on_command(
-            twist.linear.x, twist.angular.z, message.header.stamp if stamped else Time())
+            twist.linear.x, twist.angular.z, message.header.stamp if stamped else None)
         number = info['publication_sequence_number']
         if number is None:
             return
