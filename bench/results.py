@@ -15,6 +15,7 @@ import json
 import os
 from pathlib import Path
 import platform
+import re
 from statistics import median, quantiles
 from time import monotonic, sleep
 from typing import Any, NamedTuple
@@ -22,6 +23,10 @@ from typing import Any, NamedTuple
 from processes import machine_seconds
 
 RESULTS = Path(__file__).with_name('results.json')
+PART = re.compile('[,:] (95th percentile|at least|at most|mean|slowest|truncate|round|carry)$')
+"""Ends of the names of figures that share a row of a table."""
+RIVALS = 'before', 'a reading a second'
+"""Names beside figures that get columns of their own."""
 
 
 class Figure(NamedTuple):
@@ -78,16 +83,39 @@ def machine() -> dict[str, Any]:
 
 
 def rows(figures: Sequence[Figure]) -> list[list[str]]:
-    """Return a table of figures, its heading first; columns that would be empty are left out."""
-    table = [['what', 'value', 'worst', 'target', '', 'beside']]
+    """Return a table, its heading first; figures of one thing share a row, missed is bold."""
+    rivals = RIVALS if any(figure.beside.startswith(RIVALS) for figure in figures) else ()
+    things: dict[str, dict[str, Figure]] = {}
     for figure in figures:
-        worst = '' if figure.worst is None else f'{figure.worst:.4g}'
-        bound = '' if figure.target is None else f'{">=" if figure.at_least else "<="} '
-        target = '' if figure.target is None else f'{bound}{figure.target:g}'
-        table.append([figure.what, f'{figure.value:.4g} {figure.unit}', worst, target,
-                      figure.verdict, figure.beside])
+        what = re.sub('(, [a-z]+)(: (?:off|% of the way).*)', r'\2\1', figure.what)
+        thing, *part = PART.split(what)
+        things.setdefault(thing, {})[part[0] if part else ''] = figure
+    table = [['what', 'value', 'target', *(rivals or ['beside'])]]
+    for thing, parts in things.items():
+        what = thing if {'', 'at least'} & parts.keys() else f'{thing}: {", ".join(parts)}'
+        columns = zip(*(cells(figure, rivals) for figure in parts.values()))
+        table.append([what, *(each[0] if len(set(each)) == 1 else ', '.join(filter(None, each))
+                              for each in columns)])
     used = [any(row[place] for row in table[1:]) for place in range(len(table[0]))]
     return [[cell for cell, kept in zip(row, used) if kept] for row in table]
+
+
+def cells(figure: Figure, rivals: Sequence[str]) -> list[str]:
+    """Return value, target and rivals of a figure, or what is beside it."""
+    unit = f' {figure.unit}' if figure.unit and f': {figure.unit}' not in figure.what else ''
+    worst = '' if figure.worst is None else f' (at worst {number(figure.worst)})'
+    target = ''
+    if figure.target is not None:
+        mark = '**' if figure.verdict == 'missed' else ''
+        target = f'{mark}{">=" if figure.at_least else "<="} {number(figure.target)}{mark}'
+    found = dict(re.findall(r'(\D+) ([^ ;]+)(?:; |$)', figure.beside))
+    return [number(figure.value) + unit + worst, target,
+            *([found.get(each, '') for each in rivals] if rivals else [figure.beside])]
+
+
+def number(value: float) -> str:
+    """Return a number to three digits, without an exponent where it is large."""
+    return f'{value:,.0f}' if value >= 1000 else f'{value:.3g}'
 
 
 def load(path: Path = RESULTS) -> dict[str, Any]:
