@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drive a circle for five seconds; print each second where the odometry says the robot is."""
 import argparse
+import signal
+import time
 
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
@@ -17,6 +19,7 @@ node = rclpy.create_node('drive')
 circle = Twist(linear=Vector3(x=0.2), angular=Vector3(z=0.5))
 velocity = node.create_publisher(Twist, 'cmd_vel', 1)
 heard: list[Odometry] = []
+ended: list[str] = []
 
 
 def show() -> None:
@@ -30,6 +33,12 @@ try:
     node.create_timer(0.1, lambda: velocity.publish(circle))
     node.create_subscription(Odometry, 'odom', heard.append, 1)
     node.create_timer(1.0, show)
-    rclpy.spin_until_future_complete(node, rclpy.task.Future(), timeout_sec=5.5)
+    # Ctrl-C is only noted from here on: an exception could come amid a message.
+    signal.signal(signal.SIGINT, lambda *_: ended.append('Ctrl-C'))
+    until = time.monotonic() + 5.5
+    while not ended and time.monotonic() < until:
+        rclpy.spin_once(node, timeout_sec=0.1)
 except KeyboardInterrupt:
+    ended.append('Ctrl-C')
+if ended:
     print('no more commands, the driver stops the wheels: Ctrl-C')

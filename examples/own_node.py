@@ -8,13 +8,14 @@ wheels.
 """
 import argparse
 from math import radians
+import signal
 from typing import Any
 
 from create_oi_msgs.action import DriveDistance, RotateAngle
 import rclpy
 from rclpy.action import ActionClient
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
@@ -31,7 +32,7 @@ class Explorer(Node):
             DriveDistance.Goal: ActionClient(self, DriveDistance, 'drive_distance'),
             RotateAngle.Goal: ActionClient(self, RotateAngle, 'rotate_angle')}
         self.next: list[Any] = []
-        self.ended = Future()
+        self.ended: list[str] = []
         self.get_logger().info('waits for the driver')
         self.clients_of[DriveDistance.Goal].wait_for_server()
         self.send(AHEAD)
@@ -44,7 +45,7 @@ class Explorer(Node):
         if sent.result().accepted:
             sent.result().get_result_async().add_done_callback(self.on_result)
         else:
-            self.ended.set_result('refused: the log of the driver says why')
+            self.ended.append('refused: the log of the driver says why')
 
     def on_result(self, got: Future) -> None:
         result = got.result().result
@@ -52,16 +53,20 @@ class Explorer(Node):
         if result.error_code == DriveDistance.Result.BUMP:
             self.next = list(AWAY)
         elif not result.success:
-            self.ended.set_result('the robot does not go on')
+            self.ended.append('the robot does not go on')
             return
         self.send(self.next.pop(0) if self.next else AHEAD)
 
 
 argparse.ArgumentParser(description=__doc__).parse_args(remove_ros_args()[1:])
-rclpy.init()
+rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
 try:
     node = Explorer()
-    rclpy.spin_until_future_complete(node, node.ended)
-    print(node.ended.result())
-except (KeyboardInterrupt, ExternalShutdownException):
+    # Signals are only noted from here on: an exception could come amid a message.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: node.ended.append('Ctrl-C'))
+    while not node.ended:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    print(node.ended[0])
+except KeyboardInterrupt:
     pass

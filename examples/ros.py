@@ -10,16 +10,17 @@ What the command ros2 does, by rclpy: list, echo a topic, call a service, set a 
 """
 import argparse
 import importlib
+import signal
 import time
 from typing import Any
 
 from rcl_interfaces.msg import Parameter as ParameterMessage
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import get_parameter_value, Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 import yaml
 
@@ -60,7 +61,7 @@ def main() -> None:
     parser.add_argument('what', choices=['list', 'echo', 'call', 'set'])
     parser.add_argument('names', nargs='*', help='see the examples above')
     given = parser.parse_args(remove_ros_args()[1:])
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
     node = rclpy.create_node('ros')
     match given.what, given.names:
         case 'list', []:
@@ -75,7 +76,11 @@ def main() -> None:
             offered = node.get_publishers_info_by_topic(topic)[0].qos_profile
             node.create_subscription(imported(kind), topic, print, QoSProfile(
                 depth=10, reliability=offered.reliability, durability=offered.durability))
-            rclpy.spin(node)
+            # Ctrl-C is only noted from here on: an exception could come amid a message.
+            ended: list[str] = []
+            signal.signal(signal.SIGINT, lambda *_: ended.append('Ctrl-C'))
+            while not ended:
+                rclpy.spin_once(node, timeout_sec=0.1)
         case 'call', [service, *fields]:
             service = node.resolve_service_name(service)
             kind = found(node, True).get(service)
@@ -95,5 +100,5 @@ def main() -> None:
 
 try:
     main()
-except (KeyboardInterrupt, ExternalShutdownException, BrokenPipeError):
+except (KeyboardInterrupt, BrokenPipeError):
     pass
