@@ -16,10 +16,9 @@ whole simulated robot, with default parameters. By class of robot:
          degrees
   worse  by how much a drive was worse than a reading a second, degrees a turn, at most
 
-Then how the error grows with the time since the start, for nobody knows a new robot; the
-conditions of `odometry_rig` (slip, held wheels, a lifted or pushed robot, demos); short drives
-(`odometry_starts`); and the trials of `odometry_cases`: a damaged line and, with `--logs FOLDER`,
-logs of real wheels. At last, what an update costs (`odometry_cost`).
+Then all figures: those, the conditions of `odometry_rig` (slip, held wheels, a lifted or pushed
+robot, demos), short drives (`odometry_starts`), the trials of `odometry_cases` (a damaged line
+and, with `--logs FOLDER`, logs of real wheels), and what an update costs (`odometry_cost`).
 
 `odometry_before.json` has what the estimator before this one reached, with date and machine. With
 `--drives 70` the classes are large enough for a tenth of a degree; the figures that are kept, and
@@ -27,11 +26,10 @@ those from before, are of the everyday size.
 """
 
 from argparse import ArgumentParser
-from bisect import bisect_right
 from collections import deque
 from collections.abc import Iterable
 import json
-from math import degrees, hypot, isnan, nan, tau
+from math import degrees, hypot, tau
 from multiprocessing import Pool
 from multiprocessing.pool import Pool as Workers
 from pathlib import Path
@@ -46,7 +44,7 @@ from odometry_cost import costs
 from odometry_loop import Journey
 from odometry_rig import Condition, CONDITIONS, follow, nees_of, simulate
 from odometry_starts import starts
-from results import Figure, keep, machine, percentile
+from results import Figure, keep, machine, percentile, show_all
 from rivals import Rival
 from robots import CLASSES
 
@@ -59,10 +57,6 @@ SHORTEST, LONGEST = 120.0, 300.0
 LATENCY = 0.005
 SOON = 0.5
 """Seconds within which corrections count as one step."""
-COURSE = (0.0, 15.0, 30.0, 60.0, 120.0)
-"""Seconds after the start that part a drive, to see how the error grows."""
-LEAST_TURN = 0.25
-"""Turns in a part of a drive from which on its error counts."""
 MOST_STEP, MOST_BEYOND, MOST_EVER = 5.0, 1.0, 4.3
 """Degrees of a correction; per cent of the drives that may end more than 4 standard deviations
 off, or be so at some moment."""
@@ -110,8 +104,6 @@ class Score(NamedTuple):
     most_sigmas: float = 0.0
     step: float = 0.0
     worse: float = 0.0
-    course: tuple[float, ...] = ()
-    """Degrees of yaw error a turn in the parts of the drive; NaN: it hardly turned."""
     response: str = ''
     """How the robot's wheels answer."""
 
@@ -145,21 +137,8 @@ def drive(kind: str, style: str, seed: int) -> list[Result]:
         nees=nees_of(truth.pose.x, truth.pose.y, truth.turned, e),
         sigmas=abs(e.yaw - truth.turned) / e.pose_covariance[8] ** 0.5,
         most_sigmas=journey.most_sigmas, step=largest_step(journey),
-        worse=ours.turn - scores[SECOND].turn, course=course(journey),
-        response=robot.config.response.value)
+        worse=ours.turn - scores[SECOND].turn, response=robot.config.response.value)
     return [(kind, style, name, score) for name, score in scores.items()]
-
-
-def course(journey: Journey) -> tuple[float, ...]:
-    """Return the error of yaw, degrees a turn, that each part of the drive has added."""
-    errors, turns = [0.0] * len(COURSE), [0.0] * len(COURSE)
-    begun = journey.moves[0][0]
-    for (_, was, before), (stamp, now, truth) in zip(journey.moves, journey.moves[1:]):
-        part = bisect_right(COURSE, stamp - begun) - 1
-        errors[part] += now.yaw - was.yaw - truth.turned + before.turned
-        turns[part] += abs(truth.turned - before.turned) / tau
-    return tuple(degrees(abs(error)) / turn if turn > LEAST_TURN else nan
-                 for error, turn in zip(errors, turns))
 
 
 def largest_step(journey: Journey) -> float:
@@ -203,16 +182,6 @@ def print_table(results: Iterable[Result]) -> Cells:
         if scores[0].response or ' wheels' not in name:
             print(show(name, estimator, scores))
     return cells
-
-
-def print_course(ours: dict[str, list[Score]]) -> None:
-    """Print how the error grows with the time since the start."""
-    print('\ndegrees a turn that are added from so many seconds after the start on:')
-    for kind in TARGETS:
-        parts = [[error for error in part if not isnan(error)]
-                 for part in zip(*(score.course for score in ours[kind]))]
-        print(f'{kind:28} ' + '  '.join(
-            f'{since:3.0f} s: {mean(part):5.2f}' for since, part in zip(COURSE, parts) if part))
 
 
 def figures(kind: str, scores: list[Score], second: list[Score]) -> list[Figure]:
@@ -264,26 +233,20 @@ def conditions(cells: Cells) -> list[Figure]:
 
 
 def trials(pool: Workers, logs: Path | None) -> list[Figure]:
-    """Drive over a damaged line and follow logs of real wheels; print and return figures."""
+    """Drive over a damaged line and follow logs of real wheels; return figures."""
     made = []
-    print('\na straight line over a damaged serial line, error in % of the way:')
     for rounding in Rounding:
         missed = pool.starmap(damaged_line, [(rounding, seed) for seed in range(LINES)])
-        print(f'{rounding.value:28} ' + '  '.join(f'{each:.2f}' for each in missed))
         made.append(Figure(f'damaged line, {rounding.value}: % of the way', max(missed),
                            '% of the way', MOST_LOST))
     if logs is None:
         return made
-    print('\nlogs of real wheels, degrees off at the end / at most:')
     for rounding in Rounding:
-        strays = {path.stem: follow_log(rows_of(path), rounding)
-                  for path in sorted(logs.glob('wheels_*.csv'))}
-        print(f'{rounding.value:28} ' + '  '.join(
-            f'{name} {stray.end:.2f} / {stray.most:.2f}' for name, stray in strays.items()))
+        strays = [follow_log(rows_of(path), rounding) for path in logs.glob('wheels_*.csv')]
         made += [Figure(f'logs of real wheels, {rounding.value}: {what}', max(values), 'deg', most)
                  for what, most, values in (
-                     ('off at the end', LOG_END, [stray.end for stray in strays.values()]),
-                     ('off at any moment', LOG_MOST, [stray.most for stray in strays.values()]))]
+                     ('off at the end', LOG_END, [stray.end for stray in strays]),
+                     ('off at any moment', LOG_MOST, [stray.most for stray in strays]))]
     return made
 
 
@@ -300,7 +263,7 @@ def old(job: tuple[Condition, int]) -> list[Result]:
 
 
 def main() -> None:
-    """Print the tables; keep the figures that have targets."""
+    """Print the tables; keep the figures."""
     parser = ArgumentParser()
     parser.add_argument('--drives', type=int, default=DRIVES_EACH, help='of each class')
     parser.add_argument('--seed', type=int, default=HELD_OUT, help='the first')
@@ -315,7 +278,6 @@ def main() -> None:
     with Pool(options.processes) as pool:
         cells = print_table(
             [each for some in pool.starmap(drive, jobs, chunksize=1) for each in some])
-        print_course({kind: cells[kind, 'ours'] for kind in TARGETS})
         old_jobs = [(c, seed) for c in CONDITIONS for seed in range(OLD_DRIVES)]
         of_conditions = conditions(print_table(
             [each for some in pool.imap_unordered(old, old_jobs) for each in some]))
@@ -329,6 +291,7 @@ def main() -> None:
     made = [figure._replace(beside='; '.join(filter(None, (
         f'before {BEFORE[figure.what]:.3g}' if figure.what in BEFORE else '', figure.beside))))
         for figure in made]
+    show_all(made)
     if options.drives == DRIVES_EACH and options.seed == HELD_OUT:
         keep('bench_odometry', made, where)
 

@@ -68,11 +68,8 @@ def cost(style: str) -> tuple[list[float], int]:
 
 
 def costs() -> list[Figure]:
-    """Print and return what an update costs in each kind of drive."""
+    """Return what an update costs in each kind of drive."""
     found = {style: cost(style) for style in DRIVES}
-    print('\nan update, us: mean / slowest:')
-    print(*(f'{style} {mean(each):.0f} / {max(each):.0f}' for style, (each, _) in found.items()),
-          sep='  ')
     first = {style: some[:many] for style, (some, many) in found.items()}
     later = {style: some[many:] for style, (some, many) in found.items()}
     made = []

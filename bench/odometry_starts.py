@@ -48,7 +48,7 @@ def circling(random: Random, seconds: float) -> Iterator[Wish]:
 STYLES = {**DRIVES, 'circling': circling}
 
 
-def start(style: str, seed: int) -> tuple[str, Start]:
+def start(style: str, seed: int) -> Start:
     """Drive a robot that nobody knows for a short time."""
     random = Random(f'start {KIND} {seed}')
     robot = CLASSES[KIND](random)
@@ -58,20 +58,13 @@ def start(style: str, seed: int) -> tuple[str, Start]:
     off = [degrees(abs(e.yaw - truth.turned)) for _, e, truth in journey.moves]
     rival = Rival(robot, 1.0).follow(journey.counts)
     turned = journey.body.truth().turned
-    return style, Start(off[-1], max(off), degrees(abs(rival.yaw - turned)))
+    return Start(off[-1], max(off), degrees(abs(rival.yaw - turned)))
 
 
 def starts(pool: Workers) -> list[Figure]:
-    """Drive all; print and return how far they were off."""
+    """Drive all; return how far they were off."""
     jobs = [(style, FIRST + i) for i in range(STARTS_EACH) for style in STYLES]
-    found: dict[str, list[Start]] = {style: [] for style in STYLES}
-    for style, each in pool.starmap(start, jobs):
-        found[style].append(each)
-    print('\nthe first 15 to 40 s, degrees off: at the end / at any moment / a reading a second:')
-    for style, some in found.items():
-        print(f'{style:28} ' + ' / '.join(
-            f'{mean(values):5.2f}' for values in zip(*some)))
-    every = [each for some in found.values() for each in some]
+    every = pool.starmap(start, jobs)
     rival = mean(each.rival for each in every)
     return [Figure('the first half minute: off at the end', mean(each.end for each in every),
                    'deg', beside=f'a reading a second {rival:.1f}',

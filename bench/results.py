@@ -20,6 +20,7 @@ from statistics import median, quantiles
 from time import monotonic, sleep
 from typing import Any, NamedTuple
 
+from create_oi_ros.oi.tools.tables import columns
 from processes import machine_seconds
 
 RESULTS = Path(__file__).with_name('results.json')
@@ -154,9 +155,10 @@ def run(program: str, measure: Callable[[], list[Figure]]) -> None:
     where = machine()
     print(f'{program}: ' + ', '.join(f'{name} {value}' for name, value in where.items()))
     figures = measure()
-    table = rows(figures)
-    widths = [max(map(len, column)) for column in zip(*table)]
-    for row in table:
-        print('  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip())
-    print()
+    show_all(figures)
     keep(program, figures, where, path)
+
+
+def show_all(figures: Sequence[Figure]) -> None:
+    """Print figures as a table."""
+    print(columns(rows(figures)))
