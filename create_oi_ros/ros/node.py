@@ -197,7 +197,7 @@ class CreateNode(Node):
         if self._diagnostics.get_subscription_count() and self._stamps.now() is not None:
             self._publish_diagnostics()
         else:
-            self._counts = self.session.health().counts
+            self._counts = replace(self.session.driver.counts)
 
     def _check_time(self) -> None:
         """Publish a mode that waited for the time; warn while there is none."""

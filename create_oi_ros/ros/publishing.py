@@ -4,7 +4,7 @@
 Publishes frames: one message for each topic, made once and filled again, as bytes.
 
 A topic without subscribers is not published; how many there are is checked ten times a second.
-Latched topics are always published, for subscribers that come later.
+Changes of latched topics are always published, for subscribers that come later.
 """
 
 from collections.abc import Callable
@@ -151,18 +151,17 @@ class FrameTopic:
         of its header.
         """
         self._publisher = publisher(node, topic)
-        self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._log = node.get_logger()
         self._message = message
         self._values = values
         self._seconds, self._nanoseconds = f'{header}.stamp.sec', f'{header}.stamp.nanosec'
         self._encode: Callable[[Values], Any] | None = None
-        self.wanted = False
-        """Whether there are subscribers, or there may be later."""
+        self.heard = False
+        """Whether there are subscribers."""
 
     def check(self) -> None:
         """Check for subscribers."""
-        self.wanted = self._latched or self._publisher.get_subscription_count() > 0
+        self.heard = self._publisher.get_subscription_count() > 0
 
     def publish(self, stamp: int, source: Any) -> None:
         """Publish the message of an estimate or of readings with this stamp, ns."""
@@ -183,6 +182,7 @@ class SensorFrameTopic(FrameTopic):
             message.input_names = list(parameters.input_names)
         super().__init__(node, topic, message, topic.values)
         self.topic = topic
+        self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._watched = Readings.numbers(*topic.watch)
         self._last: tuple[int, ...] = ()
         self.complete = False
@@ -203,7 +203,7 @@ class SensorFrameTopic(FrameTopic):
         changed = watched != self._last
         if changed:
             self._last = watched
-            if self.wanted:
+            if self.heard or self._latched:
                 self.publish(stamp, readings)
         return changed
 
@@ -239,6 +239,11 @@ class FramePublisher:
         self._repeated = [
             (Pace(), period, [each for each in self._sensors if each.topic.period == period])
             for period in periods]
+        self._checked = [*self._motion, *(each for _, _, sensors in self._repeated
+                                          for each in sensors)]
+        """What is published only where it is heard."""
+        if self._imu is not None:
+            self._checked.append(self._imu)
         self._motion_pace, self._check_at = Pace(), -inf
         self._check()
 
@@ -258,14 +263,14 @@ class FramePublisher:
         if stamp != before:
             if not motion_period or self._motion_pace.due(moved.stamp, motion_period):
                 for topic in self._motion:
-                    if topic.wanted:
+                    if topic.heard:
                         topic.publish(stamp, moved.estimate)
-            if self._imu is not None and self._imu.wanted and moved.estimate.gyro is not None:
+            if self._imu is not None and self._imu.heard and moved.estimate.gyro is not None:
                 self._imu.publish(stamp, moved.estimate)
             for pace, period, sensors in self._repeated:
                 if pace.due(moved.stamp, period or sensor_period):
                     for sensor in sensors:
-                        if sensor.wanted and sensor.complete and sensor not in changed:
+                        if sensor.heard and sensor.complete and sensor not in changed:
                             sensor.publish(stamp, moved.readings)
         if moved.stamp >= self._check_at:  # last, since it takes a while
             self._check_at = moved.stamp + CHECK_INTERVAL
@@ -284,10 +289,8 @@ class FramePublisher:
 
     def _check(self) -> None:
         """Check for subscribers."""
-        for topic in (*self._motion, *self._sensors):
+        for topic in self._checked:
             topic.check()
-        if self._imu is not None:
-            self._imu.check()
 
 
 HEIGHT = 0.05
