@@ -9,7 +9,6 @@ import time
 from typing import Any, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
-from nav_msgs.msg import Odometry
 from rclpy.action.client import ActionClient
 from rclpy.node import Node
 from rclpy.task import Future
@@ -20,9 +19,6 @@ from ...ros.velocity_output import NEWEST, VelocityOutput
 from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, GOALS
 
-HEARD = tuple(topic for topic in topics.PUBLISHED
-              if topic.type in PARTS or topic is topics.DIAGNOSTICS)
-"""Topics to subscribe to: those that the page shows."""
 REPLY_TIMEOUT = 10.0
 """Seconds to wait for the reply of a service."""
 
@@ -57,11 +53,12 @@ class WebNode(Node):
         self._robot = robot
         self._own_namespace = self.get_namespace().strip('/')
         self.velocity = VelocityOutput(self)
-        for topic in HEARD:
-            self.create_subscription(
-                topic.type, topic.name,
-                self._on_diagnostics if topic is topics.DIAGNOSTICS else self._on_message,
-                NEWEST if topic.type is Odometry else topic.qos)
+        for topic in topics.PUBLISHED:
+            if topic.type in PARTS:
+                self.create_subscription(topic.type, topic.name, self._on_message,
+                                         NEWEST if topic is topics.ODOM else topic.qos)
+        self.create_subscription(DiagnosticArray, topics.DIAGNOSTICS.name, self._on_diagnostics,
+                                 topics.DIAGNOSTICS.qos)
         # Discovery takes a moment, so the clients are created before they are needed.
         self._service_clients = {
             name: self.create_client(type_, name) for name, type_ in CALLS.items()}

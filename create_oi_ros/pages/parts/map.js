@@ -15,6 +15,7 @@ const MARGIN = 0.6;         // metres, around everything
 const ZOOM = 1.35;          // of one step
 const TAP = 6;              // pixels that a finger may move while it taps
 const EASE = 60;            // ms in which the robot drawn follows the one measured
+const JUMP = 0.5;           // metres, farther than which it does not drive there
 const NARROW = 0.8;         // of the robot's radius: one that touches a wall can drive along it
 
 export class Map2D {
@@ -220,14 +221,13 @@ export class Map2D {
   ease(elapsed) {
     if (!this.pose) return false;
     const { drawn, pose } = this;
-    const part = 1 - Math.exp(-elapsed / EASE);
     const turn = Math.atan2(Math.sin(pose.yaw - drawn.yaw), Math.cos(pose.yaw - drawn.yaw));
     const away = Math.hypot(pose.x - drawn.x, pose.y - drawn.y);
     if (away < 2e-4 && Math.abs(turn) < 1e-3) return false;
-    const jump = away > 0.5;
-    drawn.x += (pose.x - drawn.x) * (jump ? 1 : part);
-    drawn.y += (pose.y - drawn.y) * (jump ? 1 : part);
-    drawn.yaw += turn * (jump ? 1 : part);
+    const part = away > JUMP ? 1 : 1 - Math.exp(-elapsed / EASE);
+    drawn.x += (pose.x - drawn.x) * part;
+    drawn.y += (pose.y - drawn.y) * part;
+    drawn.yaw += turn * part;
     return true;
   }
 
