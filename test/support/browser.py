@@ -79,6 +79,10 @@ class OpenPage:
         reach = box['width'] / 2
         self.page.mouse.move(x + right * reach, y - up * reach, steps=3)
 
+    def resize(self, width: int, height: int) -> None:
+        """Make the window larger or smaller."""
+        self.page.set_viewport_size({'width': width, 'height': height})
+
     def text(self, selector: str) -> str:
         """Return the text of an element."""
         return str(self.page.locator(selector).inner_text())
