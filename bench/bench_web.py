@@ -1,10 +1,11 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the web page costs: `python bench/bench_web.py`, a minute, a table.
+What the web page costs: `python bench/bench_web.py`, two minutes, a table.
 
 A simulated robot, its driver and `create_web`, without a page and with one that drives. Then how
-soon the wheels are told to stand when the page says nothing more, and when it is closed.
+soon the wheels are told to stand when the page says nothing more, and when it is closed. At last,
+how soon they are told to turn when the stick is pressed in a Chromium without a window.
 """
 
 import asyncio
@@ -13,10 +14,15 @@ from contextlib import asynccontextmanager
 import json
 from pathlib import Path
 import re
+import shutil
+import sys
 from time import monotonic
+from typing import Any
 
 import aiohttp
+from playwright.sync_api import sync_playwright
 
+from create_oi_ros import oi
 from create_oi_ros.ros.programs import PROGRAMS
 from processes import processor_share
 from results import Figure, repeated, run
@@ -27,8 +33,11 @@ WATCH = 10.0
 STOPS = 10
 SETTLE = 3.0
 """Seconds until all have found each other."""
-TARGET, STOP_TARGET = 5.0, 0.3
-"""% of a core with one viewer; seconds until the wheels are told to stand."""
+PRESSES = 20
+PRESSED, RELEASED = 300, 1500
+"""Milliseconds for which the stick is pressed, and until the robot stands again."""
+TARGET, STOP_TARGET, PRESS_TARGET = 5.0, 0.3, 75.0
+"""% of a core with one viewer; seconds until wheels are told to stand; ms until told to turn."""
 TOLD = 'wait right=0 left=0'
 SPEED = 0.2
 
@@ -74,8 +83,6 @@ async def stop_time(ask: Callable[[str], str], port: int, *, closing: bool) -> f
 
 def started(stage: Scene, control: Path) -> tuple[int, int]:
     """Start robot, driver and server; return process id and port of the server."""
-    stage.start('-c', PROGRAMS['create_sim'], '--link', str(stage.port),
-                '--control', str(control)).line()
     stage.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={stage.port}',
                 '-p', 'cmd_vel_timeout:=10.0')
     web = stage.start('-c', PROGRAMS['create_web'], '--control', str(control))
@@ -85,9 +92,42 @@ def started(stage: Scene, control: Path) -> tuple[int, int]:
     return web.pid, int(found[1])
 
 
+def press_times(port: int) -> list[float]:
+    """Return when the stick was pressed, seconds of the monotonic clock."""
+    path = shutil.which('chromium') or sys.exit('no Chromium here: apt-get install chromium')
+    pressed = []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=['--no-sandbox'])
+        shown = browser.new_page()
+        shown.goto(f'http://127.0.0.1:{port}/')
+        shown.wait_for_selector('#chip-link[data-level=good]')
+        box = shown.locator('#stick').bounding_box()
+        shown.mouse.move(box['x'] + box['width'] / 2, box['y'] + box['height'] / 4)
+        for _ in range(PRESSES):
+            shown.wait_for_timeout(RELEASED)
+            pressed.append(monotonic())
+            shown.mouse.down()
+            shown.wait_for_timeout(PRESSED)
+            shown.mouse.up()
+        browser.close()
+    return pressed
+
+
+def turned(received: list[Any]) -> list[float]:
+    """Return when commands arrived that let the wheels turn, by what the robot received when."""
+    found, reader = [], oi.CommandReader()
+    for when, data in received:
+        reader.feed(bytes.fromhex(data))
+        while (event := reader.next_event()) is not None:
+            if isinstance(event, oi.DriveDirect) and event.right:
+                found.append(when)
+    return found
+
+
 def measure() -> list[Figure]:
     """Measure all."""
     with scene() as stage:
+        robot = stage.robot()
         web, port = started(stage, stage.control)
         asyncio.run(asyncio.sleep(SETTLE))
         alone = processor_share(web, WATCH)
@@ -96,11 +136,16 @@ def measure() -> list[Figure]:
             silent, closed = (
                 [asyncio.run(stop_time(ask, port, closing=closing)) for _ in range(STOPS)]
                 for closing in (False, True))
+        pressed = press_times(port)
+        turns = turned(robot.result()['received'])
+    presses = [1000 * (min(turn for turn in turns if turn > press) - press) for press in pressed]
     return [
         Figure('create_web, no page open: processor', alone, '% of a core'),
         Figure('create_web, one page that drives: processor', watched, '% of a core', TARGET),
         repeated('last word of a page to wheels told to stand', silent, 's', STOP_TARGET),
-        repeated('page closed to wheels told to stand', closed, 's', STOP_TARGET)]
+        repeated('page closed to wheels told to stand', closed, 's', STOP_TARGET),
+        repeated('stick pressed in a browser to Drive Direct on the wire', presses, 'ms',
+                 PRESS_TARGET)]
 
 
 if __name__ == '__main__':
