@@ -10,7 +10,6 @@ once, or one that sends it in another namespace; a partner whose message type or
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
-import time
 
 from create_oi_msgs.msg import Mode
 from rclpy.node import Node
@@ -24,8 +23,6 @@ from .velocity_input import type_name_of, TYPES, VelocityInput
 
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """What ROS calls a node that it has not heard of yet, though its publisher was found."""
-NAME_TIMEOUT, POLL_INTERVAL = 1.0, 0.02
-"""Seconds in which ROS hears of a node whose publisher it knows, and between two checks."""
 ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 
 
@@ -158,13 +155,3 @@ def node_name(endpoint: TopicEndpointInfo) -> str:
 def full_name(namespace: str, name: str) -> str:
     """Return the name of a node with its namespace."""
     return f'{namespace.rstrip("/")}/{name}'
-
-
-def names_of_publishers(node: Node, topic: str) -> set[str]:
-    """Return the full names of the nodes that publish a topic; wait a moment for new ones."""
-    until = time.monotonic() + NAME_TIMEOUT
-    while True:
-        found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
-        if time.monotonic() > until or all(each.node_name != UNNAMED for each in found):
-            return {node_name(each) for each in found}
-        time.sleep(POLL_INTERVAL)
