@@ -15,10 +15,6 @@ from .programs import UserError
 
 DOMAINS = range(215, 233)
 """Few people choose these; their UDP ports lie above those that Linux gives to other programs."""
-FIRST_PORT, PORTS_PER_DOMAIN = 7410, 250
-"""UDP port of the first ROS program in domain 0, and how many ports a domain has."""
-PROGRAMS = range(10)
-"""Programs of a domain that are looked for; each has two ports."""
 FOLDER = re.compile(r'create-(\d+)-\w+')
 """Name of a run's folder, with its process id."""
 
@@ -50,24 +46,11 @@ def _reserved() -> Iterator[int]:
                 reservation.bind(f'\0create_oi_ros/domain/{domain}')
             except OSError:
                 continue  # another run has it
-            if _quiet(domain):
-                yield domain
-                return
+            yield domain
+            return
     raise UserError(
         f'the ROS domains {DOMAINS[0]} to {DOMAINS[-1]}, which simulated runs take, are all in '
         'use: end a run, or choose a domain yourself with ROS_DOMAIN_ID')
-
-
-def _quiet(domain: int) -> bool:
-    """Return whether no ROS program on this computer uses a domain."""
-    first = FIRST_PORT + PORTS_PER_DOMAIN * domain
-    for program in PROGRAMS:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            try:
-                probe.bind(('', first + 2 * program))
-            except OSError:
-                return False
-    return True
 
 
 @contextmanager
