@@ -19,8 +19,6 @@ from .parameters import listed, Parameters, shown, suggestion
 WIDTH = 96
 NODE = 'create'
 """The node's name, unless it is remapped."""
-PART = '/_action/'
-"""What ROS puts between the name of an action and those of its topics and services."""
 SPECIAL = '__ns', '__node', '__name'
 """What remap rules change besides topics and services."""
 ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
@@ -114,12 +112,8 @@ def unused_remaps(
         elif name not in SPECIAL and not any(
                 full_name(name, *each) in {full_name(known, *each) for known in names}
                 for each in nodes):
-            actions = {each.partition(PART)[0] for each in names if PART in each}
-            why = (f'write an action with its parts, {name}{PART}send_goal and so on'
-                   if name.lstrip('/') in actions else
-                   f'no topic or service here is called {name}'
-                   f'{suggestion(name, [*names, *actions, *SPECIAL])}')
-            said.append(f'remap {rule} has no effect: {why}')
+            said.append(f'remap {rule} has no effect: no topic or service here is called {name}'
+                        f'{suggestion(name, [*names, *SPECIAL])}')
     return said
 
 
