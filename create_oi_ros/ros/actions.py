@@ -33,6 +33,7 @@ from rclpy.action.server import (
 )
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from std_msgs.msg import Header
 
 from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE, GoalControl
@@ -371,7 +372,7 @@ class Actions:
         result = action.type.Result()
         if hasattr(result, 'pose'):
             stamp = messages.time(self._stamps.newest or 0)  # the frame's, so that tf2 knows it
-            result.pose.header = messages.header(self._odom_frame, stamp)
+            result.pose.header = Header(frame_id=self._odom_frame, stamp=stamp)
         self._node.get_logger().info(f'{action.name} {action.fill(result, pursued.started)}')
         if result.success:
             handle.succeed()

@@ -32,10 +32,7 @@ from ..oi import (
     Infrared,
     Overcurrents,
     Readings,
-    Script,
 )
-from ..oi.script import commands_of
-from ..oi.tools.text import format_command, parse_script
 from ..robot import MILLI, MOST_CHARGE
 
 NANOSECONDS = 1_000_000_000
@@ -72,16 +69,6 @@ def duration(length: float) -> Duration:
     """Return a duration from seconds."""
     sec, nanosec = divmod(round(length * NANOSECONDS), NANOSECONDS)
     return Duration(sec=sec, nanosec=nanosec)
-
-
-def header(frame: str, stamp: Time) -> Header:
-    """Return a header with a frame and a stamp."""
-    return Header(frame_id=frame, stamp=stamp)
-
-
-def empty(type_: type, frame: str) -> Any:
-    """Return a message with a header, to be filled."""
-    return type_(header=Header(frame_id=frame))
 
 
 def unmeasured() -> list[float]:
@@ -208,7 +195,7 @@ CHARGING: dict[ChargingState | None, int] = {
 """Power supply status of a charging state; any other state is discharging."""
 
 
-def battery_state(readings: Readings, *, charge_known: bool) -> Values:
+def battery_state(readings: Readings, *, charge_known: bool = True) -> Values:
     """
     Return the battery (packets 21 to 26 and 34); unknown values are NaN, as the message asks.
 
@@ -304,21 +291,6 @@ def leds(request: Any) -> oi.Leds:
     """Return the LEDs that a request chooses."""
     bits = oi.LedBits.PLAY * request.play | oi.LedBits.ADVANCE * request.advance
     return oi.Leds(bits=bits, color=request.power_color, intensity=request.power_intensity)
-
-
-def script(text: str, code: bytes) -> Script:
-    """Return a script from text or from bytes; ValueError says what is wrong."""
-    if text and code:
-        raise ValueError('both text and code are given: leave one empty')
-    return parse_script(text) if text else Script(script=code)
-
-
-def script_text(code: bytes) -> str:
-    """Return the commands of a script, one a line; '' if its bytes are no commands."""
-    try:
-        return ''.join(f'{format_command(each)}\n' for each in commands_of(Script(script=code)))
-    except ValueError:
-        return ''
 
 
 def of_yaw(yaw: float) -> tuple[float, float]:

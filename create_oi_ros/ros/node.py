@@ -16,6 +16,7 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
+from std_msgs.msg import Header
 
 from .. import __version__
 from ..driver import (
@@ -119,9 +120,7 @@ class CreateNode(Node):
         return capture
 
     def _declare_topics(self) -> None:
-        self._charge_known = self.parameters.battery_technology == 'nimh'
-        self._frames = FramePublisher(
-            self, self.parameters, charge_known=self._charge_known)
+        self._frames = FramePublisher(self, self.parameters)
         self._stamps = self._frames.stamps
         self._mode_waits, self._seconds_without_time = False, 0
         self._contacts = ContactCloud(self, self.parameters)
@@ -144,9 +143,8 @@ class CreateNode(Node):
                 ends.callback(self.capture.close)
             ends.callback(self._announced.close)
             ends.callback(self.model.end, self.session)
-            ends.callback(self._commands.destroy)
-            ends.callback(self.destroy_timer, self._timer)
             ends.callback(self._commands.close)
+            ends.callback(self.destroy_timer, self._timer)
             ends.callback(self.session.close)
 
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
@@ -186,7 +184,8 @@ class CreateNode(Node):
         stamp = self._stamps.now() if status.actual is None else self._stamps.newest
         self._mode_waits = stamp is None
         if stamp is not None:
-            header = messages.header(self.parameters.base_frame, messages.time(stamp))
+            header = Header(
+                frame_id=self.parameters.base_frame, stamp=messages.time(stamp))
             self._mode.publish(messages.mode(status, header))
 
     def _watch_and_report(self) -> None:
@@ -220,7 +219,7 @@ class CreateNode(Node):
             diagnostics.serial_link(
                 name, health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
             diagnostics.mode(name, health), diagnostics.safety(name, health),
-            diagnostics.battery(name, health, charge_known=self._charge_known),
+            diagnostics.battery(name, health, charge_known=self.parameters.charge_known),
             diagnostics.driver(name, health, self._stale, self._graph.publishers,
                                contested=self._graph.contested),
             diagnostics.odometry(name, health),

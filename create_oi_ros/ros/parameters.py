@@ -172,6 +172,11 @@ class Parameters:
                 wheel_separation=self.wheel_separation, linear_scale=self.linear_scale,
                 angular_scale=self.angular_scale))
 
+    @property
+    def charge_known(self) -> bool:
+        """Whether the battery's charge is known."""
+        return self.battery_technology == 'nimh'
+
     def periods(self) -> tuple[float, float]:
         """Return the seconds between two messages of a sensor, and between two of `odom`."""
         return 1 / self.sensor_rate, 1 / self.odom_rate if self.odom_rate else 0.0

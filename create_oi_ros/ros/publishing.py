@@ -8,19 +8,20 @@ Changes of latched topics are always published, for subscribers that come later.
 """
 
 from collections.abc import Callable
+from functools import partial
 from math import inf
 import struct
 import time
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from create_oi_msgs.msg import CargoBay
 from rclpy.clock import JumpThreshold, ROSClock
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
-from sensor_msgs.msg import PointCloud2, PointField
+from sensor_msgs.msg import BatteryState, PointCloud2, PointField
+from std_msgs.msg import Header
 
 from ..driver import Moved
 from ..driver.contacts import Contacts
@@ -177,10 +178,14 @@ class SensorFrameTopic(FrameTopic):
 
     def __init__(self, node: Node, topic: SensorTopic, parameters: Parameters) -> None:
         """Create the publisher."""
-        message = messages.empty(topic.type, parameters.base_frame)
+        message = topic.type(header=Header(frame_id=parameters.base_frame))
         if topic.type is CargoBay:
             message.input_names = list(parameters.input_names)
-        super().__init__(node, topic, message, topic.values)
+        values = topic.values
+        if topic.type is BatteryState:
+            values = partial(
+                messages.battery_state, charge_known=parameters.charge_known)
+        super().__init__(node, topic, message, values)
         self.topic = topic
         self._latched = topic.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._watched = Readings.numbers(*topic.watch)
@@ -194,7 +199,7 @@ class SensorFrameTopic(FrameTopic):
 
         The first time is when all that it needs have arrived.
         """
-        self.complete = self.complete or readings.has(*self.topic.needs)
+        self.complete = self.complete or readings.has(*self.topic.watch, *self.topic.needs)
         if not self.complete:
             return False
         watched = self._watched(readings)
@@ -211,7 +216,7 @@ class SensorFrameTopic(FrameTopic):
 class FramePublisher:
     """Publishes where the robot is, how it moves and what it senses, frame by frame."""
 
-    def __init__(self, node: Node, parameters: Parameters, *, charge_known: bool) -> None:
+    def __init__(self, node: Node, parameters: Parameters) -> None:
         """Create the publishers."""
         self.stamps = StampClock(node)
         frames = parameters.odom_frame, parameters.base_frame
@@ -226,7 +231,7 @@ class FramePublisher:
         self._imu = None if parameters.gyro == 'none' else FrameTopic(
             node, topics.IMU, messages.empty_imu(parameters.base_frame), messages.imu)
         self._sensors = [SensorFrameTopic(node, topic, parameters)
-                         for topic in topics.sensor_topics(charge_known=charge_known)]
+                         for topic in topics.SENSOR_TOPICS]
         self._watched = Readings.numbers(
             *{name for each in self._sensors for name in each.topic.watch})
         self._last: tuple[int, ...] = ()
@@ -313,7 +318,7 @@ class ContactCloud:
         fields = [PointField(name=name, offset=4 * place, datatype=PointField.FLOAT32, count=1)
                   for place, name in enumerate('xyz')]
         self._cloud = PointCloud2(
-            header=messages.header(parameters.base_frame, Time()), height=1, fields=fields,
+            header=Header(frame_id=parameters.base_frame), height=1, fields=fields,
             is_bigendian=False, point_step=POINT.size, is_dense=True)
 
     def publish(self, moved: Moved, nanoseconds: int, parameters: Parameters) -> None:

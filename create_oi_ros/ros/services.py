@@ -8,6 +8,7 @@ driver knows the outcome.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
@@ -37,6 +38,8 @@ from .. import oi
 from ..driver import Driver, Outcome, Pending
 from ..driver.outbox import Awaited, refused
 from ..link.session import Session
+from ..oi.script import commands_of
+from ..oi.tools.text import format_command, parse_script
 from . import messages
 from .messages import yaw_of
 from .odometry_model import ModelKeeper
@@ -92,8 +95,11 @@ def start_demo(driver: Driver, request: StartDemo.Request, _now: float) -> Pendi
 
 def define_script(driver: Driver, request: DefineScript.Request, _now: float) -> Pending:
     """Store a script."""
+    if request.text and request.code:
+        return refused('both text and code are given: leave one empty')
     try:
-        script = messages.script(request.text, bytes(request.code))
+        script = (parse_script(request.text) if request.text
+                  else oi.Script(script=bytes(request.code)))
     except ValueError as error:
         return refused(str(error))
     return driver.scripts.define(script)
@@ -108,7 +114,9 @@ def fill(response: Any, outcome: Outcome) -> Any:
 def fill_script(response: ShowScript.Response, outcome: Outcome) -> Any:
     """Put the script that the robot has sent into a response."""
     response.code = outcome.payload
-    response.text = messages.script_text(outcome.payload)
+    with suppress(ValueError):  # where its bytes are no commands, there is no text
+        response.text = ''.join(f'{format_command(each)}\n' for each in commands_of(
+            oi.Script(script=outcome.payload)))
     return fill(response, outcome)
 
 

@@ -8,8 +8,7 @@ files: its .msg file in msg_defs, its row here, its function in messages.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
@@ -65,10 +64,10 @@ class SensorTopic(Topic):
     """A topic that is made from readings."""
 
     when: str = 'on change at once, else at `sensor_rate`'
-    needs: tuple[str, ...]
-    """Readings that must have arrived before the first message."""
     watch: tuple[str, ...]
     """Readings whose change is published at once."""
+    needs: tuple[str, ...] = ()
+    """More readings that must have arrived before the first message."""
     bits: int | None = None
     """Bits of the only watched reading that count; None: all."""
     values: Callable[[Readings], Values]
@@ -112,58 +111,50 @@ CONTACTS = Topic(
 CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        name='bumper', type=Bumper, values=messages.bumper, needs=('bumps_and_wheel_drops',),
+        name='bumper', type=Bumper, values=messages.bumper,
         watch=('bumps_and_wheel_drops',), bits=BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
         name='wheel_drop', type=WheelDrop, values=messages.wheel_drop,
-        needs=('bumps_and_wheel_drops',),
         watch=('bumps_and_wheel_drops',), bits=~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
         name='cliff', type=Cliff, values=messages.cliff,
-        needs=(*CLIFFS, *(f'{name}_signal' for name in CLIFFS)),
-        watch=CLIFFS,
+        watch=CLIFFS, needs=tuple(f'{name}_signal' for name in CLIFFS),
         about='the four cliff sensors, with signal strengths (65535: not known)'),
     SensorTopic(
         name='wall', type=Wall, values=messages.wall,
-        needs=('wall', 'virtual_wall', 'wall_signal'),
-        watch=('wall', 'virtual_wall'),
+        watch=('wall', 'virtual_wall'), needs=('wall_signal',),
         about='the wall sensor on the right, with its signal strength (65535: not known), and '
         'virtual walls'),
     SensorTopic(
         name='cargo_bay', type=CargoBay, values=messages.cargo_bay, qos=LATCHED,
-        needs=('digital_inputs', 'analog_signal'),
-        watch=('digital_inputs',),
+        watch=('digital_inputs',), needs=('analog_signal',),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts (NaN: not known), baud rate pin'),
     StateTopic(
-        name='buttons', type=Buttons, values=messages.buttons, needs=('buttons',),
-        watch=('buttons',), about='Play and Advance'),
+        name='buttons', type=Buttons, values=messages.buttons, watch=('buttons',),
+        about='Play and Advance'),
     StateTopic(
-        name='ir_omni', type=IrOmni, values=messages.ir_omni, needs=('infrared',),
-        watch=('infrared',),
+        name='ir_omni', type=IrOmni, values=messages.ir_omni, watch=('infrared',),
         about='infrared character that is received, with its name'),
     StateTopic(
         name='charging', type=Charging, values=messages.charging,
-        needs=('charging_state', 'charging_sources'),
         watch=('charging_state', 'charging_sources'),
         about='charging state (255: not known), charger and Home Base'),
     StateTopic(
         name='overcurrent', type=Overcurrent, values=messages.overcurrent,
-        needs=('overcurrents',),
         watch=('overcurrents',),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
-        name='song', type=Song, values=messages.song, needs=('song_number', 'song_playing'),
+        name='song', type=Song, values=messages.song,
         watch=('song_number', 'song_playing'),
         about='the song that plays, or played last (255: not known)'),
     SensorTopic(
         name='battery_state', type=BatteryState, period=1.0,
-        values=partial(messages.battery_state, charge_known=True),
-        needs=('charging_state', 'voltage', 'current', 'battery_temperature', 'battery_charge',
-               'battery_capacity', 'charging_sources'),
+        values=messages.battery_state,
         watch=('charging_state', 'charging_sources'),
+        needs=('voltage', 'current', 'battery_temperature', 'battery_charge', 'battery_capacity'),
         when='1 Hz, and when the charging state changes',
         about='voltage, current, charge, temperature, charging status; NaN: not known'),
 )
@@ -178,10 +169,3 @@ def type_name(type_: Any) -> str:
     """Return the name of a message, service or action type as people write it."""
     package = type_.__module__.partition('.')[0]
     return f'{package}/{type_.__name__}'
-
-
-def sensor_topics(*, charge_known: bool) -> list[SensorTopic]:
-    """Return SENSOR_TOPICS, set for a battery whose charge is known or not."""
-    battery = partial(messages.battery_state, charge_known=charge_known)
-    return [replace(topic, values=battery) if topic.type is BatteryState else topic
-            for topic in SENSOR_TOPICS]

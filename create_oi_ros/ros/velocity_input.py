@@ -80,13 +80,10 @@ class VelocityInput:
         self._thread.start()
 
     def close(self) -> None:
-        """Take no more commands, and wait until `on_command` has returned."""
+        """Take no more commands; nobody calls `adapt` any more, and `on_command` has returned."""
         if self._thread.is_alive():
             self._executor.create_task(self._closing.set)
             self._thread.join()
-
-    def destroy(self) -> None:
-        """Destroy the node, after `close`, when nobody calls `adapt` any more."""
         self._executor.shutdown()
         self.node.destroy_node()
 

@@ -41,7 +41,7 @@ class Frames:
                 return encode(values)
             return tell
         monkeypatch.setattr(publishing, 'encoder', encoder)
-        self.publisher = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
+        self.publisher = FramePublisher(stage.ros.node, Parameters())
         stage.ros.until(lambda: {'Odometry', 'Bumper', 'Cliff'} <= set(self.next()))
 
     @property
@@ -140,7 +140,7 @@ def test_where_bytes_cannot_be_packed_objects_are_published_with_one_warning(
         publishing, 'serialize_message', lambda message: serialize_message(message) * 2)
     with scene(tmp_path) as stage:
         heard = stage.ros.listen(Odometry, 'odom')
-        frames = FramePublisher(stage.ros.node, Parameters(), charge_known=False)
+        frames = FramePublisher(stage.ros.node, Parameters())
         slots = iter(range(100000))
 
         def publish() -> bool:

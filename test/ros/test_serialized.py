@@ -37,7 +37,7 @@ def empty(type_: type, frame: str, other: str) -> Any:
     """Return the message of a topic as the node makes it."""
     if type_ in EMPTY:
         return EMPTY[type_](frame, other)
-    return messages.empty(type_, frame)
+    return type_(header=Header(frame_id=frame))
 
 
 def numbers(message: Any, path: str = '') -> Iterator[str]:

@@ -72,7 +72,6 @@ class Stage:
         """End it."""
         for each in self.inputs:
             each.close()
-            each.destroy()
         for other in (self.ros, *self.others):
             other.close()
 
@@ -195,7 +194,6 @@ def test_close_waits_for_the_function(stage):
     threading.Timer(0.1, leave.set).start()
     for each in (made, never):
         each.close()
-        each.destroy()
     assert left.is_set()
     assert not stage.failed.is_set()
 
