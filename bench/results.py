@@ -54,10 +54,9 @@ class Figure(NamedTuple):
 
 
 def repeated(what: str, values: Sequence[float], unit: str, target: float | None = None,
-             beside: str = '', *, at_least: bool = False) -> Figure:
-    """Return the median of repetitions and the worst: the highest, unless higher is better."""
-    worst = min(values) if at_least else max(values)
-    return Figure(what, median(values), unit, target, at_least, worst, beside)
+             beside: str = '') -> Figure:
+    """Return the median of repetitions, and the highest."""
+    return Figure(what, median(values), unit, target, worst=max(values), beside=beside)
 
 
 def percentile(values: Sequence[float]) -> float:

@@ -14,10 +14,7 @@ from rclpy.utilities import remove_ros_args
 from create_oi_ros.ros.waiting import wait_for_robot
 
 argparse.ArgumentParser(description=__doc__).parse_args(remove_ros_args()[1:])
-rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
-node = rclpy.create_node('drive')
 circle = Twist(linear=Vector3(x=0.2), angular=Vector3(z=0.5))
-velocity = node.create_publisher(Twist, 'cmd_vel', 1)
 heard: list[Odometry] = []
 ended: list[str] = []
 
@@ -29,6 +26,9 @@ def show() -> None:
 
 
 try:
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
+    node = rclpy.create_node('drive')
+    velocity = node.create_publisher(Twist, 'cmd_vel', 1)
     wait_for_robot(node, velocity.get_subscription_count)
     node.create_timer(0.1, lambda: velocity.publish(circle))
     node.create_subscription(Odometry, 'odom', heard.append, 1)

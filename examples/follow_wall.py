@@ -96,9 +96,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.parse_args(remove_ros_args()[1:])
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
-    node = FollowWall()
     try:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
+        node = FollowWall()
         wait_for_robot(node, node.velocity.get_subscription_count)
         node.create_timer(PERIOD, node.drive)
         signal.signal(signal.SIGINT, lambda *_: node.ended.set_result('Ctrl-C'))

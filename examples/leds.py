@@ -13,9 +13,6 @@ from rclpy.utilities import remove_ros_args
 from create_oi_ros.ros.waiting import wait_for_robot
 
 argparse.ArgumentParser(description=__doc__).parse_args(remove_ros_args()[1:])
-rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
-node = rclpy.create_node('leds')
-leds = node.create_client(SetLeds, 'set_leds')
 steps, ended = count(), []
 
 
@@ -27,6 +24,9 @@ def blink() -> None:
 
 
 try:
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
+    node = rclpy.create_node('leds')
+    leds = node.create_client(SetLeds, 'set_leds')
     wait_for_robot(node, leds.service_is_ready)
     node.create_timer(0.25, blink)
     # Ctrl-C is only noted from here on: an exception could come amid a message.

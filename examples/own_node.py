@@ -59,8 +59,8 @@ class Explorer(Node):
 
 
 argparse.ArgumentParser(description=__doc__).parse_args(remove_ros_args()[1:])
-rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
 try:
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # Ctrl-C is a KeyboardInterrupt
     node = Explorer()
     # Signals are only noted from here on: an exception could come amid a message.
     for number in (signal.SIGINT, signal.SIGTERM):
