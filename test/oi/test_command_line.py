@@ -3,11 +3,9 @@
 """The command line of `create_oi_ros.oi`, and its page of documentation."""
 
 import doctest
-from importlib import import_module
 import io
 from pathlib import Path
 import re
-import runpy
 import subprocess
 import sys
 
@@ -18,8 +16,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.oi.tools.command_line import main, run
 from create_oi_ros.oi.tools.tables import columns, document, groups_table
-from create_oi_ros.oi.tools.text import format_command
-from support.oi_strategies import commands
+from support.oi_strategies import frames, packet_lists
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / 'docs' / 'open_interface.md'
@@ -77,9 +74,9 @@ def test_what_is_not_understood_is_a_comment() -> None:
 def test_replies_are_explained() -> None:
     status, lines, _ = ran('decode', '3', '0', '1')
     assert status == 1 and lines[-1].endswith('read what a robot sent with --reply or --stream')
-    assert ran('decode', '--reply', '7,distance', '3 255 254', '0 0 1') == (0, [
-        'Bumps and Wheel Drops = bump_right+bump_left, Distance = -2 mm',
-        'Bumps and Wheel Drops = 0, Distance = 1 mm'], '')
+    assert ran('decode', '--reply', '7,distance,35', '3 255 254 2', '0 0 1 2') == (0, [
+        'Bumps and Wheel Drops = bump_right+bump_left, Distance = -2 mm, OI Mode = safe',
+        'Bumps and Wheel Drops = 0, Distance = 1 mm, OI Mode = safe'], '')
     assert ran('decode', '--reply', '19', '0') == (
         1, ['# reply is cut short: 1 of 2 bytes'], '')
     status, lines, _ = ran('decode', '--reply', '0', '3 0 1 1 1 1')
@@ -114,12 +111,22 @@ def test_frames_are_explained_without_their_list() -> None:
         'Cargo Bay Analog Signal = 512 (2.50 V)', lines[-1], '# garbage: 19 5'], '')
 
 
-def test_values_are_shown_with_names_and_units() -> None:
-    packets = oi.PacketList([19, 34, 35, 37])
-    frame = ' '.join(map(str, packets.pack_frame([-200, 0, 2, 1])))
-    _, lines, _ = ran('decode', '--stream', '19,34,35,37', frame)
-    assert lines[1:] == [
-        'Distance = -200 mm, Charging Sources Available = 0, OI Mode = safe, Song Playing = 1']
+@given(packet_lists().flatmap(lambda packets: st.tuples(
+    st.just(packets), st.lists(frames(packets), min_size=1, max_size=3))))
+def test_a_list_is_found_in_its_frames(drawn: tuple[oi.PacketList, list[bytes]]) -> None:
+    packets, sent = drawn
+    _, lines, _ = ran('decode', '--raw', '--stream', 'any', stdin=b''.join(sent))
+    named = ','.join(map(str, packets.ids))
+    assert [line for line in lines if line.startswith('# frames of packets')] == [
+        f'# frames of packets {named}']
+
+
+@pytest.mark.parametrize('data', [
+    b'', b'\x13', b'\x13\5\xff', b'\x13\5\x1d\2\x25\x0d\0', b'\x13\5\x1d\2\x25\x0d\0\0',
+    b'\x13\2\7\0\7\0', b'\x13\1\7\0', b'\x13\0\xed'])
+def test_no_list_is_found_where_no_frame_is(data: bytes) -> None:
+    _, lines, _ = ran('decode', '--raw', '--stream', 'any', stdin=data)
+    assert not any('frames of packets' in line for line in lines)
 
 
 def test_the_boot_banner_is_shown() -> None:
@@ -140,14 +147,6 @@ def test_text_is_encoded() -> None:
         0, ['131', '152 1 132'], '')
     assert ran('encode', stdin='Safe\n Drive velocity=1') == (
         1, [], 'line 2, column 2: Drive lacks radius')
-
-
-@given(st.lists(commands(), max_size=8))
-def test_decode_undoes_encode(listed: list[oi.Command]) -> None:
-    text = '\n'.join(map(format_command, listed))
-    status, lines, _ = ran('encode', stdin=text)
-    assert status == 0 and len(lines) == len(listed)
-    assert ran('decode', stdin='\n'.join(lines)) == (0, text.splitlines(), '')
 
 
 def test_the_tables_are_printed() -> None:
@@ -202,17 +201,6 @@ def test_the_shell_examples_of_the_page_are_true() -> None:
         command, *output = example.splitlines()
         words = [found.strip("'") for found in re.findall(r"'[^']*'|\S+", command)]
         assert ran(*words)[1] == output
-
-
-def test_it_runs_as_a_module(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
-                             ) -> None:
-    monkeypatch.setattr(sys, 'argv', ['oi', 'decode', '128'])
-    monkeypatch.delitem(sys.modules, 'create_oi_ros.oi.__main__', raising=False)
-    with pytest.raises(SystemExit) as ended:
-        runpy.run_module('create_oi_ros.oi', run_name='__main__')
-    assert ended.value.code == 0 and capsys.readouterr().out == 'Start\n'
-    import_module('create_oi_ros.oi.__main__')
-    assert capsys.readouterr().out == '', 'importing it does not run it'
 
 
 @pytest.mark.parametrize('raised, status', [(BrokenPipeError, 141), (KeyboardInterrupt, 130)])

@@ -36,13 +36,6 @@ def test_every_note_of_a_ring_tone_is_that_of_the_octave(octave):
     assert {note.duration for note in notes} == {16}
 
 
-@pytest.mark.parametrize('value', [1, 2, 4, 8, 16, 32])
-@pytest.mark.parametrize(('dots', 'longer'), [('', 1), ('.', Fraction(3, 2))])
-def test_every_value_of_a_ring_tone_lasts_its_share(value, dots, longer):
-    note, = parse_tune(f'x:b=120:{value}c{dots}')
-    assert note.duration == round(Fraction(4 * 64 * 60, 120 * value) * longer)
-
-
 @given(st.lists(st.tuples(
     st.sampled_from([REST, *SOUNDING]), st.fractions(Fraction(1, 64), 3, max_denominator=999)),
     min_size=1))
