@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import serial
 
 from support.simulator import ControlClient, taught
 
@@ -30,5 +31,9 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Con
 @pytest.fixture
 def robot(served: tuple[Path, ControlClient]) -> tuple[Path, ControlClient]:
     """Return the port and the control socket of the shared robot, as new."""
-    served[1].tell(*AS_NEW)
+    port, teacher = served
+    teacher.tell(*AS_NEW)
+    with serial.Serial(str(port), 57600) as client:
+        teacher.tell('after 0.05')  # until the line knows this rate
+        client.reset_input_buffer()
     return served

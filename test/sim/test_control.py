@@ -5,8 +5,6 @@
 import csv
 import os
 from pathlib import Path
-import subprocess
-import sys
 import threading
 
 import pytest
@@ -168,18 +166,3 @@ def test_record_writes_the_truth_of_every_slot(tmp_path: Path) -> None:
     assert all(b - a == pytest.approx(0.015) for a, b in zip(times, times[1:], strict=False))
     assert rows[-1]['mode'] == 'FULL'
     assert float(rows[-1]['x']) > 0.1
-
-
-def test_the_simulator_does_not_hold_the_terminal_open(port: Path) -> None:
-    """With the terminal open, it could not tell whether a client is connected."""
-    with simulator('--link', port) as sim:
-        held = Path(f'/proc/{sim.process.pid}/fd')
-        targets = [os.readlink(each) for each in held.iterdir()]
-        assert str(port.resolve()) not in targets
-
-
-def test_it_needs_neither_ros_nor_pyserial() -> None:
-    program = (
-        'import sys, create_oi_ros.sim.server; '
-        'sys.exit(any(name in sys.modules for name in ("rclpy", "serial", "numpy")))')
-    assert subprocess.run([sys.executable, '-c', program], check=False).returncode == 0

@@ -6,7 +6,7 @@ What the simulated Create does by its actuators, one test for each sentence of t
 Section Actuator Commands, and the packets that report on them (36, 37, 39 to 42).
 """
 
-import math
+from collections import deque
 
 import pytest
 
@@ -14,8 +14,8 @@ from create_oi_ros import oi
 from create_oi_ros.oi import Mode, Note
 from create_oi_ros.sim.firmware.guesses import Guesses
 from support.robot import Robot
+import vectors
 
-SEPARATION = 258
 ONE_NOTE, OTHER_NOTE = (Note(60, 32),), (Note(72, 64), Note(0, 64), Note(74, 64))
 
 
@@ -25,58 +25,20 @@ def robot() -> Robot:
     return Robot(Mode.FULL)
 
 
-# Drive.
+# Drive and Drive Direct.
 
-def test_drive_example_reverses_at_200_turning_at_a_radius_of_500(robot: Robot) -> None:
-    robot.say(bytes([137, 255, 56, 1, 244]))
-    assert robot.read('requested_velocity') == -200
-    assert robot.read('requested_radius') == 500
+@pytest.mark.parametrize(('sent', 'speed', 'rate'), [
+    ('137 255 56 1 244', -0.2, -0.2 / 0.5),  # the manual's example
+    ('137 0 200 128 0', 0.2, 0.0), ('137 0 200 127 255', 0.2, 0.0), ('137 0 200 0 0', 0.2, 0.0),
+    ('137 0 100 255 255', 0.0, -0.1 / 0.129), ('137 0 100 0 1', 0.0, 0.1 / 0.129),
+    ('137 0 200 35 40', 0.2, 0.1), ('137 0 200 220 216', 0.2, -0.1),  # 2 m is the longest radius
+    ('145 0 200 255 156', 0.05, 0.3 / 0.258)])
+def test_the_wheels_turn_as_the_manual_says(
+        robot: Robot, sent: str, speed: float, rate: float) -> None:
+    robot.say(vectors.octets(sent))
     robot.run(1)
     truth = robot.body.truth()
-    assert truth.speed == pytest.approx(-0.2)
-    assert truth.rate == pytest.approx(-0.2 / 0.5)
-
-
-def test_the_radius_is_measured_from_the_center_of_the_turning_circle_to_the_center_of_create(
-        robot: Robot) -> None:
-    robot.say(oi.Drive(velocity=200, radius=500))
-    robot.run(2)
-    here = robot.body.truth().pose
-    center = (here.x - 0.5 * math.sin(here.yaw), here.y + 0.5 * math.cos(here.yaw))
-    robot.run(3)
-    there = robot.body.truth().pose
-    assert math.dist(center, (there.x, there.y)) == pytest.approx(0.5, abs=1e-6)
-
-
-@pytest.mark.parametrize('code', [b'\x80\x00', b'\x7f\xff'])
-def test_straight_is_hex_8000_or_7fff(robot: Robot, code: bytes) -> None:
-    robot.say(bytes([137, 0, 200]) + code)
-    robot.run(1)
-    assert robot.body.truth().rate == 0
-    assert robot.speed == pytest.approx(0.2)
-    assert robot.ask(40) == code
-
-
-@pytest.mark.parametrize(('code', 'right'), [(b'\xff\xff', -100), (b'\x00\x01', 100)])
-def test_turn_in_place_is_hex_ffff_clockwise_and_0001_counter_clockwise(
-        robot: Robot, code: bytes, right: int) -> None:
-    robot.say(b'\x89\x00\x64' + code)
-    robot.run(1)
-    assert robot.wheels == (right, -right)
-    assert (robot.speed, robot.body.truth().rate) == pytest.approx((0, right / 1000 / 0.129))
-
-
-def test_a_radius_of_0_is_taken_as_straight(robot: Robot) -> None:
-    robot.say(oi.Drive(velocity=100, radius=0))
-    assert robot.wheels == (100, 100)
-
-
-def test_a_radius_out_of_range_is_the_longest(robot: Robot) -> None:
-    robot.say(bytes([137, 0, 200, *(9000).to_bytes(2)]))
-    assert robot.read('requested_radius') == 2000
-    assert robot.wheels[0] > robot.wheels[1]
-    robot.say(bytes([137, 0, 200, *(-9000).to_bytes(2, signed=True)]))
-    assert robot.wheels[0] < robot.wheels[1]
+    assert (truth.speed, truth.rate) == pytest.approx((speed, rate), abs=1e-6)
 
 
 @pytest.mark.parametrize(('asked', 'got'), [(32767, 500), (501, 500), (-501, -500)])
@@ -88,26 +50,21 @@ def test_a_velocity_out_of_range_is_clamped(robot: Robot, asked: int, got: int) 
     assert robot.read('requested_left_velocity') == got
 
 
-# Drive Direct.
-
-def test_drive_direct_controls_the_wheels_independently_right_first(robot: Robot) -> None:
-    robot.say(bytes([145, 0, 200, 255, 156]))
-    assert robot.wheels == (200, -100)
-    robot.run(1)
-    truth = robot.body.truth()
-    assert (truth.speed, truth.rate) == pytest.approx((0.05, 0.3 / 0.258))
-
-
 def test_drive_and_drive_direct_report_in_their_own_packets(robot: Robot) -> None:
     robot.say(oi.Drive(velocity=120, radius=-340), oi.DriveDirect(right=56, left=-78))
     assert robot.ask(39, 40, 41, 42) == bytes([0, 120, 254, 172, 0, 56, 255, 178])
 
 
-# LEDs.
+# LEDs, low side drivers, Send IR.
 
-def test_leds_example_lights_advance_and_power_green_at_half_intensity(robot: Robot) -> None:
-    robot.say(bytes([139, 8, 0, 128]))
-    assert robot.create.lights == (oi.LedBits.ADVANCE, 0, 128)
+@pytest.mark.parametrize(('sent', 'name', 'value'), [
+    ('139 8 0 128', 'lights', (oi.LedBits.ADVANCE, 0, 128)),
+    ('144 32 0 128', 'duties', (128, 0, 32)), ('138 7 138 2', 'duties', (0, 128, 0)),
+    ('144 129 0 0', 'duties', (0, 0, 0)), ('151 200 151 0', 'infrared_sent', deque([200, 0]))])
+def test_the_manuals_examples_set_what_they_say_and_what_is_out_of_range_sets_nothing(
+        robot: Robot, sent: str, name: str, value: object) -> None:
+    robot.say(vectors.octets(sent))
+    assert getattr(robot.create.actuators, name) == value
 
 
 @pytest.mark.parametrize('masks', [True, False])
@@ -119,12 +76,6 @@ def test_whether_bits_without_a_meaning_count_is_a_guess_with_a_switch(masks: bo
     before = (oi.LedBits(0), 0, 0), (0, 0, 0), 0
     after = (oi.LedBits.ADVANCE, 0, 128), (128, 0, 0), 4
     assert (state.lights, state.duties, state.outputs) == (after if masks else before)
-
-
-def test_other_values_out_of_range_are_not_masked(robot: Robot) -> None:
-    robot.say(bytes([144, 129, 0, 0]), bytes([141, 16]))
-    assert robot.create.actuators.duties == (0, 0, 0)
-    assert not robot.read('song_playing')
 
 
 def test_in_passive_the_robot_lights_its_own_leds() -> None:
@@ -155,40 +106,10 @@ def test_when_switched_on_the_digital_outputs_are_high_for_the_first_3_seconds()
     assert robot.create.outputs == 0
 
 
-# Low side drivers.
-
-def test_pwm_example_turns_on_driver_2_at_25_and_driver_0_at_100_per_cent(robot: Robot) -> None:
-    robot.say(bytes([144, 32, 0, 128]))
-    assert robot.create.actuators.duties == (128, 0, 32)
-
-
-def test_low_side_drivers_example_turns_on_only_driver_1(robot: Robot) -> None:
-    robot.say(bytes([138, 7]), bytes([138, 2]))
-    assert robot.create.actuators.duties == (0, 128, 0)
-
-
-@pytest.mark.parametrize(('amperes', 'flags'), [
-    ({'ld0': 0.6}, 0b010), ({'ld1': 0.6}, 0b001), ({'ld2': 1.8}, 0b100),
-    ({'ld0': 0.4, 'ld1': 0.4, 'ld2': 1.4}, 0)])
-def test_if_too_much_current_is_requested_the_overcurrent_flag_is_set(
-        robot: Robot, amperes: dict[str, float], flags: int) -> None:
-    robot.body.load(**amperes)
-    robot.say(bytes([138, 7]))
-    robot.run(1)
-    assert robot.ask(14) == bytes([flags])
-
-
 def test_passive_stops_the_drivers() -> None:
     robot = Robot(Mode.SAFE)
     robot.say(oi.LowSideDrivers(bits=7), oi.Start())
     assert robot.create.actuators.duties == (0, 0, 0)
-
-
-# Send IR.
-
-def test_send_ir_sends_the_requested_byte(robot: Robot) -> None:
-    robot.say(bytes([151, 200, 151, 0]))
-    assert list(robot.create.actuators.infrared_sent) == [200, 0]
 
 
 # Song and Play Song.

@@ -12,11 +12,8 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi import Checksum, Mode
-from create_oi_ros.robot import Rounding
 from support.robot import GENTLE, Robot
-
-CONTENTS = {0: range(7, 27), 1: range(7, 17), 2: range(17, 21), 3: range(21, 27),
-            4: range(27, 35), 5: range(35, 43), 6: range(7, 43)}
+import vectors
 
 
 @pytest.fixture
@@ -33,16 +30,16 @@ def test_there_are_43_different_sensor_packets(robot: Robot) -> None:
         assert robot.slots(2) == b''
 
 
-@pytest.mark.parametrize(('group', 'contents'), CONTENTS.items())
+@pytest.mark.parametrize(('group', 'sizes'), vectors.GROUPS.items())
 def test_group_packets_send_their_component_values_in_sequential_order(
-        group: int, contents: range) -> None:
+        group: int, sizes: tuple[int, int, int]) -> None:
     robot, other = Robot(Mode.SAFE), Robot(Mode.SAFE)
     for each in (robot, other):
         each.body.force(bump_left=1, wall_signal=1234, infrared=130, analog=1023, advance=1)
         each.say(oi.DriveDirect(right=100, left=-300))
         each.run(0.5)
     assert robot.say(bytes([142, group])) == b''.join(
-        other.say(bytes([142, packet])) for packet in contents)
+        other.say(bytes([142, packet])) for packet in range(sizes[1], sizes[2] + 1))
 
 
 @pytest.mark.parametrize('packet', [43, 100, 255])
@@ -77,12 +74,6 @@ def test_up_to_255_packets_may_be_queried(robot: Robot) -> None:
 
 
 # Stream.
-
-def test_stream_example_of_front_left_cliff_signal_and_virtual_wall() -> None:
-    robot = Robot(Mode.PASSIVE, checksum=Checksum.MANUAL)
-    robot.body.force(cliff_front_left_signal=2 * 256 + 25)
-    robot.say(bytes([148, 2, 29, 13]))
-    assert robot.slots() == bytes([19, 5, 29, 2, 25, 13, 0, 182])
 
 
 @pytest.mark.parametrize(('checksum', 'start'), [(Checksum.MANUAL, 1), (Checksum.HARDWARE, 0)])
@@ -232,18 +223,6 @@ def test_every_request_resets_the_distance_and_angle(ask: bytes) -> None:
     robot.run(2)
     robot.say(ask)
     assert robot.ask(19, 20) == bytes(4)
-
-
-@pytest.mark.parametrize(('rounding', 'share'), [
-    (Rounding.TRUNCATE, 0), (Rounding.ROUND, 0), (Rounding.CARRY, 1)])
-def test_what_is_below_a_unit_when_read_is_lost_or_carried(
-        rounding: Rounding, share: float) -> None:
-    robot = Robot(Mode.FULL, rounding=rounding)
-    robot.say(oi.DriveDirect(right=30, left=30))
-    robot.run(1)
-    robot.ask(19)
-    total = sum(robot.slots() and 0 or robot.ask(19)[1] for _ in range(1000))
-    assert total == pytest.approx(15 * 30 * share, abs=2)
 
 
 @given(st.lists(st.floats(0.001, 0.2), max_size=20))

@@ -15,9 +15,8 @@ from create_oi_ros.oi import Mode
 from create_oi_ros.sim.firmware.guesses import Guesses, parse_guesses
 from create_oi_ros.sim.firmware.uart import resampled
 from support.robot import GENTLE, Robot
+import vectors
 
-RATES = {0: 300, 1: 600, 2: 1200, 3: 2400, 4: 4800, 5: 9600, 6: 14400, 7: 19200, 8: 28800,
-         9: 38400, 10: 57600, 11: 115200}
 ASK_MODE = bytes([142, 35])
 
 
@@ -125,7 +124,7 @@ def test_the_battery_voltage_below_the_minimum_turns_the_robot_off() -> None:
 
 # Baud.
 
-@pytest.mark.parametrize(('code', 'rate'), RATES.items())
+@pytest.mark.parametrize(('code', 'rate'), vectors.BAUD_CODES.items())
 def test_baud_sets_the_rate_according_to_its_code(code: int, rate: int) -> None:
     robot = Robot(Mode.PASSIVE)
     robot.say(bytes([129, code]))
@@ -178,8 +177,8 @@ def test_at_115200_bytes_too_close_together_may_be_lost() -> None:
         assert robot.say(ASK_MODE) == answer
 
 
-@given(st.binary(max_size=40), st.sampled_from(sorted(RATES.values())),
-       st.sampled_from(sorted(RATES.values())))
+@given(st.binary(max_size=40), st.sampled_from(sorted(vectors.BAUD_CODES.values())),
+       st.sampled_from(sorted(vectors.BAUD_CODES.values())))
 def test_the_number_of_bytes_received_at_another_rate_is_limited(
         data: bytes, sent: int, received: int) -> None:
     assert len(resampled(data, sent, received)) <= 10 * len(data) * max(1, received / sent)

@@ -13,73 +13,39 @@ from create_oi_ros import oi
 from create_oi_ros.oi import Mode
 from create_oi_ros.sim.world import parse, shipped
 from support.robot import GENTLE, Robot
+import vectors
 
-STARTED = (Mode.PASSIVE, Mode.SAFE, Mode.FULL)
-"""Places on the shipped table, which ends at x = 1."""
+SAMPLES = {vector.command.opcode: vector.command for vector in reversed(vectors.COMMANDS)}
+"""A command of each opcode."""
 
 
 # iRobot Create Open Interface Modes.
 
-def test_when_first_supplied_the_oi_is_in_off_mode() -> None:
-    assert Robot().mode is Mode.OFF
+def state(robot: Robot) -> tuple[object, ...]:
+    """Return all that a command may change."""
+    create, actuators = robot.create, robot.create.actuators
+    return (create.mode, create.demo, create.lights, create.outputs, create.script, create.baud,
+            create.waiting, create.speaker.song_playing(robot.now), dict(create.speaker.songs),
+            actuators.duties, actuators.wheels, list(actuators.infrared_sent))
 
 
-@pytest.mark.parametrize('command', [kind for kind in oi.COMMANDS if kind is not oi.Start])
-def test_when_off_it_obeys_nothing_but_start(command: type[oi.Command]) -> None:
-    robot = Robot()
-    size = command.size(bytes([command.opcode, 1, 1, 1]))
-    assert robot.say(bytes([command.opcode] + [1] * (size - 1))) == b''
-    assert robot.slots(10) == b''
-    assert robot.mode is Mode.OFF
-    assert robot.create.demo is None
-    assert robot.wheels == (0, 0)
-
-
-@pytest.mark.parametrize('before', STARTED)
-@pytest.mark.parametrize(('command', 'after'), [
-    (oi.Start(), Mode.PASSIVE), (oi.Control(), Mode.SAFE), (oi.Safe(), Mode.SAFE),
-    (oi.Full(), Mode.FULL)])
-def test_you_can_switch_between_modes_at_any_time(
-        before: Mode, command: oi.Command, after: Mode) -> None:
-    robot = Robot(before)
-    robot.say(command)
-    assert robot.mode is after
-    assert robot.read('oi_mode') is after
+@pytest.mark.parametrize('mode', Mode)
+@pytest.mark.parametrize('command', SAMPLES.values(), ids=lambda command: command.title)
+def test_a_command_is_obeyed_in_its_modes_only_and_enters_the_manuals(
+        command: oi.Command, mode: Mode) -> None:
+    available, enters = vectors.MODES[command.opcode]
+    robot = Robot(mode)
+    robot.say(oi.Song(number=15, notes=(oi.Note(60, 64),)))
+    before = state(robot)
+    reply = robot.say(command)
+    if mode.name.lower() in available.split():
+        assert robot.mode is (Mode[enters.upper()] if enters else mode)
+    else:
+        assert reply + robot.slots(10) == b''
+        assert state(robot) == before and robot.speed == 0
 
 
 # Passive Mode.
-
-@pytest.mark.parametrize('mode', STARTED)
-@pytest.mark.parametrize('command', [
-    oi.Spot(), oi.Cover(), oi.CoverAndDock(), *(oi.Demo(demo=n) for n in oi.DemoNumber)])
-def test_upon_a_demo_command_the_oi_enters_into_passive_mode(
-        mode: Mode, command: oi.Command) -> None:
-    robot = Robot(mode)
-    robot.say(command)
-    assert robot.mode is Mode.PASSIVE
-
-
-def test_in_passive_you_can_request_and_receive_sensor_data() -> None:
-    robot = Robot(Mode.PASSIVE)
-    assert robot.say(oi.Sensors(packet=35)) == b'\x01'
-    robot.say(oi.Stream(packets=(35,)))
-    assert robot.slots() == bytes([19, 2, 35, 1, 256 - 19 - 2 - 35 - 1])
-
-
-@pytest.mark.parametrize('command', [
-    oi.Drive(velocity=100, radius=32767), oi.DriveDirect(right=100, left=100),
-    oi.Leds(bits=8, color=0, intensity=128), oi.DigitalOutputs(bits=7),
-    oi.LowSideDrivers(bits=7), oi.PwmLowSideDrivers(driver_2=1, driver_1=1, driver_0=1),
-    oi.SendIr(byte=1), oi.PlaySong(number=0)])
-def test_in_passive_you_cannot_change_the_actuators(command: oi.Command) -> None:
-    robot = Robot(Mode.PASSIVE)
-    robot.say(oi.Song(number=0, notes=(oi.Note(60, 64),)), command)
-    actuators = robot.create.actuators
-    robot.run(1.0)
-    assert (robot.wheels, robot.speed) == ((0, 0), 0)
-    assert (actuators.duties, actuators.outputs, actuators.lights.bits) == ((0, 0, 0), 0, 0)
-    assert not actuators.infrared_sent
-    assert not robot.read('song_playing')
 
 
 def test_in_passive_the_battery_is_charged() -> None:
@@ -158,12 +124,6 @@ def test_safe_ends_when_a_charger_is_plugged_in_and_powered() -> None:
     assert robot.mode is Mode.PASSIVE
 
 
-def test_start_ends_a_demo() -> None:
-    robot = Robot(Mode.PASSIVE)
-    robot.say(oi.Spot(), oi.Start())
-    assert robot.create.demo is None
-
-
 # Mode Commands.
 
 def test_safe_turns_off_all_leds() -> None:
@@ -172,19 +132,6 @@ def test_safe_turns_off_all_leds() -> None:
     assert robot.create.lights == (10, 255, 255)
     robot.say(oi.Safe())
     assert robot.create.lights == (0, 0, 0)
-
-
-@pytest.mark.parametrize('mode', STARTED)
-def test_the_effect_of_control_is_identical_to_safe(mode: Mode) -> None:
-    robot, other = Robot(mode), Robot(mode)
-    robot.say(oi.Control())
-    other.say(oi.Safe())
-    for each in (robot, other):
-        each.say(oi.Leds(bits=2, color=0, intensity=0), GENTLE)
-        each.body.force(drop_left=1)
-    assert robot.run(1) == other.run(1)
-    assert robot.mode is other.mode is Mode.PASSIVE
-    assert robot.ask(6) == other.ask(6)
 
 
 def test_in_full_create_executes_any_command_even_over_a_cliff_or_with_a_charger() -> None:

@@ -46,15 +46,6 @@ def test_a_million_random_bytes_do_not_raise() -> None:
     assert robot.create.commands > MILLION / 500
 
 
-def test_a_million_bytes_in_one_call_do_not_raise() -> None:
-    robot = Robot(Mode.FULL, guesses=AT_ONCE)
-    robot.say(bytes([152, 100] + [142, 6] * 50))
-    robot.say(bytes([153]) * 1000)
-    robot.say(Random(1).randbytes(MILLION))
-    robot.run(1)
-    assert robot.mode in Mode
-
-
 def test_a_robot_recovers_from_any_bytes_by_harmless_ones() -> None:
     """As a driver does on connecting: at most 2 + 2 * 255 bytes end any incomplete command."""
     random = Random(7)

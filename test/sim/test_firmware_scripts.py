@@ -16,11 +16,9 @@ from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
 from support.robot import GENTLE, Robot
+import vectors
 
-DRIVE_40_CM = bytes([152, 13, 137, 1, 44, 128, 0, 156, 1, 144, 137, 0, 0, 0, 0])
-TOGGLE_LED_ON_BUMP = bytes(
-    [152, 17, 158, 5, 158, 251, 139, 2, 0, 0, 158, 5, 158, 251, 139, 0, 0, 0, 153])
-SQUARE = bytes([152, 17, 137, 1, 44, 128, 0, 156, 1, 144, 137, 1, 44, 0, 1, 157, 0, 90, 153])
+DRIVE_40_CM, _, SQUARE = (sent for _, _, sent in vectors.SCRIPTS)
 PLAY, SHOW = bytes([153]), bytes([154])
 AFTER = bytes([139, 8, 0, 0])
 """Lights the Advance LED, which shows that a wait is over."""

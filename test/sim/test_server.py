@@ -51,14 +51,6 @@ def test_a_signal_ends_it_with_0_and_nothing_is_left_behind(
         assert list(tmp_path.iterdir()) == []
 
 
-def test_it_serves_clients_one_after_the_other(robot: Robot) -> None:
-    port, _ = robot
-    for _ in range(5):
-        with opened(port) as client:
-            os.write(client, START + SAFE + bytes([142, 35]))
-            assert receive(client, 1) == b'\x02'
-
-
 def test_it_ends_while_a_client_is_connected(port: Path) -> None:
     with simulator('--link', port) as sim, opened(port) as client:
         os.write(client, START + STREAM)
@@ -172,17 +164,6 @@ def test_a_client_at_another_baud_rate_is_not_understood(robot: Robot, rate: int
         assert client.read(1) == b'\x01'
 
 
-def test_bytes_leave_at_the_baud_rate(robot: Robot) -> None:
-    port, _ = robot
-    with opened(port) as client:
-        os.write(client, START)
-        begin = time.monotonic()
-        os.write(client, bytes([149, 200] + [6] * 200))
-        receive(client, 200 * 52)
-        seconds = time.monotonic() - begin
-    assert seconds > 200 * 52 * 10 / 57600
-
-
 def test_a_program_of_ours_says_lines_to_the_control_socket(capsys, tmp_path) -> None:
     control = tmp_path / 'world'
     with simulator('--link', str(tmp_path / 'tty'), '--control', str(control)):
@@ -250,27 +231,6 @@ def test_a_client_that_polls_without_a_pause_gets_every_reply(robot: Robot) -> N
             client.write(bytes([149, 2, 19, 20]))
             assert len(client.read(4)) == 4
         assert time.monotonic() - begin > 1000 * 8 * 10 / 57600
-
-
-def test_a_client_that_streams_single_ids_and_checks_the_sum_with_the_header(robot: Robot) -> None:
-    ids = [7, 9, 10, 11, 12, 15, 16, 18, 19, 20, 22, 25, 35]
-    sizes = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 1]
-    port, _ = robot
-    with serial.Serial(str(port), 57600, timeout=5) as client:
-        client.write(bytes([128]))
-        client.write(bytes([132]))
-        client.write(bytes([148, len(ids), *ids]))
-        client.write(bytes([145, 0, 100, 0, 100]))
-        for _ in range(200):
-            assert client.read(1) == b'\x13'
-            length = client.read(1)[0]
-            assert length == len(ids) + sum(sizes)
-            body = client.read(length + 1)
-            assert (19 + length + sum(body)) % 256 == 0
-            place = 0
-            for number, size in zip(ids, sizes, strict=True):
-                assert body[place] == number
-                place += 1 + size
 
 
 def test_a_client_that_polls_group_6_and_asks_for_group_100(robot: Robot) -> None:
