@@ -60,9 +60,11 @@ class Notebook(Odometry):
             self.reading = increment
         self.seconds += increment.dt
         self._since += 1
+        missed = self._due and increment.distance is None  # the driver had not looked yet
         self._due = bool(self._every) and self._since >= self._every
         if self._due:
             self._every, self._since = next(self._intervals), 0
+        self._due |= missed
         before, after = self.estimate, super().update(increment)
         self.travelled += ((after.x - before.x) * cos(before.yaw)
                            + (after.y - before.y) * sin(before.yaw))
