@@ -3,6 +3,6 @@
 """
 Long tests with real processes; `make nightly` runs them, `make test` makes some faults once.
 
-`stage` starts a node and a simulated robot, `watch` checks all that the node publishes, `cases`
-lists the faults.
+`stage` starts a node and a simulated robot and checks all that the node publishes; `faults` has
+the faults.
 """

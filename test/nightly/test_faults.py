@@ -12,9 +12,8 @@ from statistics import median
 
 import pytest
 
-from nightly.cases import FAULTS
-from nightly.stage import staged
-from nightly.watch import jump, Pose
+from nightly.faults import FAULTS
+from nightly.stage import jump, Pose, staged
 from support.nightly import NIGHTLY, times
 
 QUICK = ('cable out and in', 'bad line: 5 % flipped, short, garbage', 'SIGSTOP, SIGCONT', 'stop',

@@ -18,7 +18,7 @@ import pytest
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from support.pages import blocks, ROOT
-from support.ros import Program, Scene, scene
+from support.ros import Program, Scene
 
 OURS = re.compile(r'create_(node|record|report|sim|web)( |$)'
                   r'|python -m create_oi_ros\.oi (?!document)')
@@ -110,12 +110,11 @@ def recorded() -> bool:
     ('README.md', 2), *(pytest.param(page, count, marks=pytest.mark.nightly) for page, count in (
         ('docs/recording.md', 5), ('docs/simulator.md', 9),
         ('docs/web.md', 3)))])
-def test_the_commands_of_a_page_work(page, count, tmp_path, monkeypatch):
+def test_the_commands_of_a_page_work(page, count, stage, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = commands(page)
     assert len(found) == count
-    with scene(tmp_path) as stage:
-        running = Page(stage)
-        for words in found:
-            running.run(words)
-        running.end()
+    running = Page(stage)
+    for words in found:
+        running.run(words)
+    running.end()
