@@ -104,6 +104,14 @@ def default_transport(monkeypatch):
 
 
 @pytest.fixture
+def stage(tmp_path):
+    """Return an empty scene: a ROS domain of its own, for robots and programs."""
+    from support.ros import scene  # not for tests without ROS
+    with scene(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture
 def unmeasured(monkeypatch):
     """Measure no coverage in the processes that a test starts: they cannot write its file."""
     monkeypatch.delenv('COVERAGE_PROCESS_CONFIG', raising=False)

@@ -3,7 +3,7 @@
 """`create_check`: moves, what they show, and the program at a simulated robot's port."""
 
 from dataclasses import replace
-from math import radians
+from math import degrees, radians
 import signal
 import subprocess
 import sys
@@ -12,6 +12,7 @@ import time
 import pytest
 
 from create_oi_ros.apps.check.moves import duration, Move, Reads, Segment, STEPS
+from create_oi_ros.apps.check.questions import by_tape, in_lines, Person
 from create_oi_ros.apps.check.runner import Notebook, Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_gyro, of_wheels
 from create_oi_ros.driver import Settings
@@ -184,3 +185,64 @@ def test_what_cannot_be_is_said_in_a_line(tmp_path, arguments, said):
     assert done.returncode == 2
     assert said in done.stderr
     assert 'Traceback' not in done.stderr
+
+
+# What a tape measure says becomes the scales of the odometry.
+
+
+@pytest.fixture
+def check(monkeypatch):
+    """Return a function that does the step, with answers for each of its questions in turn."""
+    def do(*answers):
+        line, questions = Floor(), []
+        told = iter(answers)
+
+        def answer(question):
+            questions.append(question)
+            if question.endswith('Enter: ') and 'Mark' in question or 'back' in question:
+                return ''
+            given = next(told)
+            return str(given(line) if callable(given) else given)
+        monkeypatch.setattr('builtins.input', answer)
+        return by_tape(line, Person(absent=False)), line, questions
+    return do
+
+
+def test_what_the_tape_says_becomes_the_scales(check):
+    start = []
+
+    def came(line):
+        return line.loop.body.truth().pose.x * 1.03
+
+    def beyond(line):  # what it reports, and ten degrees more in each direction
+        turned = line.notebook.turned - (start[0] if start else 0.0)
+        start[:] = [line.notebook.turned]
+        return abs(degrees(turned)) - 1080 + 10
+    found, _, _ = check('y', came, beyond, beyond)
+    assert found['linear_scale'] == pytest.approx(1.03, abs=0.01)
+    assert found['angular_scale'] == pytest.approx(1 + 10 / 1080, abs=0.001)
+    assert found['wheel_separation'] == pytest.approx(0.258 / found['angular_scale'])
+    assert in_lines(found)[1].strip().startswith('linear_scale: 1.0')
+
+
+def test_what_cannot_be_is_asked_again_and_an_empty_answer_leaves_it_out(check, capsys):
+    found, line, _ = check('y', 'a metre', '97', '', '')
+    assert found == {} and in_lines(found) == []
+    printed = capsys.readouterr().out
+    assert "'a metre' is no number" in printed
+    assert 'allowed is up to 20%' in printed and 'right unit' in printed
+    assert abs(line.loop.body.truth().pose.x) < 0.05, 'it drove back'
+
+
+def test_without_a_tape_measure_nothing_moves(check):
+    found, line, questions = check('n')
+    assert found == {} and len(questions) == 1 and line.notebook.travelled == 0.0
+
+
+def test_a_move_that_is_disturbed_is_not_measured(check, capsys):
+    def lifted(line):
+        line.loop.body.lift(True)
+        return 'y'
+    found, _, _ = check(lifted)
+    assert found == {}
+    assert 'Not measured: ' in capsys.readouterr().out

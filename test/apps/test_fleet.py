@@ -12,7 +12,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.apps import fleet
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import Listener, Program, Robot, scene
+from support.ros import Listener, Program, Robot
 
 NAMES = ('robot1', 'robot2')
 
@@ -56,10 +56,9 @@ class TwoRobots:
 
 
 @pytest.fixture
-def two(tmp_path):
+def two(stage):
     """Return two robots on the floor, without a driver."""
-    with scene(tmp_path) as stage:
-        yield TwoRobots(stage)
+    return TwoRobots(stage)
 
 
 def test_each_robot_obeys_its_own_commands(two):
@@ -105,14 +104,13 @@ def test_a_parameter_file_has_parts_for_each_robot_and_for_all(two, tmp_path):
     assert [robot.create.mode for robot in two.robots] == [oi.Mode.FULL, oi.Mode.SAFE]
 
 
-def test_simulated_robots_need_no_ports(tmp_path):
-    with scene(tmp_path) as stage:
-        program = stage.program('create_fleet', '--simulated', '2')
-        odom = [stage.ros.listen(Odometry, f'{name}/odom') for name in NAMES]
-        stage.ros.until(lambda: all(odom), 'two robots')
-        program.send(signal.SIGINT)
-        assert program.ended() == 0, program.output
-        assert f'export ROS_DOMAIN_ID={stage.domain}' in program.output
+def test_simulated_robots_need_no_ports(stage):
+    program = stage.program('create_fleet', '--simulated', '2')
+    odom = [stage.ros.listen(Odometry, f'{name}/odom') for name in NAMES]
+    stage.ros.until(lambda: all(odom), 'two robots')
+    program.send(signal.SIGINT)
+    assert program.ended() == 0, program.output
+    assert f'export ROS_DOMAIN_ID={stage.domain}' in program.output
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [

@@ -13,17 +13,9 @@ from sensor_msgs.msg import LaserScan
 import yaml
 
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import scene
 from tf2_msgs.msg import TFMessage
 
 FILES = Path(__file__).parents[2] / 'config' / 'with'
-
-
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
 
 
 def parameters(file: str) -> dict:

@@ -17,24 +17,8 @@ from rosbags.rosbag2 import Reader
 
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.topics import PUBLISHED
-from support.ros import scene
-from support.terminal import terminals
 
 CTRL_C = '\x03'
-
-
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
-
-
-@pytest.fixture
-def start_recorder(stage):
-    """Return a function that starts a recorder in the scene."""
-    with terminals('create_record', stage.domain) as start:
-        yield start
 
 
 def amount(recorder) -> tuple[int, int]:
@@ -43,18 +27,19 @@ def amount(recorder) -> tuple[int, int]:
     return (int(found[-1][0]), int(found[-1][1])) if found else (0, 0)
 
 
-def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, start_recorder, tmp_path):
+def test_ctrl_c_leaves_a_complete_bag_of_all_topics(stage, tmp_path):
     stage.node(stage.robot().link, '__ns:=/robot1', cmd_vel_type='stamped')
-    recorder = start_recorder(
-        '-o', str(tmp_path / 'walk'), '--stamped', '--ros-args', '-r', '__ns:=/robot1')
-    recorder.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
+    recorder = stage.program(
+        'create_record', '-o', str(tmp_path / 'walk'), '--stamped', '--ros-args', '-r',
+        '__ns:=/robot1', terminal=True)
+    stage.ros.until(lambda: amount(recorder)[1] == len(PUBLISHED), 'a message of each topic')
     publisher = stage.ros.node.create_publisher(TwistStamped, '/robot1/cmd_vel', 1)
     stage.ros.until(lambda: publisher.get_subscription_count() == 2)
 
     def commanded() -> bool:  # the recorder listens as best effort: one alone may be lost
         publisher.publish(TwistStamped())
         return amount(recorder)[1] == len(PUBLISHED) + 1
-    recorder.until(commanded, 'a command')
+    stage.ros.until(commanded, 'a command')
     recorder.type(CTRL_C)
     assert recorder.ended() == 0
     assert recorder.output.rstrip().endswith(f'MB are in {tmp_path / "walk"}')

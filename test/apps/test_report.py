@@ -15,7 +15,9 @@ import pytest
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
+from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import StoragePlugin, Writer
+from std_msgs.msg import String
 
 from create_oi_ros.apps.report import create_report as command
 from create_oi_ros.apps.report.bag_reader import read, RecordingBuilder
@@ -139,8 +141,7 @@ def test_an_empty_bag_gets_a_sentence(tmp_path, capsys):
 def test_a_foreign_bag_gets_a_sentence(tmp_path, capsys):
     with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         other = writer.add_connection('/chatter', 'std_msgs/msg/String', typestore=bags.STORE)
-        text = bags.make('std_msgs/msg/String', data='hello')
-        writer.write(other, 5, bags.STORE.serialize_cdr(text, 'std_msgs/msg/String'))
+        writer.write(other, 5, serialize_message(String(data='hello')))
     assert '/chatter' in refusal(tmp_path / 'bag', capsys)
 
 
@@ -229,8 +230,7 @@ def test_a_bag_without_odometry_is_still_shown(tmp_path):
     with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
         mode = writer.add_connection('/mode', 'create_oi_msgs/msg/Mode', typestore=bags.STORE)
         for time in (0.0, 8.5):
-            writer.write(mode, int(time * 1e9), bags.STORE.serialize_cdr(
-                bags.modes(time), 'create_oi_msgs/msg/Mode'))
+            writer.write(mode, int(time * 1e9), serialize_message(bags.modes(time)))
     command.report(tmp_path / 'bag', tmp_path / 'report.html')
     recording = read(tmp_path / 'bag', quiet)
     assert [span.text for span in recording.spans['mode'].all] == ['Safe', 'Passive']

@@ -18,16 +18,8 @@ from rcl_interfaces.srv import GetParameters
 from create_oi_ros.apps.run import create_run
 from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import children_of, scene, TIMEOUT
-from support.terminal import terminals
+from support.ros import children_of, TIMEOUT
 from support.web import ADDRESS, PageClient, ready
-
-
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
 
 
 def test_it_starts_a_robot_that_drives_and_ends_cleanly(stage):
@@ -157,17 +149,15 @@ def test_children_end_with_a_run_that_is_killed_and_the_next_one_removes_what_it
 
 
 def test_a_terminal_shows_one_line_that_changes_in_place(stage):
-    with terminals('create_run', stage.domain) as start:
-        run = start('--world', 'empty')
+    run = stage.program('create_run', '--world', 'empty', terminal=True)
 
-        def last() -> str:
-            return run.output.rpartition('\n')[2]  # the log may still have had a line before
-
-        run.until(lambda: last().count(' frames/s  SAFE') > 2, 'three status lines in place')
-        shown = last()[last().index(' frames/s  SAFE') - 2:]
-        assert re.match(r'[ \d]\d frames/s  SAFE [^\x1b]*\r\r\x1b\[K', shown)
-        # A line of the log clears the status line first, and stays.
-        assert re.search(r'\r\x1b\[K\[INFO\].* robot answers', run.output)
-        run.type('\x03')
-        assert run.ended() == 0
-        assert run.output.endswith('\n')
+    def last() -> str:
+        return run.output.rpartition('\n')[2]  # the log may still have had a line before
+    stage.ros.until(lambda: last().count(' frames/s  SAFE') > 2, 'three status lines in place')
+    shown = last()[last().index(' frames/s  SAFE') - 2:]
+    assert re.match(r'[ \d]\d frames/s  SAFE [^\x1b]*\r\r\x1b\[K', shown)
+    # A line of the log clears the status line first, and stays.
+    assert re.search(r'\r\x1b\[K\[INFO\].* robot answers', run.output)
+    run.type('\x03')
+    assert run.ended() == 0
+    assert run.output.endswith('\n')

@@ -27,13 +27,6 @@ LONG = 10.0
 
 
 @pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
-
-
-@pytest.fixture
 def pages():
     """Return a function that opens a page; all are closed at the end."""
     opened = []

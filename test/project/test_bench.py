@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench results: they are saved, and in the documents as they were measured."""
 
-
 import document
-from results import Figure, figures_of, keep, load
+from results import Figure, figures_of, keep, load, rows
 from support.source import ROOT
 
 
@@ -17,6 +16,15 @@ def test_every_bench_program_has_results_and_a_place_in_the_documents():
         assert document.documented(page, load()) == page, f'{path}: run `make docs`'
 
 
+def test_a_figure_says_whether_its_target_was_met():
+    assert Figure('a', 1.0, 's', 2.0).verdict == 'met'
+    assert Figure('a', 3.0, 's', 2.0).verdict == 'missed'
+    assert Figure('a', 3.0, 's', 2.0, at_least=True).verdict == 'met'
+    table = rows([Figure('a', 2.0, 's', 1.0, worst=2.5), Figure('b', 1.0, 's', beside='more')])
+    assert table == [['what', 'value', 'target', 'beside'],
+                     ['a', '2 s (at worst 2.5)', '**<= 1**', ''], ['b', '1 s', '', 'more']]
+
+
 def test_results_are_kept_beside_those_of_other_programs(tmp_path):
     path = tmp_path / 'results.json'
     first, second = [Figure('a', 1.0, 's', 2.0)], [Figure('b', 3.0, 'ms', worst=4.0)]
@@ -24,3 +32,14 @@ def test_results_are_kept_beside_those_of_other_programs(tmp_path):
     keep('two', second, {'date': 'now'}, path)
     assert figures_of(load(path), 'one') == first
     assert figures_of(load(path), 'two') == second
+
+
+def test_a_table_joins_the_figures_of_a_thing():
+    beside = 'before 0.2; a reading a second 3'
+    figures = [Figure('a: deg a turn', 0.5, 'deg a turn', 1.0, beside=beside),
+               Figure('a: deg a turn, 95th percentile', 2.0, 'deg a turn', 1.5, beside='before 1'),
+               Figure('b: slowest', 2500.0, 'us')]
+    assert rows(figures) == [
+        ['what', 'value', 'target', 'before', 'a reading a second'],
+        ['a: deg a turn', '0.5, 2', '<= 1, **<= 1.5**', '0.2, 1', '3'],
+        ['b: slowest', '2,500 us', '', '', '']]

@@ -7,13 +7,6 @@ import pytest
 from support.ros import Ready, scene
 
 
-@pytest.fixture
-def stage(tmp_path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
-
-
 @pytest.fixture(scope='module')
 def shared(tmp_path_factory):
     """Return a robot and its node, in Safe mode, that the tests of a module share."""

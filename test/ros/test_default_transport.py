@@ -9,22 +9,19 @@ from create_oi_msgs.srv import SetMode
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 
-from support.ros import scene
 
+def test_the_node_drives_answers_and_ends_over_shared_memory(default_transport, stage):
+    robot = stage.robot()
+    node = stage.node(robot.link)
+    odom = stage.ros.listen(Odometry, 'odom')
+    velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
 
-def test_the_node_drives_answers_and_ends_over_shared_memory(default_transport, tmp_path):
-    with scene(tmp_path) as stage:
-        robot = stage.robot()
-        node = stage.node(robot.link)
-        odom = stage.ros.listen(Odometry, 'odom')
-        velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
-
-        def drives():
-            velocity.publish(Twist(linear=Vector3(x=0.2)))
-            return odom and odom[-1].twist.twist.linear.x > 0.1
-        stage.ros.until(drives)
-        assert default_transport(stage.domain), 'no shared memory is in use'
-        assert stage.ros.call(SetMode, 'set_mode', mode=Mode.FULL).success
-        node.send(signal.SIGINT)
-        assert node.ended() == 0
-        assert robot.create.actuators.wheels == (0, 0)
+    def drives():
+        velocity.publish(Twist(linear=Vector3(x=0.2)))
+        return odom and odom[-1].twist.twist.linear.x > 0.1
+    stage.ros.until(drives)
+    assert default_transport(stage.domain), 'no shared memory is in use'
+    assert stage.ros.call(SetMode, 'set_mode', mode=Mode.FULL).success
+    node.send(signal.SIGINT)
+    assert node.ended() == 0
+    assert robot.create.actuators.wheels == (0, 0)

@@ -14,7 +14,6 @@ from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import Pose, shipped, World
 from examples.follow_wall import PERIOD, Steering
-from support.ros import scene
 
 HALF = WHEEL_SEPARATION / 2
 """Metres from the middle of the robot to a wheel."""
@@ -62,20 +61,19 @@ def gap_in_room(x: float, y: float) -> float:
     return min(*walls, cupboard, bin_) - BODY_RADIUS
 
 
-def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(tmp_path):
-    with scene(tmp_path) as stage:
-        robot = stage.robot(world=shipped('table'))
-        stage.node(robot.link)
-        odom = stage.ros.listen(Odometry, 'odom')
-        example = stage.example('follow_wall.py')
-        stage.ros.until(lambda: not example.running(), 'the cliff')
-        assert example.ended() == 0
-        assert 'the robot has left Safe mode, ' in example.output
-        assert 'cliff' in example.output
-        robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
-        # The driver waits until the cliff has been gone for more than a second of frames.
-        seen = len(odom)
-        stage.ros.until(lambda: len(odom) > seen + 100)
-        again = stage.example('follow_wall.py')
-        stage.ros.until(lambda: odom[-1].twist.twist.linear.x > 0.1)
-        assert again.running()
+def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(stage):
+    robot = stage.robot(world=shipped('table'))
+    stage.node(robot.link)
+    odom = stage.ros.listen(Odometry, 'odom')
+    example = stage.example('follow_wall.py')
+    stage.ros.until(lambda: not example.running(), 'the cliff')
+    assert example.ended() == 0
+    assert 'the robot has left Safe mode, ' in example.output
+    assert 'cliff' in example.output
+    robot.soon(lambda: robot.body.place(Pose(0.0, 0.0, 0.0)))
+    # The driver waits until the cliff has been gone for more than a second of frames.
+    seen = len(odom)
+    stage.ros.until(lambda: len(odom) > seen + 100)
+    again = stage.example('follow_wall.py')
+    stage.ros.until(lambda: odom[-1].twist.twist.linear.x > 0.1)
+    assert again.running()

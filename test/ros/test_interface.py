@@ -46,7 +46,7 @@ from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import messages
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
-from support.ros import Ready, scene
+from support.ros import Ready
 from tf2_msgs.msg import TFMessage
 
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -82,30 +82,25 @@ def test_what_the_robot_senses_is_published(ready):
     assert len(buttons) == 2, 'only changes are published'
 
 
-def test_inputs_and_outputs_of_the_cargo_bay_have_names(tmp_path):
-    with scene(tmp_path) as stage:
-        own = Ready(stage, input_names='[door, lamp]', output_names='[relay]')
-        bays = own.ros.listen(CargoBay, 'cargo_bay')
-        own.ros.until(lambda: bays, 'inputs')
-        assert bays[-1].input_names == ['door', 'lamp', 'input_2', 'input_3']
-        own.robot.body.force(digital_input_1=1)
-        own.ros.until(lambda: bays[-1].input_1 and not bays[-1].input_0, 'the lamp')
-        assert own.ask(SetDigitalOutput, 'set_digital_output', output='relay', high=True)
-        own.ros.until(lambda: own.robot.create.outputs == oi.OutputBits.OUTPUT_0)
-        assert own.refused(SetDigitalOutput, 'set_digital_output', output='lamp') == (
-            "no output is called 'lamp'; output_names: relay, output_1, output_2")
-        assert 'published as an object' not in own.node.output
+def test_inputs_and_outputs_of_the_cargo_bay_have_names(stage):
+    own = Ready(stage, input_names='[door, lamp]', output_names='[relay]')
+    bays = own.ros.listen(CargoBay, 'cargo_bay')
+    own.ros.until(lambda: bays, 'inputs')
+    assert bays[-1].input_names == ['door', 'lamp', 'input_2', 'input_3']
+    own.robot.body.force(digital_input_1=1)
+    own.ros.until(lambda: bays[-1].input_1 and not bays[-1].input_0, 'the lamp')
+    assert own.ask(SetDigitalOutput, 'set_digital_output', output='relay', high=True)
+    own.ros.until(lambda: own.robot.create.outputs == oi.OutputBits.OUTPUT_0)
+    assert own.refused(SetDigitalOutput, 'set_digital_output', output='lamp') == (
+        "no output is called 'lamp'; output_names: relay, output_1, output_2")
+    assert 'published as an object' not in own.node.output
 
 
-@pytest.mark.parametrize(('names', 'why'), [
-    ('[lamp, lamp]', "parameter input_names has 'lamp' twice: give each a name of its own"),
-    ('[]', 'create_node: a parameter is an empty list, [], of which ROS cannot tell the type: '
-           'leave it out')])
-def test_names_that_cannot_be_end_the_node_with_the_reason(names, why, tmp_path):
-    with scene(tmp_path) as stage:
-        node = stage.node(stage.folder / 'none', input_names=names)
-        assert node.ended() == 2
-        assert why in node.output
+def test_an_empty_list_as_a_parameter_ends_the_node_with_the_reason(stage):
+    node = stage.node(stage.folder / 'none', input_names='[]')
+    assert node.ended() == 2
+    assert ('create_node: a parameter is an empty list, [], of which ROS cannot tell the type: '
+            'leave it out') in node.output
 
 
 def points(cloud: PointCloud2) -> list[tuple[float, ...]]:

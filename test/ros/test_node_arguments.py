@@ -12,7 +12,6 @@ from create_oi_ros.ros import node_arguments
 from create_oi_ros.ros.node import NAMES
 from create_oi_ros.ros.node_arguments import unused_files, unused_remaps
 from create_oi_ros.ros.parameters import contradiction, Parameters, refusal, wrong_type
-from support.ros import scene
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [
@@ -109,12 +108,11 @@ def test_no_choice_is_what_yaml_reads_as_a_boolean_or_as_nothing():
             assert type(yaml.safe_load(str(choice))) is type(field.default), field.name
 
 
-def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(tmp_path):
-    with scene(tmp_path) as stage:
-        node = stage.node(stage.folder / 'none', cmd_vel_timeout=20)
-        assert node.ended() == 2
-        assert node.output.strip().endswith(
-            'create_node: parameter cmd_vel_timeout = 20; allowed: 0.05 to 10')
+def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(stage):
+    node = stage.node(stage.folder / 'none', cmd_vel_timeout=20)
+    assert node.ended() == 2
+    assert node.output.strip().endswith(
+        'create_node: parameter cmd_vel_timeout = 20; allowed: 0.05 to 10')
 
 
 ROBOT = ('/robot1', 'create')
@@ -156,18 +154,17 @@ def test_a_parameter_file_for_another_node_is_told(tmp_path, content, used):
     assert not said if used else 'holds no parameter of this node, /robot1/create, but' in said[0]
 
 
-def test_what_has_no_effect_is_a_warning_and_what_is_not_supported_is_refused(tmp_path):
+def test_what_has_no_effect_is_a_warning_and_what_is_not_supported_is_refused(stage, tmp_path):
     """Each of these starts the program."""
     (tmp_path / 'other.yaml').write_text('other:\n  ros__parameters: {baud: 19200}\n')
-    with scene(tmp_path) as stage:
-        warned = stage.program(
-            'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0', '-r', 'cmdvel:=x',
-            '-r', 'odom:=x', '--params-file', str(tmp_path / 'other.yaml'))
-        refused = stage.node(
-            stage.folder / 'none', **{'qos_overrides./odom.publisher.reliability': 'best_effort'})
-        assert refused.ended() == 2
-        assert 'qos_overrides./odom.publisher.reliability is not supported' in refused.output
-        for words in ('cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?',
-                      'did you mean cmd_vel?', 'holds no parameter of this node, /create, but'):
-            stage.ros.until(lambda words=words: words in warned.output, words)
-        assert 'remap odom' not in warned.output
+    warned = stage.program(
+        'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0', '-r', 'cmdvel:=x',
+        '-r', 'odom:=x', '--params-file', str(tmp_path / 'other.yaml'))
+    refused = stage.node(
+        stage.folder / 'none', **{'qos_overrides./odom.publisher.reliability': 'best_effort'})
+    assert refused.ended() == 2
+    assert 'qos_overrides./odom.publisher.reliability is not supported' in refused.output
+    for words in ('cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?',
+                  'did you mean cmd_vel?', 'holds no parameter of this node, /create, but'):
+        stage.ros.until(lambda words=words: words in warned.output, words)
+    assert 'remap odom' not in warned.output

@@ -16,7 +16,6 @@ from create_oi_ros.odometry import Estimate
 from create_oi_ros.ros import publishing
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.publishing import FramePublisher
-from support.ros import scene
 
 QUIET = dict.fromkeys(ALL, 0)
 PERIOD = 0.2
@@ -135,18 +134,17 @@ def test_only_what_is_heard_or_latched_is_published(frames):
 
 
 def test_where_bytes_cannot_be_packed_objects_are_published_with_one_warning(
-        tmp_path, monkeypatch, capfd):
+        stage, monkeypatch, capfd):
     monkeypatch.setattr(
         publishing, 'serialize_message', lambda message: serialize_message(message) * 2)
-    with scene(tmp_path) as stage:
-        heard = stage.ros.listen(Odometry, 'odom')
-        frames = FramePublisher(stage.ros.node, Parameters())
-        slots = iter(range(100000))
+    heard = stage.ros.listen(Odometry, 'odom')
+    frames = FramePublisher(stage.ros.node, Parameters())
+    slots = iter(range(100000))
 
-        def publish() -> bool:
-            moved = Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5))
-            frames.publish(moved, 1.0, 0.0)
-            return bool(heard)
-        stage.ros.until(publish)
+    def publish() -> bool:
+        moved = Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5))
+        frames.publish(moved, 1.0, 0.0)
+        return bool(heard)
+    stage.ros.until(publish)
     assert heard[-1].pose.pose.position.x == 3.5
     assert capfd.readouterr().err.count('Odometry: the place of ') == 1

@@ -19,7 +19,6 @@ from std_msgs.msg import Header
 from create_oi_ros.ros import messages, topics
 from create_oi_ros.ros.serialized import field, filled, FORMATS, SerializedMessage
 from create_oi_ros.ros.topics import LATCHED
-from support.ros import scene
 
 BOUNDS = {
     name: (-(1 << (8 * struct.calcsize(code) - 1)), (1 << (8 * struct.calcsize(code) - 1)) - 1)
@@ -132,19 +131,18 @@ def test_a_middleware_that_reads_otherwise_is_found_out():
         SerializedMessage(Bumper(), ['left', 'right'], serialize_message, swapped)
 
 
-def test_on_the_wire_bytes_are_as_long_as_objects(tmp_path):
-    with scene(tmp_path) as stage:
-        for type_ in TYPES:
-            heard: list[bytes] = []
-            name = type_.__name__
-            stage.ros.node.create_subscription(type_, name, heard.append, LATCHED, raw=True)
-            publisher = stage.ros.node.create_publisher(type_, name, LATCHED)
-            message = empty(type_, 'odom', 'base')
-            paths = [path for path in numbers(message) if 'stamp' in path]
-            encode = serialized(message, paths)
-            publisher.publish(message)
-            stage.ros.until(lambda heard=heard: heard)
-            assert len(heard[0]) == len(encode(dict.fromkeys(paths, 0))), name
+def test_on_the_wire_bytes_are_as_long_as_objects(stage):
+    for type_ in TYPES:
+        heard: list[bytes] = []
+        name = type_.__name__
+        stage.ros.node.create_subscription(type_, name, heard.append, LATCHED, raw=True)
+        publisher = stage.ros.node.create_publisher(type_, name, LATCHED)
+        message = empty(type_, 'odom', 'base')
+        paths = [path for path in numbers(message) if 'stamp' in path]
+        encode = serialized(message, paths)
+        publisher.publish(message)
+        stage.ros.until(lambda heard=heard: heard)
+        assert len(heard[0]) == len(encode(dict.fromkeys(paths, 0))), name
 
 
 @pytest.mark.parametrize('type_', [

@@ -14,7 +14,6 @@ from create_oi_ros.ros.waiting import (
     waits_for,
     WARNING_DELAY,
 )
-from support.ros import scene
 
 WAITS = """
 import rclpy
@@ -63,14 +62,13 @@ def test_a_driver_that_runs_here_is_given_more_time_to_be_found(monkeypatch):
     assert 'but ROS does not find it' in waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT)
 
 
-def test_a_program_waits_for_a_driver_then_for_its_robot(tmp_path):
-    with scene(tmp_path) as stage:
-        script = tmp_path / 'waits.py'
-        script.write_text(WAITS)
-        program = stage.script(script)
-        stage.ros.until(lambda: f'in ROS domain {stage.domain}; on this' in program.output)
-        stage.node(tmp_path / 'create')
-        stage.ros.until(lambda: 'waits for a robot (no robot answers)' in program.output)
-        stage.robot()
-        assert program.ended() == 0
-        assert program.printed[-1] == 'found\n'
+def test_a_program_waits_for_a_driver_then_for_its_robot(stage, tmp_path):
+    script = tmp_path / 'waits.py'
+    script.write_text(WAITS)
+    program = stage.script(script)
+    stage.ros.until(lambda: f'in ROS domain {stage.domain}; on this' in program.output)
+    stage.node(tmp_path / 'create')
+    stage.ros.until(lambda: 'waits for a robot (no robot answers)' in program.output)
+    stage.robot()
+    assert program.ended() == 0
+    assert program.printed[-1] == 'found\n'

@@ -14,7 +14,7 @@ import pytest
 from create_oi_ros.oi.tools.capture_format import encode_head, encode_record, Record, RecordKind
 from create_oi_ros.sim.server.replay import Replay
 from support.captures import read, said
-from support.ros import Scene, scene
+from support.ros import Scene
 from support.simulator import opened, receive, simulator
 
 SECOND = 1_000_000
@@ -127,12 +127,6 @@ def test_a_file_that_cannot_be_replayed_is_refused_in_one_line(
 
 
 # The node.
-
-@pytest.fixture
-def stage(tmp_path: Path):
-    """Return an empty scene."""
-    with scene(tmp_path) as made:
-        yield made
 
 
 def drive(stage: Scene, odom: list[Odometry]) -> None:

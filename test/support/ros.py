@@ -2,14 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Node processes, robots on simulated serial ports, and a ROS node in the test's own process."""
 
+import codecs
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
+import fcntl
 from itertools import count, cycle
 import os
 from pathlib import Path
 import signal
 import subprocess
 import sys
+import termios
 import threading
 import time
 from typing import Any
@@ -95,24 +98,40 @@ class Robot:
 class Program:
     """A Python program as a process; its output is read line by line."""
 
-    def __init__(self, *arguments: str, domain: int | None) -> None:
-        """Start it in a ROS domain; None: the program chooses one."""
+    def __init__(self, *arguments: str, domain: int | None, terminal: bool = False) -> None:
+        """Start it in a ROS domain (None: it chooses one), and on a terminal of its own or not."""
         self._mark = f'{MARK}={os.getpid()}.{next(_numbers)}'
         name, _, number = self._mark.partition('=')
         environment = {**os.environ, 'PYTHONUNBUFFERED': '1', name: number}
         if domain is not None:
             environment['ROS_DOMAIN_ID'] = str(domain)
+        self._terminal, ends = -1, {'stdout': subprocess.PIPE, 'stderr': subprocess.STDOUT}
+        if terminal:
+            self._terminal, theirs = os.openpty()
+            ends = dict.fromkeys(('stdin', 'stdout', 'stderr'), theirs)
         self._process = subprocess.Popen(
-            [sys.executable, *arguments], text=True, bufsize=1,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
+            [sys.executable, *arguments], text=True, bufsize=1, env=environment, **ends,
+            start_new_session=terminal, preexec_fn=take_terminal if terminal else None)
+        if terminal:
+            os.close(theirs)
         self.printed: list[str] = []
+        """What it has printed, in lines; of a terminal, in the pieces that came."""
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
 
     def _read(self) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
+        for line in self._process.stdout or self._pieces():
             self.printed.append(line)
+
+    def _pieces(self) -> Iterator[str]:
+        decoder = codecs.getincrementaldecoder('utf-8')()  # reads may cut characters
+        with suppress(OSError):  # everybody has closed the other end
+            while data := os.read(self._terminal, 65536):
+                yield decoder.decode(data)
+
+    def type(self, keys: str) -> None:
+        """Press keys of its terminal."""
+        os.write(self._terminal, keys.encode())
 
     @property
     def pid(self) -> int:
@@ -146,6 +165,8 @@ class Program:
             self._read_all()
         finally:
             print(self.output)
+            if self._terminal >= 0:
+                os.close(self._terminal)
 
     def _read_all(self) -> None:
         """Wait for the end of the output; kill what still can write to it, and fail."""
@@ -154,6 +175,11 @@ class Program:
             left = kill_marked(self._mark)
             self._reader.join(TIMEOUT)
             raise AssertionError(f'these outlived the program that started them: {left}')
+
+
+def take_terminal() -> None:
+    """Make a new process's input the terminal whose keys send it signals."""
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
 
 def children_of(pid: int) -> list[int]:
@@ -239,9 +265,9 @@ class Scene:
         self._closing.append(made.close)
         return made
 
-    def program(self, name: str, *arguments: str) -> Program:
+    def program(self, name: str, *arguments: str, terminal: bool = False) -> Program:
         """Start one of the package's executables."""
-        return self._start('-c', PROGRAMS[name], *arguments)
+        return self._start('-c', PROGRAMS[name], *arguments, terminal=terminal)
 
     def example(self, name: str, *arguments: str) -> Program:
         """Start one of the programs in examples/."""
@@ -251,8 +277,8 @@ class Scene:
         """Start a Python file."""
         return self._start(str(path), *arguments)
 
-    def _start(self, *arguments: str) -> Program:
-        made = Program(*arguments, domain=self.domain)
+    def _start(self, *arguments: str, terminal: bool = False) -> Program:
+        made = Program(*arguments, domain=self.domain, terminal=terminal)
         self._closing.append(made.close)
         return made
 
