@@ -6,7 +6,7 @@
 import pytest
 
 from create_oi_ros.driver.goals.goal import Instruction
-from create_oi_ros.driver.goals.legs import Approach, COAST, Remaining, StoppingModel
+from create_oi_ros.driver.goals.legs import Approach, Remaining, StoppingModel
 
 TOP, TOLERANCE, DT = 0.3, 0.002, 0.1
 
@@ -43,19 +43,6 @@ def frames_until_moving(begun: Approach, frame: Remaining) -> int:
     while step(begun, frame) == 0.0 and not begun.correcting:
         count += 1
     return count
-
-
-def test_a_stop_teaches_the_coast():
-    learned = StoppingModel()
-    learned.stopped(0.3, 0.06)
-    # Variances before and of the measurement, s²: 0.12² + 0.02², and (2 mm / pace)².
-    first = 0.0148 / (0.0148 + (0.002 / 0.3) ** 2)
-    coast = COAST + first * (0.2 - COAST)
-    assert learned.coast == pytest.approx(coast)
-    variance = 0.0148 * (1 - first) + 0.02 ** 2
-    learned.stopped(0.05, 0.025)
-    second = variance / (variance + (0.002 / 0.05) ** 2)
-    assert learned.coast == pytest.approx(coast + second * (0.5 - coast))
 
 
 @pytest.mark.parametrize(('way', 'coast'), [(9.0, 0.8), (-1.0, 0.03)])
@@ -97,17 +84,6 @@ def test_a_correction_that_moves_nothing_is_none_and_the_next_is_faster(way, sig
         left = at(sign * (0.0 if speed and way > 0.02 else way), sign * 0.03 if speed else 0.0)
     assert told == pytest.approx(
         [sign * speed for speed in (0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.08, 0.08)])
-
-
-def test_a_push_teaches_how_far_pushes_lead():
-    learned = StoppingModel()
-    learned.pushed(0.01, 0.02)
-    gain = 0.5 ** 2 / (0.5 ** 2 + 0.1 ** 2)
-    assert learned.push == pytest.approx(1 + gain)
-    before, learned_variance = learned.push, 0.5 ** 2 * (1 - gain) + 0.1 ** 2
-    learned.pushed(0.002, 0.001)
-    gain = learned_variance / (learned_variance + 0.5 ** 2)
-    assert learned.push == pytest.approx(before + gain * (before / 2 - before))
 
 
 @pytest.mark.parametrize(('way', 'push'), [(0.1, 3.0), (-0.1, 0.3)])

@@ -1,17 +1,15 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From the battery's voltage to its level, and a dock that does not charge, to the second."""
+"""From the battery's voltage to its level, to the second."""
 
-import pytest
+
 
 from create_oi_ros import oi
 from create_oi_ros.driver import BatteryLevel, BatteryLimits, Settings
-from create_oi_ros.driver.battery import BatteryGuard, ChargeWatch
+from create_oi_ros.driver.battery import BatteryGuard
 from create_oi_ros.driver.core import Core
 from create_oi_ros.driver.mode import Modes
 from create_oi_ros.driver.outputs import Outputs
-from create_oi_ros.driver.state import StateEvent
-from support.views import QUIET
 
 FINE, LOW, EMPTY = BatteryLevel
 LIMITS = BatteryLimits(low=13.5, empty=12.5)
@@ -78,52 +76,6 @@ def test_a_battery_that_is_charged_is_fine():
         watch.observe(readings(12000, sources), 6.0)
         assert watch.level is FINE
     assert not watch.observe(readings(12000), 6.5)
-
-
-# A dock that does not charge.
-
-
-class Dock:
-    """A robot on its dock, in Passive, and who watches it."""
-
-    def __init__(self, *, reset: bool) -> None:
-        self.core = Core(Settings(
-            mode_on_start=oi.Mode.PASSIVE, reset_when_not_charging=reset), lambda _: None)
-        self.modes = Modes(self.core, Outputs(self.core))
-        self.watch = ChargeWatch(self.core)
-        self.core.handle(StateEvent.OPENED)
-        self.core.handle(StateEvent.ANSWERED)
-
-    def said(self, now: float, state: int = 0, *, docked: bool = True,
-             mode: oi.Mode = oi.Mode.PASSIVE) -> str:
-        """Take a frame in; return what was said."""
-        frame = oi.Readings({
-            **QUIET, 'oi_mode': int(mode), 'charging_state': state,
-            'charging_sources': 2 if docked else 0})
-        self.core.readings = frame
-        self.modes.observe(frame, now)
-        self.core.events.clear()
-        self.watch.observe(frame, now)
-        return ' '.join(event.text for event in self.core.events)
-
-    def sent(self, now: float) -> bytes:
-        """Return what is sent to the robot."""
-        self.core.outbox.release(now)
-        return self.core.outbox.take_ready()
-
-
-@pytest.mark.parametrize('state', [oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT])
-def test_a_robot_that_does_not_charge_for_five_seconds_is_reported_once(state):
-    dock = Dock(reset=False)
-    assert [dock.said(now, state) for now in (1.0, 5.9)] == ['', '']
-    assert dock.said(6.0, state) == (
-        f'the robot is on its dock and does not charge (state {state.name}): clean the contacts, '
-        'or set reset_when_not_charging, which restarts it')
-    assert dock.said(99.0, state) == ''
-    assert dock.sent(99.0) == b''
-    dock.said(100.0, state, docked=False)
-    assert dock.said(101.0, state) == ''
-    assert dock.said(106.0, state) != ''
 
 
 def test_a_voltage_that_is_not_known_is_no_low_one():

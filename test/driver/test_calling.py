@@ -88,24 +88,30 @@ def test_frames_that_are_cut_for_lack_of_room_are_told_of_in_words(baud):
     assert 1 <= sum(said(loop, severity, 'frame budget exceeded') for severity in Severity) <= 2
 
 
-def every_second_frame(loop: Loop, becomes: Callable[[bytes], bytes]) -> None:
-    """Let something become of every second frame."""
-    take, second = loop.robot.data_to_send, cycle((False, True))
+def each_frame_of(loop: Loop, count: int, becomes: Callable[[bytes], bytes]) -> None:
+    """Let something become of each second, third, ... frame."""
+    take, one_of = loop.robot.data_to_send, cycle([*[False] * (count - 1), True])
 
     def changed() -> bytes:
         frame = take()
-        return becomes(frame) if frame and next(second) else frame
+        return becomes(frame) if frame and next(one_of) else frame
     loop.robot.data_to_send = changed
 
 
-def test_a_line_that_carries_less_than_its_rate_is_told_of_once_and_when_it_is_well_again():
+@pytest.mark.parametrize(('count', 'arrive'), [(2, 33), (4, 50), (6, None)])
+def test_a_line_that_carries_less_than_its_rate_is_told_of_once_and_when_it_is_well_again(
+        count, arrive):
     loop = Loop()
     loop.run(5)
     whole = loop.robot.data_to_send
-    every_second_frame(loop, lambda frame: b'')
+    each_frame_of(loop, count, lambda frame: b'')
     loop.run(20)
-    assert said(loop, Severity.WARNING, 'frame budget exceeded: only 33 of 67 frames') == 1
-    assert loop.driver.health(loop.now).line_problem
+    if arrive is None:  # more than four fifths
+        assert not said(loop, Severity.WARNING, 'frame budget')
+        return
+    assert said(
+        loop, Severity.WARNING, f'frame budget exceeded: only {arrive} of 67 frames') == 1
+    assert 'baud: look at adapter, network and cable' in loop.driver.health(loop.now).line_problem
     loop.robot.data_to_send = whole
     loop.run(10)
     assert said(loop, Severity.INFO, 'frames arrive in time again') == 1
@@ -116,7 +122,7 @@ def test_a_line_that_carries_less_than_its_rate_is_told_of_once_and_when_it_is_w
 def test_frames_that_are_damaged_are_not_taken_for_a_slow_line():
     loop = Loop()
     loop.run(5)
-    every_second_frame(loop, lambda frame: frame[:-1] + bytes([frame[-1] ^ 1]))
+    each_frame_of(loop, 2, lambda frame: frame[:-1] + bytes([frame[-1] ^ 1]))
     loop.run(10)
     assert said(loop, Severity.WARNING, 'the others are damaged') == 1
     assert not said(loop, Severity.WARNING, 'frame budget')

@@ -268,15 +268,22 @@ def test_a_command_to_a_docked_robot_is_answered_with_undock():
     assert 'send the goal undock' in pending.outcome.text
 
 
-def test_a_robot_that_does_not_charge_is_reported_once():
+@pytest.mark.parametrize('state', [oi.ChargingState.NOT_CHARGING, oi.ChargingState.FAULT])
+def test_a_robot_that_does_not_charge_is_reported_once_each_time_that_it_docks(state):
     loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE)
+    loop.body.force(charging_state=int(state))
     ending = pursue(loop, Dock(0.0))
     assert ending.code is Code.NONE
     assert 'docked, but the battery does not charge' in ending.text
     loop.run(3 * CHARGE_WAIT)
-    assert said(loop).count('does not charge (state NOT_CHARGING)') == 1
+    assert said(loop).count(f'does not charge (state {state.name})') == 1
     assert 'set reset_when_not_charging' in said(loop)
     assert loop.body.sense().current < 0
+    loop.body.place(Pose(0.8, 0.0, 3.14159265))
+    loop.run(1.0)
+    loop.body.place(ON_BASE)
+    loop.run(2 * CHARGE_WAIT)
+    assert said(loop).count(f'does not charge (state {state.name})') == 2
 
 
 def test_a_robot_that_does_not_charge_is_restarted_if_it_may_be():

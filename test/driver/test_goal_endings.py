@@ -15,7 +15,7 @@ from create_oi_ros.driver import (
     Settings,
     Severity,
 )
-from create_oi_ros.driver.goal_control import CLIENT_GONE
+from create_oi_ros.driver.goal_control import CLIENT_GONE, MODE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
 from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.driver.state import Activity
@@ -33,7 +33,7 @@ from support.goals import (
     start,
     until_ended,
 )
-from support.loop import Loop, said
+from support.loop import Loop, said, STEP
 
 # What an ending says.
 
@@ -208,6 +208,75 @@ def test_a_driver_that_ends_ends_its_goal():
     assert loop.robot.actuators.wheels == (0, 0)
 
 
+# When it begins, and for how long.
+
+
+def test_a_goal_ends_when_its_time_is_over_and_not_before():
+    loop = met()
+    running = start(loop, distance(9.0, allowance=0.5))
+    loop.run(0.5 - STEP)
+    assert running.ending is None
+    loop.run(2 * FRAME)
+    assert running.ending.code is Code.TIMEOUT
+    assert 'time_allowance of 0.5 s is over' in running.ending.text
+    assert running.ending.seconds == pytest.approx(0.5, abs=2.5 * FRAME)
+    assert loop.robot.actuators.wheels == (0, 0)
+
+
+def in_passive_by_another() -> Loop:
+    """Return a robot that another program has put into Passive; a goal would bring Safe back."""
+    loop = met()
+    loop.run(2.0)
+    loop.robot.receive(oi.Start().encode(), loop.now)
+    loop.run(1.5)
+    return loop
+
+
+def test_a_goal_waits_for_its_mode_and_then_has_all_its_time():
+    loop = in_passive_by_another()
+    hear, loop.robot.receive = loop.robot.receive, lambda *_: None
+    running = start(loop, distance(9.0, allowance=0.5))
+    loop.run(0.3)
+    loop.robot.receive = hear
+    hear(oi.Safe().encode(), loop.now)  # only now the robot takes what it was sent
+    loop.run(0.45)
+    assert running.ending is None
+    loop.run(0.5)
+    assert running.ending.code is Code.TIMEOUT
+
+
+def test_a_goal_whose_mode_does_not_come_is_given_up():
+    loop = in_passive_by_another()
+    loop.robot.receive = lambda *_: None
+    running = start(loop, distance(9.0))
+    loop.run(MODE_WAIT - 0.01)
+    assert running.ending is None
+    loop.run(0.03)
+    assert running.ending.code is Code.MODE
+    assert running.ending.text.startswith('not started; robot is in PASSIVE')
+
+
+def test_a_goal_is_as_good_as_a_pause_of_commands():
+    loop = met()
+    loop.cut = True
+    loop.drive(0.2, 0.0, 3.0)
+    loop.cut = False
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.driver.state.activity is Activity.HOLDING
+    assert pursue(loop, distance(0.1)).code is Code.NONE
+
+
+def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives():
+    loop = met()
+    search = start(loop, Dock(0.0))
+    while loop.driver.state.activity is not Activity.DOCKING:
+        loop.turn()
+    loop.run(2.0)
+    assert pursue(loop, distance(0.2)).code is Code.NONE
+    assert search.ending.code is Code.SUPERSEDED
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
 # Who else gives orders.
 
 
@@ -269,10 +338,14 @@ def test_what_comes_after_the_end_changes_nothing():
     loop = met()
     running = moving(loop)
     loop.driver.goals.cancel(running, loop.now)
-    before = running.ending
+    before, second = running.ending, moving(loop)
     loop.driver.goals.cancel(running, loop.now, CLIENT_GONE)
+    assert running.ending is before and second.ending is None
+    loop.driver.goals.cancel(second, loop.now, CLIENT_GONE)
+    assert second.ending.code is Code.STOPPED and 'its client has gone' in second.ending.text
+    before = second.ending
     loop.driver.goals.interrupt(loop.now)
-    assert running.ending is before
+    assert second.ending is before
 
 
 def test_a_stop_always_wins():

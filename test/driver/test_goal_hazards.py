@@ -8,6 +8,9 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits
 from create_oi_ros.driver.goals import Code, WallFollow
+from create_oi_ros.driver.goals.goal import Stall, View
+from create_oi_ros.driver.motion import Velocity
+from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.world import shipped
 from support.goals import angle, arc, distance, ended, met, moving, place, pursue, until_ended
 
@@ -145,3 +148,46 @@ def test_a_robot_that_may_not_turn_its_wheels_says_so(most):
         ending = pursue(met(MotionLimits(max_wheel_speed=most)), goal)
         assert ending.code is Code.STALL
         assert 'max_wheel_speed is 0' in ending.text
+
+
+def test_low_side_drivers_that_draw_too_much_stop_no_wheels():
+    loop = met()
+    loop.body.force(overcurrent_ld0=1, overcurrent_ld1=1, overcurrent_ld2=1)
+    assert pursue(loop, distance(0.3)).code is Code.NONE
+
+
+@pytest.mark.parametrize('wheel', ['overcurrent_left_wheel', 'overcurrent_right_wheel'])
+def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
+    loop = met()
+    running = moving(loop, distance(9.0))
+    for _ in range(2):
+        loop.body.force(seconds=0.45, **{wheel: 1})
+        loop.run(0.6)
+        assert running.ending is None
+    loop.body.force(**{wheel: 1})
+    loop.run(0.55)
+    assert running.ending.code is Code.STALL
+
+
+def view(dt: float, estimate: Estimate) -> View:
+    """Return what a goal is told of a frame, of a robot that feels nothing."""
+    return View(0.0, dt, estimate, oi.Readings({'overcurrents': 0}), False,
+                MotionLimits(wheel_separation=0.25))
+
+
+@pytest.mark.parametrize(('told', 'went', 'frame'), [
+    (Velocity(0.2, 0.0), Velocity(), 16),  # after two seconds
+    (Velocity(-0.2, 0.0), Velocity(), 16),
+    (Velocity(0.04, 0.0), Velocity(), 30),  # after 15 cm
+    (Velocity(0.0, 0.32), Velocity(), 30), (Velocity(0.0, -0.32), Velocity(), 30),
+    (Velocity(0.02, 0.16), Velocity(), 30),  # of the faster wheel
+    (Velocity(0.2, 0.0), Velocity(0.0599, 0.0), 16), (Velocity(0.2, 0.0), Velocity(0.06, 0.0), 0),
+    (Velocity(0.2, 0.0), Velocity(-0.06, 0.0), 0),
+    (Velocity(0.0, 1.6), Velocity(0.0, 0.479), 16), (Velocity(0.0, 1.6), Velocity(0.0, -0.48), 0),
+    (Velocity(0.1, 0.8), Velocity(0.03, 0.24), 0), (Velocity(), Velocity(), 0)])
+def test_wheels_that_go_less_than_a_third_of_what_they_were_told_stall(told, went, frame):
+    stall, estimate = Stall(), Estimate(linear=went.linear, angular=went.angular)
+    for _ in range(16):  # what follows counts anew
+        assert stall.check(view(0.125, Estimate(linear=0.2)), Velocity(0.2, 0.0)) is None
+    stalled = [number for number in range(1, 41) if stall.check(view(0.125, estimate), told)]
+    assert stalled[:1] == [frame] * bool(frame)

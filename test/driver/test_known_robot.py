@@ -92,14 +92,6 @@ def test_a_robot_is_known_after_two_minutes():
     assert centre.frame_period.value == pytest.approx(0.015, abs=1e-5)
 
 
-def test_its_acquaintance_is_made_once_in_one_line():
-    loop, _ = lesson()
-    lines = [notice.text for notice in loop.notices if 'knows this robot' in notice.text]
-    assert len(lines) == 1
-    assert 'angle: cut off' in lines[0]
-    assert 'encoder: of the drive' in lines[0]
-
-
 @pytest.mark.parametrize('wishes', [
     [(0.2, 0.4, 12.0)], [(0.3, 0.0, 3.0), (-0.3, 0.0, 3.0), (0.0, 1.5, 3.0), (0.0, -1.5, 3.0)]])
 def test_the_first_12_seconds_with_a_known_robot_are_right(wishes):
@@ -139,13 +131,6 @@ def test_wheels_that_overshoot_are_known_as_such():
         (0.3, 0.0, 2.0), (-0.3, 0.0, 2.0), (0.0, 1.5, 2.0), (0.0, 0.0, 1.0), (0.0, -1.5, 2.0)])
     assert yaw < 1.5
     assert place < 0.015
-
-
-def test_a_known_robot_is_not_announced_again():
-    centre = centre_robot()
-    loop = robot(known=centre)
-    taught(loop)
-    assert not [notice for notice in loop.notices if 'robot now' in notice.text]
 
 
 @pytest.mark.parametrize(('rounding', 'sign', 'is_learned'), [

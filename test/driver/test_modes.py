@@ -2,13 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the driver enters modes, and how it comes back to one that the robot left."""
 
+from itertools import pairwise
 
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
 from create_oi_ros.driver.events import ModeChanged
-from create_oi_ros.driver.mode import CLEAR_TIME, MODE_TIMEOUT, SETTLING_TIME
+from create_oi_ros.driver.mode import (
+    CLEAR_TIME,
+    MAX_TRIES,
+    MODE_TIMEOUT,
+    RETRY_INTERVAL,
+    SETTLING_TIME,
+)
 from create_oi_ros.sim.world import shipped
 from support.loop import Loop, texts
 
@@ -65,19 +72,60 @@ def test_a_mode_that_a_deaf_robot_does_not_enter_is_given_up_after_its_time(loop
     assert pending.outcome.text.startswith(said)
 
 
-@pytest.mark.parametrize(('lift', 'cause'), [
-    (lambda body: body.drop(left=True), 'left wheel dropped'),
-    (lambda body: body.drop(right=True), 'right wheel dropped'),
-    (lambda body: body.drop(caster=True), 'caster dropped'),
-    (lambda body: body.plug_charger(True), 'charger powered'),
-])
-def test_why_the_mode_dropped_is_said_once(loop, lift, cause):
-    lift(loop.body)
+@pytest.mark.parametrize(('hazard', 'cause'), [
+    ({'cliff_left': 1}, 'cliff left'), ({'cliff_front_left': 1}, 'cliff front left'),
+    ({'cliff_front_right': 1}, 'cliff front right'), ({'cliff_right': 1}, 'cliff right'),
+    ({'bumps_and_wheel_drops': 3 + 8}, 'left wheel dropped'),
+    ({'bumps_and_wheel_drops': 3 + 4}, 'right wheel dropped'),
+    ({'bumps_and_wheel_drops': 3 + 16}, 'caster dropped'),
+    ({'charging_sources': 1}, 'charger powered'), ({'charging_sources': 2}, 'charger powered'),
+    ({}, 'unknown cause'), ({'oi_mode': 0}, 'robot was switched off')])
+def test_why_the_mode_was_left_is_said_once(loop, hazard, cause):
+    loop.run(SETTLING_TIME)
+    loop.forged = {'oi_mode': 1, **hazard}
     loop.run(1.0)
-    assert loop.driver.status.actual is oi.Mode.PASSIVE
-    assert loop.driver.status.reason == cause
-    said = [text for text in texts(loop.notices, Severity.WARNING) if cause in text]
-    assert len(said) == 1
+    status = loop.driver.status
+    assert (status.actual, status.reason, status.can_drive) == (
+        oi.Mode(loop.forged['oi_mode']), cause, False)
+    said = [text for text in texts(loop.notices, Severity.WARNING) if 'robot left SAFE' in text]
+    assert len(said) == 1 and said[0].endswith(f': {cause}')
+
+
+def test_a_mode_that_seems_left_soon_after_it_was_entered_is_only_entered_again(loop):
+    loop.forged = {'oi_mode': 1}
+    loop.run(1.0)
+    assert loop.commands().count(oi.Safe()) == MAX_TRIES - 1
+    assert not texts(loop.notices, Severity.WARNING)
+
+
+def test_a_mode_that_the_robot_misses_is_asked_for_three_times(loop):
+    loop.driver.modes.set(oi.Mode.PASSIVE, loop.now)
+    loop.run(1.0)
+    loop.robot.receive, asked = lambda *_: None, []
+    loop.driver.modes.set(oi.Mode.SAFE, loop.now)
+    for _ in range(200):
+        loop.turn()
+        asked += [loop.now] * loop.commands().count(oi.Safe())
+    assert len(asked) == MAX_TRIES == 3
+    assert [b - a for a, b in pairwise(asked)] == pytest.approx([0.2, 0.2], abs=2 * oi.SLOT)
+
+
+@pytest.mark.parametrize(('wanted', 'actual', 'undone'), [
+    (oi.Mode.SAFE, oi.Mode.FULL, True), (oi.Mode.FULL, oi.Mode.SAFE, True),
+    (oi.Mode.PASSIVE, oi.Mode.SAFE, False), (oi.Mode.SAFE, oi.Mode.PASSIVE, False)])
+def test_full_for_safe_is_no_safety_stop_and_is_always_undone(loop, wanted, actual, undone):
+    command = {oi.Mode.SAFE: oi.Safe(), oi.Mode.FULL: oi.Full(), oi.Mode.PASSIVE: oi.Start()}
+    loop.driver.modes.set(wanted, loop.now)
+    loop.run(SETTLING_TIME + 0.1)
+    loop.commands()
+    loop.forged = {'oi_mode': int(actual)}
+    loop.run(2.0)
+    sent = loop.commands().count(command[wanted])
+    assert sent > 2 * MAX_TRIES if undone else not sent
+
+
+def test_the_times_to_wait_are_those_of_the_pages():
+    assert (RETRY_INTERVAL, MAX_TRIES, SETTLING_TIME, CLEAR_TIME) == (0.2, 3, 2.0, 1.0)
 
 
 def test_a_cliff_is_named():

@@ -7,7 +7,6 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver.outbox import (
     DEAD_MAN_STOP,
-    done,
     END_DEMO,
     farewell,
     LOST,
@@ -15,7 +14,6 @@ from create_oi_ros.driver.outbox import (
     Outbox,
     Outcome,
     Pending,
-    refused,
     WAKE_UP,
 )
 
@@ -27,16 +25,6 @@ def released(outbox: Outbox, now: float) -> bytes:
     """Return what leaves now."""
     outbox.release(now)
     return outbox.take_ready()
-
-
-def test_commands_leave_in_order_and_once() -> None:
-    outbox = Outbox()
-    assert not outbox.busy and released(outbox, 0.0) == b''
-    outbox.send(OFF)
-    outbox.send_raw(bytes(3))
-    assert outbox.busy and outbox.take_ready() == b'', 'nothing leaves before its time'
-    assert released(outbox, 8.0) == OFF.encode() + bytes(3)
-    assert not outbox.busy and released(outbox, 9.0) == b''
 
 
 @pytest.mark.parametrize('mode', [oi.Start, oi.Safe, oi.Full])
@@ -77,19 +65,6 @@ def test_a_stop_overtakes_all_that_waits() -> None:
     assert released(outbox, 8.021) == OFF.encode()
 
 
-def test_a_request_ends_when_its_bytes_are_written_and_not_before() -> None:
-    outbox = Outbox()
-    first, second = outbox.send(OFF, 'off'), outbox.send(oi.Safe(), 'safe', pause=1.0)
-    third = outbox.send(OFF, 'later')
-    outbox.confirm()
-    assert first.outcome is None
-    outbox.release(8.0)
-    assert first.outcome is second.outcome is None
-    outbox.confirm()
-    assert first.outcome == (True, 'off', b'') and second.outcome == (True, 'safe', b'')
-    assert third.outcome is None
-
-
 def test_what_was_not_written_is_lost_and_never_leaves() -> None:
     outbox = Outbox()
     written = outbox.send(OFF, 'off')
@@ -110,13 +85,6 @@ def test_what_was_not_written_is_lost_and_never_leaves() -> None:
     assert released(outbox, 40.1) == OFF.encode(), 'another robot owes no pause'
 
 
-def test_a_command_that_is_out_of_range_is_not_queued() -> None:
-    outbox = Outbox()
-    with pytest.raises(ValueError, match='right'):
-        outbox.send(oi.DriveDirect(right=501, left=0))
-    assert not outbox.busy
-
-
 # Who waits for an outcome.
 
 
@@ -128,13 +96,6 @@ def test_whoever_waits_is_called_back_once():
     pending.end(False, 'too late')
     assert seen == [Outcome(True, 'stored', b'\x80')]
     assert pending.outcome == seen[0]
-
-
-def test_whoever_comes_late_is_called_back_at_once():
-    seen: list[Outcome] = []
-    done('wheels stopped').then(seen.append)
-    refused('no robot answers').then(seen.append)
-    assert seen == [Outcome(True, 'wheels stopped'), Outcome(False, 'no robot answers')]
 
 
 # What stops a robot.

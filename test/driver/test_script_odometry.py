@@ -10,6 +10,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings
+from create_oi_ros.driver.script import ScriptSpeeds
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
 from support.loop import AT_ONCE, Loop
@@ -118,3 +119,10 @@ def test_a_script_that_is_refused_leaves_the_stream_as_it_is() -> None:
     assert loop.driver.scripts.play(loop.now, force=False).outcome.ok is False
     loop.run(0.1)
     assert not any(isinstance(each, oi.Drive) for each in loop.commands())
+
+
+def test_a_speed_that_the_robot_reports_oddly_is_not_known() -> None:
+    speeds = ScriptSpeeds(parse_script(LINE), WHEEL_SEPARATION, cleared=True)
+    assert speeds.speeds(oi.Readings({'requested_velocity': 200, 'requested_radius': -32768})) == (
+        0.2, 0.2)
+    assert speeds.speeds(oi.Readings({'requested_velocity': None, 'requested_radius': 0})) is None

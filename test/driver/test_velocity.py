@@ -3,16 +3,17 @@
 """Velocity commands, byte for byte: followed, limited, refused, too old."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import inf, nan
 
-from hypothesis import given
-from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity, wheel_speeds
 from create_oi_ros.driver.goals import Code
+from create_oi_ros.driver.motion import next_speeds, rounded, STOPPED
 from create_oi_ros.driver.state import Activity
+from create_oi_ros.oi.commands import WheelSpeeds
 from support.goals import angle, met, moving, pursue
 from support.loop import AT_ONCE, Loop, texts
 
@@ -103,19 +104,6 @@ def test_velocities_that_are_not_finite_are_reported_once_and_counted(loop):
     loop.drive(0.1, 0.0, 0.1)
     assert texts(loop.notices, Severity.WARNING)[1:] == [
         'velocities are finite again; before, 49 more than the first were not']
-
-
-@given(st.floats(-3, 3), st.floats(-20, 20))
-def test_limits_keep_the_curve(linear, angular):
-    limits = MotionLimits()
-    right, left = wheel_speeds(linear, angular, limits)
-    assert max(abs(right), abs(left)) <= 500 + 1e-9
-    free = MotionLimits(max_wheel_speed=1e9)
-    free_right, free_left = wheel_speeds(linear, angular, free)
-    fastest = max(abs(free_right), abs(free_left))
-    scale = min(1.0, 500 / fastest) if fastest else 1.0
-    assert right == pytest.approx(free_right * scale, abs=1.0)
-    assert left == pytest.approx(free_left * scale, abs=1.0)
 
 
 def test_limits_may_change_while_the_robot_drives(loop):
@@ -303,3 +291,98 @@ def test_without_bump_stop_the_bumper_holds_nothing_back():
     loop.body.force(bump_left=1)
     loop.drive(0.2, 0.0, 0.5)
     assert loop.robot.actuators.wheels == (200, 200)
+
+
+# The sums, figure by figure.
+
+
+FREE = MotionLimits(wheel_separation=0.25, linear_acceleration=0.0, angular_acceleration=0.0)
+RAMPED = MotionLimits(wheel_separation=0.25, linear_acceleration=1.0, angular_acceleration=4.0)
+
+
+@pytest.mark.parametrize(('linear', 'angular', 'right', 'left'), [
+    (0.25, 0.0, 250, 250), (-0.25, 0.0, -250, -250), (0.0, 1.0, 125, -125), (0.0, -1.0, -125, 125),
+    (0.25, 1.0, 375, 125), (-0.25, 1.0, -125, -375), (0.25, 2.0, 500, 0), (0.0, 0.0, 0, 0),
+    (0.5, 0.0, 500, 500), (1.0, 0.0, 500, 500), (0.5, 4.0, 500, 0), (0.5, -4.0, 0, 500),
+    (-1.0, 8.0, 0, -500), (1e308, 0.0, 500, 500), (5e-324, 0.0, 0, 0)])
+def test_a_velocity_becomes_wheel_speeds_and_one_that_is_too_fast_keeps_its_curve(
+        linear: float, angular: float, right: float, left: float) -> None:
+    assert wheel_speeds(linear, angular, FREE) == pytest.approx((right, left), abs=1e-9)
+
+
+def test_the_default_limits_are_those_of_the_pages() -> None:
+    limits = MotionLimits()
+    assert (limits.wheel_separation, limits.max_wheel_speed, limits.timeout) == (0.258, 0.5, 0.5)
+    assert (limits.linear_acceleration, limits.angular_acceleration) == (1.0, 4.0)
+    assert (limits.bump_stop, limits.commands_interrupt) == (False, True)
+
+
+@pytest.mark.parametrize(('wanted', 'after'), [
+    ((500, 500), (31.25, 31.25)), ((-500, -500), (-31.25, -31.25)),
+    ((200, -200), (15.625, -15.625)), ((-200, 200), (-15.625, 15.625)),
+    ((500, 250), (31.25 * 4 / 3, 31.25 * 2 / 3)), ((30, 30), (30, 30)), ((15, -15), (15, -15)),
+    ((0, 0), (0, 0))])
+def test_wheels_are_accelerated_by_the_tighter_limit_and_the_curve_is_kept(
+        wanted: tuple[float, float], after: tuple[float, float]) -> None:
+    found = next_speeds(STOPPED, WheelSpeeds(*wanted), 1 / 32, RAMPED)
+    assert found == pytest.approx(after)
+
+
+def test_wheels_are_slowed_from_the_speeds_that_they_have() -> None:
+    found = next_speeds(WheelSpeeds(300, 100), WheelSpeeds(100, 100), 1 / 32, RAMPED)
+    assert found == pytest.approx((268.75, 100)), 'by turning: 800 mm/s, of 4 rad/s²'
+    found = next_speeds(WheelSpeeds(300, 300), STOPPED, 1 / 32, RAMPED)
+    assert found == pytest.approx((268.75, 268.75))
+
+
+@pytest.mark.parametrize('linear', [*(step / 1000 for step in range(-600, 601, 120)), 0.1, 0.037])
+def test_rounding_to_whole_millimetres_keeps_the_turn_and_the_limit(linear) -> None:
+    limits = MotionLimits()
+    for angular in (*(step / 1000 for step in range(-4000, 4001, 173)), 0.0116):
+        speeds = wheel_speeds(linear, angular, limits)
+        right, left = rounded(speeds)
+        assert max(abs(right), abs(left)) <= 500
+        assert abs((right + left) / 2 - (speeds.right + speeds.left) / 2) <= 0.5 + 1e-9
+        asked = (speeds.right - speeds.left) / limits.wheel_separation / 1000
+        if linear:
+            assert abs((right - left) / limits.wheel_separation / 1000 - asked) < 0.00195
+        else:
+            assert right == -left, 'it creeps'
+            assert abs(right - speeds.right) <= 0.5
+
+
+def test_the_first_command_after_a_pause_gets_the_acceleration_of_two_slots(loop):
+    loop.now += 0.2  # meanwhile nobody asks the driver to go on
+    loop.driver.drive(0.5, 0.0, loop.now)
+    loop.turn()
+    assert drives(loop) == [oi.DriveDirect(right=30, left=30)]
+
+
+def test_a_robot_is_told_at_most_once_a_slot_but_a_stop_does_not_wait(at_once):
+    loop, told = at_once, []
+    for step in range(40):
+        loop.driver.drive(0.1 + step / 1000, 0.0, loop.now)
+        loop.turn()
+        told += [loop.now for _ in drives(loop)]
+    assert min(b - a for a, b in pairwise(told)) >= oi.SLOT - 1e-6
+    assert len(told) >= 10
+    loop.driver.drive(0.3, 0.0, loop.now)
+    loop.driver.stop(loop.now)
+    loop.turn()
+    assert drives(loop)[-1] == oi.DriveDirect(right=0, left=0)
+
+
+@pytest.mark.parametrize('speed', [0.25, 0.0])
+def test_speeds_that_the_robot_did_not_take_in_time_are_sent_again(at_once, speed):
+    loop, told = at_once, []
+    loop.drive(0.25 - speed, 0.0, 0.3)
+    drives(loop)
+    hear, loop.robot.receive = loop.robot.receive, lambda *_: None
+    for _ in range(44):
+        loop.driver.drive(speed, 0.0, loop.now)
+        loop.turn()
+        told += [loop.now for _ in drives(loop)]
+    assert [b - a for a, b in pairwise(told)] == pytest.approx([0.155], abs=2 * oi.SLOT)
+    loop.robot.receive = hear
+    loop.drive(speed, 0.0, 1.0)
+    assert loop.robot.actuators.wheels == (1000 * speed, 1000 * speed)
