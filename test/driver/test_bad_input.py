@@ -12,7 +12,6 @@ from dataclasses import fields
 from math import inf, isfinite, nan
 from types import SimpleNamespace
 
-import domain_coordinator
 from geometry_msgs.msg import Twist, TwistStamped
 from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
@@ -33,6 +32,7 @@ from create_oi_ros.ros.services import SERVICES, Services
 from support.anything import anything
 from support.loop import Loop
 from support.measuring import UNMEASURED
+from support.ros import own_domain
 
 pytestmark = UNMEASURED
 
@@ -131,7 +131,7 @@ def test_a_service_refuses_clearly_or_does_what_is_legal(service, data):
 @pytest.fixture(scope='module')
 def node():
     """Return a real node in a domain of its own, to whose callbacks messages are handed."""
-    with domain_coordinator.domain_id() as domain:
+    with own_domain() as domain:
         rclpy.init(args=[], domain_id=domain)
         made = CreateNode(Future())
         yield made

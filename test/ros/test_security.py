@@ -14,7 +14,6 @@ from xml.etree import ElementTree
 
 from create_oi_msgs.msg import Mode
 from create_oi_msgs.srv import SetMode
-import domain_coordinator
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
@@ -24,13 +23,14 @@ from rclpy.task import Future
 
 from create_oi_ros.apps.lidar import LidarNode
 from create_oi_ros.apps.web.live_robot import LiveRobot
+from create_oi_ros.apps.web.page_messages import GOALS
 from create_oi_ros.apps.web.web_node import WebNode
 from create_oi_ros.ros.actions import ALL_ACTIONS
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.recorder import Recorder
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED
-from support.ros import Listener, scene, TIMEOUT
+from support.ros import Listener, own_domain, scene, TIMEOUT
 
 ROOT = Path(__file__).parents[2]
 POLICY = ElementTree.parse(ROOT / 'config' / 'sros2_policy.xml').getroot()
@@ -85,14 +85,14 @@ def full(names: list[str]) -> set[str]:
 @pytest.fixture(scope='module')
 def node(tmp_path_factory):
     """Return the node, in a domain of its own, with a page that knows it, and what they start."""
-    with domain_coordinator.domain_id() as domain:
+    with own_domain() as domain:
         rclpy.init(args=[], domain_id=domain)
         made = CreateNode(Future(), parameter_overrides=[Parameter('gyro', value='analog')])
         web = WebNode(LiveRobot())
         lidar, record = LidarNode('laser', 'base_footprint'), rclpy.create_node('create_record')
         recorder = Recorder(record, tmp_path_factory.mktemp('bags') / 'bag')
-        for action in ALL_ACTIONS:
-            web.action_client(action.name)  # as a page that has sent every goal
+        for name in GOALS:
+            web.action_client(name)  # as a page that has sent every goal
         deadline = time.monotonic() + TIMEOUT
         while not web.velocity.driver_listens:
             assert time.monotonic() < deadline
