@@ -237,7 +237,7 @@ export class Map2D {
     if (!this.width) return;
     if (this.follow && drawn) this.center = { x: drawn.x, y: drawn.y };
     const pen = this.penOn(this.canvas, this.center, () => this.showStill()), { c } = pen;
-    this.drawTrack(pen, () => this.track.drawNew(c, drawn));
+    this.track.drawNew(pen, drawn);
     this.drawWay(pen);
     if (this.pose) {
       drawRobot(pen, drawn, radius, this.bump);
@@ -282,7 +282,7 @@ export class Map2D {
       const pen = this.penOn(still, { x, y });
       this.drawGrid(pen, x, y);
       if (this.room && this.origin) drawRoom(pen, this.room, this.origin);
-      this.drawTrack(pen, () => this.track.drawStill(pen.c));
+      this.track.drawStill(pen);
     }
     this.context.drawImage(still, Math.round((x - center.x) * zoom - BEYOND * ratio / 2),
                            Math.round((center.y - y) * zoom - BEYOND * ratio / 2));
@@ -299,12 +299,6 @@ export class Map2D {
         c.moveTo(x - wide, at); c.lineTo(x + wide, at);
       }
     }, { stroke: '--grid', width: 1 });
-  }
-
-  drawTrack(pen, draw) {
-    pen.c.strokeStyle = this.color('--track');
-    pen.c.lineWidth = 2.5 * pen.pixel;
-    draw();
   }
 
   // A way from the robot to one place after the other, as pairs of places.

@@ -3,6 +3,7 @@
 // The robot's track as it is drawn: in chunks.
 
 const CHUNK = 400;  // points in a chunk, at most
+const WIDTH = 2.5;  // pixels
 
 export class Track {
   constructor() {
@@ -39,17 +40,25 @@ export class Track {
   // Names what `drawStill` draws: all chunks but the last one, which still grows.
   get still() { return `${this.rebuilt}:${this.chunks.length}`; }
 
-  drawStill(context) { this.stroke(context, this.chunks.slice(0, -1)); }
+  drawStill(pen) { this.stroke(pen, this.chunks.slice(0, -1)); }
 
   // Draw the last chunk, and a line from its end to where the robot is drawn.
-  drawNew(context, robot) {
-    this.stroke(context, this.chunks.slice(-1));
+  drawNew(pen, robot) {
+    this.stroke(pen, this.chunks.slice(-1));
     if (!this.points.length || !robot) return;
-    context.beginPath();
-    context.moveTo(...this.points.at(-1));
-    context.lineTo(robot.x, robot.y);
-    context.stroke();
+    pen.c.beginPath();
+    pen.c.moveTo(...this.points.at(-1));
+    pen.c.lineTo(robot.x, robot.y);
+    pen.c.stroke();
   }
 
-  stroke(context, chunks) { for (const { path } of chunks) context.stroke(path); }
+  stroke({ c, color, pixel }, chunks) {
+    c.lineWidth = WIDTH * pixel;
+    for (const { part, path } of chunks) {
+      c.strokeStyle = this.tint(part, color);
+      c.stroke(path);
+    }
+  }
+
+  tint(part, color) { return color('--track'); }
 }

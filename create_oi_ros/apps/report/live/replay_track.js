@@ -13,9 +13,9 @@ const STOPS = ['--time-0', '--time-1', '--time-2', '--time-3'];
 
 export class ReplayTrack extends Track {
   // The line is broken at `jumps`, times at which the odometry began elsewhere, and at gaps.
-  constructor(odom, jumps, color) {
+  constructor(odom, jumps) {
     super();
-    Object.assign(this, { odom, jumps, color });
+    Object.assign(this, { odom, jumps });
     this.times = [];    // of the points
     this.until = 0;
     const apart = Math.max(STEP, this.length() / MOST);
@@ -69,34 +69,27 @@ export class ReplayTrack extends Track {
     return found;
   }
 
-  drawStill(context) {
-    context.globalAlpha = 0.25;
-    this.stroke(context, this.chunks);
-    context.globalAlpha = 1;
+  drawStill(pen) {
+    pen.c.globalAlpha = 0.25;
+    this.stroke(pen, this.chunks);
+    pen.c.globalAlpha = 1;
   }
 
-  drawNew(context) {
+  drawNew(pen) {
     const gone = indexAt(this.times, this.until) + 1;
     const whole = this.chunks.filter(chunk => chunk.end <= gone), next = this.chunks[whole.length];
-    this.stroke(context, whole);
+    this.stroke(pen, whole);
     if (!next) return;
-    context.strokeStyle = this.tint(next.part);
-    context.beginPath();
-    this.points.slice(next.first, gone).forEach(([x, y]) => context.lineTo(x, y));
-    context.stroke();
-  }
-
-  stroke(context, chunks) {
-    for (const { part, path } of chunks) {
-      context.strokeStyle = this.tint(part);
-      context.stroke(path);
-    }
+    pen.c.strokeStyle = this.tint(next.part, pen.color);
+    pen.c.beginPath();
+    this.points.slice(next.first, gone).forEach(([x, y]) => pen.c.lineTo(x, y));
+    pen.c.stroke();
   }
 
   // The colour of a part of the time, 0 to 1.
-  tint(part) {
+  tint(part, color) {
     const at = Math.min(part * (STOPS.length - 1), STOPS.length - 1.001), low = Math.floor(at);
-    return `color-mix(in srgb, ${this.color(STOPS[low + 1])} ${(100 * (at - low)).toFixed(1)}%, `
-      + `${this.color(STOPS[low])})`;
+    return `color-mix(in srgb, ${color(STOPS[low + 1])} ${(100 * (at - low)).toFixed(1)}%, `
+      + `${color(STOPS[low])})`;
   }
 }

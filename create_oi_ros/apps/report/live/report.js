@@ -39,7 +39,7 @@ function decode({ unit, steps }) {
 // The map.
 
 const map = new Map2D(byId('map-canvas'), byId('map-key'), Object.keys(SIGNS));
-const track = new ReplayTrack(odom, data.jumps, name => map.color(name));
+const track = new ReplayTrack(odom, data.jumps);
 map.track = track;
 map.scrolls = true;
 map.setFollow(false);
