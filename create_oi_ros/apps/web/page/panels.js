@@ -105,7 +105,7 @@ export function showSeat({ driver, viewers }, you) {
 // What is wrong with connection or driver, in a sentence; the chip says it in a word.
 export function showConnection(link, { silent, driver_found: found, pose }) {
   const quiet = Math.floor(link.quiet);
-  const text = quiet >= 1 ? `no news for ${quiet} s` : !link.live ? 'no connection'
+  const text = !link.live ? (quiet ? `no news for ${quiet} s` : 'no connection')
     : !found ? 'no driver' : silent ? 'driver silent' : '';
   const trip = link.roundTrip === null ? '' : `, ${Math.round(link.roundTrip)} ms`;
   chip('chip-link', text || `live${trip}`, text ? 'error' : 'good');
