@@ -10,11 +10,12 @@ import signal
 import socket
 import ssl
 import subprocess
+import time
 
 import pytest
 
 from create_oi_ros.apps.web.create_web import encryption, kept_token
-from create_oi_ros.apps.web.web_server import MOST_OF_ADDRESS, MOST_WRONG
+from create_oi_ros.apps.web.web_server import IDLE_TIME, MOST_OF_ADDRESS, MOST_WRONG
 from create_oi_ros.ros.programs import UserError
 from support.ros import scene
 from support.web import free_port, served
@@ -65,7 +66,7 @@ def ended(connection: socket.socket) -> bytes:
 
 def test_half_headers_are_limited_by_address_and_in_time(server):
     with ExitStack() as opened:
-        held = []
+        held, begun = [], time.monotonic()
         for _ in range(MOST_OF_ADDRESS + 3):
             held.append(opened.enter_context(
                 closing(socket.create_connection(('127.0.0.1', port_of(server[1]))))))
@@ -73,6 +74,7 @@ def test_half_headers_are_limited_by_address_and_in_time(server):
         first, _, _ = select.select(held, [], [], 20)
         assert first and set(first) <= set(held[MOST_OF_ADDRESS:])
         assert [ended(each) for each in held] == [b''] * len(held)
+        assert time.monotonic() - begun < IDLE_TIME
     assert ask(server[1], '/').status == 401
 
 
