@@ -18,8 +18,8 @@ An animation of the LEDs is LED commands that follow each other by the driver's 
 what `set_leds` has set last.
 """
 
-from collections.abc import Sequence
-from itertools import accumulate
+from collections.abc import Generator, Iterator, Sequence
+from itertools import accumulate, chain, count, pairwise
 
 from .. import oi
 from ..oi.commands import DUTY, NOTE_TIME
@@ -43,6 +43,8 @@ DARK = oi.Leds(bits=0, color=0, intensity=0)
 """All LEDs off, as they are when the robot enters Safe."""
 MIN_PERIOD, USUAL_PERIOD = 0.3, 1.0
 """Seconds of a blink or round: at least (ten LED commands a second, 40 bytes), and as a rule."""
+NOT_REPORTED = 'was sent to play, but the robot does not report it: try again'
+NO_ROOM = f'a tune needs two of the {SONGS} songs, and all are defined: define fewer'
 WAIT = 'wait until the topic `song` says that it has ended'
 
 
@@ -60,24 +62,20 @@ class Tune(Pending):
         self.seconds = 0.0
         """How long it has played."""
         # As few songs as hold them, of the same size: none is too short to be seen.
-        count = -(-len(notes) // MAX_NOTES)
-        bounds = [len(notes) * part // count for part in range(count + 1)]
+        songs = -(-len(notes) // MAX_NOTES)
+        bounds = [len(notes) * part // songs for part in range(songs + 1)]
         self.songs = [notes[low:high] for low, high in zip(bounds, bounds[1:])]
-        self.song = 0
-        """Which of its songs plays."""
 
-    @property
-    def next_song(self) -> int | None:
-        """Which song comes after the one that plays; None: no more."""
-        if self.song + 1 < len(self.songs):
-            return self.song + 1
-        return 0 if self.iterations_played + 1 != self.iterations else None
+    def order(self) -> Iterator[int]:
+        """Yield which song is played, one after the other."""
+        rounds = count() if self.iterations == FOREVER else range(self.iterations)
+        return (song for _ in rounds for song in range(len(self.songs)))
 
-    def follow(self, since: float) -> None:
-        """Find the note that sounds so many seconds after the song began."""
-        before, song = sum(map(len, self.songs[:self.song])), self.songs[self.song]
-        ends = accumulate(note.duration / oi.NOTES_PER_SECOND for note in song)
-        self.note = before + min(sum(end <= since for end in ends), len(song) - 1)
+    def follow(self, song: int, since: float) -> None:
+        """Find the note that sounds so many seconds after a song began."""
+        ends = accumulate(note.duration / oi.NOTES_PER_SECOND for note in self.songs[song])
+        sounds = min(sum(end <= since for end in ends), len(self.songs[song]) - 1)
+        self.note = sum(map(len, self.songs[:song])) + sounds
 
 
 def blink(chosen: oi.Leds) -> list[oi.Leds]:
@@ -118,17 +116,14 @@ class Outputs:
         self._to_restore: dict[type[oi.Command], oi.Command] = {}
         self.songs: dict[int, oi.Song] = {}
         """The songs that were defined, by number."""
-        self._request = done('no request')
-        """Who waits for a single song to begin, and what it is told then."""
-        self._played = ''
-        self._tune: Tune | None = None
-        """The tune that plays."""
-        self._tune_started_at = 0.0
-        self._stored = self._playing = SONGS
-        """Numbers of the tune's song that is stored, and of the song that was sent to play."""
-        self._asked_at = 0.0
-        self._begun_at: float | None = None
-        """When the robot reported the song that was sent to play; None before that."""
+        self._player: Pending = done('no song')
+        """A tune, or who waits for a single song to begin."""
+        self._playing: Iterator[None] = iter(())
+        """What is done for that, frame by frame."""
+        self._number = SONGS
+        """Number of the song that was sent to play."""
+        self._now = 0.0
+        self._readings = oi.Readings()
         self._animation: Animation | None = None
         """The animation that is shown."""
         self._animation_started_at = 0.0
@@ -227,85 +222,102 @@ class Outputs:
         why = self._cannot_play()
         if why is not None:
             return refused(why)
-        length = sum(note.duration for note in self.songs[number].notes) / oi.NOTES_PER_SECOND
-        if length < MIN_SEEN_LENGTH:
+        if _seconds(self.songs[number].notes) < MIN_SEEN_LENGTH:
             return self._core.request(oi.PlaySong(number=number), (
                 f'{stored}song {number} sent to play; it is too short to be seen playing'))
-        self._play(number, now)
-        self._request, self._played = Pending(), f'{stored}song {number} plays'
-        return self._request
-
-    def _cannot_play(self) -> str | None:
-        if self._tune is not None:
-            return 'a tune plays: cancel its goal, or wait until that has ended'
-        readings = self._core.readings
-        if readings.has('song_playing') and readings.song_playing:
-            return f'a song plays: {WAIT}'
-        if self._request.outcome is None:
-            return f'song {self._playing} is about to play: {WAIT}'
-        return self._core.refusal(oi.PlaySong)
-
-    def _play(self, number: int, now: float) -> None:
-        """Send a song to play, and wait for it."""
-        self._core.outbox.send(oi.PlaySong(number=number))
-        self._playing, self._begun_at, self._asked_at = number, None, now
-
-    # Tunes.
+        request = Pending()
+        self._begin(request, self._play_one(request, number, f'{stored}song {number} plays'), now)
+        return request
 
     def play_tune(self, tune: Tune, now: float) -> None:
         """Play a tune; its outcome says how that ended, or why it cannot be played."""
         why = self._cannot_play()
         if why is not None:
             tune.end(False, why)
-            return
-        self._tune, self._tune_started_at, self._playing = tune, now, SONGS
-        if self._store(tune, 0):
-            self._play_stored(now)
+        else:
+            self._begin(tune, self._play_all(tune), now)
+
+    def _cannot_play(self) -> str | None:
+        waits = self._player.outcome is None
+        if waits and isinstance(self._player, Tune):
+            return 'a tune plays: cancel its goal, or wait until that has ended'
+        if self._core.readings.number('song_playing', 0):
+            return f'a song plays: {WAIT}'
+        if waits:
+            return f'song {self._number} is about to play: {WAIT}'
+        return self._core.refusal(oi.PlaySong)
+
+    def _begin(self, player: Pending, playing: Iterator[None], now: float) -> None:
+        self._player, self._playing, self._now = player, playing, now
+        next(playing, None)
 
     def cancel(self, request: Tune | Animation, why: str = 'canceled') -> None:
         """End a tune or an animation, if it goes on; the song that plays is heard to its end."""
-        if request is self._tune:
-            self._fail_tune(f'{why}; the song that plays goes on to its end')
+        if request is self._player:
+            self._end_song(f'{why}; the song that plays goes on to its end')
         elif request is self._animation:
             self._end_animation(False, why)
 
-    def _fail_tune(self, why: str) -> None:
-        tune, self._tune = self._tune, None
-        if tune is not None:
-            tune.end(False, why)
+    def _end_song(self, why: str) -> None:
+        self._playing = iter(())
+        self._player.end(False, why)
 
-    def _store(self, tune: Tune, song: int) -> bool:
-        """Store a song where nobody has one; end the tune where there is no room."""
+    # What is done frame by frame.
+
+    def _play_one(self, request: Pending, number: int, text: str) -> Iterator[None]:
+        """Send a song to play, and wait until the robot reports it."""
+        begins = yield from self._begins(number)
+        request.end(begins, text if begins else f'song {number} {NOT_REPORTED}')
+
+    def _play_all(self, tune: Tune) -> Iterator[None]:
+        """Play the songs of a tune; while one plays, the next is stored."""
+        begun_at, number = self._now, self._store(tune.songs[0])
+        for song, following in pairwise(chain(tune.order(), (None,))):
+            assert song is not None
+            if number in self.songs:  # somebody has defined it in the meantime
+                number = self._store(tune.songs[song])
+            refusal = self._core.refusal(oi.PlaySong)
+            if number is None or refusal is not None:
+                tune.end(False, NO_ROOM if number is None else
+                         f'the tune ended before its end; {refusal}')
+                return
+            begins = yield from self._begins(number)
+            if not begins and _seconds(tune.songs[song]) >= MIN_SEEN_LENGTH:
+                tune.end(False, f'a song of the tune {NOT_REPORTED}')
+                return
+            since = self._now
+            number = None if following is None else self._store(tune.songs[following])
+            while begins and self._plays:
+                tune.seconds = self._now - begun_at
+                tune.follow(song, self._now - since)
+                yield
+            tune.iterations_played += song == len(tune.songs) - 1
+        tune.end(True, 'the tune was played')
+
+    def _store(self, notes: Sequence[oi.Note]) -> int | None:
+        """Store a song where nobody has one; return its number, None where there is no room."""
         free = [number for number in range(SONGS)
-                if number not in self.songs and number != self._playing]
+                if number not in self.songs and number != self._number]
         if not free:
-            self._fail_tune(
-                f'a tune needs two of the {SONGS} songs, and all are defined: define fewer')
-            return False
-        self._stored = free[-1]
-        self._core.outbox.send(oi.Song(number=self._stored, notes=tuple(tune.songs[song])))
-        return True
+            return None
+        self._core.outbox.send(oi.Song(number=free[-1], notes=tuple(notes)))
+        return free[-1]
 
-    def _play_stored(self, now: float) -> None:
-        why = self._core.refusal(oi.PlaySong)
-        if why is None:
-            self._play(self._stored, now)
-        else:
-            self._fail_tune(f'the tune ended before its end; {why}')
+    def _begins(self, number: int) -> Generator[None, None, bool]:
+        """Send a song to play; return whether the robot reports it in time."""
+        self._core.outbox.send(oi.PlaySong(number=number))
+        self._number, asked_at = number, self._now
+        while self._now < asked_at + SONG_TIMEOUT:
+            yield
+            if self._plays:
+                return True
+        return False
 
-    def _play_next(self, tune: Tune, now: float) -> None:
-        """Play the tune's next song; end the tune after its last."""
-        following = tune.next_song
-        if following is None or following == 0:
-            tune.iterations_played += 1
-        if following is None:
-            self._tune = None
-            tune.end(True, 'the tune was played')
-            return
-        tune.song = following
-        # Somebody may have defined this song in the meantime.
-        if self._stored not in self.songs or self._store(tune, following):
-            self._play_stored(now)
+    @property
+    def _plays(self) -> bool:
+        """Whether the robot reports the song that was sent to play, perhaps without its number."""
+        return bool(self._readings.number('song_playing', 0)) and (
+            self._readings.number('song_number', self._number) == self._number)
 
     # Animations.
 
@@ -340,50 +352,28 @@ class Outputs:
     # What the robot reports.
 
     def observe(self, readings: oi.Readings, now: float) -> None:
-        """Take a frame in: end the request for a song that plays, go on with a tune."""
-        tune, waits = self._tune, self._request.outcome is None
-        if tune is None and not waits:
-            return  # as in most frames
-        plays = readings.song_playing and readings.song_number in (self._playing, None)
-        if waits and plays:
-            self._request.end(True, self._played)
-        if tune is None:
-            return
-        tune.seconds = now - self._tune_started_at
-        if self._begun_at is None and plays:
-            self._begun_at = now
-            if tune.next_song is not None:
-                self._store(tune, tune.next_song)
-        elif self._begun_at is not None and not plays:
-            self._play_next(tune, now)
-        if self._begun_at is not None:
-            tune.follow(now - self._begun_at)
+        """Take a frame in: go on with a song or a tune."""
+        self._readings, self._now = readings, now
+        next(self._playing, None)
 
     def poll(self, now: float) -> None:
         """Go on with an animation; end what waits for a song that is not reported."""
+        self._now = now
+        next(self._playing, None)
         if self._animation is not None:
             self._show_step(self._animation, now)
         if self._animation is None and self._shown and self._core.refusal(oi.Leds) is None:
             self._core.outbox.send(self._to_restore[oi.Leds])
             self._shown = None
-        tune, waits = self._tune, self._request.outcome is None
-        if tune is None and not waits or now < self._asked_at + SONG_TIMEOUT:
-            return
-        says_nothing = 'was sent to play, but the robot does not report it: try again'
-        self._request.end(False, f'song {self._playing} {says_nothing}')
-        if tune is None or self._begun_at is not None:
-            return
-        song = tune.songs[tune.song]  # it may be too short to be seen
-        if sum(note.duration for note in song) / oi.NOTES_PER_SECOND < MIN_SEEN_LENGTH:
-            self._play_next(tune, now)
-        else:
-            self._fail_tune(f'a song of the tune {says_nothing}')
 
     def fail(self, why: str) -> None:
         """End tune and animation, and the request for a song that has not been reported."""
-        self._fail_tune(why)
+        self._end_song(why)
         self._end_animation(False, why)
-        self._request.end(False, why)
+
+
+def _seconds(notes: Sequence[oi.Note]) -> float:
+    return sum(note.duration for note in notes) / oi.NOTES_PER_SECOND
 
 
 def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.Song:
@@ -392,13 +382,8 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
         raise ValueError(
             f'{len(pitches)} pitches but {len(seconds)} durations; give one for each note')
     if len(pitches) > MAX_NOTES:
-        parts, rest = divmod(len(pitches), MAX_NOTES)
-        sizes = [str(MAX_NOTES)] * parts + [str(rest)] * (rest > 0)
-        advice = (f'{SONGS} songs hold {SONGS * MAX_NOTES} at most; leave some out'
-                  if len(sizes) > SONGS else
-                  f'define songs of {", ".join(sizes[:-1])} and {sizes[-1]} notes, and play each '
-                  'when the one before has ended')
-        raise ValueError(f'{len(pitches)} notes, but a song holds {MAX_NOTES}: {advice}')
+        raise ValueError(f'{len(pitches)} notes, but a song holds {MAX_NOTES}: play more by the '
+                         'action audio_note_sequence')
     for place, length in enumerate(seconds):
         if not 0 <= length <= MAX_NOTE_LENGTH:
             raise ValueError(f'seconds[{place}] = {length:g}; allowed: 0 to {MAX_NOTE_LENGTH:g}')
@@ -408,13 +393,10 @@ def _song(number: int, pitches: Sequence[int], seconds: Sequence[float]) -> oi.S
 
 def _sent(number: int, seconds: Sequence[float]) -> str:
     """Say that a song was sent, and how rounding to 1/64 s changes its durations."""
-    lengths = [round(length * oi.NOTES_PER_SECOND) for length in seconds]
-    played = sum(lengths) / oi.NOTES_PER_SECOND
-    worst = max((abs(length / oi.NOTES_PER_SECOND - wanted)
-                 for length, wanted in zip(lengths, seconds)), default=0.0)
-    vanished = sum(1 for length, wanted in zip(lengths, seconds) if wanted > 0 == length)
-    gone = f', {vanished} so short that they are left out' if vanished else ''
-    if worst < 0.0005:
-        return f'song {number} sent; it takes {played:.3f} s'
-    return (f'song {number} sent; it takes {played:.3f} s, asked for {sum(seconds):.3f} s: '
-            f'notes are rounded to 1/64 s, by {worst / MILLI:.0f} ms at most{gone}')
+    played = [round(length * oi.NOTES_PER_SECOND) / oi.NOTES_PER_SECOND for length in seconds]
+    worst = max((abs(each - wanted) for each, wanted in zip(played, seconds)), default=0.0)
+    text = f'song {number} sent; it takes {sum(played):.3f} s'
+    if worst >= 0.0005:
+        text += (f', asked for {sum(seconds):.3f} s: notes are rounded to 1/64 s, by '
+                 f'{worst / MILLI:.0f} ms at most')
+    return text
