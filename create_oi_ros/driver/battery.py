@@ -13,6 +13,7 @@ from ..robot import MILLI
 from .core import Core
 from .events import BatteryLevel, LowBatteryAction, Severity
 from .mode import docked, Modes
+from .state import StateEvent
 
 LEVEL_DELAY = 5.0
 """Seconds that the voltage must stay below a limit: motors that start pull it down."""
@@ -83,7 +84,8 @@ class BatteryGuard:
         """Do what the user chose; where the robot refuses it, say so once and try again."""
         action = self._limits.action
         outcome = (self._modes.start_demo(oi.DemoNumber.COVER_AND_DOCK)
-                   if action is LowBatteryAction.DOCK else self._modes.rest(now)).outcome
+                   if action is LowBatteryAction.DOCK else
+                   self._modes.set(oi.Mode.PASSIVE, now, StateEvent.RESTED)).outcome
         does = f'battery {self.level.value}: the robot {DOES[action]}'
         if outcome is None or outcome.ok:
             self._action_due = False
@@ -101,13 +103,15 @@ class ChargeWatch:
         self._core = core
         self._since: float | None = None
         """Since when the robot waits for the current; None where it does not."""
-        self._was_reset = self._reported = False
+        self._was_reset = False
+        self._told = ''
+        """What the user was told last, since the robot is on its dock."""
 
     def observe(self, readings: oi.Readings, now: float) -> None:
         """Take readings in, and act when the robot has waited for too long."""
         status = self._core.status
         if not docked(readings) or not readings.has('charging_state'):
-            self._since, self._was_reset, self._reported = None, False, False
+            self._since, self._was_reset, self._told = None, False, ''
         elif (readings.charging_state not in NO_CURRENT
                 or not status.actual is status.wanted is oi.Mode.PASSIVE):
             self._since = None
@@ -118,14 +122,14 @@ class ChargeWatch:
 
     def _act(self, readings: oi.Readings) -> None:
         state = oi.ChargingState(readings.number('charging_state', 0)).name
-        says = f'the robot is on its dock and does not charge (state {state})'
+        advice = ('even after a restart: are the contacts clean, is the battery in?'
+                  if self._was_reset else
+                  'clean the contacts, or set reset_when_not_charging, which restarts it')
         if self._core.settings.reset_when_not_charging and not self._was_reset:
             self._was_reset, self._since = True, None
-            self._core.notice(Severity.WARNING, f'{says}: restarting it (opcode 7)')
+            advice = 'restarting it (opcode 7)'
             self._core.outbox.send_raw(RESET)
-        elif not self._reported:
-            self._reported = True
-            advice = ('even after a restart: are the contacts clean, is the battery in?'
-                      if self._was_reset else 'clean the contacts, or set '
-                      'reset_when_not_charging, which restarts it')
-            self._core.notice(Severity.WARNING, f'{says}: {advice}')
+        says = f'the robot is on its dock and does not charge (state {state}): {advice}'
+        if says != self._told:
+            self._told = says
+            self._core.notice(Severity.WARNING, says)

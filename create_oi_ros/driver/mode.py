@@ -28,8 +28,6 @@ SETTLING_TIME = 2.0
 still come on a busy computer."""
 MODE_TIMEOUT = 0.5
 """Seconds within which the robot must report a requested mode."""
-STALE_FRAMES_FOR = 0.06
-"""Seconds in which frames may come that the robot sent before it was told to enter a mode."""
 DOCK_PAUSE = 1.0
 """Seconds that the robot must be in Passive before it is sent to its dock (reported)."""
 SETTABLE = ', '.join(f'{mode.value} {mode.name}' for mode in MODE_COMMANDS)
@@ -75,25 +73,31 @@ class Modes:
         self._request = done('no request')
         self._requested = oi.Mode.OFF
         """The mode that the request is for."""
-        self._deadline = self._valid_at = 0.0
-        """When the request has failed, and from when on frames count."""
+        self._deadline = 0.0
+        """When the request has failed."""
 
     # How the robot gets into a mode.
 
-    def set(self, mode: oi.Mode, now: float) -> Pending:
-        """Want a mode; the request ends when the robot reports it, or does not in time."""
+    def set(self, mode: oi.Mode, now: float, event: StateEvent | None = None) -> Pending:
+        """
+        Want a mode; the request ends when the robot reports it, or does not in time.
+
+        `event` is what this means where nobody asked for the mode.
+        """
         if mode not in MODE_COMMANDS:
             return refused(f'mode {mode.name} cannot be set; allowed: {SETTABLE}')
         why = self._core.refusal(MODE_COMMANDS[mode])
         if why is not None:
             return refused(why)
         self.fail('another request came before the robot answered')
+        self._core.handle(event or (
+            StateEvent.MODE_SET if mode in oi.ACTUATE else StateEvent.PASSIVE_SET))
+        self.want(mode)
+        sent = self.enter(mode, now)
+        if self._core.status.actual is mode:
+            return sent
         self._request, self._requested = Pending(), mode
         self._deadline = now + MODE_TIMEOUT
-        self._valid_at = now + STALE_FRAMES_FOR if self._core.status.actual is mode else -inf
-        self._core.handle(StateEvent.MODE_SET if mode in oi.ACTUATE else StateEvent.PASSIVE_SET)
-        self.want(mode)
-        self.enter(mode, now)
         return self._request
 
     def fail(self, why: str) -> None:
@@ -107,16 +111,17 @@ class Modes:
             status.actual, mode, status.causes if status.actual is None else ())
         self._tries = 0
 
-    def enter(self, mode: oi.Mode, now: float) -> None:
+    def enter(self, mode: oi.Mode, now: float) -> Pending:
         """Tell the robot to enter a mode, and set the outputs that this resets."""
         if self._tries == 0:
             self._first_try_at = now
         self._tries += 1
         self._tried_at = now
         self._core.handle(StateEvent.MODE_ENTERED)
-        self._core.outbox.send(MODE_COMMANDS[mode]())
+        sent = self._core.outbox.send(MODE_COMMANDS[mode](), f'robot is in {mode.name}')
         if mode in oi.ACTUATE:
             self._outputs.restore()
+        return sent
 
     def must_retry(self, now: float) -> bool:
         """Tell whether the robot seems to have missed the command to enter the wanted mode."""
@@ -155,16 +160,6 @@ class Modes:
             self.enter(status.wanted, now)
         return None
 
-    def rest(self, now: float) -> Pending:
-        """Stop for an empty battery, and want Passive from now on; refused while that is vain."""
-        why = self._core.refusal(oi.Start)
-        if why is not None:
-            return refused(why)
-        self._core.handle(StateEvent.RESTED)
-        self.want(oi.Mode.PASSIVE)
-        self.enter(oi.Mode.PASSIVE, now)
-        return done('resting')
-
     # What the robot reports.
 
     def forget(self) -> None:
@@ -202,11 +197,8 @@ class Modes:
             self._core.status = ModeStatus(actual, before.wanted, causes)
         if dropped:
             self._mode_left(now)
-        if self._request.outcome is None:
-            if actual is not self._requested:
-                self._valid_at = -inf  # no old frame: the next one with that mode is the answer
-            elif now > self._valid_at:
-                self._request.end(True, f'robot is in {self._requested.name}')
+        if actual is self._requested:
+            self._request.end(True, f'robot is in {actual.name}')
 
     def _mode_left(self, now: float) -> None:
         """Report why the robot left the wanted mode; end a demo that nobody asked for."""
