@@ -127,9 +127,7 @@ class Motion:
         """Whether the bumper is pressed."""
         self.missed_since: float | None = None
         """When the first of the speeds was sent that the robot has not taken; None: none was."""
-        self._refusal_reported = self._tiny_reported = False
-        self._not_finite = 0
-        """Commands in a row that were not finite."""
+        self._refusal_reported = self._tiny_reported = self._not_finite = False
 
     # Velocity commands.
 
@@ -171,18 +169,14 @@ class Motion:
     def check_numbers(self, linear: float, angular: float) -> bool:
         """Tell whether a command is finite; report the first of several that are not, or tiny."""
         if not (isfinite(linear) and isfinite(angular)):
-            self._not_finite += 1
-            if self._not_finite == 1:
+            if not self._not_finite:
+                self._not_finite = True
                 does = 'ignored, since a goal runs' if self._core.state.pursues else 'stopped'
                 self._core.notice(
                     Severity.WARNING, f'velocity ({linear} m/s, {angular} rad/s) is not finite: '
                     f'{does}; send finite numbers, and -1.0, not -1')
             return False
-        more, self._not_finite = self._not_finite - 1, 0
-        if more > 0:
-            self._core.notice(
-                Severity.WARNING,
-                f'velocities are finite again; before, {more} more than the first were not')
+        self._not_finite = False
         for speed in linear, angular:
             if 0 < abs(speed) < MIN_SENSIBLE_SPEED and not self._tiny_reported:
                 self._tiny_reported = True
