@@ -55,10 +55,9 @@ def wish(random: Random) -> tuple[str, float, float]:
 
 def goal_of(journey: Journey, name: str, way: float, speed: float) -> Goal:
     """Return the goal that the driver pursues."""
-    goals = journey.driver.goals
     if name == 'drive_distance':
-        return DriveDistance(way, speed, 0.0, goals.straight)
-    return RotateAngle(way, speed, 0.0, goals.turning)
+        return DriveDistance(way, speed, 0.0)
+    return RotateAngle(way, speed, 0.0)
 
 
 def allowed(name: str, way: float) -> float:

@@ -10,7 +10,6 @@ from .events import (
     Health,
     LinkCounts,
     LowBatteryAction,
-    ModeChanged,
     ModeStatus,
     MotionLimits,
     Moved,

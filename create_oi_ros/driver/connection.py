@@ -18,10 +18,10 @@ from .. import oi
 from ..oi.codes import FAST_BAUD, START_BAUDS
 from ..robot import MILLI, SLOT
 from .core import Core
-from .events import Severity
+from .events import LinkCounts, Severity
 from .outbox import HALT, WAKE_UP
 from .state import Activity, StateEvent
-from .stream import CommandNews, IGNORES, Probe, StreamPlan
+from .stream import CommandNews, IGNORES, POLL_INTERVAL, Probe, StreamPlan
 
 CALL_INTERVAL = 0.3
 """Seconds between two calls; more at rates where a call and its answer take longer."""
@@ -106,84 +106,58 @@ class BaudSearch:
         return self.problem
 
 
-SLOT_TEXT = f'{SLOT / MILLI:.0f} ms'
 WINDOW = 3.0
 """Seconds over which frames are counted."""
 MIN_FRAMES, GOOD_FRAMES = 0.8, 0.9
 """Fractions of all frames: with fewer something is wrong, with more the line is well again."""
-GOOD_BYTES = 0.95
-"""Fraction of the wanted bytes: with more of them, missing frames are damaged, not cut."""
+DAMAGED = 0.8
+"""Fraction of the missing frames' bytes: if more of them come as garbage, frames are damaged, not
+cut."""
 
 
-class FrameBudget:
+class FrameRate:
     """
-    Counts frames and bytes over some seconds; `problem` says what is wrong, None while nothing is.
+    Counts frames over some seconds; `problem` says what is wrong, None while nothing is.
 
     A frame that does not fit into its slot waits in the robot until its buffer is full, and is cut
     then (manual: Stream). An adapter or a network may also carry less than its baud rate says.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, counts: LinkCounts) -> None:
+        self._counts = counts
         self.problem: str | None = None
         self._begun: float | None = None
         """When the count began; None: not yet."""
-        self._frames = self._frame_bytes = self._bytes = 0
-        self.since_frame = 0
-        """Bytes that have come since the last whole frame."""
+        self._frames = self._garbage = 0
+        """Frames and bytes of garbage that had come then."""
 
     def restart(self) -> None:
         """Start counting again: the robot was away, or does not stream."""
         self._begun = None
-        self.since_frame = 0
 
-    def add_bytes(self, size: int) -> None:
-        """Count bytes that have arrived."""
-        self._bytes += size
-        self.since_frame += size
-
-    def add_frame(self, size: int) -> None:
-        """Count a whole frame, and its bytes."""
-        self._frames += 1
-        self._frame_bytes += size
-        self.since_frame = 0
-
-    def why_silent(self, longest: oi.Budget, baud: int) -> str:
-        """Say why no whole frame has come for a while."""
-        if not longest.fits:
-            return (f'frame budget exceeded: {baud} baud carries {longest.capacity} bytes in '
-                    f'{SLOT_TEXT}, and longer frames are cut')
-        if self.since_frame > longest.size:
-            return (f'{self.since_frame} bytes came, but no frame among them: is the line '
-                    'disturbed, or the robot at another baud rate')
-        return 'the robot is off, asleep or unplugged'
-
-    def check(self, baud: int, now: float, *, fits: bool) -> bool:
-        """
-        Check what has arrived up to now; True when a problem has begun or ended.
-
-        `fits` is whether the frames that were asked for fit into their slots at this rate.
-        """
+    def check(self, plan: StreamPlan, now: float) -> bool:
+        """Check what has arrived up to now; True when a problem has begun or ended."""
         begun, before = self._begun, self.problem
         if begun is not None and now < begun + WINDOW:
             return False
-        frames, self._begun = self._frames, now
-        if begun is not None and frames:
-            seconds, size = now - begun, round(self._frame_bytes / frames)
-            wanted, came = size / SLOT, self._bytes / seconds
-            arrive = f'only {frames / seconds:.0f} of {1 / SLOT:.0f} frames a second arrive'
-            if frames * SLOT / seconds >= MIN_FRAMES:
-                if frames * SLOT / seconds >= GOOD_FRAMES:
-                    self.problem = None
-            elif fits and came > GOOD_BYTES * wanted:
-                self.problem = (f'{arrive} whole, the others are damaged: is the plug loose, does '
-                                'a motor disturb the line?')
-            else:
-                faster = '' if baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
-                self.problem = (
-                    f'frame budget exceeded: {arrive}; a frame of {size} bytes every '
-                    f'{SLOT_TEXT} is {wanted:.0f} bytes/s, and {came:.0f} came at {baud} '
-                    f'baud: {faster}look at adapter, network and cable')
-        self._frames = self._frame_bytes = self._bytes = 0
+        frames = self._counts.frames - self._frames
+        garbage = self._counts.garbage_bytes - self._garbage
+        self._begun, self._frames, self._garbage = now, frames + self._frames, (
+            garbage + self._garbage)
+        if begun is None:
+            return False
+        wanted = (now - begun) / SLOT
+        if frames >= GOOD_FRAMES * wanted:
+            self.problem = None
+        elif frames < MIN_FRAMES * wanted:
+            arrive = f'only {frames / (now - begun):.0f} of {1 / SLOT:.0f} frames a second arrive'
+            missing = (wanted - frames) * plan.short.frame_size
+            faster = '' if plan.baud >= START_BAUDS[0] else f'use {START_BAUDS[0]} baud, and '
+            self.problem = (
+                f'{arrive} whole, the others are damaged: is the plug loose, does a motor disturb '
+                'the line?' if plan.budget.fits and garbage > DAMAGED * missing else
+                f'frame budget exceeded: {arrive} at {plan.baud} baud: {faster}look at adapter, '
+                'network and cable')
         return bool(before) != bool(self.problem)
 
 
@@ -207,9 +181,13 @@ class Connection:
     def __init__(self, core: Core) -> None:
         self._core = core
         self._search = BaudSearch(core.settings.baud)
-        self._probe = Probe(core.outbox)
-        self.frame_budget = FrameBudget()
+        self._frame_rate = FrameRate(core.counts)
+        self._garbage_before = 0
+        """Bytes of garbage that had come when the last frame did."""
         self.plan = StreamPlan(self._search.baud)
+        self._probe = Probe(core.outbox, self.plan)
+        self._ask_again_at = 0.0
+        """From when on a frame of the shortest list means that another list was not asked for."""
         self.reader = oi.StreamReader(self.plan.lists)
         self.frame_at = 0.0
         """When the last frame came, in the clock of `now`."""
@@ -219,9 +197,13 @@ class Connection:
         self._ran_at = inf
         """When the driver was called last; in no past before the port is open."""
         self._stale_until = -inf
-        self._slow_notice: str | None = None
         self._silence: str | None = None
         """What the user was told when the robot fell silent; None before."""
+        budget = self.plan.budget
+        if not budget.fits:
+            core.notice(Severity.ERROR, (
+                f'{budget.baud} baud is too slow: a frame of {budget.size} bytes does not fit '
+                f'into {SLOT / MILLI:.0f} ms; use {SLOWEST_BAUD} or more'))
 
     @property
     def baud(self) -> int:
@@ -232,7 +214,7 @@ class Connection:
     def problem(self) -> str | None:
         """What the user was told of the line; None while nothing is wrong with it."""
         if self._core.state.answered:
-            return self.frame_budget.problem
+            return self._frame_rate.problem
         return self._search.problem or self._silence
 
     def opened(self, now: float) -> None:
@@ -241,7 +223,6 @@ class Connection:
         self._search.restart()
         self._silence = None
         self._ran_at = now
-        self._check_rate()
         self._call(now, StateEvent.OPENED)
 
     def was_away(self, now: float) -> bool:
@@ -252,21 +233,26 @@ class Connection:
         """Forget how well the line works: no robot answers."""
         self.plan.restart()
         self._core.watch.restart()
-        self.frame_budget.restart()
+        self._frame_rate.restart()
 
     def feed(self, data: bytes, now: float) -> bool:
         """Take bytes in; False where they are too old to be used."""
         if now < self._stale_until:
             return False
-        self.frame_budget.add_bytes(len(data))
         self.reader.feed(data)
         return True
 
     def add_frame(self, packets: oi.PacketList, now: float) -> None:
-        """Note a verified frame."""
+        """Note a verified frame; report a line that carries too little, or well again."""
         self.frame_at = now
-        self.frame_budget.add_frame(packets.frame_size)
+        self._garbage_before = self._core.counts.garbage_bytes
         self._core.watch.seen(packets.ids)
+        if not self._core.state.takes_commands:
+            self._frame_rate.restart()
+        elif self._frame_rate.check(self.plan, now):
+            problem = self._frame_rate.problem
+            self._core.notice(Severity.WARNING if problem else Severity.INFO,
+                              problem or 'frames arrive in time again')
 
     def add_garbage(self, garbage: bytes) -> None:
         """Note bytes that are no frame."""
@@ -281,7 +267,6 @@ class Connection:
                 f'the robot was at {slow} baud, too slow for its stream: it is at {self.baud} '
                 'now, until it is switched off'))
         self._core.handle(event)
-        self._check_rate()
 
     def ask(self, now: float, *, motion_due: bool) -> None:
         """Ask for another list of packets, when it is time for one."""
@@ -300,8 +285,8 @@ class Connection:
         if answered:
             self._core.counts.silences += 1
             self._search.restart()
-            why = self.frame_budget.why_silent(self.plan.budget, self.baud)
-            self._silence = f'no frame for {SILENCE} s: {why}; calling it until it answers'
+            self._silence = (
+                f'no frame for {SILENCE} s: {self._why_silent()}; calling it until it answers')
             self._core.notice(Severity.ERROR, self._silence)
         rest = self.reader.flush()
         if rest is not None:
@@ -310,6 +295,16 @@ class Connection:
         if problem is not None:
             self._core.notice(Severity.ERROR, problem)
         self._call(now, StateEvent.NO_ANSWER)
+
+    def _why_silent(self) -> str:
+        """Say why no whole frame has come for a while."""
+        if not self.plan.budget.fits:
+            return f'frame budget exceeded: at {self.baud} baud long frames are cut'
+        garbage = self._core.counts.garbage_bytes - self._garbage_before
+        if garbage > self.plan.full.frame_size:
+            return (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
+                    'the robot at another baud rate')
+        return 'the robot is off, asleep or unplugged'
 
     def check_standstill(self, now: float) -> None:
         """Call the robot again after this process stood still: the dead-man may have acted."""
@@ -327,42 +322,26 @@ class Connection:
         self._stale_until = now + STALE_BYTES_FOR
         self.frame_at = self._stale_until - self._call_interval
 
-    def check_line(self, missed_since: float | None, now: float) -> bool:
+    def watch_commands(self, missed_since: float | None, now: float) -> bool:
         """
-        React to a robot that ignores commands, and report a line that carries too little.
+        React to a robot that may ignore commands.
 
         True when the robot obeys again: then what it may have missed must be sent again.
         """
-        if not self._core.state.takes_commands:
-            self._core.watch.restart()
-            self.frame_budget.restart()
-            return False
-        news = self._core.watch.check(missed_since, now)
+        core, watch, news = self._core, self._core.watch, None
+        if core.state.takes_commands:
+            news = watch.check(missed_since, now)
+        else:
+            watch.restart()
         if news is CommandNews.SUSPECT:
             self._probe.begin(now)
         elif news is CommandNews.WAKE:
-            self._core.outbox.send_raw(WAKE_UP)
+            core.outbox.send_raw(WAKE_UP)
         elif news is CommandNews.IGNORES:
-            self._core.notice(Severity.ERROR, IGNORES)
-        if self.frame_budget.check(self.baud, now, fits=self.plan.budget.fits):
-            problem = self.frame_budget.problem
-            self._core.notice(
-                Severity.WARNING if problem else Severity.INFO,
-                problem or 'frames arrive in time again')
+            core.notice(Severity.ERROR, IGNORES)
+        if watch.suspects:
+            self._probe.poll(now)
         return news is CommandNews.OBEYS_AGAIN
-
-    def probe(self, now: float) -> bool:
-        """Poll a robot that may not take commands; True when it has just shown that it does."""
-        if not self._core.watch.suspects:
-            self._probe.end()
-            return False
-        if now < self._probe.due or self._core.outbox.busy:
-            return False
-        listens = self._probe.poll(now, self.frame_at)
-        if listens:
-            self._core.watch.restart()
-            self.plan.restart()
-        return listens
 
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""
@@ -393,19 +372,22 @@ class Connection:
         for each in (*start, ask):
             self._core.outbox.send(each)
 
-    def call_answered(self, now: float) -> None:
-        """Stop a robot that has answered a call, and ask it for all packets."""
-        stream = None if self._core.state.answered else self.plan.next_stream(now, motion_due=True)
-        if stream is not None:
-            self.frame_at = now
-            self._core.outbox.send(HALT)
-            self._core.outbox.send(stream)
+    def call_answered(self, now: float) -> bool:
+        """
+        Ask a robot that has answered a call, or `Probe`, for all packets; stop it at first.
 
-    def _check_rate(self) -> None:
-        """Report, once, a rate that is too slow for the stream."""
-        budget, before = self.plan.budget, self._slow_notice
-        self._slow_notice = None if budget.fits else (
-            f'{budget.baud} baud is too slow: a frame of {budget.size} bytes does not fit into '
-            f'{SLOT_TEXT}; use 19200 or more')
-        if self._slow_notice not in (None, before):
-            self._core.notice(Severity.ERROR, self._slow_notice)
+        True when it did not seem to take commands until now.
+        """
+        core, again = self._core, self._core.watch.suspects
+        if not core.state.answered:
+            stream = self.plan.next_stream(now, motion_due=True)
+            if stream is not None:
+                self.frame_at = now
+                core.outbox.send(HALT)
+                core.outbox.send(stream)
+        elif now >= self._ask_again_at:
+            self._ask_again_at = now + POLL_INTERVAL
+            self.frame_at = now
+            core.watch.restart()
+            self.plan.restart()
+        return again and not core.watch.suspects

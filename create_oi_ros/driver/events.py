@@ -171,15 +171,14 @@ class Moved(NamedTuple):
     readings: oi.Readings
     """The newest value of every packet that has arrived so far."""
     estimate: Estimate
+    dt: float = oi.SLOT
+    """The robot's seconds since the last one."""
+    brought: oi.Readings = oi.Readings()
+    """What this frame brought; None is what cannot be true."""
 
 
-class ModeChanged(NamedTuple):
-    """The robot's mode, the wanted one, or the reason why they differ has changed."""
-
-    status: ModeStatus
-
-
-DriverEvent = Notice | Moved | ModeChanged
+DriverEvent = Notice | Moved | ModeStatus
+"""A `ModeStatus` is an event when it has changed."""
 
 
 @dataclass

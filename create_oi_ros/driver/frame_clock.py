@@ -11,27 +11,25 @@ envelope over minutes is the length of a slot.
 
 from collections import deque
 from itertools import islice
-from math import inf
+from math import floor, inf
 
 from .. import oi
 from ..odometry.knowledge import Known, PERIOD
 
 WINDOW = 64
-"""Frames over which the earliest arrival counts: about a second."""
-RECENT = 16
-"""Frames in a row that must all be late, or early, before slots are counted anew."""
+"""Frames over which the earliest arrival counts, and up to `BLOCK` more: about a second."""
 SILENT = 3.5 * oi.SLOT
 """Seconds without a frame after which some are missing: lost, or late."""
-TOGETHER_WITHIN = 0.5
+TOGETHER = 0.5
 """Part of a slot within which late frames follow each other, and frames in time never do."""
+EARLY = 0.25
+"""Part of a slot by which a frame may seem to have come too early."""
 MIN_STEP = 1e-4
 """Seconds by which stamps rise at least."""
 MIN_PERIOD, MAX_PERIOD = 0.0147, 0.0160
 """Seconds between which a slot's length is believed; 15 and 15.625 ms were seen."""
 BLOCK = 32
-"""Frames of which the earliest is kept to learn the slot's length."""
-BLOCKS = 400
-"""How many of them are kept: three minutes."""
+"""Frames of which the earliest is taken to learn the slot's length."""
 MIN_DEVIATION = 1e-6
 """Seconds by which the clocks of robot and computer drift apart, with the temperature."""
 UNEVEN = 40 * PERIOD.deviation
@@ -57,22 +55,18 @@ class FrameClock:
         """Share of what was seen in the period."""
         self._sent: deque[tuple[int, float]] = deque(maxlen=WINDOW)
         """Slot and earliest possible moment of each frame."""
-        self._late: deque[float] = deque(maxlen=WINDOW)
-        """How late each of them was by its slot, up to a constant."""
         self._least = inf
-        """The least of these."""
-        self._earliest: deque[tuple[int, float]] = deque(maxlen=BLOCKS)
-        """The frame of each block that was sent earliest for its slot."""
+        """How late the earliest of them was by its slot, up to a constant."""
+        self._anchor: tuple[int, float] | None = None
+        """The earliest frame of the first block."""
         self._frames = 0
-        self._arrival: float | None = None
-        self._suspicious = 0
-        """Frames from now on in which a sign of missing ones counts."""
-        self._missing = 0.0
-        """Frames that garbage stands for."""
-        self._absent = 0
-        """Frames that did not come before the last one: the next one tells what became of them."""
-        self.found_lost = 0.0
-        """Seconds of frames that are known now to have been lost before the last one."""
+        self._arrival = inf
+        self.gap = False
+        """Whether a frame may have been lost just before the newest one."""
+        self._unsure = 0
+        """Frames from now on that may have been counted too far."""
+        self._missing = False
+        """Whether frames did not come, and may still come late."""
         self._owed = 0.0
         """Seconds of counted slots that no frame has been given yet; negative: given too early."""
 
@@ -86,138 +80,53 @@ class FrameClock:
         deviation = self._first.deviation * (1 - self._part) ** 0.5
         return Known(self.period, max(deviation, MIN_DEVIATION))
 
-    @property
-    def gap(self) -> bool:
-        """Whether a frame may have been lost just before the newest one."""
-        return self._suspicious == WINDOW - 1
-
-    @property
-    def undecided(self) -> bool:
-        """Whether frames are missing before the newest one that may only be late."""
-        return self._absent > 0 and self.gap
-
-    @property
-    def absent(self) -> float:
-        """Seconds of frames that are late or lost."""
-        return self._absent * self.period
-
-    def suspect(self, frames: float = 0.0) -> None:
-        """Note that bytes came which may have been so many frames."""
-        self._suspicious = WINDOW
-        self._missing += frames
-
-    def stamp(self, arrival: float, wire_time: float) -> tuple[float, float]:
+    def stamp(self, arrival: float, wire_time: float, *,
+              lost: bool = False) -> tuple[float, float]:
         """
         Return when a frame left, and the robot's seconds since the one before.
 
-        `arrival` is when its last byte was received, `wire_time` how long its bytes took.
+        `arrival` is when its last byte was received, `wire_time` how long its bytes took; `lost`:
+        bytes came before it that may have been frames.
         """
         sent = arrival - wire_time
-        lost = 0
-        if self._absent and self._arrival is not None:
-            lost = self._decide(arrival - self._arrival, sent)
-        self.found_lost = lost * self.period
-        passed = 1
-        if self._missing or self._arrival is None or arrival - self._arrival > SILENT:
-            passed += self._frames_missing(arrival)
-        self._arrival = arrival
-        slot = self._slot + lost + passed
-        wrong = 0
-        if self._suspicious > 0 and self._late:
-            # Counted too far where the frame seems early: no line is faster than ever.
-            wrong = min(0, round((sent - slot * self.period - self._least) / self.period))
-        self._note(slot + wrong, sent)
-        self._suspicious -= 1
-        late = self._slots_late() if self._suspicious >= 0 else 0
-        if late:
-            self._recount(slot + wrong, late)
-        self._slot = slot + wrong + late
+        since, self._arrival = arrival - self._arrival, arrival
+        silent = since > SILENT
+        # Late frames come together. One that comes alone is in time: what is missing was lost.
+        in_time = lost or self._missing and TOGETHER * self.period < since <= SILENT
+        self._missing = silent or self._missing and not in_time
+        if silent or in_time:
+            self._unsure = WINDOW
+        slot = self._slot + 1
+        if self._unsure and self._sent:
+            self._unsure -= 1
+            newest = floor((sent - self._least) / self.period + EARLY)
+            slot = newest if in_time else min(slot, newest)
+        self.gap = silent or slot > self._slot + 1
+        self._sent.append((slot, sent))
         self._frames += 1
-        if self._frames % BLOCK == 0 and len(self._sent) >= BLOCK:
+        self._least = min(self._least, sent - slot * self.period)
+        if self._frames % BLOCK == 0:
             self._learn_period()
-        self._stamp = max(self._slot * self.period + self._least, self._stamp + MIN_STEP)
+            self._least = min(at - each * self.period for each, at in self._sent)
         # What is below the least duration is taken from later frames.
-        self._owed += (passed + wrong + late) * self.period
+        self._owed += (slot - self._slot) * self.period
+        self._slot = slot
+        self._stamp = max(slot * self.period + self._least, self._stamp + MIN_STEP)
         duration = max(self._owed, MIN_STEP)
         self._owed -= duration
         return self._stamp, duration
 
-    def _note(self, slot: int, sent: float) -> None:
-        """Keep when the newest frame left, as far as it alone tells."""
-        oldest = self._late[0] if len(self._late) == WINDOW else inf
-        late = sent - slot * self.period
-        self._sent.append((slot, sent))
-        self._late.append(late)
-        # All of them are compared only when the least has just left the window.
-        self._least = min(late, self._least) if oldest > self._least else min(self._late)
-
-    def _decide(self, since: float, sent: float) -> int:
-        """
-        Tell by the next frame what became of absent ones; return how many were lost.
-
-        `since`: seconds between the arrivals of that frame and of the one before. Late frames
-        come together. After lost ones frames come in time.
-        """
-        if since < TOGETHER_WITHIN * self.period:
-            self._absent -= 1
-            return 0
-        late = sent - (self._slot + 1) * self.period - self._least
-        lost = max(0, min(self._absent, round(late / self.period)))
-        self._absent = 0
-        return lost
-
-    def _frames_missing(self, arrival: float) -> int:
-        """Return how many frames garbage before this one stands for."""
-        missing, self._missing = round(self._missing), 0.0
-        if self._arrival is None:
-            return 0
-        slots = (arrival - self._arrival) / self.period
-        if arrival - self._arrival > SILENT:
-            self.suspect()
-            self._missing = 0.0
-            self._absent = round(slots) - 1
-            return 0
-        return min(missing, int(slots) + 1)
-
-    def _count_late(self) -> None:
-        """Work out again how late frames were, by other slots or a slot of another length."""
-        self._late = deque((sent - slot * self.period for slot, sent in self._sent), WINDOW)
-        self._least = min(self._late)
-
-    def _slots_late(self) -> int:
-        """
-        Return by how many slots all recent frames are late; counted too far they are negative.
-
-        One late frame is the line's delay; when none comes in time any more, and there was a
-        sign of it, frames are missing. Without a sign a line may just have become slower.
-        """
-        older = len(self._sent) - RECENT
-        if older < RECENT or self._absent:
-            return 0  # the earliest of a few frames may be a late one
-        recent = min(islice(self._late, older, None))
-        return round((recent - min(islice(self._late, older))) / self.period)
-
-    def _recount(self, newest: int, slots: int) -> None:
-        """Put the recent frames, up to this slot, into other slots."""
-        older = len(self._sent) - RECENT
-        recent = [(slot + slots, sent) for slot, sent in islice(self._sent, older, None)]
-        self._sent.clear()
-        self._sent.extend(recent)
-        self._count_late()
-        while self._earliest and self._earliest[-1][0] > newest - 2 * RECENT:
-            self._earliest.pop()
-
     def _learn_period(self) -> None:
         """Take the slope of the lower envelope, little of it while it is short."""
-        period = self.period
         block = islice(self._sent, len(self._sent) - BLOCK, None)
-        self._earliest.append(min(block, key=lambda frame: frame[1] - frame[0] * period))
-        (first, began), (last, ended) = self._earliest[0], self._earliest[-1]
-        slots = last - first
+        earliest = min(block, key=lambda frame: frame[1] - frame[0] * self.period)
+        if self._anchor is None:
+            self._anchor = earliest
+            return
+        slots = earliest[0] - self._anchor[0]
         if slots > 0:
-            slope = (ended - began) / slots
+            slope = (earliest[1] - self._anchor[1]) / slots
             known, deviation = self._first
             self._part = slots ** 2 / (slots ** 2 + (UNEVEN / deviation) ** 2)
             period = known + self._part * (slope - known)
             self.period = min(MAX_PERIOD, max(MIN_PERIOD, period))
-            self._count_late()

@@ -11,9 +11,10 @@ from collections.abc import Container
 from math import inf
 
 from .. import oi
+from ..odometry import Estimate
 from .core import Core
 from .events import Cause, Moved, Severity
-from .goals import Code, Ending, Goal, Running
+from .goals import Code, Ending, Goal
 from .goals.goal import (
     AGAIN,
     CLIFFS,
@@ -23,10 +24,10 @@ from .goals.goal import (
     Instruction,
     Order,
     Over,
+    StoppingModel,
     TO_FLOOR,
     View,
 )
-from .goals.legs import StoppingModel
 from .mode import docked, Modes
 from .motion import Motion, Velocity
 from .outbox import END_DEMO, HALT
@@ -72,82 +73,76 @@ class GoalControl:
         self._odometry = tracking.odometry
         self._motion = motion
         self._modes = modes
-        self.straight, self.turning = StoppingModel(), StoppingModel()
-        """How the robot coasts, straight and turning."""
-        self._running: Running | None = None
-        """The goal that was started last."""
+        self._straight, self._turning = StoppingModel(), StoppingModel()
+        self._goal: Goal | None = None
+        """The goal that runs, or has ended last."""
         self._mode_before = oi.Mode.SAFE
 
-    def start(self, goal: Goal, now: float) -> Running:
+    def start(self, goal: Goal, now: float) -> Goal:
         """Pursue a goal from the next frame on; one that runs is superseded."""
-        running = Running(goal, now)
-        refused = self._refusal(goal, now)
-        if refused is not None:
-            self._end(running, refused)
-            return running
-        if self.active:
-            self._finish(ANOTHER_GOAL, now)
+        why = self._refusal(goal, now)
+        if why is not None:
+            self._end(goal, why)
+            return goal
+        self._finish(ANOTHER_GOAL, now)
         if self._core.state.activity is Activity.HOLDING:
             # A goal is as good as a pause of commands.
             self._core.handle(StateEvent.HALTED)
-        self._running, self._mode_before = running, self._core.status.wanted
+        self._goal, self._mode_before = goal, self._core.status.wanted
+        goal.given_at = now
         self._core.handle(StateEvent.GOAL_STARTED)
         if goal.hint:
             self._core.notice(Severity.WARNING, goal.hint)
-        return running
+        return goal
 
     @property
     def active(self) -> bool:
         """Whether a goal runs."""
         return self._core.state.pursues
 
-    def cancel(self, running: Running, now: float, why: Over = CANCELED) -> None:
+    def cancel(self, goal: Goal, now: float, why: Over = CANCELED) -> None:
         """End this goal, if it still runs."""
-        if running.ending is None:
+        if goal is self._goal:
             self._finish(why, now)
 
     def interrupt(self, now: float) -> None:
         """End the goal that runs: a velocity command takes over."""
-        if self.active:
-            self._finish(COMMANDED, now)
+        self._finish(COMMANDED, now)
 
     def driver_ends(self) -> None:
         """End the goal that runs."""
-        if self._running is not None and self.active:
-            self._end(self._running, DRIVER_ENDS)
+        if self._goal is not None:
+            self._end(self._goal, DRIVER_ENDS)
 
     def handled(self, event: StateEvent) -> None:
         """End the goal after an event that has led out of its activities."""
-        if self._running is not None and self._running.ending is None and not self.active:
-            over = (self._left_mode() if event is StateEvent.MODE_LEFT
-                    else Over(*TAKEN_OVER[event]))
-            self._end(self._running, over)
+        if self._goal is not None and self._goal.outcome is None and not self.active:
+            self._end(self._goal, self._left_mode() if event is StateEvent.MODE_LEFT
+                      else Over(*TAKEN_OVER[event]))
 
-    def see(self, moved: Moved, dt: float, *, measured: bool, now: float) -> None:
+    def see(self, moved: Moved, now: float) -> None:
         """Pursue the goal that runs in a new frame."""
-        assert self._running is not None
-        running, goal = self._running, self._running.goal
+        goal = self._goal
+        assert goal is not None
         if goal.needs_driving and not self._core.status.can_drive:
-            if running.begun_at is not None:
+            if goal.begun_at is not None:
                 self._finish(self._wrong_mode(), now)
             return
-        view = View(now, dt, moved.estimate, moved.readings, measured, self._core.limits)
-        if running.begun_at is None:
-            over = goal.begin(view)
-            if over is not None:
-                self._finish(over, now)
-                return
-            running.begun_at = now
-        self._obey(goal.step(view), now)
+        order = goal.step(View(
+            now, moved.dt, moved.estimate, moved.readings, moved.brought.has('distance'),
+            self._core.limits, self._straight, self._turning))
+        if goal.begun_at is None and not isinstance(order, Over):
+            goal.begun_at = now
+        self._obey(order, now)
 
     def poll(self, now: float) -> None:
         """End the goal that runs if its time is over."""
-        assert self._running is not None
-        running, goal = self._running, self._running.goal
-        if running.begun_at is None:
-            if now - running.given_at > MODE_WAIT:
+        goal = self._goal
+        assert goal is not None
+        if goal.begun_at is None:
+            if now - goal.given_at > MODE_WAIT:
                 self._finish(self._wrong_mode(), now)
-        elif now - running.begun_at > (goal.allowance or inf):
+        elif now - goal.begun_at > (goal.allowance or inf):
             self._finish(goal.timed_out(), now)
 
     # How a goal begins.
@@ -195,7 +190,11 @@ class GoalControl:
             case Over():
                 self._finish(order, now)
             case Enter(mode, why):
-                self._enter(mode, why, now)
+                if why:
+                    self._core.notice(Severity.WARNING, why)
+                self._motion.follow(0.0, 0.0, now)
+                self._modes.want(mode)
+                self._modes.enter(mode, now)
             case Instruction.SEEK_DOCK:
                 self._modes.play_demo(
                     oi.DemoNumber.COVER_AND_DOCK, StateEvent.DOCKING_STARTED)
@@ -203,41 +202,35 @@ class GoalControl:
                 self._motion.follow(0.0, 0.0, now)
                 self._odometry.hurry()
 
-    def _enter(self, mode: oi.Mode, why: str, now: float) -> None:
-        if why:
-            self._core.notice(Severity.WARNING, why)
-        self._motion.follow(0.0, 0.0, now)
-        self._modes.want(mode)
-        self._modes.enter(mode, now)
-
     # How a goal ends.
 
     def _finish(self, over: Over, now: float) -> None:
-        """End the goal, and stop what it set in motion."""
+        """End the goal that runs, if any, and stop what it set in motion."""
+        if self._goal is None or not self.active:
+            return
         gives_up = self._core.state.activity is Activity.DOCKING and over.code is not Code.NONE
         self._core.outbox.send_at_once(HALT, now)
         if gives_up:
             self._core.outbox.send_at_once(END_DEMO, now)
-        assert self._running is not None
-        self._end(self._running, over)
+        self._end(self._goal, over)
         self._core.handle(StateEvent.GOAL_ENDED)
         if gives_up:
             self._modes.want(self._mode_before)
             self._modes.enter(self._mode_before, now)
 
-    def _end(self, running: Running, over: Over) -> None:
+    def _end(self, goal: Goal, over: Over) -> None:
         """Tell who waits how a goal ended, and how far it got."""
-        goal, text, how, seconds = running.goal, over.text, 'not started', 0.0
-        if goal.hint and running is self._running:
+        text, how, seconds = over.text, 'not started', 0.0
+        if goal.hint and goal is self._goal:
             text = f'{text} ({goal.hint})'
-        if running.begun_at is not None:
-            seconds = goal.view.now - running.begun_at
+        if goal.begun_at is not None:
+            seconds = goal.view.now - goal.begun_at
             verb = 'ended' if over.code in MAY_MOVE else 'stopped'
             how = f'{verb} {goal.way(seconds)}'
         if over.code is not Code.NONE:
             text = f'{how}; {text}'
-        ending, readings = Ending(over.code, text, seconds=seconds), self._core.readings
-        if readings.has('oi_mode'):
-            ending = ending._replace(
-                estimate=self._odometry.estimate, docked=docked(readings))
-        running.settle(ending)
+        readings = self._core.readings
+        known = readings.has('oi_mode')
+        goal.settle(Ending(
+            over.code, text, self._odometry.estimate if known else Estimate(), seconds,
+            known and docked(readings)))

@@ -23,7 +23,6 @@ from .core import Core
 from .events import (
     DriverEvent,
     Health,
-    ModeChanged,
     ModeStatus,
     MotionLimits,
     Moved,
@@ -31,7 +30,6 @@ from .events import (
     Severity,
 )
 from .goal_control import GoalControl
-from .learned_robot import LearnedRobot
 from .mode import causes_in, docked, Modes
 from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
@@ -39,7 +37,7 @@ from .outputs import Outputs
 from .script import ScriptControl
 from .state import Activity, Owner, StateEvent
 from .stream import StreamPlan
-from .tracking import ANGLE_STUCK, Taken, Tracking, TurnCheck
+from .tracking import ANGLE_STUCK, Tracking, TurnCheck
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
 """Events after which nothing is known of the robot."""
@@ -69,11 +67,10 @@ class Driver:
         self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
         self._battery = BatteryGuard(core, self.modes)
         self._charging = ChargeWatch(core)
-        self._learned = LearnedRobot(core, self._tracking)
         self._turn_check = TurnCheck(core.limits.wheel_separation)
         self._on_dock = False
         """Whether the robot was on its dock, and no goal drove it, when that was checked last."""
-        self._unchecked: deque[tuple[Taken, Moved]] = deque()
+        self._unchecked: deque[Moved] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
         self._check_at = -inf
         self._reported_status = self.status
@@ -119,12 +116,13 @@ class Driver:
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
                 if event.packets is self.plan.call:
-                    self._connection.call_answered(now)
+                    self.scripts.listens()
+                    if self._connection.call_answered(now):
+                        self._send_again()
                 else:
                     self._take_frame(event, now)
             else:
                 self._connection.add_garbage(event.data)
-                self._tracking.clock.suspect(len(event.data) / self.plan.short.frame_size)
         self.counts.checksum_failures = reader.checksum_failures
 
     def poll(self, now: float) -> None:
@@ -134,20 +132,23 @@ class Driver:
             return
         self._connection.check_standstill(now)
         while self._unchecked:
-            self._check_frame(*self._unchecked.popleft(), now)
+            self._check_frame(self._unchecked.popleft(), now)
         if not self.state.takes_commands:
             if self.state.activity in (Activity.SILENCING, Activity.READING):
                 self._connection.frame_at = now
-            self.scripts.poll(now, self._connection.frame_at)
+            self.scripts.poll(now)
         self._connection.check_silence(now)
         self.modes.poll(now)
         self.outputs.poll(now)
         if self.goals.active:
             self.goals.poll(now)
         self.motion.poll(now)
-        if self._connection.probe(now):
+        suspected = self.core.watch.suspects
+        if self._connection.watch_commands(self.motion.missed_since, now):
             self._send_again()
-        self._connection.ask(now, motion_due=self._tracking.reading_due)
+        elif suspected and not self.core.watch.suspects:
+            self.motion.resume()
+        self._connection.ask(now, motion_due=self._tracking.odometry.reading_due)
         self.core.outbox.release(now)
 
     def data_to_send(self) -> bytes:
@@ -162,7 +163,7 @@ class Driver:
         if status is before:
             return None
         self._reported_status = status
-        return ModeChanged(status) if status != before else None
+        return status if status != before else None
 
     # What is known.
 
@@ -286,9 +287,9 @@ class Driver:
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
         before = self.core.readings
-        taken = self._tracking.take(frame, self._connection.baud, now)
+        moved = self._tracking.take(frame, self._connection.baud, now, self.scripts.speeds)
         self._connection.add_frame(frame.packets, now)
-        if taken is None:
+        if moved is None:
             return
         activity = self.state.activity
         if activity is Activity.CALLING:
@@ -296,9 +297,8 @@ class Driver:
         elif activity is Activity.SCRIPT and frame.packets == self.plan.marker:
             self._after_script()
         self._connection.present_at = now
-        moved = self._tracking.moved(taken, self.scripts.speeds(taken.readings))
         self.core.events.append(moved)
-        self._unchecked.append((taken, moved))
+        self._unchecked.append(moved)
 
     def _found(self, before: oi.Readings, now: float) -> None:
         """Enter the wanted mode; `before` is what was known before this first frame."""
@@ -326,23 +326,18 @@ class Driver:
         else:
             self.core.handle(StateEvent.MODE_LEFT)
 
-    def _check_frame(self, taken: Taken, moved: Moved, now: float) -> None:
+    def _check_frame(self, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
         if self.goals.active:
-            self.goals.see(moved, taken.dt, measured=taken.readings.has('distance'), now=now)
+            self.goals.see(moved, now)
         self.outputs.observe(readings, now)
         self.modes.observe(readings, now)
         self.motion.observe(readings, now)
-        suspected = self.core.watch.suspects
-        if self._connection.check_line(self.motion.missed_since, now):
-            self._send_again()
-        elif suspected and not self.core.watch.suspects:
-            self.motion.resume()
         if (self.state.takes_commands and not self.core.watch.suspects
                 and self.modes.must_retry(now)):
             self.modes.enter(self.status.wanted, now)
-        if self._turn_check.observe(taken.readings, taken.dt, drives=self.status.can_drive):
+        if self._turn_check.observe(moved.brought, moved.dt, drives=self.status.can_drive):
             self.core.notice(Severity.WARNING, ANGLE_STUCK)
         if now >= self._check_at:
             self._check_at = now + SLOW_CHECK_INTERVAL
@@ -352,7 +347,7 @@ class Driver:
         """Check what changes within seconds: battery, dock, what is known of the robot."""
         self._battery.observe(readings, now)
         self._charging.observe(readings, now)
-        self._learned.observe(now)
+        self._tracking.report_robot(now)
         was_on_dock, pose = self._on_dock, self.settings.dock_pose
         self._on_dock = docked(readings) and self.state.activity is not Activity.GOAL
         if pose is not None and self._on_dock and not was_on_dock:

@@ -32,55 +32,13 @@ from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .core import Core
 from .outbox import done, HALT, Pending, refused
 from .state import Activity, StateEvent
-from .stream import DRIVE_REQUEST, PAUSE, POLL_INTERVAL, Probe, requested_speeds, StreamPlan
+from .stream import POLL_INTERVAL, Probe, requested_speeds, StreamPlan
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
 
 Speeds = tuple[float, float]
 """Of the right and the left wheel, m/s."""
-
-
-class ScriptSpeeds:
-    """Reads the wheel speeds from the packets that report them for one script."""
-
-    def __init__(
-        self, script: oi.Script | None, wheel_separation: float, *, cleared: bool,
-    ) -> None:
-        """Follow this script, if it is known; the separation is in metres."""
-        commands = commands_of(script) if script else []
-        used: set[type[oi.Command]] = {type(command) for command in commands}
-        self._separation = wheel_separation * MM_PER_M
-        self._drive = oi.Drive in used
-        mixed = self._drive and oi.DriveDirect in used
-        self.known = cleared and script is not None and not mixed and oi.Script not in used
-        """Whether the packets tell how fast the wheels turn."""
-        self.resets_accumulators = self.known and not used.isdisjoint(
-            (oi.WaitDistance, oi.WaitAngle))
-        """Whether the script sets distance and angle to zero as it waits for them (manual), so
-        that a part of the motion is missing from them. False where the packets do not tell the
-        speeds either: then that part is all that is known."""
-
-    def speeds(self, readings: oi.Readings) -> Speeds | None:
-        """Return how fast the wheels are to run by a frame's packets; None if not known."""
-        if not self._drive:
-            return requested_directly(readings)
-        if not readings.has(*DRIVE_REQUEST):
-            return 0.0, 0.0
-        if readings.requested_velocity is None:
-            return None
-        right, left = (
-            max(-TOP_SPEED, min(TOP_SPEED, speed / MM_PER_M)) for speed in wheel_speeds(
-                readings.requested_velocity, readings.requested_radius, self._separation))
-        return right, left
-
-
-def requested_directly(readings: oi.Readings) -> Speeds | None:
-    """Return what the last Drive Direct asked for; None if not known."""
-    right, left = requested_speeds(readings)
-    return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
-
-
 LATE, LATE_FRACTION = 0.1, 0.04
 """Seconds, and part of its time, by which a script may end later than it should."""
 SILENCE = 0.1
@@ -100,10 +58,15 @@ class ScriptControl:
         self._plan = plan
         self._stored: oi.Script | None = None
         """The script; None where it is not known."""
-        self._speeds = ScriptSpeeds(None, 0.0, cleared=False)
+        self._followed = self._by_drive = False
+        """Whether the script that plays is followed by its packets, and whether by 39 and 40."""
+        self.resets_accumulators = False
+        """Whether the script that played last has set distance and angle to zero as it waited for
+        them (manual), so that a part of the motion is missing from them. False where it was not
+        followed: then that part is all that is known."""
         self._due = 0.0
         """When `poll` has something to do next."""
-        self._probe = Probe(core.outbox)
+        self._probe = Probe(core.outbox, plan)
         self._end_asked = False
         """Whether the list that shows the end was asked for."""
         self.stop_sent = False
@@ -140,8 +103,7 @@ class ScriptControl:
         core.outbox.send(CLEARED)
         core.outbox.send(oi.Stream(packets=self._plan.script.ids))
         request = core.outbox.send(oi.PlayScript(), 'script sent to play')
-        self._speeds = ScriptSpeeds(
-            stored, core.settings.limits.wheel_separation, cleared=core.refusal(oi.Drive) is None)
+        self._follow()
         self._due, self._end_asked, self.stop_sent = now + POLL_INTERVAL, False, False
         self._ends_at, begin = None, self._due + POLL_INTERVAL
         takes = None if stored is None or not can_end(stored) else duration(
@@ -152,6 +114,17 @@ class ScriptControl:
         self._probe.begin(begin)
         core.handle(StateEvent.SCRIPT_STARTED)
         return request
+
+    def _follow(self) -> None:
+        """Find out whether packets can tell how fast the wheels run by the stored script."""
+        known = self._stored is not None and self._core.refusal(oi.Drive) is None
+        used: set[type[oi.Command]] = {type(each) for each in commands_of(
+            self._stored)} if self._stored else set()
+        self._by_drive = oi.Drive in used
+        self._followed = known and oi.Script not in used and not (
+            self._by_drive and oi.DriveDirect in used)
+        self.resets_accumulators = self._followed and not used.isdisjoint(
+            (oi.WaitDistance, oi.WaitAngle))
 
     def _cannot_play(self, *, force: bool) -> str | None:
         """Say why the stored script is not played, and what to do; None where it may be."""
@@ -187,19 +160,22 @@ class ScriptControl:
 
     def speeds(self, readings: oi.Readings) -> Speeds | None:
         """Return the requested wheel speeds, of driver or script; None if not known."""
-        if not self.playing:
-            return requested_directly(readings)
-        return self._speeds.speeds(readings) if self._speeds.known else None
+        if self.playing and not self._followed:
+            return None
+        if self.playing and self._by_drive:
+            most = TOP_SPEED * MM_PER_M
+            right, left = (max(-most, min(most, speed)) for speed in wheel_speeds(
+                readings.number('requested_velocity', 0),
+                readings.number('requested_radius', int(oi.Radius.STRAIGHT)),
+                self._core.settings.limits.wheel_separation * MM_PER_M))
+        else:
+            right, left = requested_speeds(readings)
+        return None if None in (right, left) else (right / MM_PER_M, left / MM_PER_M)
 
     def end(self) -> None:
         """Note that the script has ended, or was never sent to be played."""
         self._plan.restart()
         self._core.handle(StateEvent.SCRIPT_ENDED)
-
-    @property
-    def resets_accumulators(self) -> bool:
-        """Whether the script that played last has set distance and angle to zero."""
-        return self._speeds.resets_accumulators
 
     @property
     def goes_on(self) -> bool:
@@ -213,7 +189,7 @@ class ScriptControl:
         why = DRIVES if self._core.state.moving else self._core.refusal(oi.ShowScript)
         if why is not None:
             return refused(why)
-        self._core.outbox.send(PAUSE)
+        self._core.outbox.send(oi.PauseResumeStream(state=oi.StreamState.PAUSE))
         self._due, self._show_request = now + SILENCE, Pending()
         self._core.handle(StateEvent.SHOW_STARTED)
         return self._show_request
@@ -237,24 +213,27 @@ class ScriptControl:
         self._core.handle(StateEvent.SHOW_ENDED)
         self._show_request.end(ok, text, script)
 
-    def poll(self, now: float, frame_at: float) -> None:
-        """
-        Advance timers: the next poll of a playing robot, silence, the reply's timeout.
+    def listens(self) -> None:
+        """Stop a robot that shows that it listens again, and ask whether its script has ended."""
+        if self.playing and self._probe.answered():
+            self._ask_for_end()
 
-        `frame_at` is when the last frame came.
-        """
+    def _ask_for_end(self) -> None:
+        self._core.outbox.send(HALT)
+        self._core.outbox.send(oi.Stream(packets=self._plan.marker.ids))
+
+    def poll(self, now: float) -> None:
+        """Advance timers: the next poll of a playing robot, silence, the reply's timeout."""
         activity, outbox = self._core.state.activity, self._core.outbox
         if activity is Activity.SILENCING and outbox.busy:
             self._due = now + SILENCE
         if now < self._due or outbox.busy:
             return
         if activity is Activity.SCRIPT:
-            # The list that shows the end is asked for at first, and once the stream has paused.
-            if not self._end_asked or self._probe.poll(now, frame_at):
-                outbox.send(HALT)
-                outbox.send(oi.Stream(packets=self._plan.marker.ids))
+            if not self._end_asked:
+                self._ask_for_end()
                 self._end_asked = True
-            self._due = self._probe.due
+            self._probe.poll(now)
         elif activity is Activity.SILENCING:
             self._reply.clear()
             outbox.send(oi.ShowScript())

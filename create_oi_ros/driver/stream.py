@@ -128,10 +128,6 @@ IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told
 POLL_INTERVAL, POLL_FRACTION = 0.2, 0.2
 """Seconds between two polls of a robot that may wait; at least this part of the time for which it
 was polled, so that a long wait gets few."""
-PAUSED, CHECK_AFTER = 0.075, 0.105
-"""Seconds without a frame by which the stream has paused, and after a poll to look for that."""
-PAUSE = oi.PauseResumeStream(state=oi.StreamState.PAUSE)
-RESUME = oi.PauseResumeStream(state=oi.StreamState.RESUME)
 
 
 class CommandNews(Enum):
@@ -200,41 +196,30 @@ class CommandWatch:
 
 class Probe:
     """
-    Finds out, by two bytes at a time, when a robot that streams takes commands again.
+    Asks a robot that streams, ever more seldom, for frames of the shortest list.
 
-    It is told to pause its stream, and soon to resume it: harmless even if some of that is lost.
-    When frames cease in between, the robot listens.
+    While it waits it loses that, or obeys it later. The first such frame shows that it listens.
     """
 
-    def __init__(self, outbox: Outbox) -> None:
+    def __init__(self, outbox: Outbox, plan: StreamPlan) -> None:
         self._outbox = outbox
-        self._since = 0.0
-        self._sent_at: float | None = None
-        """When the last poll was sent; None once its effect was looked for."""
-        self.due = 0.0
-        """When to poll or look next."""
+        self._plan = plan
+        self._since = self._due = 0.0
+        self._asked = False
 
     def begin(self, due: float) -> None:
-        """Poll from a moment on, ever more seldom."""
-        self._since = self.due = due
-        self._sent_at = None
+        """Ask from a moment on."""
+        self._since = self._due = due
+        self._asked = False
 
-    def end(self) -> None:
-        """Poll no more; a stream that may be paused by now goes on."""
-        if self._sent_at is not None:
-            self._sent_at = None
-            self._outbox.send(RESUME)
+    def poll(self, now: float) -> None:
+        """Ask, when it is time."""
+        if now >= self._due and not self._outbox.busy:
+            self._outbox.send(oi.Stream(packets=self._plan.call.ids))
+            self._due = now + max(POLL_INTERVAL, POLL_FRACTION * (now - self._since))
+            self._asked = True
 
-    def poll(self, now: float, frame_at: float) -> bool:
-        """Poll or look, when it is time; True: the stream has paused, ask for it anew."""
-        silent, sent_at = now - frame_at > PAUSED, self._sent_at
-        if sent_at is None:
-            if not silent:  # else it sends nothing while it waits, or is gone: `Connection` calls
-                self._outbox.send(PAUSE)
-                self._sent_at, self.due = now, now + CHECK_AFTER
-            return False
-        self._sent_at, self.due = None, sent_at + max(
-            POLL_INTERVAL, POLL_FRACTION * (now - self._since))
-        if not silent:
-            self._outbox.send(RESUME)
-        return silent
+    def answered(self) -> bool:
+        """Note a frame of that list; True for the first since it was asked for."""
+        first, self._asked = self._asked, False
+        return first

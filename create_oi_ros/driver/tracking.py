@@ -4,28 +4,44 @@
 What must happen with a frame before it is published: check, time stamp, odometry.
 
 What cannot be true is found here: values, jumps, and an angle that stays while the robot turns.
-What else follows from a frame is worked out afterwards, in `machine`.
+What else follows from a frame is worked out afterwards, in `machine`. What the odometry has
+learned of the robot is told in the same words by the log, `/diagnostics` and `create_check`.
 """
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from math import degrees, inf, isnan, nan
-from typing import NamedTuple
 
 from .. import oi
-from ..odometry import Estimate, GyroOdometry, GyroState, Increment, Knowledge, Odometry
+from ..odometry import (
+    GyroOdometry,
+    GyroState,
+    Hypothesis,
+    Increment,
+    Knowledge,
+    Known,
+    Odometry,
+    Response,
+    Rounding,
+    SignSource,
+)
+from ..odometry.hypotheses import REFERENCE_SPEED
+from ..odometry.knowledge import delay_of, QUICK
 from ..oi.readings import ALLOWED
 from ..robot import (
     BATTERY_DEGREES,
     BATTERY_MILLIAMPS,
     BATTERY_MILLIVOLTS,
+    FIRMWARE_SEPARATION,
+    MILLI,
     MM_PER_M,
     MOST_CAPACITY,
     MOST_CHARGE,
 )
 from .core import Core
 from .events import Moved, Severity
-from .frame_clock import FrameClock, MIN_STEP
+from .frame_clock import FrameClock
 from .script import Speeds
 from .stream import requested_speeds
 
@@ -120,9 +136,9 @@ class JumpCheck:
         """Forget when the last reading was: the next spans an unknown time."""
         self._since = None
 
-    def possible(self, readings: oi.Readings, stamp: float, gap: float = 0.0) -> bool:
-        """Tell whether a reading can be true that left at `stamp`, or so many seconds later."""
-        elapsed = inf if self._since is None else stamp + gap - self._since
+    def possible(self, readings: oi.Readings, stamp: float) -> bool:
+        """Tell whether a reading can be true that left the robot at `stamp`, s."""
+        elapsed = inf if self._since is None else stamp - self._since
         self._since = stamp
         return (abs(readings.distance) <= MAX_SPEED * elapsed * MM_PER_M + DISTANCE_SLACK
                 and abs(readings.angle) <= MAX_TURN_RATE * elapsed + ANGLE_SLACK)
@@ -161,6 +177,8 @@ class TurnCheck:
         return self.stuck and not before
 
 
+REPORT_INTERVAL = 5.0
+"""Seconds between two looks at what the odometry has learned."""
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""
 BUMPED = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
@@ -168,17 +186,6 @@ STANDING: Speeds = (0.0, 0.0)
 DRIVEN = frozenset(map(int, oi.DriveDirect.modes))
 """Modes in which the wheels obey, as plain numbers: Python hashes a member by its name."""
 wheel_drops_and_mode = oi.Readings.numbers('bumps_and_wheel_drops', 'oi_mode')
-
-
-class Taken(NamedTuple):
-    """A frame that was believed."""
-
-    readings: oi.Readings
-    """What this frame brought; None is what cannot be true."""
-    stamp: float
-    """When it left the robot."""
-    dt: float
-    """The robot's seconds since the last one that was taken."""
 
 
 class Tracking:
@@ -193,22 +200,17 @@ class Tracking:
         self.odometry = self._gyro or wheels
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._core = core
+        self._reported = None if robot is None else robot.likeliest
+        """What the user was told of the robot, or has told the driver."""
+        self._report_at = 0.0
         self.odd = OddValues(core)
         self._jumps = JumpCheck()
         self._reading_dropped = False
         """Whether a frame with distance and angle was dropped since the last one taken."""
-        self._unseen = self._found_lost = 0.0
-        self._held: Increment | None = None
-        """A frame after a gap, with its reading: the next one tells how long the gap was. Until
-        then the robot is taken to have driven on for a slot."""
-        self._before = Increment(MIN_STEP, right=0.0, left=0.0, driven=False)
-        self._due = False
-        """Whether the odometry asked for a reading after the held frame."""
-
-    @property
-    def reading_due(self) -> bool:
-        """Whether the robot should be asked for distance and angle in its next frame."""
-        return self._due or self.odometry.reading_due
+        self._unseen = 0.0
+        """Seconds of the frames that were dropped since then."""
+        self._garbage = 0
+        """Bytes of garbage that had come before the newest frame."""
 
     @property
     def robot(self) -> Knowledge | None:
@@ -221,18 +223,37 @@ class Tracking:
         """What is thought of the gyro; None: there is none."""
         return None if self._gyro is None else self._gyro.state
 
+    def report_robot(self, now: float) -> None:
+        """Report a robot that has become known, or that is another than was thought."""
+        if now < self._report_at:
+            return
+        self._report_at = now + REPORT_INTERVAL
+        robot, before = self.robot, self._reported
+        if robot is None or not robot.certain or robot.likeliest == before:
+            return
+        self._reported = robot.likeliest
+        known = 'the odometry knows this robot now' if before is None else (
+            'this is another robot than odometry_model says; the odometry has learned')
+        said = '; '.join(f'{what}: {answer}' for what, answer in in_words(robot).items())
+        self._core.notice(Severity.INFO, f'{known}: {said}')
+
     def restart(self) -> None:
         """Continue after frames were missed."""
         self.clock.restart()
         self._jumps.restart()
-        self._held, self._found_lost = None, 0.0
         self.odometry.interrupted()
 
-    def take(self, frame: oi.Frame, baud: int, now: float) -> Taken | None:
-        """Take a verified frame in; None where `OddValues` drops it."""
-        stamp, dt = self.clock.stamp(now, frame.packets.budget(baud).seconds)
+    def take(self, frame: oi.Frame, baud: int, now: float,
+             speeds_of: Callable[[oi.Readings], Speeds | None]) -> Moved | None:
+        """
+        Take a verified frame in, and report how the robot moved; None where `OddValues` drops it.
+
+        `speeds_of` returns the speeds that are requested of the wheels; None where not known.
+        """
+        garbage, self._garbage = self._garbage, self._core.counts.garbage_bytes
+        stamp, dt = self.clock.stamp(
+            now, frame.packets.budget(baud).seconds, lost=garbage != self._garbage)
         self._unseen += dt
-        self._found_lost += self.clock.found_lost
         readings = self.odd.corrected(frame.readings)
         if readings is None:
             self._reading_dropped |= 'distance' in frame.packets.names
@@ -240,22 +261,22 @@ class Tracking:
         dt, self._unseen = self._unseen, 0.0
         self._core.counts.frames += 1
         self._core.readings = self._core.readings.updated(readings)
-        return Taken(readings, stamp, dt)
+        estimate = self.odometry.update(
+            self._increment(readings, stamp, dt, speeds_of(readings)))
+        return Moved(stamp, self._core.readings, estimate, dt, readings)
 
-    def moved(self, taken: Taken, speeds: Speeds | None) -> Moved:
-        """Report how the robot moved; `speeds` are the requested ones, None where not known."""
-        return Moved(taken.stamp, self._core.readings, self._estimate(taken, speeds))
-
-    def _estimate(self, taken: Taken, speeds: Speeds | None) -> Estimate:
-        readings, has_distance = taken.readings, taken.readings.has('distance')
+    def _increment(self, readings: oi.Readings, stamp: float, dt: float,
+                   speeds: Speeds | None) -> Increment:
+        """Return what a frame tells the odometry."""
+        has_distance = readings.has('distance')
         measured = has_distance and readings.has('angle')
-        if measured and not self._jumps.possible(readings, taken.stamp, self.clock.absent):
+        if measured and not self._jumps.possible(readings, stamp) and not self.clock.gap:
             self._core.counts.impossible_jumps += 1
             measured = False
         right, left = speeds or STANDING
         drops, mode = wheel_drops_and_mode(readings)
         increment = Increment(
-            dt=taken.dt, right=right, left=left,
+            dt=dt, right=right, left=left,
             driven=mode in DRIVEN and speeds is not None, lifted=bool(drops & LIFTED),
             lost=self.clock.gap or self._reading_dropped or has_distance and not measured,
             distance=readings.distance if measured else None,
@@ -264,16 +285,59 @@ class Tracking:
             volts = readings.analog_volts if readings.has('analog_signal') else nan
             increment = increment._replace(
                 analog=None if isnan(volts) else volts, bumped=bool(drops & BUMPED))
-        lost, self._found_lost = self._found_lost, 0.0
-        self._reading_dropped = self._due = False
-        if self._held is not None:
-            self.odometry.update(self._held._replace(dt=max(lost, MIN_STEP), lost=lost > 0))
-            self._due = self.odometry.reading_due
-            self._held, lost = None, 0.0
-        before, self._before = self._before, increment
-        if self.clock.undecided:
-            self._held = increment
-            return self.odometry.update(increment._replace(
-                right=before.right, left=before.left, lost=False, distance=None, angle=None))
-        return self.odometry.update(
-            increment._replace(dt=increment.dt + lost) if lost else increment)
+        self._reading_dropped = False
+        return increment
+
+
+FRACTIONS = {
+    Rounding.TRUNCATE: 'cut off and lost at each reading',
+    Rounding.ROUND: 'rounded, and the rest is lost',
+    Rounding.CARRY: 'kept for the next reading'}
+SIGNS = {
+    SignSource.DRIVE: 'of the drive: the last request that was not zero, after its dead time',
+    SignSource.LAST_REQUEST: 'of the last request that was not zero, at once',
+    SignSource.REQUEST: 'of the request; a wheel told to stop counts forwards',
+    SignSource.MOTION: 'of the motion itself'}
+
+
+def in_words(robot: Knowledge) -> dict[str, str]:
+    """Say what the odometry believes of a robot, and how sure it is."""
+    rounding, sign = robot.likeliest
+    wheels, width = robot.wheels, FIRMWARE_SEPARATION / robot.angle_factor.value / MILLI
+    responds = sum(p for each, p in robot.hypotheses.items() if each.response is wheels.response)
+    late = robot.delay(QUICK)
+    return {
+        'fractions of distance and angle': FRACTIONS[rounding] + _sure(robot.rounding[rounding]),
+        'sign of an encoder': SIGNS[sign] + _sure(robot.encoder_sign[sign]),
+        'response': _response(wheels) + _sure(responds),
+        'late': f'{late.value / MILLI:.0f} +- {late.deviation / MILLI:.0f} ms at {QUICK} m/s',
+        'dead time': f'about {wheels.dead_time / MILLI:.0f} ms',
+        'wheels over request': f'right {_ratio(robot.right_gain)}, left '
+                               f'{_ratio(robot.left_gain)}',
+        'slowest speed that moves it': f'about {wheels.dead_band / MILLI:.0f} mm/s',
+        'wheel separation of the firmware': f'{width:.1f} mm',
+        'frame period': f'{robot.frame_period.value / MILLI:.3f} ms'}
+
+
+def _response(wheels: Hypothesis) -> str:
+    """Say how a wheel follows a step of its request."""
+    match wheels.response:
+        case Response.LAG:
+            slow, fast = (speed / MILLI * (delay_of(wheels, speed) - wheels.dead_time)
+                          for speed in (REFERENCE_SPEED, QUICK))
+            kind = (f'first order, coasts {slow:.0f} mm from {REFERENCE_SPEED} m/s, {fast:.0f} mm '
+                    f'from {QUICK} m/s')
+        case Response.SPRING:
+            kind = f'second order, overshoots by {100 * wheels.overshoot:.0f} %'
+        case _:  # a ramp
+            kind = f'a constant acceleration of {1 / wheels.time:.2f} m/s2'
+    return kind if abs(wheels.braking - 1) < 0.05 else (
+        f'{kind}, brakes {wheels.braking:.1f} times as fast as it speeds up')
+
+
+def _ratio(known: Known) -> str:
+    return f'{known.value:.3f} +- {known.deviation:.3f}'
+
+
+def _sure(probability: float) -> str:
+    return f' ({"over 99.9 %" if probability > 0.999 else f"{probability:.1%}"} sure)'

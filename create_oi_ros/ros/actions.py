@@ -36,11 +36,10 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from ..driver import Driver, goals
-from ..driver.goal_control import CANCELED, CLIENT_GONE, GoalControl
-from ..driver.goals import Code, Malformed, Phase, Running
+from ..driver.goal_control import CANCELED, CLIENT_GONE
+from ..driver.goals import Code, Goal, Malformed, Phase
 from ..driver.goals.goal import check_range
-from ..driver.goals.motions import Circle, TargetPose
-from ..driver.goals.wall_following import MINUTE
+from ..driver.goals.motions import Circle, MINUTE, TargetPose
 from ..driver.outputs import Animation, blink, MIN_PERIOD, spin, Tune, USUAL_PERIOD
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
@@ -69,28 +68,28 @@ SEARCH = {
 }
 
 
-def distance_left(feedback: Any, running: Running) -> None:
+def distance_left(feedback: Any, goal: Goal) -> None:
     """Fill in the distance that is left."""
-    feedback.remaining_travel_distance = running.progress.distance
+    feedback.remaining_travel_distance = goal.progress.distance
 
 
-def angle_left(feedback: Any, running: Running) -> None:
+def angle_left(feedback: Any, goal: Goal) -> None:
     """Fill in the angle that is left."""
-    feedback.remaining_angle_travel = running.progress.angle
+    feedback.remaining_angle_travel = goal.progress.angle
 
 
-def phase_left(feedback: Any, running: Running) -> None:
+def phase_left(feedback: Any, goal: Goal) -> None:
     """Fill in the phase, and what is left of it."""
-    progress = running.progress
+    progress = goal.progress
     if progress.phase is not None:
         feedback.navigate_state = PHASES[progress.phase]
     feedback.remaining_angle_travel = progress.angle
     feedback.remaining_travel_distance = progress.distance
 
 
-def dock_seen(feedback: Any, running: Running) -> None:
+def dock_seen(feedback: Any, goal: Goal) -> None:
     """Fill in how far the search for the dock is, and what of it is seen."""
-    progress = running.progress
+    progress = goal.progress
     beams = max(0, progress.infrared - BEAMS)
     feedback.state = SEARCH.get(progress.phase or Phase.LOOKING, Dock.Feedback.LOOKING)
     feedback.sees_dock = bool(beams)
@@ -99,9 +98,9 @@ def dock_seen(feedback: Any, running: Running) -> None:
     feedback.force_field = bool(beams & FORCE_FIELD)
 
 
-def wall_engaged(feedback: Any, running: Running) -> None:
+def wall_engaged(feedback: Any, goal: Goal) -> None:
     """Fill in whether a wall is followed."""
-    feedback.engaged = running.progress.phase is Phase.ENGAGED
+    feedback.engaged = goal.progress.phase is Phase.ENGAGED
 
 
 def note_played(feedback: Any, tune: Tune) -> None:
@@ -128,7 +127,7 @@ def place(goal: Any) -> TargetPose:
     return TargetPose(pose.position.x, pose.position.y, heading)
 
 
-def tune(request: Any, _: GoalControl) -> Tune:
+def tune(request: Any) -> Tune:
     """Return the tune of a request; ValueError says what is wrong."""
     if request.iterations != request.INFINITE and request.iterations < 1:
         raise ValueError(f'iterations = {request.iterations}; allowed: above 0, or '
@@ -136,7 +135,7 @@ def tune(request: Any, _: GoalControl) -> Tune:
     return Tune(parse_tune(request.notes), request.iterations)
 
 
-def animation(request: Any, _: GoalControl) -> Animation:
+def animation(request: Any) -> Animation:
     """Return the animation of a request; ValueError says what is wrong."""
     steps = {request.BLINK_LIGHTS: blink, request.SPIN_LIGHTS: spin}.get(request.animation_type)
     if steps is None:
@@ -163,9 +162,9 @@ def start_animation(driver: Driver, animation: Animation, now: float) -> Animati
     return animation
 
 
-def cancel_goal(driver: Driver, running: Running, now: float, *, gone: bool) -> None:
+def cancel_goal(driver: Driver, goal: Goal, now: float, *, gone: bool) -> None:
     """End a goal, if it has not ended; `gone`: because its client has gone."""
-    driver.goals.cancel(running, now, CLIENT_GONE if gone else CANCELED)
+    driver.goals.cancel(goal, now, CLIENT_GONE if gone else CANCELED)
 
 
 def cancel_show(driver: Driver, shown: Tune | Animation, _now: float, *, gone: bool) -> None:
@@ -173,9 +172,9 @@ def cancel_show(driver: Driver, shown: Tune | Animation, _now: float, *, gone: b
     driver.outputs.cancel(shown, 'its client has gone' if gone else 'canceled')
 
 
-def fill_ending(result: Any, running: Running) -> str:
+def fill_ending(result: Any, goal: Goal) -> str:
     """Fill in how a goal ended, but for the header of the pose; return that for the log."""
-    ending = running.ending
+    ending = goal.ending
     assert ending is not None
     result.success = ending.code is Code.NONE
     result.error_code = ending.code
@@ -208,7 +207,7 @@ class Action:
     name: str
     type: Any
     about: str
-    make: Callable[[Any, GoalControl], Any]
+    make: Callable[[Any], Any]
     """Turns a request into what the driver does; ValueError says what is wrong with it."""
     start: Callable[[Driver, Any, float], Any] = (
         lambda driver, goal, now: driver.goals.start(goal, now))
@@ -225,39 +224,38 @@ class Action:
 ACTIONS = (
     Action(
         name='drive_distance', type=DriveDistance, about='drive straight, also backwards',
-        make=lambda goal, robot: goals.DriveDistance(
-            goal.distance, goal.max_translation_speed, allowance(goal), robot.straight),
+        make=lambda goal: goals.DriveDistance(
+            goal.distance, goal.max_translation_speed, allowance(goal)),
         feedback=distance_left),
     Action(
         name='rotate_angle', type=RotateAngle, about='turn in place, any number of turns',
-        make=lambda goal, robot: goals.RotateAngle(
-            goal.angle, goal.max_rotation_speed, allowance(goal), robot.turning),
+        make=lambda goal: goals.RotateAngle(
+            goal.angle, goal.max_rotation_speed, allowance(goal)),
         feedback=angle_left),
     Action(
         name='drive_arc', type=DriveArc, about='drive on a circle',
-        make=lambda goal, robot: goals.DriveArc(
+        make=lambda goal: goals.DriveArc(
             Circle(goal.angle, goal.radius, goal.translate_direction),
-            goal.max_translation_speed, allowance(goal), robot.turning),
+            goal.max_translation_speed, allowance(goal)),
         feedback=angle_left),
     Action(
         name='navigate_to_position', type=NavigateToPosition,
         about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
-        make=lambda goal, robot: goals.NavigateToPosition(
-            place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal),
-            robot.straight, robot.turning),
+        make=lambda goal: goals.NavigateToPosition(
+            place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal)),
         feedback=phase_left),
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there; '
         'the service `dock` only starts to',
-        make=lambda goal, robot: goals.Dock(allowance(goal)),
+        make=lambda goal: goals.Dock(allowance(goal)),
         feedback=dock_seen),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
-        make=lambda goal, robot: goals.Undock(allowance(goal), robot.straight),
+        make=lambda goal: goals.Undock(allowance(goal)),
         feedback=distance_left),
     Action(
         name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
-        make=lambda goal, robot: goals.WallFollow(
+        make=lambda goal: goals.WallFollow(
             goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
         feedback=wall_engaged),
 )
@@ -280,7 +278,7 @@ def malformed(name: str, request: Any) -> str:
     """Say what is wrong with a goal of the action of this name; empty: nothing in itself."""
     action, = (each for each in ALL_ACTIONS if each.name == name)
     try:
-        action.make(request, Driver().goals)
+        action.make(request)
     except ValueError as error:
         return str(error)
     return ''
@@ -356,7 +354,7 @@ class Actions:
             if frame not in ('', self._odom_frame):
                 raise Malformed(f'goal_pose is in frame {frame!r}; allowed: {self._odom_frame!r}, '
                                 'odom_frame, or none')
-        return action.make(request, self._session.driver.goals)
+        return action.make(request)
 
     async def _execute(self, action: Action, handle: ServerGoalHandle) -> Any:
         """Pursue a goal of an action."""
@@ -393,8 +391,8 @@ class Actions:
             log.warning(f'{GOAL_POSE} rejected: {error}')
             return
         with self._session.request() as (driver, now):
-            running = driver.goals.start(goal, now)
-        running.then(lambda ending: log.info(f'{GOAL_POSE}: {ending.text}'))
+            driver.goals.start(goal, now)
+        goal.then(lambda ending: log.info(f'{GOAL_POSE}: {ending.text}'))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         for each in self._pursued:

@@ -16,7 +16,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from .. import __version__, oi
 from ..driver import BatteryLevel, Health, LinkCounts
 from ..driver.goals.goal import bumps
-from ..driver.learned_robot import in_words
+from ..driver.tracking import in_words
 from . import messages
 from .parameters import Parameters
 

@@ -23,7 +23,6 @@ from ..driver import (
     Driver,
     DriverEvent,
     LinkCounts,
-    ModeChanged,
     ModeStatus,
     Moved,
     Notice,
@@ -174,8 +173,8 @@ class CreateNode(Node):
                 if stamp is not None:
                     self._contacts.publish(event, stamp, self.parameters)
                 self._actions.report()
-            case ModeChanged():
-                self._publish_mode(event.status)
+            case ModeStatus():
+                self._publish_mode(event)
             case Notice():
                 self._log(event)
 

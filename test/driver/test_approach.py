@@ -5,31 +5,37 @@
 
 import pytest
 
-from create_oi_ros.driver.goals.goal import Instruction
-from create_oi_ros.driver.goals.legs import Approach, Remaining, StoppingModel
+from create_oi_ros import oi
+from create_oi_ros.driver import MotionLimits
+from create_oi_ros.driver.goals.goal import Instruction, StoppingModel, View
+from create_oi_ros.driver.goals.legs import Straight
+from create_oi_ros.driver.motion import Velocity
+from create_oi_ros.odometry import Estimate
 
-TOP, TOLERANCE, DT = 0.3, 0.002, 0.1
-
-
-def approach(learned: StoppingModel | None = None, top: float = TOP,
-             limit: float = 0.0) -> Approach:
-    """Return an approach that has not begun."""
-    return Approach(top, TOLERANCE, learned or StoppingModel(), limit)
+WAY, TOP, DT = 1.0, 0.3, 0.1
 
 
-def at(left: float, speed: float = 0.0, doubt: float = 0.0, dt: float = DT,
-       measured: bool = False) -> Remaining:
+def approach(learned: StoppingModel | None = None, way: float = WAY) -> Straight:
+    """Return a straight line that has not begun."""
+    return Straight(at(WAY)._replace(straight=learned or StoppingModel()), way, 0.0, TOP)
+
+
+def at(left: float, speed: float = 0.0, dt: float = DT, measured: bool = False) -> View:
     """Return what a frame says."""
-    return Remaining(left, speed, doubt, dt, measured)
+    return View(0.0, dt, Estimate(x=WAY - left, linear=speed), oi.Readings(), measured,
+                MotionLimits(linear_acceleration=0.0), StoppingModel(), StoppingModel())
 
 
-def step(begun: Approach, frame: Remaining) -> float | None:
+def step(begun: Straight, frame: View) -> float | None:
     """Return the speed that a frame leads to: 0 too where it asks for a reading."""
-    speed = begun.step(frame)
-    return 0.0 if speed is Instruction.MEASURE else speed
+    told = begun.step(frame)
+    if isinstance(told, Velocity):
+        assert told.angular == 0.0
+        return told.linear
+    return 0.0 if told is Instruction.MEASURE else None
 
 
-def stopped(left: float, pace: float = 0.0, learned: StoppingModel | None = None) -> Approach:
+def stopped(left: float, pace: float = 0.0, learned: StoppingModel | None = None) -> Straight:
     """Return an approach that has just told the wheels to stand, with so much left."""
     begun = approach(learned)
     step(begun, at(1.0))
@@ -37,7 +43,7 @@ def stopped(left: float, pace: float = 0.0, learned: StoppingModel | None = None
     return begun
 
 
-def frames_until_moving(begun: Approach, frame: Remaining) -> int:
+def frames_until_moving(begun: Straight, frame: View) -> int:
     """Return after how many frames an approach that stands has arrived or goes on."""
     count = 0
     while step(begun, frame) == 0.0 and not begun.correcting:
@@ -121,12 +127,12 @@ def test_how_long_a_way_takes_at_most():
     ramps = 0.15 * (1 / 0.5 + 1 / 0.25)
     settling = 4 * (1.4 + 0.02 / 0.03)
     for way in (1.5, -1.5):
-        assert approach().seconds(way) == pytest.approx(1.5 / TOP + ramps + settling)
+        assert approach(way=way).seconds() == pytest.approx(1.5 / TOP + ramps + settling)
 
 
 def test_a_robot_that_stands_is_asked_how_far_it_went_until_a_reading_comes():
     begun = approach()
-    assert begun.step(at(1.0)) > 0
-    assert begun.step(at(0.0)) == 0.0
+    assert step(begun, at(1.0)) > 0
+    assert step(begun, at(0.0)) == 0.0
     told = [begun.step(at(0.0, dt=0.01, measured=frame == 20)) for frame in range(30)]
-    assert told == 15 * [0.0] + 5 * [Instruction.MEASURE] + 10 * [0.0]
+    assert told == 15 * [Velocity()] + 5 * [Instruction.MEASURE] + 10 * [Velocity()]

@@ -166,7 +166,7 @@ def test_a_goal_is_malformed_in_words_or_pursued_by_legal_commands(action, data)
     request, desk = data.draw(anything(action.type.Goal)), Desk()
     goals = desk.loop.driver.goals
     try:
-        goal = action.make(request, goals)
+        goal = action.make(request)
     except Malformed as why:
         assert 'allowed: ' in str(why) or 'is not finite' in str(why)
         return

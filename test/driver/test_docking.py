@@ -8,7 +8,6 @@ from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.battery import CHARGE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
-from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -40,7 +39,7 @@ def docked(guesses: Guesses | None = None, mode: oi.Mode = oi.Mode.PASSIVE, **se
 
 def undock() -> Undock:
     """Return the goal."""
-    return Undock(0.0, StoppingModel())
+    return Undock(0.0)
 
 
 def said(loop: Loop) -> str:

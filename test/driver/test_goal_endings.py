@@ -17,7 +17,6 @@ from create_oi_ros.driver import (
 )
 from create_oi_ros.driver.goal_control import CLIENT_GONE, MODE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
-from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.goals import (
@@ -89,7 +88,7 @@ GOALS = {
     'drive_distance': lambda: distance(0.03), 'rotate_angle': lambda: angle(10),
     'drive_arc': lambda: arc(10, 0.2), 'navigate_to_position': lambda: place(0.03, 0.0),
     'wall_follow': lambda: WallFollow(-1, 0.5, 0.0), 'dock': lambda: Dock(1.0),
-    'undock': lambda: Undock(0.0, StoppingModel())}
+    'undock': lambda: Undock(0.0)}
 
 
 @pytest.mark.parametrize('make', GOALS.values(), ids=GOALS)
@@ -318,7 +317,7 @@ def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(ac
 def test_a_goal_of_a_kilometre_has_a_time_and_can_be_canceled():
     loop = met()
     running = moving(loop, distance(1000.0))
-    assert 6000 < running.goal.allowance < 8000
+    assert 6000 < running.allowance < 8000
     loop.driver.goals.cancel(running, loop.now)
     assert ended(loop, running).code is Code.CANCELED
 

@@ -8,7 +8,6 @@ import pytest
 
 from create_oi_ros.driver import Settings
 from create_oi_ros.driver.goals import Code, Dock, Undock
-from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import parse, Pose
 from support.asking import ask
@@ -79,7 +78,7 @@ def test_a_robot_that_docks_is_where_its_dock_is():
     assert [each.text for each in loop.notices].count(
         'on the dock: odom goes on from dock_pose') == 1
     begun = loop.body.truth().pose
-    assert pursue(loop, Undock(0.0, StoppingModel())).code is Code.NONE
+    assert pursue(loop, Undock(0.0)).code is Code.NONE
     moved_from(loop, begun, PLACE)
 
 

@@ -3,13 +3,12 @@
 """What people are told of a robot that has become known."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
 from create_oi_ros.driver import Notice, Settings
 from create_oi_ros.driver.core import Core
-from create_oi_ros.driver.learned_robot import in_words, INTERVAL, LearnedRobot
+from create_oi_ros.driver.tracking import in_words, REPORT_INTERVAL, Tracking
 from create_oi_ros.odometry import Hypothesis, Knowledge, Known, Response, SignSource
 from create_oi_ros.robot import Rounding
 
@@ -46,21 +45,26 @@ def test_each_response_has_its_words(wheels: Hypothesis, answer: str) -> None:
     assert in_words(robot(wheels=wheels))['response'].startswith(f'{answer} (')
 
 
+class Learning(Tracking):
+    """Knows of the robot what it is told."""
+
+    robot = None
+
+
 class Told:
     """What people are told of a robot, as the odometry learns of it."""
 
     def __init__(self, known_before: Knowledge | None = None) -> None:
         self.core = Core(Settings(robot=known_before), lambda _: None)
-        self.tracking = SimpleNamespace(robot=None)
-        self.watch = LearnedRobot(self.core, self.tracking)
-        self.now = 3.0
+        self.tracking = Learning(self.core)
+        self.now = 0.0
 
-    def of(self, known: Knowledge | None, after: float = INTERVAL) -> list[str]:
-        """Let the odometry know this robot some seconds later; return what was said."""
-        self.now += after
+    def of(self, known: Knowledge | None) -> list[str]:
+        """Let the odometry know this robot; return what was said."""
         self.tracking.robot = known
         self.core.events.clear()
-        self.watch.observe(self.now)
+        self.now += REPORT_INTERVAL
+        self.tracking.report_robot(self.now)
         return [each.text for each in self.core.events if isinstance(each, Notice)]
 
 
@@ -79,9 +83,3 @@ def test_people_are_told_once_and_again_of_another_robot() -> None:
 @pytest.mark.parametrize('rounding', [Rounding.TRUNCATE, Rounding.CARRY])
 def test_of_a_robot_that_was_known_before_nobody_is_told(rounding: Rounding) -> None:
     assert bool(Told(robot(rounding)).of(robot())) is (rounding is not Rounding.TRUNCATE)
-
-
-def test_it_looks_from_time_to_time() -> None:
-    told = Told()
-    assert told.of(None) == told.of(robot(), INTERVAL - 0.1) == []
-    assert told.of(robot(), 0.2)

@@ -8,7 +8,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings, Severity
-from create_oi_ros.driver.events import ModeChanged
+from create_oi_ros.driver.events import ModeStatus
 from create_oi_ros.driver.mode import (
     CLEAR_TIME,
     MAX_TRIES,
@@ -289,8 +289,8 @@ def test_each_change_of_mode_is_an_event_once(loop):
 
     def heard():
         event = next_event()
-        if isinstance(event, ModeChanged):
-            changes.append((event.status.actual, event.status.wanted))
+        if isinstance(event, ModeStatus):
+            changes.append((event.actual, event.wanted))
         return event
 
     loop.driver.next_event = heard

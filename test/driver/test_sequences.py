@@ -17,7 +17,6 @@ from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits, Settings
 from create_oi_ros.driver.goal_control import CANCELED, CLIENT_GONE
 from create_oi_ros.driver.goals import Dock, Undock, WallFollow
-from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.sim.body.config import DEFAULT_BODY, IDEAL
 from create_oi_ros.sim.world import parse, World
@@ -38,7 +37,7 @@ GOALS = {
     'little time': lambda: distance(1.0, allowance=0.5), 'turn': lambda: angle(90),
     'arc': lambda: arc(120, 0.3), 'place': lambda: place(-0.3, 0.2, 90),
     'wall': lambda: WallFollow(-1, 2.0, 0.0), 'dock': lambda: Dock(20.0),
-    'undock': lambda: Undock(0.0, StoppingModel())}
+    'undock': lambda: Undock(0.0)}
 TIMES = st.sampled_from((0.005, 0.02, 0.1, 0.3, 0.7, 1.5))
 SHARES = st.sampled_from((0.05, 0.3, 1.0))
 SCRIPT = build_script([
@@ -111,7 +110,7 @@ class Sequences(RuleBasedStateMachine):
         """Cancel a goal, or let its client go; it may have ended, or another may run."""
         for each in self.loop.pursuits[number:][:1]:
             self.driver.goals.cancel(
-                each.running, self.loop.now, CLIENT_GONE if gone else CANCELED)
+                each.goal, self.loop.now, CLIENT_GONE if gone else CANCELED)
 
     @rule()
     def until_goal_ends(self):

@@ -63,7 +63,7 @@ def test_a_stop_is_queued_before_anything_that_can_fail(name, goal, end, monkeyp
     loop.run(0.5)
     if goal:
         loop.driver.goals.start(
-            DriveDistance(2.0, 0.2, 0.0, loop.driver.goals.straight), loop.now)
+            DriveDistance(2.0, 0.2, 0.0), loop.now)
     else:
         loop.driver.drive(0.2, 0.0, loop.now)
     loop.run(0.5)

@@ -14,9 +14,7 @@ from create_oi_ros.driver.goals import (
     Goal,
     NavigateToPosition,
     RotateAngle,
-    Running,
 )
-from create_oi_ros.driver.goals.legs import StoppingModel
 from create_oi_ros.driver.goals.motions import Circle, TargetPose
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
@@ -30,32 +28,31 @@ PATIENCE = 200.0
 
 def distance(metres: float, speed: float = SPEED, allowance: float = 0.0) -> DriveDistance:
     """Return a goal that drives straight."""
-    return DriveDistance(metres, speed, allowance, StoppingModel())
+    return DriveDistance(metres, speed, allowance)
 
 
 def angle(turn: float, speed: float = TURNING, allowance: float = 0.0) -> RotateAngle:
     """Return a goal that turns, by degrees."""
-    return RotateAngle(radians(turn), speed, allowance, StoppingModel())
+    return RotateAngle(radians(turn), speed, allowance)
 
 
 def arc(turn: float, radius: float, direction: int = 1, speed: float = SPEED) -> DriveArc:
     """Return a goal that drives on a circle, by degrees."""
-    return DriveArc(Circle(radians(turn), radius, direction), speed, 0.0, StoppingModel())
+    return DriveArc(Circle(radians(turn), radius, direction), speed, 0.0)
 
 
 def place(x: float, y: float, heading: float | None = None) -> NavigateToPosition:
     """Return a goal that drives to a place, with a heading in degrees."""
     return NavigateToPosition(
-        TargetPose(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0,
-        StoppingModel(), StoppingModel())
+        TargetPose(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0)
 
 
-def start(loop: Loop, goal: Goal) -> Running:
+def start(loop: Loop, goal: Goal) -> Goal:
     """Give the driver a goal."""
     return loop.driver.goals.start(goal, loop.now)
 
 
-def until_ended(loop: Loop, running: Running) -> Ending:
+def until_ended(loop: Loop, running: Goal) -> Ending:
     """Let time pass until the goal has ended."""
     deadline = loop.now + PATIENCE
     while running.ending is None:

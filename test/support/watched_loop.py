@@ -11,7 +11,7 @@ from typing import NamedTuple
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, DEAD_MAN_STOP, MotionLimits, Moved, Pending, Settings
 from create_oi_ros.driver.goal_control import MODE_WAIT
-from create_oi_ros.driver.goals import Ending, Goal, Running
+from create_oi_ros.driver.goals import Ending, Goal
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.robot import SLOT, TOP_SPEED, WHEEL_SEPARATION
 from create_oi_ros.sim.body.config import BodyConfig
@@ -33,7 +33,6 @@ class Pursuit(NamedTuple):
     """A goal that was given to the driver."""
 
     goal: Goal
-    running: Running
     began: float
     endings: list[Ending]
     """What was told of its end."""
@@ -75,9 +74,9 @@ class WatchedLoop(Loop):
 
     def pursue(self, goal: Goal) -> None:
         """Give the driver a goal, and watch it."""
-        pursuit = Pursuit(goal, self.driver.goals.start(goal, self.now), self.now, [])
+        pursuit = Pursuit(self.driver.goals.start(goal, self.now), self.now, [])
         self.pursuits.append(pursuit)
-        pursuit.running.then(pursuit.endings.append)
+        pursuit.goal.then(pursuit.endings.append)
         self._check_goals()
 
     def command(self, linear: float, angular: float) -> None:
@@ -104,7 +103,7 @@ class WatchedLoop(Loop):
 
     def _check_goals(self) -> None:
         """One goal runs at most, within its time; the activity says so; each ends once."""
-        running = [each for each in self.pursuits[-2:] if each.running.ending is None]
+        running = [each for each in self.pursuits[-2:] if each.goal.ending is None]
         assert len(running) == self.driver.goals.active == self.driver.state.pursues
         assert all(self.now <= each.deadline() for each in running), 'a goal runs on'
         if self.driver.state.activity is Activity.GOAL:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ... import oi
 from ...driver import Health
-from ...driver.learned_robot import in_words
+from ...driver.tracking import in_words
 from ...odometry import Knowledge, Response, Rounding, SignSource
 from ...robot import MILLI, SLOT
 

@@ -3,6 +3,5 @@
 """Goals: motions with an end, which the driver pursues frame by frame. Pure."""
 
 from .docking import Dock, Undock
-from .goal import Code, Ending, Goal, Malformed, Phase, Progress, Running
-from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle
-from .wall_following import WallFollow
+from .goal import Code, Ending, Goal, Malformed, Phase, Progress
+from .motions import DriveArc, DriveDistance, NavigateToPosition, RotateAngle, WallFollow

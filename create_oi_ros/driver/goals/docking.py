@@ -18,21 +18,19 @@ from ..mode import docked
 from ..motion import Velocity
 from .goal import (
     Code,
+    DrivingGoal,
     dropped,
     Enter,
     Goal,
-    Hazards,
     Instruction,
     LIFTED,
-    MIN_SPEED,
-    NO_SPEED,
     Order,
     Over,
     Phase,
     Progress,
     Stall,
 )
-from .legs import StoppingModel, Straight
+from .legs import Straight
 
 SEARCH_TIME = 240.0
 """Seconds in which the Home Base must be found."""
@@ -56,10 +54,6 @@ class Dock(Goal):
         self.allowance = self.allowance or SEARCH_TIME
         self._seen = False
         """Whether a beam of the dock was seen."""
-
-    def obstacle(self) -> Over | None:
-        """Return why the robot cannot begin: a wheel hangs in the air."""
-        return LIFTED if dropped(self.view.readings) else None
 
     def hazard(self) -> Over | None:
         """Look for the dock; return what ends the search."""
@@ -110,46 +104,44 @@ class Dock(Goal):
                     'it plugged in, is the way to it free?')
 
 
-class Undock(Goal):
+class Undock(DrivingGoal):
     """Leave the Home Base backwards: in Safe, or in Full where Safe does not let the robot go."""
 
     needs_driving = False
 
-    def __init__(self, allowance: float, learned: StoppingModel) -> None:
+    def __init__(self, allowance: float) -> None:
         """Take seconds; 0: twice what it should take."""
-        super().__init__(allowance)
-        self._learned = learned
-        self._hazards = Hazards()
+        super().__init__(allowance, direction=-1)
         self._leg: Straight
-        self._stall: Stall
         self._by = ''
-
-    def obstacle(self) -> Over | None:
-        """Return why the robot cannot begin: it is on no dock, or something is in the way."""
-        if not self._docked:
-            return Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
-        if self.view.limits.max_wheel_speed < MIN_SPEED:
-            return NO_SPEED
-        self._start_anew()
-        self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
-        return self._hazards.begin(self.view, forward=False, backward=True)
 
     def hazard(self) -> Over | None:
         """Return what ends the motion."""
-        if self._docked:
-            self._hazards = Hazards()  # the dock may press the bumper, and let it go, and press it
-        return self._hazards.check(self.view, forward=False)
+        if self._docked:  # the dock may press the bumper, and let it go, and press it
+            self.known_cliff = self.known_bump = True
+        if self._docked and self._mode is not oi.Mode.FULL:
+            self.stall = Stall()  # Safe may hold the robot
+        return super().hazard()
 
     def orders(self) -> Iterator[Order]:
         """Drive back; where Safe holds the robot, leave the dock in Full, and return to Safe."""
+        if not self._docked:
+            yield Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
+        self._measure()
+        self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
         if self._mode is oi.Mode.FULL:
             yield from self._drive(oi.Mode.FULL)
         while True:
             held = yield from self._drive(oi.Mode.SAFE)
-            self._start_anew()  # while it is held the odometry may believe that it moves
+            self._measure()  # while it is held the odometry may believe that it moves
             self._by = ', by FULL, now in SAFE again'
             yield from self._drive(
                 oi.Mode.FULL, f'{held}: it leaves the dock in FULL, then returns to SAFE')
+
+    def _measure(self) -> None:
+        """Begin the way here."""
+        self._leg = Straight(self.view, -AWAY, self.view.estimate.yaw, SPEED)
+        self.progress = self._leg.progress()
 
     def _drive(self, mode: oi.Mode, why: str = '') -> Generator[Order, None, str]:
         """
@@ -158,52 +150,34 @@ class Undock(Goal):
         Return early why Safe holds the robot; with a reason, once it is off its dock.
         """
         off_dock = bool(why)
-        seconds = 0.0
+        seconds = waited = 0.0
         while self._docked or not off_dock:
-            if self._mode is not mode:
-                yield Enter(mode, why)
-                if not (yield from self._wait_for(mode)):
-                    return 'docked, the robot does not stay in SAFE'
-                seconds, why = 0.0, ''
-                continue
             held = self._docked and mode is oi.Mode.SAFE
-            if held and seconds > HELD_TIME:
-                return 'docked in SAFE the robot does not move'
-            over = self._stall.check(self.view, self.commanded)
-            yield self._step() if over is None or held else over
-            seconds += self.view.dt
-        return ''
-
-    def _wait_for(self, mode: oi.Mode) -> Generator[Order, None, bool]:
-        """Wait for a mode; return whether it was entered, False where the dock may prevent it."""
-        waited = 0.0
-        while self._mode is not mode:
-            waited += self.view.dt
-            if waited < MODE_WAIT:
-                yield Velocity()
-            elif self._docked and mode is oi.Mode.SAFE:
-                return False
+            if self._mode is mode:
+                if held and seconds > HELD_TIME:
+                    return 'docked in SAFE the robot does not move'
+                yield self._step()
+                seconds, waited = seconds + self.view.dt, 0.0
+            elif waited < MODE_WAIT:
+                yield Velocity() if waited else Enter(mode, why)
+                waited, why = waited + self.view.dt, ''
+            elif held:
+                return 'docked, the robot does not stay in SAFE'
             else:
                 yield Over(Code.MODE, f'the robot does not enter {mode.name}: send the goal '
                            'again, or pull it off its dock')
-        return True
+        return ''
 
     def _step(self) -> Order:
         """Follow the way."""
         order = self._leg.step(self.view)
-        self.progress = Progress(distance=abs(self._leg.distance))
+        self.progress = self._leg.progress()
         if order is not None:
             return order
         if self._docked:
             return Over(Code.STALL, 'the robot still feels the contacts of its dock: if it takes '
                         'the dock along, lift it off')
         return Over(Code.NONE, f'left the dock{self._by}')
-
-    def _start_anew(self) -> None:
-        at = self.view.estimate
-        self._leg = Straight(at, -AWAY, at.yaw, SPEED, self._learned, self.view.limits)
-        self._stall = Stall()
-        self.progress = Progress(distance=AWAY)
 
     @property
     def _docked(self) -> bool:
@@ -215,4 +189,4 @@ class Undock(Goal):
 
     def way(self, seconds: float) -> str:
         """Say how far the robot has gone."""
-        return f'after {AWAY - self.progress.distance:.2f} m'
+        return f'after {self._leg.way()}'

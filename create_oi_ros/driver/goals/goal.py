@@ -3,10 +3,9 @@
 """
 What a goal is: it takes every frame, and returns an order for the driver; and what ends it.
 
-A goal has no clock and touches nothing. `begin` gets the first view, `step` that and each later
-one. What a goal does reads from top to bottom in its generator `orders`, which runs on with each
-view. The driver carries out the orders, and ends the goal for reasons that are not its own: a
-stop, another goal, a lost robot.
+A goal has no clock and touches nothing. What it does reads from top to bottom in its generator
+`orders`, which runs on with each frame's view. The driver carries out the orders, and ends the
+goal for reasons that are not its own: a stop, another goal, a lost robot.
 """
 
 from abc import ABC, abstractmethod
@@ -95,6 +94,46 @@ class Malformed(ValueError):
     """A goal that no robot could follow: what is wrong with it, and what is allowed."""
 
 
+COAST, COAST_SPREAD = 0.35, 0.12
+"""Coast, s, that is assumed before it is learned, and its standard deviation. It is longer than
+that of most robots, so that they stop short."""
+MIN_COAST, MAX_COAST = 0.03, 0.8
+COAST_DRIFT, COAST_NOISE = 0.02, 0.002
+"""Seconds by which the coast differs from stop to stop, and metres by which one is measured
+wrongly."""
+PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
+"""Standard deviations of the way of a push over its speed times its length, from robot to robot
+and from push to push; and metres by which one is measured wrongly."""
+MIN_PUSH, MAX_PUSH = 0.3, 3.0
+
+
+class StoppingModel:
+    """What one way teaches the next, of one robot."""
+
+    def __init__(self) -> None:
+        self.coast = COAST
+        """Seconds of its speed that the robot travels on after a stop."""
+        self._variance = COAST_SPREAD ** 2
+        self.push = 1.0
+        """The way of a push over its speed times its length."""
+        self._push_variance = PUSH_SPREAD ** 2
+
+    def pushed(self, asked: float, way: float) -> None:
+        """Learn from a push that was to lead a way `asked`, m, and led another."""
+        gain = self._push_variance / (self._push_variance + (PUSH_NOISE / asked) ** 2)
+        ratio = max(MIN_PUSH, min(MAX_PUSH, way / asked * self.push))
+        self.push += gain * (ratio - self.push)
+        self._push_variance = self._push_variance * (1 - gain) + PUSH_DRIFT ** 2
+
+    def stopped(self, pace: float, way: float) -> None:
+        """Learn from a stop at a pace, m/s, after which the robot still travelled a way, m."""
+        self._variance += COAST_DRIFT ** 2
+        gain = self._variance / (self._variance + (COAST_NOISE / pace) ** 2)
+        coast = max(MIN_COAST, min(MAX_COAST, way / pace))
+        self.coast += gain * (coast - self.coast)
+        self._variance *= 1 - gain
+
+
 class View(NamedTuple):
     """What a goal knows when a frame has come."""
 
@@ -108,6 +147,10 @@ class View(NamedTuple):
     measured: bool
     """Whether distance and angle came with this frame."""
     limits: MotionLimits
+    straight: StoppingModel
+    """How the robot coasts when it drives straight."""
+    turning: StoppingModel
+    """How it coasts when it turns."""
 
 
 class Enter(NamedTuple):
@@ -140,8 +183,8 @@ Order = Velocity | Enter | Instruction | Over
 """A velocity to drive at, or one of the orders above."""
 
 
-class Goal(ABC):
-    """One goal; SI units."""
+class Goal(Awaited[Ending], ABC):
+    """One goal, pursued once; SI units."""
 
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
@@ -150,9 +193,14 @@ class Goal(ABC):
 
     def __init__(self, allowance: float) -> None:
         """Take the seconds that the goal may take; 0 leaves that to the goal."""
+        super().__init__()
         check_range('time_allowance', allowance, 's', 0.0)
         self.allowance = allowance
         self._allowed = allowance > 0
+        self.given_at = 0.0
+        """When it was given to the driver, s."""
+        self.begun_at: float | None = None
+        """When the robot was in its mode and the goal began; None before."""
         self.progress = Progress()
         """How far the goal is."""
         self.view: View
@@ -161,25 +209,21 @@ class Goal(ABC):
         """The velocity since the view before."""
         self._orders = self.orders()
 
-    def begin(self, view: View) -> Over | None:
-        """Start here and now; or say why that is not possible, or not necessary."""
-        self.view = view
-        return self.obstacle()
+    @property
+    def ending(self) -> Ending | None:
+        """How it ended; None while it runs."""
+        return self.outcome
 
     def step(self, view: View) -> Order:
-        """Return what to do until the next frame."""
+        """Return what to do until the next frame; the first view begins the goal."""
         self.view = view
         order = self.hazard() or next(self._orders)
         self.commanded = order if isinstance(order, Velocity) else Velocity()
         return order
 
     @abstractmethod
-    def obstacle(self) -> Over | None:
-        """Return why the goal cannot begin; None where it can."""
-
-    @abstractmethod
     def hazard(self) -> Over | None:
-        """Return what ends the goal in this view; None where it goes on."""
+        """Return what ends the goal in this view; None where it begins or goes on."""
 
     @abstractmethod
     def orders(self) -> Iterator[Order]:
@@ -198,27 +242,6 @@ class Goal(ABC):
                     'is something in the way, or do the wheels slip?')
 
 
-class Running(Awaited[Ending]):
-    """A goal that was given to the driver."""
-
-    def __init__(self, goal: Goal, given_at: float) -> None:
-        super().__init__()
-        self.goal = goal
-        self.given_at = given_at
-        self.begun_at: float | None = None
-        """When the robot was in its mode and the goal began; None before."""
-
-    @property
-    def progress(self) -> Progress:
-        """How far the goal is."""
-        return self.goal.progress
-
-    @property
-    def ending(self) -> Ending | None:
-        """How it ended; None while it runs."""
-        return self.outcome
-
-
 def check_finite(name: str, value: float, unit: str) -> None:
     """Refuse a value that is no number."""
     if not isfinite(value):
@@ -231,16 +254,6 @@ def check_range(name: str, value: float, unit: str, least: float, most: float = 
     if not least - ROUNDING * abs(least) <= value <= most * (1 + ROUNDING):
         allowed = f'{least:g} or more' if most == inf else f'{least:g} to {most:g}'
         raise Malformed(f'{name} = {value:g} {unit}; allowed: {allowed}')
-
-
-def check_speed(value: float) -> None:
-    """Refuse m/s that are no whole mm/s for the wheels."""
-    check_range('max_translation_speed', value, 'm/s', MIN_SPEED)
-
-
-def check_turning(value: float) -> None:
-    """Refuse rad/s that are no whole mm/s for the wheels."""
-    check_range('max_rotation_speed', value, 'rad/s', MIN_TURN_RATE)
 
 
 # What ends a motion: the bumper, a cliff, a wheel that drops, wheels that do not follow.
@@ -283,46 +296,6 @@ def cliffs(readings: oi.Readings) -> list[str]:
     return [CLIFFS[cause] for cause in causes_in(readings) if cause in CLIFFS]
 
 
-class Hazards:
-    """
-    Watches a motion.
-
-    What is there when the motion begins does not end it while it leads away: backwards, or for the
-    bumper in place. Once it has gone and come back, it does.
-    """
-
-    def __init__(self, *, bumper: bool = True) -> None:
-        """Watch the bumper too, unless bumps are no error for the goal."""
-        self._bumper = bumper
-        self._known_bump = self._known_cliff = True
-
-    def begin(self, view: View, *, forward: bool, backward: bool) -> Over | None:
-        """Return why the motion cannot begin; tell which way it leads, neither for a turn."""
-        readings = view.readings
-        if dropped(readings):
-            return LIFTED
-        if forward and self._bumper and bumps(readings):
-            return _bump(readings)
-        if not backward and cliffs(readings):
-            return _cliff(readings)
-        return None
-
-    def check(self, view: View, *, forward: bool) -> Over | None:
-        """Return what ends the motion in this frame; `forward` says where it leads now."""
-        readings = view.readings
-        if dropped(readings):
-            return LIFTED
-        cliff = bool(cliffs(readings))
-        self._known_cliff = self._known_cliff and cliff
-        if cliff and (forward or not self._known_cliff):
-            return _cliff(readings)
-        bump = self._bumper and bool(bumps(readings))
-        self._known_bump = self._known_bump and bump
-        if bump and (forward or not self._known_bump):
-            return _bump(readings)
-        return None
-
-
 class Stall:
     """Notices wheels that do not follow what they are told."""
 
@@ -353,17 +326,13 @@ class Stall:
         return Over(Code.STALL, 'the wheels do not follow: are they held, or is the robot stuck?')
 
 
-def _bump(readings: oi.Readings) -> Over:
-    return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive backwards or '
-                'turn away')
-
-
-def _cliff(readings: oi.Readings) -> Over:
-    return Over(Code.CLIFF, f'there is no floor {", ".join(cliffs(readings))}: {FROM_CLIFF}')
-
-
 class DrivingGoal(Goal):
-    """A goal that drives the wheels: hazards end it, and wheels that do not follow."""
+    """
+    A goal that drives the wheels: hazards end it, and wheels that do not follow.
+
+    A cliff or a bump that is there when the motion begins does not end it while it leads away:
+    backwards, or for the bumper in place. Once it has gone and come back, it does.
+    """
 
     def __init__(self, allowance: float, direction: int = 0, *, bumper: bool = True) -> None:
         """
@@ -372,19 +341,26 @@ class DrivingGoal(Goal):
         Without `bumper` a bump is no hazard.
         """
         super().__init__(allowance)
-        self._direction = direction
-        self._hazards, self._stall = Hazards(bumper=bumper), Stall()
-        self.forward = False
+        self._bumper = bumper
+        self.forward = direction > 0
         """Whether the motion leads forward now."""
-
-    def obstacle(self) -> Over | None:
-        """Return why the motion cannot begin."""
-        if self.view.limits.max_wheel_speed < MIN_SPEED:
-            return NO_SPEED
-        return self._hazards.begin(
-            self.view, forward=self._direction > 0, backward=self._direction < 0)
+        self.known_cliff, self.known_bump = direction < 0, True
+        """Whether these have been there from the beginning."""
+        self.stall = Stall()
 
     def hazard(self) -> Over | None:
         """Return what ends the motion."""
-        return (self._hazards.check(self.view, forward=self.forward)
-                or self._stall.check(self.view, self.commanded))
+        view, readings = self.view, self.view.readings
+        if view.limits.max_wheel_speed < MIN_SPEED:
+            return NO_SPEED
+        if dropped(readings):
+            return LIFTED
+        cliff, bump = bool(cliffs(readings)), self._bumper and bool(bumps(readings))
+        self.known_cliff, self.known_bump = self.known_cliff and cliff, self.known_bump and bump
+        if cliff and (self.forward or not self.known_cliff):
+            return Over(
+                Code.CLIFF, f'there is no floor {", ".join(cliffs(readings))}: {FROM_CLIFF}')
+        if bump and (self.forward or not self.known_bump):
+            return Over(Code.BUMP, f'the bumper is pressed {SIDES[bumps(readings)]}: drive '
+                        'backwards or turn away')
+        return self.stall.check(view, self.commanded)

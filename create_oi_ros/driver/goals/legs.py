@@ -3,9 +3,9 @@
 """
 The ways that motions are made of: a straight line, and a part of a circle or a turn in place.
 
-A leg measures what is left of it and steers along it, by the odometry. All lengths that it gives
-the approach are metres of the faster wheel, so that one profile of speeds fits all. The profile
-is a trapezoid, closed in every frame by the odometry.
+A leg measures what is left of it and steers along it, by the odometry. All its lengths are metres
+of the faster wheel, so that one profile of speeds fits all. The profile is a trapezoid, closed in
+every frame by the odometry.
 
 A robot does not follow at once. What it still travels after its wheels were told to stand, its
 coast, is its speed times a time that differs from robot to robot. So the profile brakes for the
@@ -15,13 +15,25 @@ each stop. Where a stop left it short or too far, the robot creeps on, or back.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from math import atan2, copysign, cos, hypot, inf, pi, radians, remainder, sin, sqrt, tau
+from math import (
+    atan2,
+    copysign,
+    cos,
+    degrees,
+    hypot,
+    inf,
+    pi,
+    radians,
+    remainder,
+    sin,
+    sqrt,
+    tau,
+)
 from typing import NamedTuple
 
 from ...odometry import Estimate
-from ..events import MotionLimits
 from ..motion import Velocity
-from .goal import Instruction, View
+from .goal import Instruction, Phase, Progress, StoppingModel, View
 
 STRAIGHT_TOLERANCE, TURN_TOLERANCE = 0.002, radians(0.5)
 """m and rad."""
@@ -32,13 +44,6 @@ MAX_RETURN_ANGLE = 0.5
 MAX_STEERING, MAX_CURVATURE = 0.8, 4.0
 """rad/s of steering at most, and rad/s per m/s."""
 
-COAST, COAST_SPREAD = 0.35, 0.12
-"""Coast, s, that is assumed before it is learned, and its standard deviation. It is longer than
-that of most robots, so that they stop short."""
-MIN_COAST, MAX_COAST = 0.03, 0.8
-COAST_DRIFT, COAST_NOISE = 0.02, 0.002
-"""Seconds by which the coast differs from stop to stop, and metres by which one is measured
-wrongly."""
 ACCELERATION, BRAKING = 0.5, 0.25
 """m/s² of a wheel."""
 CREEP, CREEP_DISTANCE = 0.03, 0.01
@@ -62,155 +67,8 @@ that reading in; seconds of standing after which the robot waits no longer for o
 PUSH_DISTANCE = 0.02
 """Metres up to which a correction is a push of a set length: its way is its speed times its
 length, whatever the coast."""
-PUSH_SPREAD, PUSH_DRIFT, PUSH_NOISE = 0.5, 0.1, 0.001
-"""Standard deviations of the way of a push over its speed times its length, from robot to robot
-and from push to push; and metres by which one is measured wrongly."""
-MIN_PUSH, MAX_PUSH = 0.3, 3.0
 MAX_CORRECTIONS = 3
 """How often the robot creeps on or back at most."""
-
-
-class StoppingModel:
-    """What one approach teaches the next, of one robot."""
-
-    def __init__(self) -> None:
-        self.coast = COAST
-        """Seconds of its speed that the robot travels on after a stop."""
-        self._variance = COAST_SPREAD ** 2
-        self.push = 1.0
-        """The way of a push over its speed times its length."""
-        self._push_variance = PUSH_SPREAD ** 2
-
-    def pushed(self, asked: float, way: float) -> None:
-        """Learn from a push that was to lead a way `asked`, m, and led another."""
-        gain = self._push_variance / (self._push_variance + (PUSH_NOISE / asked) ** 2)
-        ratio = max(MIN_PUSH, min(MAX_PUSH, way / asked * self.push))
-        self.push += gain * (ratio - self.push)
-        self._push_variance = self._push_variance * (1 - gain) + PUSH_DRIFT ** 2
-
-    def stopped(self, pace: float, way: float) -> None:
-        """Learn from a stop at a pace, m/s, after which the robot still travelled a way, m."""
-        self._variance += COAST_DRIFT ** 2
-        gain = self._variance / (self._variance + (COAST_NOISE / pace) ** 2)
-        coast = max(MIN_COAST, min(MAX_COAST, way / pace))
-        self.coast += gain * (coast - self.coast)
-        self._variance *= 1 - gain
-
-
-class Remaining(NamedTuple):
-    """What one frame says about the way; metres of a wheel, signed: behind is negative."""
-
-    left: float
-    """What is left of the way."""
-    speed: float
-    """m/s along it."""
-    deviation: float
-    """Standard deviation of what is left."""
-    dt: float
-    measured: bool
-    """Whether the robot has just been asked how far it went."""
-
-
-class Approach:
-    """Speeds along one way; metres of a wheel for straight ways, arcs and turns alike."""
-
-    def __init__(self, top: float, tolerance: float, learned: StoppingModel, limit: float) -> None:
-        """
-        Approach at a top speed, m/s, and stop within a tolerance, m.
-
-        `limit` is the highest acceleration, m/s²; 0: none is set.
-        """
-        self._top = top
-        self._tolerance = tolerance
-        self._learned = learned
-        self._up = min(ACCELERATION, limit or ACCELERATION)
-        self._down = min(BRAKING, limit or BRAKING)
-        self._creep = min(CREEP, top)
-        self.correcting = False
-        """Whether the robot creeps on or back, after a stop."""
-        self._at: Remaining
-        self._speeds = self._arrive()
-
-    def seconds(self, way: float) -> float:
-        """Return how long a way takes at most, about."""
-        ramps = self._top / 2 * (1 / self._up + 1 / self._down)
-        settling = (1 + MAX_CORRECTIONS) * (MAX_SETTLE_TIME + PUSH_DISTANCE / self._creep)
-        return abs(way) / self._top + ramps + settling
-
-    def step(self, at: Remaining) -> float | Instruction | None:
-        """Return the speed for what is left of the way, or MEASURE; None: the robot is there."""
-        self._at = at
-        return next(self._speeds, None)
-
-    def _arrive(self) -> Iterator[float | Instruction]:
-        """Yield the speed for each frame until the robot has arrived."""
-        if abs(self._at.left) <= self._tolerance:
-            return
-        yield from self._drive(copysign(1.0, self._at.left))
-        corrections = 0
-        while abs(left := self._at.left) > self._tolerance and corrections < MAX_CORRECTIONS:
-            self.correcting = True
-            yield 0.0
-            sign, by_push = copysign(1.0, left), abs(left) < PUSH_DISTANCE
-            yield from self._push(left) if by_push else self._drive(sign)
-            went = (left - self._at.left) * sign
-            if went < MIN_CORRECTED * abs(left) and self._creep < self._faster():
-                self._creep = self._faster()  # and it was no correction
-                continue
-            if by_push:
-                self._learned.pushed(abs(left), went)
-            corrections += 1
-
-    def _drive(self, sign: float) -> Iterator[float | Instruction]:
-        """Drive until a stop leaves the robot at the end of the way; stop, and learn the coast."""
-        speed = crept = 0.0
-        while True:
-            at = self._at
-            pace = max(0.0, at.speed * sign)
-            ahead = at.left * sign
-            coast = pace * self._learned.coast
-            if ahead <= coast:
-                break
-            unsure = min(UNCERTAINTY_GAIN * at.deviation, MAX_UNCERTAINTY)
-            room = max(ahead - coast - CREEP_DISTANCE - unsure, 0.0)
-            wanted = min(self._top, sqrt(self._creep ** 2 + 2 * self._down * room),
-                         speed + self._up * at.dt)
-            if self.correcting or room < FINAL_DISTANCE:
-                wanted = min(wanted, speed)
-            speed = max(wanted, self._creep)
-            stuck = speed == self._creep and pace < STANDSTILL
-            crept = crept + at.dt if stuck else 0.0
-            if crept > STUCK_TIME:
-                crept, self._creep = 0.0, self._faster()
-            yield sign * speed
-        yield 0.0
-        yield from self._settle()
-        if pace > CREEP / 2:
-            self._learned.stopped(pace, (at.left - self._at.left) * sign)
-
-    def _push(self, way: float) -> Iterator[float | Instruction]:
-        """Push the robot a short way, m: for a set time, rounded to frames."""
-        left = abs(way) / self._creep / self._learned.push
-        while left > self._at.dt / 2:
-            left -= self._at.dt
-            yield copysign(self._creep, way)
-        yield 0.0
-        yield from self._settle()
-
-    def _settle(self) -> Iterator[float | Instruction]:
-        """Wait until the robot stands and its place is known."""
-        stood, confirmed = 0.0, inf
-        while True:
-            stood = stood + self._at.dt if abs(self._at.speed) < STANDSTILL else 0.0
-            if self._at.measured and stood > SETTLE_TIME:
-                confirmed = min(confirmed, stood)
-            if stood >= min(confirmed + BLEND_TIME, MAX_SETTLE_TIME):
-                return
-            yield Instruction.MEASURE if stood > SETTLE_TIME and confirmed == inf else 0.0
-
-    def _faster(self) -> float:
-        """Return the next speed to creep at."""
-        return min(self._creep + CREEP_STEP, MAX_CREEP, self._top)
 
 
 class Place(NamedTuple):
@@ -233,77 +91,173 @@ class Leg(ABC):
 
     forward = False
     """Whether it leads forward."""
+    in_place = False
+    """Whether it is a turn in place."""
 
-    def __init__(self, estimate: Estimate, way: float, approach: Approach) -> None:
-        self._last = estimate
-        self._left = way
-        self._approach = approach
+    def __init__(self, view: View, way: float, top: float, tolerance: float, limit: float,
+                 learned: StoppingModel) -> None:
+        """
+        Drive a way, m of the faster wheel, at a top speed, m/s, and stop within a tolerance, m.
+
+        `limit` is the highest acceleration of that wheel, m/s²; 0: none is set.
+        """
+        self._view = view
+        self._whole = self._left = way
+        self._pace = 0.0
+        """m/s of the faster wheel, now."""
+        self._top = min(top, view.limits.max_wheel_speed)
+        self.allowed = self._top / top
+        """Part of the top speed that `max_wheel_speed` allows."""
+        self._tolerance = tolerance
+        self._learned = learned
+        self._up = min(ACCELERATION, limit or ACCELERATION)
+        self._down = min(BRAKING, limit or BRAKING)
+        self._creep = min(CREEP, self._top)
+        self.correcting = False
+        """Whether the robot creeps on or back, after a stop."""
         self._least = inf
         """The least variance of the odometry since the start, m²."""
+        self._deviation = 0.0
+        """Standard deviation of what is left, m."""
+        self._speeds = self._arrive()
 
     def step(self, view: View) -> Velocity | Instruction | None:
         """Return the velocity until the next frame, or MEASURE; None: the robot is there."""
         place = self._locate(view.estimate)
-        self._last = view.estimate
-        self._left -= place.went
+        self._view, self._left, self._pace = view, self._left - place.went, place.pace
         self._least = min(self._least, place.variance)
-        speed = self._approach.step(Remaining(
-            self._left, place.pace, sqrt(max(0.0, place.variance - self._least)), view.dt,
-            view.measured))
+        self._deviation = sqrt(max(0.0, place.variance - self._least))
+        speed = next(self._speeds, None)
         if not isinstance(speed, float):
             return speed
         velocity = self._velocity(speed)
-        if self._approach.correcting:  # too short a way to steer
+        if self.correcting:  # too short a way to steer
             return velocity
         return velocity._replace(angular=velocity.angular + steering(
             velocity.linear, place.aside, place.off))
 
     def seconds(self) -> float:
         """Return how long what is left takes at most, about."""
-        return self._approach.seconds(self._left)
+        ramps = self._top / 2 * (1 / self._up + 1 / self._down)
+        settling = (1 + MAX_CORRECTIONS) * (MAX_SETTLE_TIME + PUSH_DISTANCE / self._creep)
+        return abs(self._left) / self._top + ramps + settling
 
-    @property
-    def distance(self) -> float:
-        """Metres that are left, signed."""
-        return 0.0
+    @abstractmethod
+    def progress(self, phase: Phase | None = None) -> Progress:
+        """Return what is left, in a phase of the goal."""
 
-    @property
-    def angle(self) -> float:
-        """Radians that are left, signed."""
-        return 0.0
+    @abstractmethod
+    def way(self) -> str:
+        """Say how far the robot has got."""
+
+    @abstractmethod
+    def done(self) -> str:
+        """Say what was done."""
 
     @abstractmethod
     def _locate(self, estimate: Estimate) -> Place:
-        """Return where an estimate is, after `_last`."""
+        """Return where an estimate is, after that of `_view`."""
 
     @abstractmethod
     def _velocity(self, speed: float) -> Velocity:
         """Return the velocity for a speed along the leg."""
 
+    def _arrive(self) -> Iterator[float | Instruction]:
+        """Yield the speed for each frame until the robot has arrived."""
+        if abs(self._left) <= self._tolerance:
+            return
+        yield from self._drive(copysign(1.0, self._left))
+        corrections = 0
+        while abs(left := self._left) > self._tolerance and corrections < MAX_CORRECTIONS:
+            self.correcting = True
+            yield 0.0
+            sign, by_push = copysign(1.0, left), abs(left) < PUSH_DISTANCE
+            yield from self._push(left) if by_push else self._drive(sign)
+            went = (left - self._left) * sign
+            if went < MIN_CORRECTED * abs(left) and self._creep < self._faster():
+                self._creep = self._faster()  # and it was no correction
+                continue
+            if by_push:
+                self._learned.pushed(abs(left), went)
+            corrections += 1
+
+    def _drive(self, sign: float) -> Iterator[float | Instruction]:
+        """Drive until a stop leaves the robot at the end of the way; stop, and learn the coast."""
+        speed = crept = 0.0
+        while True:
+            pace, ahead = max(0.0, self._pace * sign), self._left * sign
+            coast = pace * self._learned.coast
+            if ahead <= coast:
+                break
+            unsure = min(UNCERTAINTY_GAIN * self._deviation, MAX_UNCERTAINTY)
+            room = max(ahead - coast - CREEP_DISTANCE - unsure, 0.0)
+            wanted = min(self._top, sqrt(self._creep ** 2 + 2 * self._down * room),
+                         speed + self._up * self._view.dt)
+            if self.correcting or room < FINAL_DISTANCE:
+                wanted = min(wanted, speed)
+            speed = max(wanted, self._creep)
+            stuck = speed == self._creep and pace < STANDSTILL
+            crept = crept + self._view.dt if stuck else 0.0
+            if crept > STUCK_TIME:
+                crept, self._creep = 0.0, self._faster()
+            yield sign * speed
+        yield 0.0
+        yield from self._settle()
+        if pace > CREEP / 2:
+            self._learned.stopped(pace, ahead - self._left * sign)
+
+    def _push(self, way: float) -> Iterator[float | Instruction]:
+        """Push the robot a short way, m: for a set time, rounded to frames."""
+        left = abs(way) / self._creep / self._learned.push
+        while left > self._view.dt / 2:
+            left -= self._view.dt
+            yield copysign(self._creep, way)
+        yield 0.0
+        yield from self._settle()
+
+    def _settle(self) -> Iterator[float | Instruction]:
+        """Wait until the robot stands and its place is known."""
+        stood, confirmed = 0.0, inf
+        while True:
+            stood = stood + self._view.dt if abs(self._pace) < STANDSTILL else 0.0
+            if self._view.measured and stood > SETTLE_TIME:
+                confirmed = min(confirmed, stood)
+            if stood >= min(confirmed + BLEND_TIME, MAX_SETTLE_TIME):
+                return
+            yield Instruction.MEASURE if stood > SETTLE_TIME and confirmed == inf else 0.0
+
+    def _faster(self) -> float:
+        """Return the next speed to creep at."""
+        return min(self._creep + CREEP_STEP, MAX_CREEP, self._top)
+
 
 class Straight(Leg):
     """A straight line, forwards or backwards."""
 
-    def __init__(
-        self, estimate: Estimate, distance: float, heading: float, top: float,
-        learned: StoppingModel, limits: MotionLimits,
-    ) -> None:
-        """Drive a distance, m, along a heading, rad; negative: backwards."""
-        super().__init__(estimate, distance, Approach(
-            min(top, limits.max_wheel_speed), STRAIGHT_TOLERANCE, learned,
-            limits.linear_acceleration))
+    def __init__(self, view: View, distance: float, heading: float, top: float) -> None:
+        """Drive a distance, m, along a heading, rad, at m/s at most; negative: backwards."""
+        super().__init__(view, distance, top, STRAIGHT_TOLERANCE,
+                         view.limits.linear_acceleration, view.straight)
         self.forward = distance > 0
         self._heading = heading
         self._aside = 0.0
 
-    @property
-    def distance(self) -> float:
-        """Metres that are left, signed."""
-        return self._left
+    def progress(self, phase: Phase | None = None) -> Progress:
+        """Return the distance that is left."""
+        return Progress(distance=abs(self._left), phase=phase)
+
+    def way(self) -> str:
+        """Say how far the robot has got, in metres."""
+        return f'{abs(self._whole - self._left):.2f} m'
+
+    def done(self) -> str:
+        """Say what was done, in metres."""
+        return f'drove {self._whole - self._left:.3f} m'
 
     def _locate(self, estimate: Estimate) -> Place:
         c, s = cos(self._heading), sin(self._heading)
-        dx, dy = estimate.x - self._last.x, estimate.y - self._last.y
+        last = self._view.estimate
+        dx, dy = estimate.x - last.x, estimate.y - last.y
         self._aside += dy * c - dx * s
         xx, xy, _, _, yy, *_ = estimate.pose_covariance
         return Place(
@@ -321,39 +275,50 @@ class Arc(Leg):
     On a radius of 0 it is a turn in place.
     """
 
-    def __init__(
-        self, estimate: Estimate, angle: float, radius: float, direction: int, top: float,
-        learned: StoppingModel, limits: MotionLimits,
-    ) -> None:
+    def __init__(self, view: View, angle: float, radius: float, direction: int,
+                 top: float) -> None:
         """
         Turn by an angle, rad, on a circle of a radius, m, at this many rad/s at most.
 
         `direction` is 1 for forwards and -1 for backwards.
         """
+        limits, at = view.limits, view.estimate
         self._reach = radius + limits.wheel_separation / 2
         caps = [limits.angular_acceleration * self._reach]
         if radius:
             caps.append(limits.linear_acceleration / radius * self._reach)
-        super().__init__(estimate, angle * self._reach, Approach(
-            min(top * self._reach, limits.max_wheel_speed), TURN_TOLERANCE * self._reach, learned,
-            min(filter(None, caps), default=0.0)))
-        self.forward = radius > 0 and direction > 0
+        super().__init__(view, angle * self._reach, top * self._reach,
+                         TURN_TOLERANCE * self._reach, min(filter(None, caps), default=0.0),
+                         view.turning)
+        self.forward, self.in_place = radius > 0 and direction > 0, radius == 0
         self._radius = radius
         self._side = direction * copysign(1.0, angle)
         """1 where the circle's centre is on the robot's left, -1 on its right."""
-        self._centre = (estimate.x - self._side * radius * sin(estimate.yaw),
-                        estimate.y + self._side * radius * cos(estimate.yaw))
+        self._centre = (at.x - self._side * radius * sin(at.yaw),
+                        at.y + self._side * radius * cos(at.yaw))
 
     @property
-    def angle(self) -> float:
-        """Radians that are left, signed."""
-        return self._left / self._reach
+    def _turned(self) -> float:
+        return (self._whole - self._left) / self._reach
+
+    def progress(self, phase: Phase | None = None) -> Progress:
+        """Return the angle that is left."""
+        return Progress(angle=abs(self._left / self._reach), phase=phase)
+
+    def way(self) -> str:
+        """Say how far the robot has got, in degrees."""
+        return f'{abs(degrees(self._turned)):.0f} degrees'
+
+    def done(self) -> str:
+        """Say what was done, in radians and degrees."""
+        circle = f' on a radius of {self._radius:g} m' if self._radius else ''
+        return f'turned by {self._turned:.3f} rad ({degrees(self._turned):.1f} degrees){circle}'
 
     def _locate(self, estimate: Estimate) -> Place:
         x, y = estimate.x - self._centre[0], estimate.y - self._centre[1]
         tangent = atan2(y, x) + self._side * pi / 2
         return Place(
-            remainder(estimate.yaw - self._last.yaw, tau) * self._reach,
+            remainder(estimate.yaw - self._view.estimate.yaw, tau) * self._reach,
             estimate.angular * self._reach, estimate.pose_covariance[8] * self._reach ** 2,
             self._side * (self._radius - hypot(x, y)), remainder(estimate.yaw - tangent, tau))
 

@@ -1,30 +1,37 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Goals that lead somewhere by the odometry: a distance, an angle, an arc, a place."""
+"""
+Goals that drive: a distance, an angle, an arc, a place by the odometry; and along a wall.
+
+How strong a wall's signal is depends on its colour, but the robot itself says whether it sees a
+wall. So it bends away while it does and towards the wall while it does not. At a touch it backs
+off a little and turns left.
+"""
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from math import atan2, degrees, hypot, remainder, tau
+from math import atan2, hypot, inf, remainder, tau
 from typing import NamedTuple
 
-from ..events import MotionLimits
+from ..motion import Velocity
 from .goal import (
+    bumps,
     check_finite,
     check_range,
-    check_speed,
-    check_turning,
     Code,
     DrivingGoal,
     Malformed,
     MAX_ANGLE,
     MAX_DISTANCE,
+    MIN_SPEED,
+    MIN_TURN_RATE,
     Order,
     Over,
     Phase,
     Progress,
     ROUNDING,
 )
-from .legs import Arc, Leg, StoppingModel, Straight, STRAIGHT_TOLERANCE
+from .legs import Arc, Leg, Straight, STRAIGHT_TOLERANCE
 
 Legs = Iterator[tuple[Phase | None, Leg]]
 MANY_TURNS = 4
@@ -34,76 +41,64 @@ MANY_TURNS = 4
 class MotionGoal(DrivingGoal):
     """A motion of one or more legs; each is made when the one before has ended."""
 
-    _leg: Leg | None = None
+    leg: Leg | None = None
     """The leg that was begun last."""
 
-    def obstacle(self) -> Over | None:
-        """Return why the motion cannot begin; work out how long it may take."""
-        over = super().obstacle()
-        if over is None and self.allowance == 0:
-            self.allowance = 2 * sum(leg.seconds() for _, leg in self._legs())
-        return over
+    def __init__(self, allowance: float, direction: int = 0, *, speed: float = MIN_SPEED,
+                 turning: float = MIN_TURN_RATE) -> None:
+        """Take the highest m/s and rad/s; a goal that only drives, or turns, needs one of them."""
+        super().__init__(allowance, direction)
+        check_range('max_translation_speed', speed, 'm/s', MIN_SPEED)
+        check_range('max_rotation_speed', turning, 'rad/s', MIN_TURN_RATE)
+        self.speed, self.turning = speed, turning
 
     def orders(self) -> Iterator[Order]:
-        """Follow one leg after the other."""
-        slowed = self._slowed(self.view.limits)
-        for phase, leg in self._legs():
-            self._leg, self.forward = leg, leg.forward
+        """Work out how long the motion may take, and follow one leg after the other."""
+        self.allowance = self.allowance or 2 * sum(leg.seconds() for _, leg in self.legs())
+        slowed: list[str] = []
+        for phase, leg in self.legs():
+            self.leg, self.forward = leg, leg.forward
+            if self._slowed(leg) not in slowed:
+                slowed.append(self._slowed(leg))
             while (order := leg.step(self.view)) is not None:
-                self.progress = Progress(abs(leg.distance), abs(leg.angle), phase)
+                self.progress = leg.progress(phase)
                 yield order
-        yield Over(Code.NONE, self._done() + slowed)
+        yield Over(Code.NONE, self.done() + ''.join(slowed))
 
     @abstractmethod
-    def _legs(self) -> Legs:
+    def legs(self) -> Legs:
         """Yield the legs, each made where the robot is when its turn comes."""
 
-    @abstractmethod
-    def _slowed(self, limits: MotionLimits) -> str:
-        """Say which speeds are too fast, and what is used instead; empty where none is."""
+    def _slowed(self, leg: Leg) -> str:
+        """Say that a speed is too fast for a leg; empty where it is not."""
+        name, speed, unit = (('max_rotation_speed', self.turning, 'rad/s') if leg.in_place else
+                             ('max_translation_speed', self.speed, 'm/s'))
+        return '' if leg.allowed * (1 + ROUNDING) >= 1 else (
+            f'; slowed to {leg.allowed * speed:.2f} {unit}: {name} = {speed:g} is beyond '
+            'max_wheel_speed')
 
     def way(self, seconds: float) -> str:
         """Say how far the robot has got."""
-        return 'at the start' if self._leg is None else self._went()
+        return 'at the start' if self.leg is None else f'after {self.leg.way()}'
 
-    @abstractmethod
-    def _went(self) -> str:
-        """Say how far the robot has got, on its first leg or a later one."""
-
-    @abstractmethod
-    def _done(self) -> str:
+    def done(self) -> str:
         """Say what was done, after the last leg."""
-
-    @property
-    def _present(self) -> Leg:
-        assert self._leg is not None
-        return self._leg
+        assert self.leg is not None
+        return self.leg.done()
 
 
 class DriveDistance(MotionGoal):
     """Drive straight; a negative distance is backwards."""
 
-    def __init__(self, distance: float, speed: float, allowance: float,
-                 learned: StoppingModel) -> None:
+    def __init__(self, distance: float, speed: float, allowance: float) -> None:
         """Take metres, m/s and seconds; Malformed says what no robot could follow."""
         check_range('distance', distance, 'm', -MAX_DISTANCE, MAX_DISTANCE)
-        check_speed(speed)
-        super().__init__(allowance, (distance > 0) - (distance < 0))
-        self._distance, self._speed, self._learned = distance, speed, learned
+        super().__init__(allowance, (distance > 0) - (distance < 0), speed=speed)
+        self._distance = distance
 
-    def _legs(self) -> Legs:
-        at = self.view.estimate
-        yield None, Straight(
-            at, self._distance, at.yaw, self._speed, self._learned, self.view.limits)
-
-    def _slowed(self, limits: MotionLimits) -> str:
-        return slowed('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
-
-    def _went(self) -> str:
-        return f'after {abs(self._distance - self._present.distance):.2f} m'
-
-    def _done(self) -> str:
-        return f'drove {self._distance - self._present.distance:.3f} m'
+    def legs(self) -> Legs:
+        """Yield the straight line."""
+        yield None, Straight(self.view, self._distance, self.view.estimate.yaw, self.speed)
 
 
 class Circle(NamedTuple):
@@ -112,75 +107,45 @@ class Circle(NamedTuple):
     angle: float
     """Radians by which the robot turns, counter-clockwise."""
     radius: float
-    """Metres; 0: it turns in place."""
+    """Metres."""
     direction: int
     """1 for forwards, -1 for backwards."""
 
 
-class TurningGoal(MotionGoal):
-    """A turn by an angle, in place or on a circle; any number of turns."""
+class RotateAngle(MotionGoal):
+    """Turn in place, counter-clockwise; any number of turns."""
 
-    def __init__(self, circle: Circle, turning: float, allowance: float,
-                 learned: StoppingModel) -> None:
-        """Take a circle, rad/s and seconds."""
-        super().__init__(allowance, circle.direction if circle.radius else 0)
-        self._circle, self._turning, self._learned = circle, turning, learned
-        turns = abs(circle.angle) / tau
-        if turns > MANY_TURNS:
-            self.hint = f'{circle.angle:g} rad is {turns:.1f} turns: degrees?'
-
-    def _legs(self) -> Legs:
-        yield None, Arc(self.view.estimate, *self._circle, self._turning, self._learned,
-                        self.view.limits)
-
-    def _went(self) -> str:
-        return f'after {abs(degrees(self._circle.angle - self._present.angle)):.0f} degrees'
-
-    def _done(self) -> str:
-        turned = self._circle.angle - self._present.angle
-        return f'turned by {turned:.3f} rad ({degrees(turned):.1f} degrees)'
-
-
-class RotateAngle(TurningGoal):
-    """Turn in place, counter-clockwise."""
-
-    def __init__(self, angle: float, speed: float, allowance: float,
-                 learned: StoppingModel) -> None:
+    def __init__(self, angle: float, speed: float, allowance: float) -> None:
         """Take radians, rad/s and seconds; Malformed says what no robot could follow."""
-        check_range('angle', angle, 'rad', -MAX_ANGLE, MAX_ANGLE)
-        check_turning(speed)
-        super().__init__(Circle(angle, 0.0, 1), speed, allowance, learned)
+        super().__init__(allowance, turning=speed)
+        self.hint = check_angle(angle)
+        self._angle = angle
 
-    def _slowed(self, limits: MotionLimits) -> str:
-        return slowed('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s')
+    def legs(self) -> Legs:
+        """Yield the turn."""
+        yield None, Arc(self.view, self._angle, 0.0, 1, self.turning)
 
 
-class DriveArc(TurningGoal):
-    """Drive on a circle."""
+class DriveArc(MotionGoal):
+    """Drive on a circle; any number of turns."""
 
-    def __init__(self, circle: Circle, speed: float, allowance: float,
-                 learned: StoppingModel) -> None:
+    def __init__(self, circle: Circle, speed: float, allowance: float) -> None:
         """Take a circle, m/s and seconds; Malformed says what no robot could follow."""
-        check_range('angle', circle.angle, 'rad', -MAX_ANGLE, MAX_ANGLE)
+        super().__init__(allowance, circle.direction, speed=speed)
+        self.hint = check_angle(circle.angle)
         check_finite('radius', circle.radius, 'm')
         if circle.radius <= 0:
             raise Malformed(f'radius = {circle.radius:g} m; allowed: above 0')
         length = circle.angle * circle.radius
         check_range('length of the arc', length, 'm', -MAX_DISTANCE, MAX_DISTANCE)
-        check_speed(speed)
         if circle.direction not in (1, -1):
             raise Malformed(f'translate_direction = {circle.direction}; allowed: 1 forward, '
                             '-1 backward')
-        super().__init__(circle, speed / circle.radius, allowance, learned)
-        self._speed = speed
+        self._circle = circle
 
-    def _slowed(self, limits: MotionLimits) -> str:
-        radius = self._circle.radius
-        most = limits.max_wheel_speed * radius / (radius + limits.wheel_separation / 2)
-        return slowed('max_translation_speed', self._speed, most, 'm/s')
-
-    def _done(self) -> str:
-        return f'{super()._done()} on a radius of {self._circle.radius:g} m'
+    def legs(self) -> Legs:
+        """Yield the arc."""
+        yield None, Arc(self.view, *self._circle, self.speed / self._circle.radius)
 
 
 class TargetPose(NamedTuple):
@@ -195,32 +160,27 @@ class TargetPose(NamedTuple):
 class NavigateToPosition(MotionGoal):
     """Turn to a place, drive there straight, and turn to a heading."""
 
-    def __init__(self, place: TargetPose, speed: float, turning: float, allowance: float,
-                 learned: StoppingModel, learned_turning: StoppingModel) -> None:
+    def __init__(self, place: TargetPose, speed: float, turning: float,
+                 allowance: float) -> None:
         """Take a place, m/s, rad/s and seconds; Malformed says what no robot could follow."""
         check_range('goal_pose.position.x', place.x, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         check_range('goal_pose.position.y', place.y, 'm', -MAX_DISTANCE, MAX_DISTANCE)
         check_finite('heading of goal_pose', place.heading or 0.0, 'rad')
-        check_speed(speed)
-        check_turning(turning)
-        super().__init__(allowance)
-        self._place, self._speed, self._turning = place, speed, turning
-        self._learned, self._learned_turning = learned, learned_turning
+        super().__init__(allowance, speed=speed, turning=turning)
+        self._place = place
 
-    def _legs(self) -> Legs:
+    def legs(self) -> Legs:
         """Yield a turn and a straight line to the place, unless the robot is there, and a turn."""
         if self._far > STRAIGHT_TOLERANCE:
             yield Phase.TURNING_TO_PLACE, self._turn_to(self._direction_to_place)
             yield Phase.DRIVING, Straight(
-                self.view.estimate, self._far, self._direction_to_place, self._speed,
-                self._learned, self.view.limits)
+                self.view, self._far, self._direction_to_place, self.speed)
         if self._place.heading is not None:
             yield Phase.TURNING_TO_HEADING, self._turn_to(self._place.heading)
 
     def _turn_to(self, heading: float) -> Arc:
-        at = self.view.estimate
-        return Arc(at, remainder(heading - at.yaw, tau), 0.0, 1, self._turning,
-                   self._learned_turning, self.view.limits)
+        turn = remainder(heading - self.view.estimate.yaw, tau)
+        return Arc(self.view, turn, 0.0, 1, self.turning)
 
     @property
     def _far(self) -> float:
@@ -232,25 +192,88 @@ class NavigateToPosition(MotionGoal):
         at = self.view.estimate
         return atan2(self._place.y - at.y, self._place.x - at.x)
 
-    def _slowed(self, limits: MotionLimits) -> str:
-        return (slowed('max_translation_speed', self._speed, limits.max_wheel_speed, 'm/s')
-                + slowed('max_rotation_speed', self._turning, fastest_turn(limits), 'rad/s'))
+    def way(self, seconds: float) -> str:
+        """Say how far the robot is from the place."""
+        return 'at the start' if self.leg is None else f'{self._far:.2f} m from the goal'
 
-    def _went(self) -> str:
-        return f'{self._far:.2f} m from the goal'
-
-    def _done(self) -> str:
+    def done(self) -> str:
+        """Say where the robot is."""
         at = self.view.estimate
         return f'at x {at.x:.3f} m, y {at.y:.3f} m, {self._far:.3f} m from the goal'
 
 
-def fastest_turn(limits: MotionLimits) -> float:
-    """Return the rad/s at which both wheels run at their limit."""
-    return 2 * limits.max_wheel_speed / limits.wheel_separation
+def check_angle(angle: float) -> str:
+    """Refuse radians that no robot could turn; return what may be a mistake, else nothing."""
+    check_range('angle', angle, 'rad', -MAX_ANGLE, MAX_ANGLE)
+    turns = abs(angle) / tau
+    return f'{angle:g} rad is {turns:.1f} turns: degrees?' if turns > MANY_TURNS else ''
 
 
-def slowed(name: str, speed: float, most: float, unit: str) -> str:
-    """Say that a speed is too fast; empty where it is not."""
-    if speed <= most * (1 + ROUNDING):
-        return ''
-    return f'; slowed to {most:.2f} {unit}: {name} = {speed:g} is beyond max_wheel_speed'
+RIGHT = -1
+"""The side of the sensor, as the action has it."""
+SPEED, BEND = 0.15, 0.35
+"""m/s, and rad/s along a wall."""
+CORNER = 0.6
+"""rad/s to the right where the wall has ended: round its end, on a circle of 25 cm."""
+WALL_ENDED_TIME, ENGAGED = 0.5, 2.0
+"""Seconds without the wall after which it has ended, and after which none is followed."""
+MINUTE = 60.0
+BACK_OFF = ((Velocity(-0.1, 0.0), 0.4), (Velocity(0.0, 1.2), 0.5))
+"""Velocities after a touch, and for how many seconds: back a little, then turn left."""
+
+
+class WallFollow(DrivingGoal):
+    """Follow a wall for a while."""
+
+    def __init__(self, side: int, runtime: float, allowance: float) -> None:
+        """Take the side, and seconds; Malformed says what this robot could not follow."""
+        super().__init__(allowance, direction=1, bumper=False)
+        if side != RIGHT:
+            raise Malformed(f'follow_side = {side}; allowed: {RIGHT}, the right: there is the '
+                            'only wall sensor')
+        check_range('max_runtime', runtime, 's', 0.0)
+        self._runtime = runtime or MINUTE
+        self.allowance = self.allowance or 2 * self._runtime
+        self._seen_at = -inf
+        """When the wall was seen or touched last, s."""
+        self.progress = Progress(phase=Phase.SEARCHING)
+
+    def orders(self) -> Iterator[Order]:
+        """Follow the wall until the time is over."""
+        begun_at, velocities = self.view.now, self._velocities()
+        while self.view.now - begun_at < self._runtime:
+            self._look()
+            velocity = next(velocities)
+            self.forward = velocity.linear > 0
+            yield velocity
+        yield Over(Code.NONE, f'followed for {self._runtime:g} s')
+
+    def _look(self) -> None:
+        if self._touches or self._sees:
+            self._seen_at = self.view.now
+        engaged = self.view.now - self._seen_at <= ENGAGED
+        self.progress = Progress(phase=Phase.ENGAGED if engaged else Phase.SEARCHING)
+
+    @property
+    def _touches(self) -> bool:
+        return bool(bumps(self.view.readings))
+
+    @property
+    def _sees(self) -> bool:
+        return bool(self.view.readings.number('wall', 0))
+
+    def _velocities(self) -> Iterator[Velocity]:
+        """Yield a velocity for each frame."""
+        while True:
+            if self._touches:
+                for velocity, seconds in BACK_OFF:
+                    since = self.view.now
+                    while self.view.now - since < seconds:
+                        yield velocity
+            unseen = self.view.now - self._seen_at
+            if unseen == inf:
+                yield Velocity(SPEED, 0.0)
+            elif self._sees:
+                yield Velocity(SPEED, BEND)
+            else:
+                yield Velocity(SPEED, -CORNER if unseen > WALL_ENDED_TIME else -BEND)
