@@ -140,10 +140,9 @@ class FrameRate:
         begun, before = self._begun, self.problem
         if begun is not None and now < begun + WINDOW:
             return False
-        frames = self._counts.frames - self._frames
-        garbage = self._counts.garbage_bytes - self._garbage
-        self._begun, self._frames, self._garbage = now, frames + self._frames, (
-            garbage + self._garbage)
+        counts = self._counts
+        frames, garbage = counts.frames - self._frames, counts.garbage_bytes - self._garbage
+        self._begun, self._frames, self._garbage = now, counts.frames, counts.garbage_bytes
         if begun is None:
             return False
         wanted = (now - begun) / SLOT
@@ -328,11 +327,11 @@ class Connection:
 
         True when the robot obeys again: then what it may have missed must be sent again.
         """
-        core, watch, news = self._core, self._core.watch, None
-        if core.state.takes_commands:
-            news = watch.check(missed_since, now)
-        else:
+        core, watch = self._core, self._core.watch
+        if not core.state.takes_commands:
             watch.restart()
+            return False
+        news = watch.check(missed_since, now)
         if news is CommandNews.SUSPECT:
             self._probe.begin(now)
         elif news is CommandNews.WAKE:
