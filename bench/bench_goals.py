@@ -77,7 +77,7 @@ def pursue(journey: Journey, kind: str, name: str, way: float, speed: float) -> 
     begun_at, begun = journey.now, place()
     goal = goal_of(journey, name, way, speed)
     running = journey.driver.goals.start(goal, journey.now)
-    while running.ending is None and journey.now - begun_at < PATIENCE:
+    while running.outcome is None and journey.now - begun_at < PATIENCE:
         journey.go()
     for _ in range(round(REST / oi.SLOT) * 3):
         journey.go()

@@ -174,7 +174,7 @@ def cancel_show(driver: Driver, shown: Tune | Animation, _now: float, *, gone: b
 
 def fill_ending(result: Any, goal: Goal) -> str:
     """Fill in how a goal ended, but for the header of the pose; return that for the log."""
-    ending = goal.ending
+    ending = goal.outcome
     assert ending is not None
     result.success = ending.code is Code.NONE
     result.error_code = ending.code

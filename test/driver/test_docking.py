@@ -50,14 +50,14 @@ def said(loop: Loop) -> str:
 def test_the_dock_is_found_and_the_battery_charges():
     loop = met()
     running, phases, beams = start(loop, Dock(0.0)), [], set()
-    while running.ending is None:
+    while running.outcome is None:
         loop.turn()
         beams.add(running.progress.infrared)
         if running.progress.phase not in phases[-1:]:
             phases.append(running.progress.phase)
-    assert running.ending.code is Code.NONE
-    assert running.ending.docked
-    assert 'the battery charges' in running.ending.text
+    assert running.outcome.code is Code.NONE
+    assert running.outcome.docked
+    assert 'the battery charges' in running.outcome.text
     assert {Phase.SEES_DOCK, Phase.CHARGING} <= set(phases)
     assert any(beam > 240 for beam in beams)
     assert loop.robot.mode is oi.Mode.PASSIVE
@@ -101,7 +101,7 @@ def test_a_search_is_canceled_and_the_robot_obeys_again():
     assert loop.driver.state.activity is Activity.DOCKING
     loop.driver.goals.cancel(running, loop.now)
     loop.run(0.3)
-    assert running.ending.code is Code.CANCELED
+    assert running.outcome.code is Code.CANCELED
     assert (loop.robot.demo, loop.robot.mode) == (None, oi.Mode.SAFE)
     assert pursue(loop, distance(-0.1)).code is Code.NONE
 
@@ -112,7 +112,7 @@ def test_a_stop_ends_a_search():
     loop.run(3.0)
     loop.driver.stop(loop.now)
     loop.run(0.1)
-    assert running.ending.code is Code.STOPPED
+    assert running.outcome.code is Code.STOPPED
     assert loop.robot.demo is None
 
 
@@ -121,7 +121,7 @@ def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
     running = start(loop, Dock(0.0))
     loop.run(3.0)
     loop.drive(-0.1, 0.0, 1.0)
-    assert running.ending.code is Code.SUPERSEDED
+    assert running.outcome.code is Code.SUPERSEDED
     assert loop.body.truth().speed == pytest.approx(-0.1, abs=0.01)
     assert 'not driving' not in said(loop)
 
@@ -135,7 +135,7 @@ def test_set_mode_and_a_demo_take_over_from_a_search():
         loop.run(3.0)
         take_over(loop)
         loop.run(0.1)
-        assert running.ending.code is Code.SUPERSEDED
+        assert running.outcome.code is Code.SUPERSEDED
 
 
 def test_a_lifted_robot_searches_for_nothing():
@@ -144,7 +144,7 @@ def test_a_lifted_robot_searches_for_nothing():
     loop.run(3.0)
     loop.body.lift(True)
     loop.run(0.1)
-    assert running.ending.code is Code.WHEEL_DROP
+    assert running.outcome.code is Code.WHEEL_DROP
     assert pursue(loop, Dock(0.0)).code is Code.WHEEL_DROP
 
 
@@ -154,8 +154,8 @@ def test_a_robot_whose_mode_is_not_known_searches_for_nothing():
     loop.run(3.0)
     loop.forged = {'oi_mode': 9}
     loop.run(0.3)
-    assert running.ending.code is Code.MODE
-    assert 'switch the robot off and on' in running.ending.text
+    assert running.outcome.code is Code.MODE
+    assert 'switch the robot off and on' in running.outcome.text
     assert loop.robot.demo is None
 
 
@@ -173,12 +173,12 @@ def test_a_robot_that_safe_lets_go_leaves_in_safe():
 def test_a_robot_that_safe_holds_leaves_by_full_says_so_and_returns_to_safe(guesses, mode):
     loop = docked(guesses, mode)
     running, in_full_off_dock = start(loop, undock()), 0.0
-    while running.ending is None:
+    while running.outcome is None:
         loop.turn()
         if loop.robot.mode is oi.Mode.FULL and not loop.body.sense().home_base:
             in_full_off_dock += 0.005
-    assert running.ending.code is Code.NONE
-    assert 'by FULL, now in SAFE again' in running.ending.text
+    assert running.outcome.code is Code.NONE
+    assert 'by FULL, now in SAFE again' in running.outcome.text
     assert 'leaves the dock in FULL, then returns to SAFE' in said(loop)
     assert in_full_off_dock < 0.1
     assert 0.44 < loop.body.truth().pose.x < 0.6, 'it was held while it believed to leave'
@@ -222,8 +222,8 @@ def test_a_bump_ends_the_way_from_the_dock():
     loop.run(1.0)
     loop.body.force(bump_left=1)
     loop.run(0.1)
-    assert running.ending.code is Code.BUMP
-    assert running.ending.text.startswith('stopped after 0.0')
+    assert running.outcome.code is Code.BUMP
+    assert running.outcome.text.startswith('stopped after 0.0')
 
 
 def test_a_dock_that_presses_the_bumper_again_does_not_end_it():
@@ -235,7 +235,7 @@ def test_a_dock_that_presses_the_bumper_again_does_not_end_it():
         loop.body.force(seconds=0.1, bump_left=pressed, bump_right=pressed)
         loop.run(0.1)
     until_ended(loop, running)
-    assert running.ending.code is Code.NONE, running.ending.text
+    assert running.outcome.code is Code.NONE, running.outcome.text
 
 
 def test_contacts_that_are_felt_for_ever_are_said():

@@ -49,7 +49,7 @@ def test_an_ending_says_how_far_the_robot_has_got(make, says):
     loop = met()
     running = moving(loop, make())
     loop.driver.goals.cancel(running, loop.now)
-    assert fullmatch(f'stopped {says}; canceled', running.ending.text)
+    assert fullmatch(f'stopped {says}; canceled', running.outcome.text)
 
 
 def test_a_goal_that_ends_before_its_first_step_has_got_nowhere():
@@ -59,11 +59,11 @@ def test_a_goal_that_ends_before_its_first_step_has_got_nowhere():
 def test_a_goal_that_moves_on_or_never_moved_is_not_said_to_have_stopped():
     loop = met()
     first, second = moving(loop), moving(loop)
-    assert first.ending.text.startswith('ended after 0.')
-    assert 'wait for the first result' in first.ending.text
+    assert first.outcome.text.startswith('ended after 0.')
+    assert 'wait for the first result' in first.outcome.text
     loop.driver.drive(0.1, 0.0, loop.now)
-    assert second.ending.text.startswith('ended after 0.')
-    assert 'cmd_vel_interrupts' in second.ending.text
+    assert second.outcome.text.startswith('ended after 0.')
+    assert 'cmd_vel_interrupts' in second.outcome.text
     loop.body.force(bump_left=1)
     loop.run(0.1)
     assert pursue(loop, distance(0.1)).text.startswith('not started; the bumper is pressed')
@@ -148,8 +148,8 @@ def test_a_demo_keeps_goals_away_and_takes_over_from_one():
     loop = met()
     running = moving(loop)
     loop.driver.modes.start_demo(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
-    assert running.ending is not None
-    assert running.ending.code is Code.SUPERSEDED
+    assert running.outcome is not None
+    assert running.outcome.code is Code.SUPERSEDED
     loop.run(0.5)
     ending = pursue(loop, distance(0.1))
     assert ending.code is Code.MODE
@@ -170,7 +170,7 @@ def test_while_a_goal_runs_no_script_plays():
     running = moving(loop)
     loop.driver.scripts.define(oi.Script(script=oi.WaitTime(time=20).encode()))
     assert 'stop it first' in loop.driver.scripts.play(loop.now, force=False).outcome.text
-    assert running.ending is None
+    assert running.outcome is None
 
 
 def test_without_a_robot_a_goal_ends_at_once():
@@ -194,15 +194,15 @@ def test_a_port_that_is_lost_ends_a_goal():
     loop = met()
     running = moving(loop)
     loop.driver.disconnected('cable pulled')
-    assert running.ending.code is Code.LINK
+    assert running.outcome.code is Code.LINK
 
 
 def test_a_driver_that_ends_ends_its_goal():
     loop = met()
     running = moving(loop)
     loop.driver.shut_down(loop.now)
-    assert running.ending.code is Code.LINK
-    assert 'the driver ends' in running.ending.text
+    assert running.outcome.code is Code.LINK
+    assert 'the driver ends' in running.outcome.text
     loop.run(0.1)
     assert loop.robot.actuators.wheels == (0, 0)
 
@@ -214,11 +214,11 @@ def test_a_goal_ends_when_its_time_is_over_and_not_before():
     loop = met()
     running = start(loop, distance(9.0, allowance=0.5))
     loop.run(0.5 - STEP)
-    assert running.ending is None
+    assert running.outcome is None
     loop.run(2 * FRAME)
-    assert running.ending.code is Code.TIMEOUT
-    assert 'time_allowance of 0.5 s is over' in running.ending.text
-    assert running.ending.seconds == pytest.approx(0.5, abs=2.5 * FRAME)
+    assert running.outcome.code is Code.TIMEOUT
+    assert 'time_allowance of 0.5 s is over' in running.outcome.text
+    assert running.outcome.seconds == pytest.approx(0.5, abs=2.5 * FRAME)
     assert loop.robot.actuators.wheels == (0, 0)
 
 
@@ -239,9 +239,9 @@ def test_a_goal_waits_for_its_mode_and_then_has_all_its_time():
     loop.robot.receive = hear
     hear(oi.Safe().encode(), loop.now)  # only now the robot takes what it was sent
     loop.run(0.45)
-    assert running.ending is None
+    assert running.outcome is None
     loop.run(0.5)
-    assert running.ending.code is Code.TIMEOUT
+    assert running.outcome.code is Code.TIMEOUT
 
 
 def test_a_goal_whose_mode_does_not_come_is_given_up():
@@ -249,10 +249,10 @@ def test_a_goal_whose_mode_does_not_come_is_given_up():
     loop.robot.receive = lambda *_: None
     running = start(loop, distance(9.0))
     loop.run(MODE_WAIT - 0.01)
-    assert running.ending is None
+    assert running.outcome is None
     loop.run(0.03)
-    assert running.ending.code is Code.MODE
-    assert running.ending.text.startswith('not started; robot is in PASSIVE')
+    assert running.outcome.code is Code.MODE
+    assert running.outcome.text.startswith('not started; robot is in PASSIVE')
 
 
 def test_a_goal_is_as_good_as_a_pause_of_commands():
@@ -272,7 +272,7 @@ def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives():
         loop.turn()
     loop.run(2.0)
     assert pursue(loop, distance(0.2)).code is Code.NONE
-    assert search.ending.code is Code.SUPERSEDED
+    assert search.outcome.code is Code.SUPERSEDED
     assert loop.robot.mode is oi.Mode.SAFE
 
 
@@ -330,21 +330,21 @@ def test_a_cancel_asks_for_zero_at_once(make):
     loop.driver.goals.cancel(running, loop.now)
     loop.driver.poll(loop.now)
     assert oi.DriveDirect(right=0, left=0).encode() in loop.driver.data_to_send()
-    assert running.ending.code is Code.CANCELED
+    assert running.outcome.code is Code.CANCELED
 
 
 def test_what_comes_after_the_end_changes_nothing():
     loop = met()
     running = moving(loop)
     loop.driver.goals.cancel(running, loop.now)
-    before, second = running.ending, moving(loop)
+    before, second = running.outcome, moving(loop)
     loop.driver.goals.cancel(running, loop.now, CLIENT_GONE)
-    assert running.ending is before and second.ending is None
+    assert running.outcome is before and second.outcome is None
     loop.driver.goals.cancel(second, loop.now, CLIENT_GONE)
-    assert second.ending.code is Code.STOPPED and 'its client has gone' in second.ending.text
-    before = second.ending
+    assert second.outcome.code is Code.STOPPED and 'its client has gone' in second.outcome.text
+    before = second.outcome
     loop.driver.goals.interrupt(loop.now)
-    assert second.ending is before
+    assert second.outcome is before
 
 
 def test_a_stop_always_wins():
@@ -391,4 +391,4 @@ def test_an_ending_is_told_to_who_asks_before_and_after():
     running.then(heard.append)
     assert [each.code for each in heard] == [Code.NONE] * 2
     running.settle(Ending(Code.BUMP, 'too late'))
-    assert running.ending.code is Code.NONE
+    assert running.outcome.code is Code.NONE

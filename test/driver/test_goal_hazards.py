@@ -163,10 +163,10 @@ def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
     for _ in range(2):
         loop.body.force(seconds=0.45, **{wheel: 1})
         loop.run(0.6)
-        assert running.ending is None
+        assert running.outcome is None
     loop.body.force(**{wheel: 1})
     loop.run(0.55)
-    assert running.ending.code is Code.STALL
+    assert running.outcome.code is Code.STALL
 
 
 def view(dt: float, estimate: Estimate) -> View:

@@ -75,7 +75,7 @@ def test_a_place_is_reached_with_its_heading(x, y, heading):
 def test_a_place_is_reached_in_phases():
     loop = met()
     running, phases = start(loop, place(0.4, 0.4, 0)), []
-    while running.ending is None:
+    while running.outcome is None:
         loop.turn()
         if running.progress.phase not in phases[-1:]:
             phases.append(running.progress.phase)
@@ -88,7 +88,7 @@ def test_a_robot_that_knows_its_coast_does_not_overshoot():
         reach(loop, distance(0.4))
     begun, furthest = loop.body.truth().travelled, 0.0
     running = start(loop, distance(0.4))
-    while running.ending is None:
+    while running.outcome is None:
         loop.turn()
         furthest = max(furthest, loop.body.truth().travelled - begun)
     assert furthest < 0.4 + 0.005
@@ -97,7 +97,7 @@ def test_a_robot_that_knows_its_coast_does_not_overshoot():
 def test_what_is_left_falls_to_nothing():
     loop = met()
     running, left = start(loop, distance(0.5)), []
-    while running.ending is None:
+    while running.outcome is None:
         loop.turn()
         left.append(running.progress.distance)
     assert max(left) == pytest.approx(0.5, abs=0.01)
@@ -209,11 +209,11 @@ def test_a_wall_on_the_right_is_followed():
     world = parse('start 0 -0.31 0\nwall -1 -0.5 6 -0.5', 'test')
     loop = met(world=world)
     running, engaged = start(loop, WallFollow(-1, 12.0, 0.0)), []
-    while running.ending is None:
+    while running.outcome is None:
         loop.turn()
         engaged.append(running.progress.phase is Phase.ENGAGED)
-    assert running.ending.code is Code.NONE
-    assert running.ending.seconds == pytest.approx(12.0, abs=0.1)
+    assert running.outcome.code is Code.NONE
+    assert running.outcome.seconds == pytest.approx(12.0, abs=0.1)
     truth = loop.body.truth()
     assert truth.pose.x > 1.0
     assert truth.pose.y == pytest.approx(-0.5 + 0.165 + 0.06, abs=0.06)

@@ -171,7 +171,7 @@ def test_any_velocity_but_zero_takes_over_from_a_goal(velocity):
     running = moving(loop)
     loop.commands()
     loop.driver.drive(*velocity, loop.now)
-    assert running.ending.code is Code.SUPERSEDED
+    assert running.outcome.code is Code.SUPERSEDED
     assert loop.driver.state.activity is Activity.DRIVING
     loop.turn()
     halt, first, *_ = drives(loop)
@@ -186,7 +186,7 @@ def test_zero_does_not_end_a_goal_and_nothing_does_where_that_is_not_wanted(inte
     running = moving(loop)
     loop.driver.drive(*velocity, loop.now)
     loop.run(0.1)
-    assert running.ending is None
+    assert running.outcome is None
     assert loop.driver.state.activity is Activity.GOAL
     assert loop.robot.actuators.wheels == (300, 300)
 

@@ -55,10 +55,10 @@ def start(loop: Loop, goal: Goal) -> Goal:
 def until_ended(loop: Loop, running: Goal) -> Ending:
     """Let time pass until the goal has ended."""
     deadline = loop.now + PATIENCE
-    while running.ending is None:
+    while running.outcome is None:
         assert loop.now < deadline, 'the goal has not ended'
         loop.turn()
-    return running.ending
+    return running.outcome
 
 
 def pursue(loop: Loop, goal: Goal) -> Ending:
@@ -88,7 +88,7 @@ def moving(loop: Loop, goal=None):
     """Start a goal and wait until the robot moves."""
     running = start(loop, goal or distance(1.0))
     loop.run(1.0)
-    assert running.ending is None
+    assert running.outcome is None
     assert any(loop.robot.actuators.wheels)
     return running
 
@@ -96,10 +96,10 @@ def moving(loop: Loop, goal=None):
 def ended(loop: Loop, running, within: float = 2 * FRAME) -> Ending:
     """Return how a goal ended, which must be very soon; the wheels are told to stand then."""
     deadline = loop.now + within
-    while running.ending is None:
+    while running.outcome is None:
         assert loop.now <= deadline, 'the goal still runs'
         loop.turn()
     loop.run(2 * STEP)
     assert loop.robot.actuators.wheels == (0, 0)
     assert loop.driver.state.activity is not Activity.GOAL
-    return running.ending
+    return running.outcome

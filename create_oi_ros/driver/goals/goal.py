@@ -184,7 +184,7 @@ Order = Velocity | Enter | Instruction | Over
 
 
 class Goal(Awaited[Ending], ABC):
-    """One goal, pursued once; SI units."""
+    """One goal, pursued once; SI units. Its outcome is how it ended."""
 
     needs_driving = True
     """Whether the robot must follow velocities when the goal begins."""
@@ -208,11 +208,6 @@ class Goal(Awaited[Ending], ABC):
         self.commanded = Velocity()
         """The velocity since the view before."""
         self._orders = self.orders()
-
-    @property
-    def ending(self) -> Ending | None:
-        """How it ended; None while it runs."""
-        return self.outcome
 
     def step(self, view: View) -> Order:
         """Return what to do until the next frame; the first view begins the goal."""
