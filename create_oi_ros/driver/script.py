@@ -32,7 +32,7 @@ from ..robot import FIRMWARE_SEPARATION, MM_PER_M, TOP_SPEED
 from .core import Core
 from .outbox import done, HALT, Pending, refused
 from .state import Activity, StateEvent
-from .stream import POLL_INTERVAL, Probe, requested_speeds, StreamPlan
+from .stream import DRIVE_REQUEST, POLL_INTERVAL, Probe, requested_speeds, StreamPlan
 
 CLEARED = oi.Drive(velocity=0, radius=oi.Radius.STRAIGHT)
 """Sent before a script plays: packets 39 and 40 may still hold an earlier Drive."""
@@ -163,6 +163,8 @@ class ScriptControl:
         if self.playing and not self._followed:
             return None
         if self.playing and self._by_drive:
+            if readings.has(*DRIVE_REQUEST) and readings.requested_velocity is None:
+                return None
             most = TOP_SPEED * MM_PER_M
             right, left = (max(-most, min(most, speed)) for speed in wheel_speeds(
                 readings.number('requested_velocity', 0),

@@ -8,7 +8,7 @@ import pytest
 from create_oi_ros import oi
 from create_oi_ros.driver import MotionLimits
 from create_oi_ros.driver.goals import Code, WallFollow
-from create_oi_ros.driver.goals.goal import Stall, View
+from create_oi_ros.driver.goals.goal import Stall, StoppingModel, View
 from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
 from create_oi_ros.sim.world import shipped
@@ -172,7 +172,7 @@ def test_a_wheel_that_draws_too_much_for_half_a_second_is_held(wheel):
 def view(dt: float, estimate: Estimate) -> View:
     """Return what a goal is told of a frame, of a robot that feels nothing."""
     return View(0.0, dt, estimate, oi.Readings({'overcurrents': 0}), False,
-                MotionLimits(wheel_separation=0.25))
+                MotionLimits(wheel_separation=0.25), StoppingModel(), StoppingModel())
 
 
 @pytest.mark.parametrize(('told', 'went', 'frame'), [

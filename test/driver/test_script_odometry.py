@@ -10,7 +10,6 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings
-from create_oi_ros.driver.script import ScriptSpeeds
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import Rounding, WHEEL_SEPARATION
 from support.loop import AT_ONCE, Loop
@@ -122,7 +121,11 @@ def test_a_script_that_is_refused_leaves_the_stream_as_it_is() -> None:
 
 
 def test_a_speed_that_the_robot_reports_oddly_is_not_known() -> None:
-    speeds = ScriptSpeeds(parse_script(LINE), WHEEL_SEPARATION, cleared=True)
-    assert speeds.speeds(oi.Readings({'requested_velocity': 200, 'requested_radius': -32768})) == (
-        0.2, 0.2)
-    assert speeds.speeds(oi.Readings({'requested_velocity': None, 'requested_radius': 0})) is None
+    loop = Loop()
+    loop.run(0.3)
+    scripts = loop.driver.scripts
+    scripts.define(parse_script(LINE))
+    scripts.play(loop.now, force=False)
+    for velocity, speeds in ((200, (0.2, 0.2)), (None, None)):
+        readings = oi.Readings({'requested_velocity': velocity, 'requested_radius': -32768})
+        assert scripts.speeds(readings) == speeds
