@@ -38,7 +38,7 @@ PRESSED, RELEASED = 300, 1500
 """Milliseconds for which the stick is pressed, and until the robot stands again."""
 TARGET, STOP_TARGET, PRESS_TARGET = 5.0, 0.3, 75.0
 """% of a core with one viewer; seconds until wheels are told to stand; ms until told to turn."""
-TOLD = 'wait right=0 left=0'
+TOLD, STANDS = 'wait right=0 left=0', 'wait speed<0.001'
 SPEED = 0.2
 
 
@@ -73,6 +73,7 @@ async def stop_time(ask: Callable[[str], str], port: int, *, closing: bool) -> f
     async with page(port) as connection:
         def truth(line: str) -> dict[str, float]:
             return dict(json.loads(ask(line)))
+        await asyncio.to_thread(truth, STANDS)  # it coasts after the time before
         await held(connection, lambda: truth('truth')['speed'] > SPEED / 2)
         begun = truth('truth')['time']
         if closing:
