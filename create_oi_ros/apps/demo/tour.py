@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from create_oi_msgs.msg import Mode
 
-from .pilot import Pilot, TourError
+from .pilot import Pilot
 
 WORLD = 'apartment'
 GREEN, ORANGE, RED = 0, 96, 255
@@ -98,8 +98,7 @@ def cliff(pilot: Pilot) -> None:
     pilot.stop()
     pilot.release()
     pilot.call('set_mode', mode=Mode.SAFE)
-    if pilot.mode != Mode.SAFE:
-        raise TourError('the robot did not stay in Safe')
+    pilot.until(lambda: pilot.mode == Mode.SAFE, 'the robot is in Safe')
 
 
 def goodbye(pilot: Pilot) -> None:
