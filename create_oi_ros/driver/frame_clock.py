@@ -123,10 +123,9 @@ class FrameClock:
         if self._anchor is None:
             self._anchor = earliest
             return
-        slots = earliest[0] - self._anchor[0]
-        if slots > 0:
-            slope = (earliest[1] - self._anchor[1]) / slots
-            known, deviation = self._first
-            self._part = slots ** 2 / (slots ** 2 + (UNEVEN / deviation) ** 2)
-            period = known + self._part * (slope - known)
-            self.period = min(MAX_PERIOD, max(MIN_PERIOD, period))
+        slots = max(1, earliest[0] - self._anchor[0])
+        slope = (earliest[1] - self._anchor[1]) / slots
+        known, deviation = self._first
+        self._part = slots ** 2 / (slots ** 2 + (UNEVEN / deviation) ** 2)
+        period = known + self._part * (slope - known)
+        self.period = min(MAX_PERIOD, max(MIN_PERIOD, period))
