@@ -314,6 +314,14 @@ def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(ac
     assert (loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK) is (action is LowBatteryAction.DOCK)
 
 
+def test_a_goal_ends_when_the_robot_does_not_enter_another_mode_to_drive_in():
+    loop = met()
+    running = moving(loop)
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
+    loop.forged = {'oi_mode': int(oi.Mode.PASSIVE)}
+    assert ended(loop, running, within=0.2).code is Code.MODE
+
+
 def test_a_goal_of_a_kilometre_has_a_time_and_can_be_canceled():
     loop = met()
     running = moving(loop, distance(1000.0))
