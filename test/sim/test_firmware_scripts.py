@@ -231,17 +231,21 @@ def test_wait_time_is_in_tenths_of_a_second_with_a_resolution_of_15_ms(
     assert lit(robot)
 
 
-# Wait Distance.
+# Wait Distance, Wait Angle.
 
-@pytest.mark.parametrize('speed', [100, -100])
-def test_wait_distance_waits_until_it_has_traveled_forward_or_backward(
-        robot: Robot, speed: int) -> None:
-    script = (oi.DriveDirect(right=speed, left=speed).encode()
-              + oi.WaitDistance(distance=2 * speed).encode() + AFTER)
+@pytest.mark.parametrize(('right', 'left', 'wait', 'not_yet', 'then'), [
+    (100, 100, oi.WaitDistance(distance=200), 1.9, 0.25),
+    (-100, -100, oi.WaitDistance(distance=-200), 1.9, 0.25),
+    (100, -100, oi.WaitAngle(angle=90), 2.0, 0.2),
+    (-100, 100, oi.WaitAngle(angle=-90), 2.0, 0.2)])
+def test_a_wait_ends_after_a_way_or_a_turn_in_its_direction(
+        robot: Robot, right: int, left: int, wait: oi.Command, not_yet: float,
+        then: float) -> None:
+    script = oi.DriveDirect(right=right, left=left).encode() + wait.encode() + AFTER
     robot.say(bytes([152, len(script)]) + script, PLAY)
-    robot.run(1.9)
+    robot.run(not_yet)
     assert not lit(robot)
-    robot.run(0.25)
+    robot.run(then)
     assert lit(robot)
 
 
@@ -260,32 +264,14 @@ def test_if_the_wheels_are_passively_rotated_the_distance_is_incremented(robot: 
     assert not robot.create.waiting
 
 
-def test_wait_distance_resets_the_distance_variable(robot: Robot) -> None:
-    robot.say(GENTLE)
+@pytest.mark.parametrize(('left', 'wait', 'packet'), [
+    (100, oi.WaitDistance(distance=0), 19), (-100, oi.WaitAngle(angle=0), 20)])
+def test_a_wait_resets_its_variable(
+        robot: Robot, left: int, wait: oi.Command, packet: int) -> None:
+    robot.say(oi.DriveDirect(right=100, left=left))
     robot.run(1)
-    robot.say(oi.WaitDistance(distance=0))
-    assert robot.ask(19) == b'\0\0'
-
-
-# Wait Angle.
-
-@pytest.mark.parametrize('sign', [1, -1])
-def test_wait_angle_waits_for_a_turn_counterclockwise_or_clockwise(
-        robot: Robot, sign: int) -> None:
-    script = (oi.DriveDirect(right=sign * 100, left=-sign * 100).encode()
-              + oi.WaitAngle(angle=sign * 90).encode() + AFTER)
-    robot.say(bytes([152, len(script)]) + script, PLAY)
-    robot.run(2.0)
-    assert not lit(robot)
-    robot.run(0.2)
-    assert lit(robot)
-
-
-def test_wait_angle_resets_the_angle_variable(robot: Robot) -> None:
-    robot.say(oi.DriveDirect(right=100, left=-100))
-    robot.run(1)
-    robot.say(oi.WaitAngle(angle=0))
-    assert robot.ask(20) == b'\0\0'
+    robot.say(wait)
+    assert robot.ask(packet) == b'\0\0'
 
 
 @pytest.mark.parametrize(('speed', 'low', 'high'), [
