@@ -63,9 +63,8 @@ STUCK_ANGLE, STUCK_READINGS = 360.0, 3
 """Degrees of requested turning, and readings on the way, after which the angle should have
 changed: a long turn may be in a reading that was lost."""
 ANGLE_STUCK = (
-    'the angle does not change though the robot was told to turn: are the wheels blocked, or does '
-    'odometry_window: 0 hide slow turns? Some firmware before 3.4.1 is reported to send a '
-    'constant 0')
+    'the angle does not change though the robot was told to turn: are the wheels blocked? Some '
+    'firmware before 3.4.1 is reported to send a constant 0')
 
 
 class OddValues:

@@ -16,7 +16,6 @@ from .bank import Bank, Motion
 from .estimate import Estimate, Geometry, Increment
 from .hypotheses import Array, DEGREE, MM
 from .knowledge import Knowledge
-from .plain import PlainOdometry
 from .reading_plan import ReadingPlan
 
 BLEND_TIME = 0.1
@@ -62,17 +61,12 @@ def moved_covariance(covariance: Array, way: tuple[float, float],
 class Odometry:
     """Turns increments into an estimate that never jumps."""
 
-    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 0.0,
+    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 1.0,
                  robot: Knowledge | None = None) -> None:
-        """
-        Ask for distance and angle about every `window` seconds, of a robot that is known or not.
-
-        With 0, use each frame's reading uncorrected.
-        """
-        self.geometry, self.window = geometry, window
+        """Ask for distance and angle every few `window` seconds; the robot is known or not."""
+        self.geometry = geometry
         self.estimate = Estimate()
         self.bank = Bank(geometry, robot)
-        self._plain = PlainOdometry(geometry)
         self._plan = ReadingPlan(window)
         self._discard = True
         """Whether the next reading holds what came before."""
@@ -106,7 +100,7 @@ class Odometry:
     @property
     def reading_due(self) -> bool:
         """Whether the robot should be asked for distance and angle in its next frame."""
-        return not self.window or self._plan.due
+        return self._plan.due
 
     @property
     def heading(self) -> tuple[float, float]:
@@ -116,7 +110,7 @@ class Odometry:
     @property
     def knowledge(self) -> Knowledge | None:
         """What was learned of the robot; None before anything was."""
-        return self.bank.knowledge if self.window and self.bank.readings else None
+        return self.bank.knowledge if self.bank.readings else None
 
     def reset(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
         """Go on from a pose, m and rad; what was learned of the robot stays."""
@@ -139,7 +133,6 @@ class Odometry:
     def interrupted(self) -> None:
         """Go on from here after frames were missed: the next reading is taken as it is."""
         self._doubted = True
-        self._discard |= not self.window
 
     def hurry(self) -> None:
         """Ask for the next reading soon."""
@@ -147,12 +140,6 @@ class Odometry:
 
     def update(self, increment: Increment) -> Estimate:
         """Take one frame in."""
-        if not self.window:
-            if self._discard and increment.distance is not None:
-                self._discard = False
-                return self.estimate
-            self.estimate = self._plain.after(self.estimate, increment)
-            return self.estimate
         dt = increment.dt
         request = (increment.right, increment.left) if increment.driven else (0.0, 0.0)
         far, turn = self._predicted(dt, request, increment.lifted)

@@ -97,9 +97,8 @@ class Parameters:
     angular_scale: float = parameter(
         1.0, 'True angle over the angle that the robot reports', low=0.5, high=2.0, fixed=True)
     odometry_window: float = parameter(
-        Settings.odometry_window, 'Seconds between readings of distance and angle, of which the '
-        'robot drops the fractions; 0 reads them in every frame and believes them',
-        low=0.0, high=10.0, fixed=True)
+        Settings.odometry_window, 'Seconds, about, between readings of distance and angle, of '
+        'which the robot drops the fractions', low=0.1, high=10.0, fixed=True)
     odometry_model: str = parameter(
         '', 'File of what the odometry knows of this robot (YAML, of `create_check` or of this '
         'node): read at start, written at the end and by `save_odometry_model`; where it does '
@@ -333,9 +332,6 @@ def contradiction(parameters: Parameters) -> str | None:
         return None
     if not parameters.gyro_scale:
         return "parameter gyro_scale = 0: give the data sheet's degrees a second for each volt"
-    if not parameters.odometry_window:
-        return ('parameter gyro needs odometry_window above 0: readings in every frame lose more '
-                'than the gyro gives')
     if parameters.baud and (why := too_slow_for_gyro(parameters.baud)):
         return f'parameters gyro and baud: {why}'
     return None

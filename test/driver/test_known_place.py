@@ -34,9 +34,8 @@ def moved_from(loop: Loop, begun: Pose, place: tuple[float, float, float]) -> No
     assert remainder(pose(loop)[2] - turned - true.yaw, tau) == pytest.approx(0, abs=0.03)
 
 
-@pytest.mark.parametrize('window', [1.0, 0.0])
-def test_the_odometry_goes_on_from_a_place(window):
-    loop = Loop(Settings(odometry_window=window))
+def test_the_odometry_goes_on_from_a_place():
+    loop = Loop()
     loop.run(0.3)
     loop.drive(0.2, 0.7, 1.0)
     begun = loop.body.truth().pose

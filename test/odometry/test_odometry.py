@@ -218,18 +218,6 @@ def test_the_reading_after_counts_began_anew_is_not_used_and_that_after_a_gap_is
     assert ends['interrupted'] == pytest.approx((0.49, 0.357), abs=0.02)
 
 
-def test_without_a_window_each_reading_is_used_as_it_is_but_the_first_and_one_after_a_gap():
-    odometry = Odometry()
-    assert odometry.reading_due
-    assert odometry.knowledge is None
-    for counted in (70, 3, 4):
-        odometry.update(Increment(SLOT, 0.2, 0.2, True, counted, 0))
-    assert odometry.estimate.x == pytest.approx(0.007, abs=1e-3)
-    odometry.interrupted()
-    odometry.update(Increment(SLOT, 0.2, 0.2, True, 500, 0))
-    assert odometry.estimate.x == pytest.approx(0.007, abs=1e-3)
-
-
 def test_hurry_asks_for_a_reading_soon():
     odometry = Odometry(window=1.0)
     asked = []

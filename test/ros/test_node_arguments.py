@@ -55,7 +55,6 @@ def test_version_is_told(capsys):
     ({'odom_frame': 'base', 'base_frame': 'base'}, 'a frame cannot move in itself'),
     ({'battery_low': 12.0, 'battery_empty': 13.0}, 'low before it is empty'),
     ({'gyro': 'analog', 'baud': 19200}, '19200 baud carries 28 bytes in a slot'),
-    ({'gyro': 'analog', 'odometry_window': 0.0}, 'needs odometry_window above 0'),
     ({'gyro': 'analog', 'gyro_scale': 0.0}, "give the data sheet's degrees a second"),
 ])
 def test_values_that_contradict_each_other_are_refused(changes, words):
