@@ -38,7 +38,7 @@ mm."""
 ROUNDINGS = tuple(Rounding)
 TRUNCATE, ROUND, CARRY = (ROUNDINGS.index(each) for each in (
     Rounding.TRUNCATE, Rounding.ROUND, Rounding.CARRY))
-NOISE = np.array([0.004, 0.018, 0.08])
+NOISE = np.array([0.006, 0.025, 0.1])
 """Noise levels: part of its way by which a wheel strays within `STRAY_WAY`, and of its changes of
 speed, in seconds."""
 CURVED = 0.2

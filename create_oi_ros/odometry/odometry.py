@@ -177,11 +177,6 @@ class Odometry:
     def _read(self, distance: int, angle: int, driven: bool) -> None:
         """Let the bank learn from a reading, where that is possible."""
         bank, reported = self.bank, np.array([angle, distance], float)
-        idle = not (self._moved.any() or reported.any() or bank.wheels.path.any())
-        if idle and driven and not (self._lost or self._doubted or self._contradicted):
-            self._discard, self._seconds = False, 0.0
-            self._plan.came()
-            return  # a robot that stands tells nothing new
         x, y, yaw = self._pose()
         moved_x, moved_y, turned = self._moved.tolist()
         motion = Motion(moved_x, moved_y, turned, self._far, self._seconds)

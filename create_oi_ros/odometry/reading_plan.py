@@ -11,7 +11,7 @@ from ..robot import FIRMWARE_SEPARATION
 from .bank import Bank
 from .hypotheses import DEGREE, MM
 
-WAIT, KNOWN_WAIT, KNOWN = 2.5, 3.5, 25
+WAIT, KNOWN_WAIT, KNOWN = 1.3, 2.0, 25
 """Windows between two readings at first, and after so many readings in motion."""
 UNSETTLED, SETTLED = 2.2, 0.35
 """Factor of these while the requests change, and seconds without a change until they do not."""
