@@ -224,7 +224,7 @@ class Driver:
         vain = (
             self.state.activity is Activity.CLOSED
             or self.state.activity is Activity.SCRIPT and self.scripts.stop_sent
-            or self.core.watch.suspects and self.motion.stop_sent)
+            or self.core.watch.suspects and self.motion.stop_sent and not self._may_play_demo)
         if not vain:
             self.core.outbox.send_at_once(HALT, now)
             if self._may_play_demo:

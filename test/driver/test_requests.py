@@ -289,3 +289,14 @@ def test_stop_ends_a_demo_that_is_about_to_begin(loop):
     loop.run(1.0)
     assert loop.robot.demo is None
     assert loop.body.truth().speed == 0
+
+
+def test_stop_ends_a_demo_also_where_the_robot_seems_to_ignore_commands(loop):
+    ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
+    receive, loop.robot.receive = loop.robot.receive, lambda *_: None
+    loop.run(1.5)
+    assert loop.driver.health(loop.now).suspects_commands
+    loop.robot.receive = receive
+    loop.driver.stop(loop.now)
+    loop.run(0.1)
+    assert loop.robot.demo is None
