@@ -61,7 +61,7 @@ def moved_covariance(covariance: Array, way: tuple[float, float],
 class Odometry:
     """Turns increments into an estimate that never jumps."""
 
-    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float = 1.0,
+    def __init__(self, geometry: Geometry = AS_BUILT, *, window: float,
                  robot: Knowledge | None = None) -> None:
         """Ask for distance and angle every few `window` seconds; the robot is known or not."""
         self.geometry = geometry
