@@ -284,8 +284,14 @@ class Connection:
         if answered:
             self._core.counts.silences += 1
             self._search.restart()
-            self._silence = (
-                f'no frame for {SILENCE} s: {self._why_silent()}; calling it until it answers')
+            garbage = self._core.counts.garbage_bytes - self._garbage_before
+            why = 'the robot is off, asleep or unplugged'
+            if not self.plan.budget.fits:
+                why = f'frame budget exceeded: at {self.baud} baud long frames are cut'
+            elif garbage > self.plan.full.frame_size:
+                why = (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
+                       'the robot at another baud rate')
+            self._silence = f'no frame for {SILENCE} s: {why}; calling it until it answers'
             self._core.notice(Severity.ERROR, self._silence)
         rest = self.reader.flush()
         if rest is not None:
@@ -294,16 +300,6 @@ class Connection:
         if problem is not None:
             self._core.notice(Severity.ERROR, problem)
         self._call(now, StateEvent.NO_ANSWER)
-
-    def _why_silent(self) -> str:
-        """Say why no whole frame has come for a while."""
-        if not self.plan.budget.fits:
-            return f'frame budget exceeded: at {self.baud} baud long frames are cut'
-        garbage = self._core.counts.garbage_bytes - self._garbage_before
-        if garbage > self.plan.full.frame_size:
-            return (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
-                    'the robot at another baud rate')
-        return 'the robot is off, asleep or unplugged'
 
     def check_standstill(self, now: float) -> None:
         """Call the robot again after this process stood still: the dead-man may have acted."""

@@ -117,8 +117,13 @@ class GoalControl:
     def handled(self, event: StateEvent) -> None:
         """End the goal after an event that has led out of its activities."""
         if self._goal is not None and self._goal.outcome is None and not self.active:
-            self._end(self._goal, self._left_mode() if event is StateEvent.MODE_LEFT
-                      else Over(*TAKEN_OVER[event]))
+            if event is StateEvent.MODE_LEFT:
+                status = self._core.status
+                over = Over(Code.CLIFF if self._blames(CLIFFS) else Code.MODE, (
+                    f'robot left {status.wanted.name} ({status.reason}): {self._advice()}'))
+            else:
+                over = Over(*TAKEN_OVER[event])
+            self._end(self._goal, over)
 
     def see(self, moved: Moved, now: float) -> None:
         """Pursue the goal that runs in a new frame."""
@@ -163,13 +168,6 @@ class GoalControl:
     def _wrong_mode(self) -> Over:
         name = self._core.status.name
         return Over(Code.MODE, f'robot is in {name}: {self._advice()}')
-
-    def _left_mode(self) -> Over:
-        """Say what took the robot out of its mode."""
-        status = self._core.status
-        code = Code.CLIFF if self._blames(CLIFFS) else Code.MODE
-        return Over(
-            code, f'robot left {status.wanted.name} ({status.reason}): {self._advice()}')
 
     def _blames(self, causes: Container[Cause]) -> bool:
         """Tell whether one of these took the robot out of its mode."""

@@ -108,11 +108,10 @@ class Driver:
         self._connection.check_standstill(now)
         if self.state.activity is Activity.READING:
             self.scripts.receive(data)
-        elif self._connection.feed(data, now):
-            self._take_events(self._connection.reader, now)
-
-    def _take_events(self, reader: oi.StreamReader, now: float) -> None:
-        """Take frames and garbage from the bytes that came."""
+            return
+        if not self._connection.feed(data, now):
+            return
+        reader = self._connection.reader
         while (event := reader.next_event()) is not None:
             if isinstance(event, oi.Frame):
                 if event.packets is self.plan.call:

@@ -132,14 +132,6 @@ class Modes:
         damaged = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
         return damaged or not status.causes and 0 < self._tries < MAX_TRIES
 
-    def may_recover(self, now: float) -> bool:
-        """Tell whether a fresh velocity may bring back the mode that the robot has left."""
-        status = self._core.status
-        return (
-            self._core.settings.recover_mode and bool(status.causes)
-            and status.actual is not None and status.actual != status.wanted
-            and now - self._cause_seen_at >= CLEAR_TIME)
-
     def allow_driving(self, now: float) -> str | None:
         """
         Say why a fresh velocity is not followed, `advice` tells what to do; None where it is.
@@ -152,7 +144,8 @@ class Modes:
             return self.wrong_mode()
         if status.can_drive or 0 < self._tries and not status.causes:
             return None
-        if not self.may_recover(now):
+        if (not self._core.settings.recover_mode or not status.causes or status.actual is None
+                or now - self._cause_seen_at < CLEAR_TIME):
             return self.wrong_mode()
         if not self._core.outbox.busy:
             self._core.notice(

@@ -100,12 +100,6 @@ def rounded(speeds: WheelSpeeds) -> tuple[int, int]:
     return right, right - difference
 
 
-def without_forward(speeds: WheelSpeeds) -> WheelSpeeds:
-    """Return wheel speeds that turn as these do, but do not drive forward."""
-    forward = max(0.0, (speeds.right + speeds.left) / 2)
-    return WheelSpeeds(speeds.right - forward, speeds.left - forward)
-
-
 class Motion:
     """Follows the newest velocity: decides whether the robot may, and sends the wheel speeds."""
 
@@ -279,7 +273,9 @@ class Motion:
         if self._speeds != self._wanted:
             self._speeds = next_speeds(self._speeds, self._wanted, since, limits)
         if blocked:
-            self._speeds = without_forward(self._speeds)
+            right, left = self._speeds
+            forward = max(0.0, (right + left) / 2)
+            self._speeds = WheelSpeeds(right - forward, left - forward)  # turns as before
         # While they change, an error lasts a slot: each wheel follows its own ramp.
         speeds = (rounded(self._speeds) if self._speeds == self._wanted else
                   (round(self._speeds.right), round(self._speeds.left)))
