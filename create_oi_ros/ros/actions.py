@@ -39,7 +39,7 @@ from ..driver import Driver, goals
 from ..driver.goal_control import CANCELED, CLIENT_GONE
 from ..driver.goals import Code, Goal, Malformed, Phase
 from ..driver.goals.goal import check_range
-from ..driver.goals.motions import Circle, MINUTE, TargetPose
+from ..driver.goals.motions import MINUTE
 from ..driver.outputs import Animation, blink, MIN_PERIOD, spin, Tune, USUAL_PERIOD
 from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
@@ -61,10 +61,6 @@ PHASES = {
     Phase.TURNING_TO_PLACE: NavigateToPosition.Feedback.ROTATING_TO_GOAL_POSITION,
     Phase.DRIVING: NavigateToPosition.Feedback.DRIVING_TO_GOAL_POSITION,
     Phase.TURNING_TO_HEADING: NavigateToPosition.Feedback.ROTATING_TO_GOAL_ORIENTATION,
-}
-SEARCH = {
-    Phase.LOOKING: Dock.Feedback.LOOKING, Phase.SEES_DOCK: Dock.Feedback.SEES_DOCK,
-    Phase.DOCKED: Dock.Feedback.DOCKED, Phase.CHARGING: Dock.Feedback.CHARGING,
 }
 
 
@@ -91,7 +87,7 @@ def dock_seen(feedback: Any, goal: Goal) -> None:
     """Fill in how far the search for the dock is, and what of it is seen."""
     progress = goal.progress
     beams = max(0, progress.infrared - BEAMS)
-    feedback.state = SEARCH.get(progress.phase or Phase.LOOKING, Dock.Feedback.LOOKING)
+    feedback.state = getattr(feedback, (progress.phase or Phase.LOOKING).name)
     feedback.sees_dock = bool(beams)
     feedback.red_buoy = bool(beams & RED_BUOY)
     feedback.green_buoy = bool(beams & GREEN_BUOY)
@@ -120,13 +116,6 @@ def allowance(goal: Any) -> float:
     return messages.seconds(goal.time_allowance)
 
 
-def place(goal: Any) -> TargetPose:
-    """Return where a goal leads to."""
-    pose = goal.goal_pose.pose
-    heading = yaw_of(pose.orientation) if goal.achieve_goal_heading else None
-    return TargetPose(pose.position.x, pose.position.y, heading)
-
-
 def tune(request: Any) -> Tune:
     """Return the tune of a request; ValueError says what is wrong."""
     if request.iterations != request.INFINITE and request.iterations < 1:
@@ -148,18 +137,6 @@ def animation(request: Any) -> Animation:
     runtime = messages.seconds(request.max_runtime)
     check_range('max_runtime', runtime, 's', 0.0)
     return Animation(steps(messages.leds(request)), period, runtime or MINUTE)
-
-
-def start_tune(driver: Driver, tune: Tune, now: float) -> Tune:
-    """Play a tune."""
-    driver.outputs.play_tune(tune, now)
-    return tune
-
-
-def start_animation(driver: Driver, animation: Animation, now: float) -> Animation:
-    """Show an animation."""
-    driver.outputs.animate(animation, now)
-    return animation
 
 
 def cancel_goal(driver: Driver, goal: Goal, now: float, *, gone: bool) -> None:
@@ -209,9 +186,9 @@ class Action:
     about: str
     make: Callable[[Any], Any]
     """Turns a request into what the driver does; ValueError says what is wrong with it."""
-    start: Callable[[Driver, Any, float], Any] = (
+    start: Callable[[Driver, Any, float], object] = (
         lambda driver, goal, now: driver.goals.start(goal, now))
-    """Hands that to the driver, with the time, s; returns what `cancel` and the others take."""
+    """Hands that to the driver, with the time, s."""
     cancel: Callable[..., None] = cancel_goal
     feedback: Callable[[Any, Any], None]
     """Fills feedback."""
@@ -235,14 +212,16 @@ ACTIONS = (
     Action(
         name='drive_arc', type=DriveArc, about='drive on a circle',
         make=lambda goal: goals.DriveArc(
-            Circle(goal.angle, goal.radius, goal.translate_direction),
+            goal.angle, goal.radius, goal.translate_direction,
             goal.max_translation_speed, allowance(goal)),
         feedback=angle_left),
     Action(
         name='navigate_to_position', type=NavigateToPosition,
         about='turn to a place in `odom_frame`, drive there straight, turn to a heading',
         make=lambda goal: goals.NavigateToPosition(
-            place(goal), goal.max_translation_speed, goal.max_rotation_speed, allowance(goal)),
+            goal.goal_pose.pose.position.x, goal.goal_pose.pose.position.y,
+            yaw_of(goal.goal_pose.pose.orientation) if goal.achieve_goal_heading else None,
+            goal.max_translation_speed, goal.max_rotation_speed, allowance(goal)),
         feedback=phase_left),
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there; '
@@ -265,12 +244,14 @@ ALL_ACTIONS = (
     Action(
         name='audio_note_sequence', type=AudioNoteSequence,
         about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
-        make=tune, start=start_tune, cancel=cancel_show, feedback=note_played,
+        make=tune, start=lambda driver, tune, now: driver.outputs.play_tune(tune, now),
+        cancel=cancel_show, feedback=note_played,
         news=lambda tune: (tune.iterations_played, tune.note), fill=fill_show),
     Action(
         name='led_animation', type=LedAnimation, about='blink LEDs, or light them in turn',
-        make=animation, start=start_animation, cancel=cancel_show, feedback=runtime_left,
-        fill=fill_show),
+        make=animation,
+        start=lambda driver, animation, now: driver.outputs.animate(animation, now),
+        cancel=cancel_show, feedback=runtime_left, fill=fill_show),
 )
 
 
@@ -360,7 +341,8 @@ class Actions:
         """Pursue a goal of an action."""
         made = self._make(action, handle.request)
         with self._session.request() as (driver, now):
-            pursued = Pursued(action, action.start(driver, made, now), handle)
+            action.start(driver, made, now)
+            pursued = Pursued(action, made, handle)
             self._pursued.append(pursued)
             if handle.is_cancel_requested:
                 pursued.cancel(self._session)

@@ -18,7 +18,6 @@ from create_oi_ros.driver.goals import (
     RotateAngle,
     WallFollow,
 )
-from create_oi_ros.driver.goals.motions import Circle
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import parse, shipped
@@ -143,7 +142,7 @@ def test_a_limit_that_arrives_as_float32_is_not_beyond_itself():
 @pytest.mark.parametrize(('goal', 'hint'), [
     (RotateAngle(90.0, 1.9, 3.0), '90 rad is 14.3 turns: degrees?'),
     (RotateAngle(-45.0, 1.9, 3.0), '-45 rad is 7.2 turns: degrees?'),
-    (DriveArc(Circle(90.0, 0.2, 1), 0.3, 3.0), '90 rad is 14.3 turns: degrees?')])
+    (DriveArc(90.0, 0.2, 1, 0.3, 3.0), '90 rad is 14.3 turns: degrees?')])
 def test_more_than_four_turns_are_driven_but_asked_about(goal, hint):
     loop = met()
     ending = pursue(loop, goal)

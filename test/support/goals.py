@@ -15,7 +15,6 @@ from create_oi_ros.driver.goals import (
     NavigateToPosition,
     RotateAngle,
 )
-from create_oi_ros.driver.goals.motions import Circle, TargetPose
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from support.loop import Loop, STEP
@@ -38,13 +37,13 @@ def angle(turn: float, speed: float = TURNING, allowance: float = 0.0) -> Rotate
 
 def arc(turn: float, radius: float, direction: int = 1, speed: float = SPEED) -> DriveArc:
     """Return a goal that drives on a circle, by degrees."""
-    return DriveArc(Circle(radians(turn), radius, direction), speed, 0.0)
+    return DriveArc(radians(turn), radius, direction, speed, 0.0)
 
 
 def place(x: float, y: float, heading: float | None = None) -> NavigateToPosition:
     """Return a goal that drives to a place, with a heading in degrees."""
     return NavigateToPosition(
-        TargetPose(x, y, None if heading is None else radians(heading)), SPEED, TURNING, 0.0)
+        x, y, None if heading is None else radians(heading), SPEED, TURNING, 0.0)
 
 
 def start(loop: Loop, goal: Goal) -> Goal:

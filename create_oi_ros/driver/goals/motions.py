@@ -11,7 +11,6 @@ off a little and turns left.
 from abc import abstractmethod
 from collections.abc import Iterator
 from math import atan2, hypot, inf, remainder, tau
-from typing import NamedTuple
 
 from ..motion import Velocity
 from .goal import (
@@ -101,17 +100,6 @@ class DriveDistance(MotionGoal):
         yield None, Straight(self.view, self._distance, self.view.estimate.yaw, self.speed)
 
 
-class Circle(NamedTuple):
-    """A part of a circle."""
-
-    angle: float
-    """Radians by which the robot turns, counter-clockwise."""
-    radius: float
-    """Metres."""
-    direction: int
-    """1 for forwards, -1 for backwards."""
-
-
 class RotateAngle(MotionGoal):
     """Turn in place, counter-clockwise; any number of turns."""
 
@@ -129,45 +117,45 @@ class RotateAngle(MotionGoal):
 class DriveArc(MotionGoal):
     """Drive on a circle; any number of turns."""
 
-    def __init__(self, circle: Circle, speed: float, allowance: float) -> None:
-        """Take a circle, m/s and seconds; Malformed says what no robot could follow."""
-        super().__init__(allowance, circle.direction, speed=speed)
-        self.hint = check_angle(circle.angle)
-        check_finite('radius', circle.radius, 'm')
-        if circle.radius <= 0:
-            raise Malformed(f'radius = {circle.radius:g} m; allowed: above 0')
-        length = circle.angle * circle.radius
-        check_range('length of the arc', length, 'm', -MAX_DISTANCE, MAX_DISTANCE)
-        if circle.direction not in (1, -1):
-            raise Malformed(f'translate_direction = {circle.direction}; allowed: 1 forward, '
-                            '-1 backward')
-        self._circle = circle
+    def __init__(self, angle: float, radius: float, direction: int, speed: float,
+                 allowance: float) -> None:
+        """
+        Turn by radians, counter-clockwise, on a radius, m, at m/s; seconds that it may take.
+
+        `direction` is 1 for forwards and -1 for backwards. Malformed says what no robot could
+        follow.
+        """
+        super().__init__(allowance, direction, speed=speed)
+        self.hint = check_angle(angle)
+        check_finite('radius', radius, 'm')
+        if radius <= 0:
+            raise Malformed(f'radius = {radius:g} m; allowed: above 0')
+        check_range('length of the arc', angle * radius, 'm', -MAX_DISTANCE, MAX_DISTANCE)
+        if direction not in (1, -1):
+            raise Malformed(f'translate_direction = {direction}; allowed: 1 forward, -1 backward')
+        self._angle, self._radius, self._direction = angle, radius, direction
 
     def legs(self) -> Legs:
         """Yield the arc."""
-        yield None, Arc(self.view, *self._circle, self.speed / self._circle.radius)
-
-
-class TargetPose(NamedTuple):
-    """Where to go, in the frame of the odometry."""
-
-    x: float
-    y: float
-    heading: float | None = None
-    """Radians; None: any."""
+        yield None, Arc(self.view, self._angle, self._radius, self._direction,
+                        self.speed / self._radius)
 
 
 class NavigateToPosition(MotionGoal):
     """Turn to a place, drive there straight, and turn to a heading."""
 
-    def __init__(self, place: TargetPose, speed: float, turning: float,
+    def __init__(self, x: float, y: float, heading: float | None, speed: float, turning: float,
                  allowance: float) -> None:
-        """Take a place, m/s, rad/s and seconds; Malformed says what no robot could follow."""
-        check_range('goal_pose.position.x', place.x, 'm', -MAX_DISTANCE, MAX_DISTANCE)
-        check_range('goal_pose.position.y', place.y, 'm', -MAX_DISTANCE, MAX_DISTANCE)
-        check_finite('heading of goal_pose', place.heading or 0.0, 'rad')
+        """
+        Take a place, m, and a heading, rad, in the frame of the odometry; m/s, rad/s and seconds.
+
+        A heading of None is any. Malformed says what no robot could follow.
+        """
+        check_range('goal_pose.position.x', x, 'm', -MAX_DISTANCE, MAX_DISTANCE)
+        check_range('goal_pose.position.y', y, 'm', -MAX_DISTANCE, MAX_DISTANCE)
+        check_finite('heading of goal_pose', heading or 0.0, 'rad')
         super().__init__(allowance, speed=speed, turning=turning)
-        self._place = place
+        self._x, self._y, self._heading = x, y, heading
 
     def legs(self) -> Legs:
         """Yield a turn and a straight line to the place, unless the robot is there, and a turn."""
@@ -175,8 +163,8 @@ class NavigateToPosition(MotionGoal):
             yield Phase.TURNING_TO_PLACE, self._turn_to(self._direction_to_place)
             yield Phase.DRIVING, Straight(
                 self.view, self._far, self._direction_to_place, self.speed)
-        if self._place.heading is not None:
-            yield Phase.TURNING_TO_HEADING, self._turn_to(self._place.heading)
+        if self._heading is not None:
+            yield Phase.TURNING_TO_HEADING, self._turn_to(self._heading)
 
     def _turn_to(self, heading: float) -> Arc:
         turn = remainder(heading - self.view.estimate.yaw, tau)
@@ -185,12 +173,12 @@ class NavigateToPosition(MotionGoal):
     @property
     def _far(self) -> float:
         at = self.view.estimate
-        return hypot(self._place.x - at.x, self._place.y - at.y)
+        return hypot(self._x - at.x, self._y - at.y)
 
     @property
     def _direction_to_place(self) -> float:
         at = self.view.estimate
-        return atan2(self._place.y - at.y, self._place.x - at.x)
+        return atan2(self._y - at.y, self._x - at.x)
 
     def way(self, seconds: float) -> str:
         """Say how far the robot is from the place."""
