@@ -35,8 +35,6 @@ LINK, PARAMETERS = 'serial link', 'parameters'
 HARDWARE = 'iRobot Create'
 """Beginning of each hardware id; the port follows, and the namespace where there is one."""
 Values = dict[str, object]
-Verdict = tuple[bytes, str]
-"""Level and message."""
 
 
 def hardware_id(port: str, namespace: str) -> str:
@@ -105,22 +103,18 @@ def safety(name: str, health: Health) -> DiagnosticStatus:
         return status(f'{name}: safety', WARN, 'no robot answers', {})
     hazards = ', '.join(cause.value for cause in health.hazards)
     overcurrents = [bit.name or '' for bit in oi.Overcurrents if readings.overcurrents & bit]
-    level, message = _safety(health, hazards, overcurrents)
+    level, message = OK, 'nothing in the way'
+    if any(wheel.endswith('WHEEL') for wheel in overcurrents):
+        level, message = ERROR, 'a wheel is blocked: free it'
+    elif overcurrents:
+        level, message = WARN, 'a low side driver draws too much current: switch it off'
+    elif hazards:
+        level, message = WARN, hazards
+    elif health.mode.actual is oi.Mode.FULL:
+        message = 'Full mode: the robot does not stop at cliffs by itself'
     return status(f'{name}: safety', level, message, {
         'bumper': 'pressed' if bumps(readings) else 'free', 'hazards': hazards or 'none',
         'overcurrent': ', '.join(overcurrents).lower() or 'none'})
-
-
-def _safety(health: Health, hazards: str, overcurrents: list[str]) -> Verdict:
-    if any(wheel.endswith('WHEEL') for wheel in overcurrents):
-        return ERROR, 'a wheel is blocked: free it'
-    if overcurrents:
-        return WARN, 'a low side driver draws too much current: switch it off'
-    if hazards:
-        return WARN, hazards
-    if health.mode.actual is oi.Mode.FULL:
-        return OK, 'Full mode: the robot does not stop at cliffs by itself'
-    return OK, 'nothing in the way'
 
 
 def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatus:
@@ -150,7 +144,8 @@ def _known(number: float, digits: int | None = None) -> float | str:
 
 
 def _battery(readings: oi.Readings, charge: float, temperature: float,
-             watched: BatteryLevel) -> Verdict:
+             watched: BatteryLevel) -> tuple[bytes, str]:
+    """Return level and message."""
     if readings.charging_state == oi.ChargingState.FAULT:
         return ERROR, 'charging fault: check battery and charger'
     if temperature >= TOO_HOT:

@@ -26,21 +26,17 @@ from rclpy.task import Future
 from rclpy.utilities import ok
 
 from .actions import ALL_ACTIONS, malformed
-from .process import end_in_time
+from .process import end_in_time, STOP_SIGNALS
 from .programs import INTERRUPTED
 from .services import SERVICES
-from .waiting import waits_for
+from .waiting import DISCOVERY_TIMEOUT, waits_for
 
-DISCOVERY_TIMEOUT = 10.0
-"""Seconds in which a driver must be found."""
 ANSWER_TIMEOUT = 10.0
 """Seconds in which it must answer a call of a service."""
 LOOK_EVERY = 0.1
 """Seconds after which a wait looks whether a signal has come."""
 CANCEL_WAIT = 2.0
 """Seconds in which a driver must say that it has canceled a goal."""
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""Ctrl-C, and signals that do what it does."""
 TYPES: dict[str, Any] = {action.name: action.type for action in ALL_ACTIONS}
 SERVICE_TYPES: dict[str, Any] = {service.name: service.type for service in SERVICES}
 
@@ -90,7 +86,7 @@ class _Interrupts:
     def handle(self) -> None:
         """Handle the signals from now on, in the main thread."""
         if current_thread() is main_thread():
-            self._before = {each: signal.signal(each, self._on_signal) for each in SIGNALS}
+            self._before = {each: signal.signal(each, self._on_signal) for each in STOP_SIGNALS}
 
     def restore(self) -> None:
         """Leave the signals to what handled them before."""

@@ -53,8 +53,7 @@ class GraphWatch:
         """Look at the graph, and warn of new mistakes; called once a second."""
         warnings = {*self._velocity_mistakes(), *self._wrong_subscribers(), *self._other_topics()}
         own, domain = self._node.get_fully_qualified_name(), self._node.context.get_domain_id()
-        names = [full_name(namespace, name)
-                 for name, namespace in self._node.get_node_names_and_namespaces()]
+        names = self._node.get_fully_qualified_node_names()
         if names.count(own) > 1:
             warnings.add(f'another node is called {own} in ROS domain {domain}, so two '
                          f'drivers obey the same cmd_vel: {ROBOTS_APART}')
@@ -149,9 +148,4 @@ def node_name(endpoint: TopicEndpointInfo) -> str:
     """Return the full name of the node of a publisher, as people know it."""
     if endpoint.node_name == UNNAMED:
         return 'a program without a node name'
-    return full_name(endpoint.node_namespace, endpoint.node_name)
-
-
-def full_name(namespace: str, name: str) -> str:
-    """Return the name of a node with its namespace."""
-    return f'{namespace.rstrip("/")}/{name}'
+    return f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'

@@ -28,18 +28,16 @@ ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
 def parse(arguments: Sequence[str]) -> None:
     """Answer --help and --version, and refuse what is no ROS argument, with exit code 2."""
     remove_ros_args(['', *arguments])  # raises an error if ROS cannot read its own arguments
-    if plain := split(arguments)[0]:
-        _answer(plain)
-
-
-def _answer(arguments: Sequence[str]) -> None:
+    plain, _ = split(arguments)
+    if not plain:
+        return
     parser = ArgumentParser(
         prog='create_node', formatter_class=RawDescriptionHelpFormatter,
         usage='create_node [--help] [--version] [--ros-args -p NAME:=VALUE ...]',
         description='Run the driver of an iRobot Create as a ROS 2 node.',
         epilog=parameter_help())
     parser.add_argument('--version', action='version', version=f'create_node {__version__}')
-    _, unknown = parser.parse_known_args(arguments)
+    _, unknown = parser.parse_known_args(plain)
     if unknown:
         parser.error(refusal(unknown))
 

@@ -127,11 +127,15 @@ def parsed(text: str) -> Knowledge:
     if 'gyro' in content:
         numbers = _mapping(content['gyro'], 'gyro')
         gyro = KnownGyro(*(_known(numbers, name) for name in KnownGyro._fields))
+    hypotheses = {
+        Hypothesis(
+            response=_choice(row, 'response', {each.name.lower(): each for each in Response}),
+            sign=_choice(row, 'encoder_sign', {each.value: each for each in SignSource}),
+            **{name: _number(row, name) for name in WHEELS}): _number(row, 'probability')
+        for row in rows}
     known: dict[str, Any] = {name: _known(content, name) for name in NUMBERS}
     return Knowledge(
-        gyro=gyro, **known,
-        hypotheses=_normalised(
-            {_hypothesis(row): _number(row, 'probability') for row in rows}, 'wheels'),
+        gyro=gyro, **known, hypotheses=_normalised(hypotheses, 'wheels'),
         rounding=_normalised(
             {kind: _number({kind.value: 0.0, **rounding}, kind.value, 'probability')
              for kind in Rounding}, 'rounding'))
@@ -141,13 +145,6 @@ def _mapping(value: Any, name: str) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise ValueError(f'{name} is missing' if value is None else f'{name} must be a mapping')
     return value
-
-
-def _hypothesis(row: dict[str, Any]) -> Hypothesis:
-    return Hypothesis(
-        response=_choice(row, 'response', {each.name.lower(): each for each in Response}),
-        sign=_choice(row, 'encoder_sign', {each.value: each for each in SignSource}),
-        **{name: _number(row, name) for name in WHEELS})
 
 
 def _choice(row: dict[str, Any], name: str, allowed: Mapping[str, Thing]) -> Thing:

@@ -22,7 +22,6 @@ import re
 from shlex import quote
 import signal
 import sys
-from types import ModuleType
 
 from .. import __version__
 
@@ -100,29 +99,19 @@ def _run(program: str) -> int:
     if isinstance(sys.stdout, TextIOWrapper):  # a path may hold letters that a terminal has not
         sys.stdout.reconfigure(errors='backslashreplace')
     try:
-        code = int(_imported(program).main())
+        code = int(import_module(f'{PACKAGE}.{MODULES[program]}').main())
         sys.stdout.flush()
         return code
     except BrokenPipeError:
         # The reader of our output has ended, such as `head`; Python's own end would complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return NO_READER
-    except (OSError, RuntimeError, UserError) as error:
+    except (ImportError, OSError, RuntimeError, UserError) as error:
         sentence = explained(error)
         if sentence is None:
             raise
         print(f'{program}: {sentence}', file=sys.stderr)
         return WRONG
-
-
-def _imported(program: str) -> ModuleType:
-    try:
-        return import_module(f'{PACKAGE}.{MODULES[program]}')
-    except ModuleNotFoundError as error:
-        advice = _advice((error.name or '').partition('.')[0])
-        if advice is None:
-            raise
-        raise UserError(advice) from None
 
 
 def _advice(module: str) -> str | None:
@@ -187,6 +176,8 @@ def explained(error: Exception) -> str | None:
     match error:
         case UserError():
             return str(error)
+        case ModuleNotFoundError():
+            return _advice((error.name or '').partition('.')[0])
         case OSError() if error.errno in FULL:
             return f'{_place(error)}{error.strerror}: nothing more can be written'
         case OSError() if error.filename is not None and error.errno in ADVICE:

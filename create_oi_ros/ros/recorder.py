@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from ament_index_python.packages import get_package_share_directory
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
@@ -131,11 +131,7 @@ def bag_qos(qos: QoSProfile) -> Qos:
         QosReliability,
         QosTime,
     )
-    latched = qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    reliable = qos.reliability != ReliabilityPolicy.BEST_EFFORT
     never = QosTime(9223372036, 854775807)
-    return Qos(
-        QosHistory.KEEP_LAST, qos.depth,
-        QosReliability.RELIABLE if reliable else QosReliability.BEST_EFFORT,
-        QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
-        never, never, QosLiveliness.AUTOMATIC, never, False)
+    return Qos(  # both number the policies as the middleware does
+        QosHistory.KEEP_LAST, qos.depth, QosReliability(qos.reliability),
+        QosDurability(qos.durability), never, never, QosLiveliness.AUTOMATIC, never, False)

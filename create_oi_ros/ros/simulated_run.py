@@ -3,7 +3,7 @@
 """What each simulated run has to itself on this computer: a ROS domain, and a folder."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import os
 from pathlib import Path
 import re
@@ -31,14 +31,6 @@ def run_domain() -> Iterator[str]:
     if given:
         yield given
         return
-    with _reserved() as domain:
-        os.environ['ROS_DOMAIN_ID'] = str(domain)
-        os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-        yield str(domain)
-
-
-@contextmanager
-def _reserved() -> Iterator[int]:
     for domain in DOMAINS:
         # The kernel frees an abstract name when the process ends, however it ends.
         with socket.socket(socket.AF_UNIX) as reservation:
@@ -46,7 +38,9 @@ def _reserved() -> Iterator[int]:
                 reservation.bind(f'\0create_oi_ros/domain/{domain}')
             except OSError:
                 continue  # another run has it
-            yield domain
+            os.environ['ROS_DOMAIN_ID'] = str(domain)
+            os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+            yield str(domain)
             return
     raise UserError(
         f'the ROS domains {DOMAINS[0]} to {DOMAINS[-1]}, which simulated runs take, are all in '
@@ -56,21 +50,11 @@ def _reserved() -> Iterator[int]:
 @contextmanager
 def run_folder() -> Iterator[Path]:
     """Yield a new temporary folder, and remove it at the end; remove those of dead processes."""
-    _remove_abandoned()
+    for abandoned in Path(tempfile.gettempdir()).glob('create-*'):
+        found = FOLDER.fullmatch(abandoned.name)
+        with suppress(FileNotFoundError):  # another run has just removed it
+            if (found and not Path('/proc', found[1]).exists()
+                    and abandoned.lstat().st_uid == os.getuid()):
+                shutil.rmtree(abandoned, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix=f'create-{os.getpid()}-') as folder:
         yield Path(folder)
-
-
-def _remove_abandoned() -> None:
-    """Remove our folders whose process was killed before it could."""
-    for folder in Path(tempfile.gettempdir()).glob('create-*'):
-        found = FOLDER.fullmatch(folder.name)
-        if found and not Path('/proc', found[1]).exists() and _ours(folder):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _ours(folder: Path) -> bool:
-    try:
-        return folder.lstat().st_uid == os.getuid()
-    except FileNotFoundError:  # another run has just removed it
-        return False

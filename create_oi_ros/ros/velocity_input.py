@@ -110,7 +110,7 @@ class VelocityInput:
                 reliability = ReliabilityPolicy.RELIABLE
         if (type_, reliability) != (self.type, self.reliability) or self._subscription is None:
             self.type, self.reliability = type_, reliability
-            self._executor.create_task(self._change)
+            self._executor.create_task(self._subscribe)
 
     def contested(self) -> bool:
         """
@@ -122,24 +122,21 @@ class VelocityInput:
         was, self._contested = self._contested, False
         return was
 
-    def _change(self) -> None:
+    def _subscribe(self) -> None:
         if self._subscription is not None:
             self.node.destroy_subscription(self._subscription)
             self._subscription = None
+        self._number = 0
+        take: Callable[..., None] = self._take  # rclpy passes the second argument as well
         try:
-            self._subscribe()
+            self._subscription = self.node.create_subscription(
+                # A depth of 2, so that of two commands in the same moment both are seen.
+                self.type, self._topic, take, QoSProfile(depth=2, reliability=self.reliability),
+                # GraphWatch says more of a publisher that does not fit.
+                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
         except RuntimeError as error:  # another node of this process may have the other type yet
             self.node.get_logger().warning(
                 f'{self._topic} as {type_name(self.type)}: {error}; tried again in a second')
-
-    def _subscribe(self) -> None:
-        self._number = 0
-        take: Callable[..., None] = self._take  # rclpy passes the second argument as well
-        self._subscription = self.node.create_subscription(
-            # A depth of 2, so that of two commands in the same moment both are seen.
-            self.type, self._topic, take, QoSProfile(depth=2, reliability=self.reliability),
-            # GraphWatch says more of a publisher that does not fit.
-            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False))
 
     def _take(self, message: Twist | TwistStamped, info: dict[str, Any]) -> None:
         stamped = isinstance(message, TwistStamped)
