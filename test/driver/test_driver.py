@@ -24,13 +24,6 @@ def test_connecting_sends_start_then_safe_then_streams():
     assert loop.driver.state.answered
 
 
-@pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
-def test_mode_on_start_is_entered(mode):
-    loop = Loop(Settings(mode_on_start=mode))
-    loop.run(0.3)
-    assert loop.robot.mode is mode
-
-
 def test_settings_that_are_not_given_are_those_of_the_documents():
     settings = Settings()
     assert (settings.baud, settings.odometry_window) == (57600, 1.0)

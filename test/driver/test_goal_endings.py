@@ -298,8 +298,11 @@ def test_an_empty_battery_ends_a_goal_with_that_reason():
     assert 'the battery is nearly empty (low_battery_action): charge it' in ending.text
 
 
-@pytest.mark.parametrize('action', [LowBatteryAction.DOCK, LowBatteryAction.STOP])
-def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(action, monkeypatch):
+@pytest.mark.parametrize(('action', 'does'), [
+    (LowBatteryAction.DOCK, 'looks for its dock'),
+    (LowBatteryAction.STOP, 'stops and stays in Passive')])
+def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(
+        action, does, monkeypatch):
     loop = Loop(Settings(battery=BatteryLimits(action=action)), config=DEFAULT_BODY)
     loop.run(1.0)
     monkeypatch.setattr(loop.driver.core, 'refusal', lambda _: 'not now')
@@ -309,8 +312,8 @@ def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(ac
     assert said(loop, Severity.ERROR, 'as low_battery_action says') == 0
     monkeypatch.undo()
     loop.run(4.0)
-    assert said(loop, Severity.ERROR, 'as low_battery_action says') == 1
-    assert loop.driver.status.wanted is oi.Mode.PASSIVE
+    assert said(loop, Severity.ERROR, f'the robot {does}, as low_battery_action says') == 1
+    assert loop.robot.mode is loop.driver.status.wanted is oi.Mode.PASSIVE
     assert (loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK) is (action is LowBatteryAction.DOCK)
 
 

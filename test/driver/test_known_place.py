@@ -11,7 +11,7 @@ from create_oi_ros.driver.goals import Code, Dock, Undock
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import parse, Pose
 from support.asking import ask
-from support.goals import distance, pursue, start
+from support.goals import distance, pursue
 from support.loop import Loop
 
 BASE = parse('start 0.8 0 180\nhome_base 0 0 0', 'base')
@@ -54,12 +54,6 @@ def test_an_impossible_place_is_refused(loop, place):
     assert not answer.ok
     assert 'allowed: up to 1e+06 m from the origin, and a finite yaw' in answer.text
     assert pose(loop) == (0, 0, 0)
-
-
-def test_a_goal_keeps_its_odometry(loop):
-    start(loop, distance(1.0))
-    loop.run(1.0)
-    assert 'cancel it first' in ask(loop, loop.driver.reset_pose, *PLACE).text
 
 
 def docking(**settings) -> Loop:

@@ -11,43 +11,6 @@ from create_oi_ros.sim.firmware.actuators import DARK, Lights
 from support.loop import Loop, said
 
 
-def lose_next(loop: Loop, kind: type[oi.Command]) -> None:
-    """Let the next command of a kind be lost on its way."""
-    receive, code = loop.robot.receive, bytes([kind.opcode])
-
-    def without(data: bytes, now: float, baud: int | None = None) -> None:
-        if data.startswith(code):
-            data, loop.robot.receive = data[kind.size(data):], receive
-        receive(data, now, baud)
-    loop.robot.receive = without
-
-
-def test_a_stop_that_is_lost_is_sent_again():
-    loop = Loop()
-    loop.run(0.5)
-    loop.drive(0.3, 0.0, 0.5)
-    lose_next(loop, oi.DriveDirect)
-    loop.run(1.5)
-    assert loop.body.truth().speed == 0
-
-
-def test_a_mode_that_the_robot_did_not_hear_of_is_entered_again():
-    loop = Loop()
-    loop.run(0.5)
-    lose_next(loop, oi.Full)
-    loop.driver.modes.set(oi.Mode.FULL, loop.now)
-    loop.run(0.5)
-    assert loop.robot.mode is oi.Mode.FULL
-
-
-def test_a_robot_that_misheard_is_brought_back_from_full_to_safe():
-    loop = Loop()
-    loop.run(0.5)
-    loop.robot.receive(oi.Full().encode(), loop.now)
-    loop.run(0.5)
-    assert loop.robot.mode is oi.Mode.SAFE
-
-
 @pytest.mark.parametrize('begun', [
     oi.Song(number=0, notes=(oi.Note(60, 10),) * 16).encode()[:3],
     oi.Script(script=bytes(100)).encode()[:2], bytes([oi.Stream.opcode, 255])])
@@ -60,15 +23,6 @@ def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(begun):
     loop.run(1.5)
     assert loop.body.truth().speed == 0
     assert loop.driver.state.answered
-
-
-def test_a_robot_that_waits_for_ever_is_told_of_once():
-    loop = Loop()
-    loop.run(0.5)
-    loop.drive(0.3, 0.0, 0.5)
-    loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
-    loop.run(5.0)
-    assert said(loop, Severity.ERROR, 'ignores commands') == 1
 
 
 def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
@@ -112,12 +66,3 @@ def test_a_robot_that_spoke_before_it_was_called_is_not_said_to_have_left_its_mo
     loop.run(1)
     assert not said(loop, Severity.WARNING, 'robot left')
     assert loop.robot.mode is oi.Mode.SAFE
-
-
-def test_a_demo_that_nobody_asked_for_is_ended():
-    loop = Loop()
-    loop.run(0.5)
-    loop.robot.receive(oi.Demo(demo=oi.DemoNumber.DRIVE_FIGURE_EIGHT).encode(), loop.now)
-    loop.run(1.0)
-    assert loop.robot.demo is None
-    assert loop.body.truth().speed == 0

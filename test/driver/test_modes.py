@@ -16,18 +16,9 @@ from create_oi_ros.driver.mode import (
     RETRY_INTERVAL,
     SETTLING_TIME,
 )
-from create_oi_ros.sim.world import shipped
 from support.loop import Loop, texts
 
 TIMEOUT = MotionLimits.timeout
-
-
-@pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.SAFE, oi.Mode.FULL])
-def test_set_mode_answers_when_the_robot_reports_the_mode(loop, mode):
-    pending = loop.driver.modes.set(mode, loop.now)
-    loop.run(0.2)
-    assert pending.outcome.ok
-    assert loop.robot.mode is mode
 
 
 def test_set_mode_does_not_believe_a_frame_from_before_it(loop):
@@ -40,22 +31,6 @@ def test_set_mode_does_not_believe_a_frame_from_before_it(loop):
     loop.run(0.3)
     assert pending.outcome.ok
     assert loop.robot.mode is oi.Mode.SAFE
-
-
-def test_off_cannot_be_set(loop):
-    outcome = loop.driver.modes.set(oi.Mode.OFF, loop.now).outcome
-    assert outcome.ok is False
-    assert 'allowed' in outcome.text
-
-
-def test_set_mode_says_why_the_robot_did_not_follow(loop):
-    loop.body.plug_charger(True)
-    loop.run(0.1)
-    pending = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
-    loop.run(1.0)
-    assert pending.outcome.ok is False
-    assert pending.outcome.text.startswith(
-        'robot stays in PASSIVE (charger powered) instead of entering SAFE: ')
 
 
 @pytest.mark.parametrize(('hears', 'said'), [
@@ -126,14 +101,6 @@ def test_full_for_safe_is_no_safety_stop_and_is_always_undone(loop, wanted, actu
 
 def test_the_times_to_wait_are_those_of_the_pages():
     assert (RETRY_INTERVAL, MAX_TRIES, SETTLING_TIME, CLEAR_TIME) == (0.2, 3, 2.0, 1.0)
-
-
-def test_a_cliff_is_named():
-    loop = Loop(world=shipped('table'))
-    loop.run(0.3)
-    loop.drive(0.3, 0.0, 8.0)
-    assert 'cliff' in loop.driver.status.reason
-    assert loop.driver.status.actual is oi.Mode.PASSIVE
 
 
 def test_a_fresh_command_brings_the_mode_back_when_the_cause_has_been_gone_for_a_second(loop):

@@ -12,8 +12,6 @@ from create_oi_ros.driver.outbox import (
     LOST,
     MODE_PAUSE,
     Outbox,
-    Outcome,
-    Pending,
     WAKE_UP,
 )
 
@@ -86,16 +84,6 @@ def test_what_was_not_written_is_lost_and_never_leaves() -> None:
 
 
 # Who waits for an outcome.
-
-
-def test_whoever_waits_is_called_back_once():
-    pending, seen = Pending(), []
-    pending.then(seen.append)
-    assert pending.outcome is None
-    pending.end(True, 'stored', b'\x80')
-    pending.end(False, 'too late')
-    assert seen == [Outcome(True, 'stored', b'\x80')]
-    assert pending.outcome == seen[0]
 
 
 # What stops a robot.

@@ -78,20 +78,6 @@ def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
     assert loop.robot.mode is oi.Mode.SAFE
 
 
-def test_on_request_the_robot_stops_in_passive():
-    loop = drained(LowBatteryAction.STOP)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-    assert said(loop, Severity.ERROR, 'nearly empty: the robot stops and stays in Passive') == 1
-    loop.drive(0.2, 0.0, 1.0)
-    assert loop.body.truth().speed == 0
-
-
-def test_on_request_the_robot_looks_for_its_dock():
-    loop = drained(LowBatteryAction.DOCK)
-    assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
-    assert said(loop, Severity.ERROR, 'nearly empty: the robot looks for its dock') == 1
-
-
 # A driver that was stopped.
 
 

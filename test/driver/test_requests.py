@@ -7,7 +7,7 @@ from math import nan
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Driver, Settings
+from create_oi_ros.driver import Activity, Driver, Settings
 from create_oi_ros.oi.tools.text import parse_script
 from support.asking import ask, in_mode, power_cycle
 from support.loop import Loop
@@ -28,18 +28,6 @@ def test_a_duty_cycle_out_of_range_is_refused(loop, duty):
     assert loop.commands() == []
 
 
-def test_a_song_is_stored_and_plays(loop):
-    defined = ask(loop, loop.driver.outputs.define_song, 3, [60, 0, 72], [0.5, 0.25, 0.5])
-    assert defined.ok
-    assert '1.250 s' in defined.text
-    assert loop.robot.speaker.songs[3] == ((60, 32), (0, 16), (72, 32))
-    assert ask(loop, loop.driver.outputs.play_song, 3, loop.now).ok
-    assert loop.moved[-1].readings.song_playing
-    again = ask(loop, loop.driver.outputs.play_song, 3, loop.now)
-    assert not again.ok
-    assert 'a song plays' in again.text
-
-
 def test_rounding_is_told(loop):
     answer = ask(loop, loop.driver.outputs.define_song, 0, [60, 60], [0.1, 0.001])
     assert answer.ok
@@ -56,9 +44,11 @@ def test_rounding_is_told(loop):
     (0, [256], [0.1], 'notes[0]'),
 ])
 def test_a_wrong_song_is_refused_before_a_byte_leaves(loop, number, pitches, seconds, named):
-    answer = ask(loop, loop.driver.outputs.define_song, number, pitches, seconds)
-    assert not answer.ok
-    assert named in answer.text
+    outputs, song = loop.driver.outputs, (number, pitches, seconds)
+    for answer in (ask(loop, outputs.define_song, *song),
+                   ask(loop, outputs.define_and_play, *song, loop.now)):
+        assert not answer.ok
+        assert named in answer.text
     assert loop.commands() == []
 
 
@@ -71,13 +61,6 @@ def test_define_and_play_stores_nothing_that_cannot_be_played(loop):
     in_mode(loop, oi.Mode.SAFE)
     assert ask(loop, loop.driver.outputs.define_and_play, 0, [60], [0.5], loop.now).ok
     assert loop.moved[-1].readings.song_playing
-
-
-def test_a_wrong_song_is_neither_stored_nor_played(loop):
-    refused = ask(loop, loop.driver.outputs.define_and_play, 3, [60], [4.0], loop.now)
-    assert not refused.ok
-    assert 'seconds[0]' in refused.text
-    assert loop.commands() == []
 
 
 @pytest.mark.parametrize(('first', 'second'), [(0, 1), (3, 3)])
@@ -134,36 +117,6 @@ def test_a_song_that_was_not_defined_is_refused(loop):
     assert 'define_song' in ask(loop, loop.driver.outputs.play_song, 7, loop.now).text
 
 
-@pytest.mark.parametrize('request_of', [
-    lambda driver: driver.outputs.set_leds(BLUE, 0, 0),
-    lambda driver: driver.outputs.set_outputs(HIGH),
-    lambda driver: driver.outputs.set_drivers((0, 0, 1)),
-    lambda driver: driver.outputs.send_ir(1),
-])
-def test_in_passive_the_reply_says_what_to_do(loop, request_of):
-    in_mode(loop, oi.Mode.PASSIVE)
-    loop.commands()
-    answer = request_of(loop.driver).outcome
-    assert answer.ok is False
-    assert answer.text == 'robot is in PASSIVE: call set_mode with SAFE first'
-    assert loop.commands() == []
-
-
-@pytest.mark.parametrize('request_of', [
-    lambda driver: driver.outputs.define_song(0, [60], [0.5]),
-    lambda driver: driver.outputs.set_leds(BLUE, 0, 0),
-    lambda driver: driver.modes.start_demo(oi.DemoNumber.COVER),
-    lambda driver: driver.modes.stop_demo(),
-    lambda driver: driver.scripts.define(WAITING),
-    lambda driver: driver.scripts.play(0.0, force=True),
-    lambda driver: driver.scripts.show(0.0),
-])
-def test_without_a_robot_every_request_is_refused_at_once(request_of):
-    answer = request_of(Driver()).outcome
-    assert answer.ok is False
-    assert 'port' in answer.text
-
-
 def test_before_the_mode_is_known_every_request_is_refused():
     driver = Driver()
     driver.connected(0.0)
@@ -171,19 +124,6 @@ def test_before_the_mode_is_known_every_request_is_refused():
     driver.receive(packets.pack_frame([0] * len(packets.packets)), 0.1)
     assert driver.state.answered
     assert 'no answer yet' in driver.outputs.set_leds(BLUE, 0, 0).outcome.text
-
-
-def test_abort_is_no_demo_to_start(loop):
-    refused = ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.ABORT)
-    assert not refused.ok
-    assert 'stop_demo' in refused.text
-
-
-def test_a_request_whose_robot_is_lost_is_answered(loop):
-    pending = loop.driver.outputs.define_song(0, [60], [0.5])
-    loop.driver.disconnected('gone')
-    assert pending.outcome.ok is False
-    assert 'lost' in pending.outcome.text
 
 
 # Restoring.
@@ -260,16 +200,13 @@ def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
 # Demos.
 
 
-def test_a_demo_ends_when_the_driver_does(loop):
-    ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT)
-    loop.driver.shut_down(loop.now)
-    loop.turn()
-    assert loop.robot.demo is None
-
-
-def test_stopping_no_demo_leaves_the_mode(loop):
+def test_stopping_a_demo_leaves_passive_and_stopping_none_leaves_the_mode(loop):
     assert ask(loop, loop.driver.modes.stop_demo).ok
     assert loop.robot.mode is oi.Mode.SAFE
+    assert ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT).ok
+    assert ask(loop, loop.driver.modes.stop_demo).ok
+    assert (loop.robot.mode, loop.robot.demo) == (oi.Mode.PASSIVE, None)
+    assert loop.driver.state.activity is Activity.IDLE
 
 
 def test_before_docking_the_robot_rests_a_second_in_passive(loop):

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The driver's state: a table that is complete, and a driver that never leaves it."""
 
-from hypothesis import given
-from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
@@ -62,48 +60,6 @@ def test_who_takes_no_commands_says_why():
         assert state.takes_commands == (state.refusal is None)
         assert state.takes_commands or state.drive_refusal
         assert state.drive_refusal or state.owner is not Owner.ROBOT
-
-
-@given(st.lists(st.sampled_from(StateEvent)))
-def test_an_event_that_the_table_does_not_list_changes_nothing(events):
-    state = State()
-    for event in events:
-        before = state.activity
-        listed = state.handle(event)
-        assert listed == (event in TRANSITIONS[before] or event in STAYS[before])
-        assert state.activity is TRANSITIONS[before].get(event, before)
-
-
-def test_the_activity_follows_what_is_asked_for():
-    loop, seen = Loop(), []
-    driver = loop.driver
-
-    def note(seconds: float) -> None:
-        loop.run(seconds)
-        seen.append(driver.state.activity)
-    seen.append(driver.state.activity)
-    note(0.5)
-    driver.drive(0.1, 0.0, loop.now)
-    note(0.1)
-    driver.stop(loop.now)
-    note(0.1)
-    driver.modes.start_demo(oi.DemoNumber.DRIVE_FIGURE_EIGHT)
-    note(0.1)
-    driver.modes.stop_demo()
-    note(0.1)
-    driver.scripts.define(oi.Script(script=oi.WaitTime(time=10).encode()))
-    driver.scripts.play(loop.now, force=False)
-    note(0.3)
-    note(1.5)
-    driver.scripts.show(loop.now)
-    note(0.05)
-    note(1.0)
-    driver.disconnected('pulled out')
-    note(0.1)
-    assert seen == [
-        Activity.CALLING, Activity.IDLE, Activity.DRIVING, Activity.IDLE, Activity.DEMO,
-        Activity.IDLE, Activity.SCRIPT, Activity.IDLE, Activity.SILENCING, Activity.IDLE,
-        Activity.CLOSED]
 
 
 def test_each_event_is_listed_once_at_most():

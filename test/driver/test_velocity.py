@@ -69,14 +69,6 @@ def test_the_wheels_stop_when_commands_stop(at_once):
     assert drives(loop) == [oi.DriveDirect(right=0, left=0)]
 
 
-def test_stop_stops_at_once(loop):
-    loop.drive(0.2, 0.0, 0.2)
-    loop.commands()
-    assert loop.driver.stop(loop.now).outcome.ok
-    loop.turn()
-    assert loop.commands()[0] == oi.DriveDirect(right=0, left=0)
-
-
 @pytest.mark.parametrize('velocity', [(5e-324, 0.0), (0.1, -9e-7)])
 def test_a_speed_that_is_next_to_nothing_is_hinted_at_once(loop, velocity):
     for sent in ((0.2, 0.0), (0.0, 1e-6), velocity, velocity):
@@ -127,15 +119,6 @@ def test_acceleration_is_limited_up_and_down_and_the_curve_is_kept(acceleration)
     loop.drive(0.2, 0.4, 0.3)
     loop.drive(0.0, 0.0, 0.1)
     assert drives(loop)[-1].right > 0
-
-
-def test_turning_acceleration_is_limited():
-    loop = Loop(Settings(limits=MotionLimits(angular_acceleration=1.0)))
-    loop.run(0.3)
-    drives(loop)
-    loop.drive(0.0, 2.0, 0.5)
-    last = drives(loop)[-1]
-    assert (last.right - last.left) / 258 == pytest.approx(0.5, abs=0.05)
 
 
 def test_stop_and_the_end_of_commands_know_no_acceleration_limit():
@@ -192,14 +175,6 @@ def test_zero_does_not_end_a_goal_and_nothing_does_where_that_is_not_wanted(inte
 
 
 # Refused.
-
-
-def test_the_first_refusal_is_reported_and_the_next_ones_are_not():
-    loop = Loop(Settings(mode_on_start=oi.Mode.PASSIVE))
-    loop.run(0.5)
-    loop.drive(0.1, 0.0, 0.5)
-    said, = texts(loop.notices, Severity.WARNING)
-    assert said.startswith('not driving: robot is in PASSIVE')
 
 
 def drive_all_the_time(loop: Loop, seconds: float) -> None:
