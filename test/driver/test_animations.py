@@ -60,12 +60,6 @@ def test_leds_are_lit_in_turn_and_only_those_that_are_chosen(loop):
     assert DARK not in spin(ALL)
 
 
-def test_an_animation_without_a_setting_of_the_user_ends_dark(loop):
-    loop.run(0.5)
-    loop.driver.outputs.animate(Animation(blink(ALL), 0.3, 0.2), loop.now)
-    assert seen(loop, 0.5)[-1][0] == OFF
-
-
 def test_what_is_set_meanwhile_shows_when_the_animation_is_canceled(loop):
     outputs = loop.driver.outputs
     animation = start(loop, seconds=60.0)

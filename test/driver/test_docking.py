@@ -106,16 +106,6 @@ def test_a_search_is_canceled_and_the_robot_obeys_again():
     assert pursue(loop, distance(-0.1)).code is Code.NONE
 
 
-def test_a_stop_ends_a_search():
-    loop = met()
-    running = start(loop, Dock(0.0))
-    loop.run(3.0)
-    loop.driver.stop(loop.now)
-    loop.run(0.1)
-    assert running.outcome.code is Code.STOPPED
-    assert loop.robot.demo is None
-
-
 def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
     loop = met()
     running = start(loop, Dock(0.0))
@@ -126,37 +116,29 @@ def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
     assert 'not driving' not in said(loop)
 
 
-def test_set_mode_and_a_demo_take_over_from_a_search():
-    for take_over in (lambda loop: loop.driver.modes.set(oi.Mode.FULL, loop.now),
-                      lambda loop: loop.driver.modes.start_demo(oi.DemoNumber.TAG),
-                      lambda loop: loop.driver.modes.stop_demo()):
-        loop = met()
-        running = start(loop, Dock(0.0))
-        loop.run(3.0)
-        take_over(loop)
-        loop.run(0.1)
-        assert running.outcome.code is Code.SUPERSEDED
+@pytest.mark.parametrize(('happens', 'code', 'says'), [
+    (lambda loop: loop.driver.stop(loop.now), Code.STOPPED, 'the service stop'),
+    (lambda loop: loop.driver.modes.set(oi.Mode.FULL, loop.now), Code.SUPERSEDED, 'another mode'),
+    (lambda loop: loop.driver.modes.start_demo(oi.DemoNumber.TAG), Code.SUPERSEDED, 'a demo'),
+    (lambda loop: loop.driver.modes.stop_demo(), Code.SUPERSEDED, 'the service stop_demo'),
+    (lambda loop: loop.body.lift(True), Code.WHEEL_DROP, 'put the robot on the floor'),
+    (lambda loop: setattr(loop, 'forged', {'oi_mode': 9}), Code.MODE,
+     'switch the robot off and on')])
+def test_what_ends_a_search(happens, code, says):
+    loop = met()
+    running = start(loop, Dock(0.0))
+    loop.run(3.0)
+    happens(loop)
+    loop.run(0.3)
+    assert running.outcome.code is code and says in running.outcome.text
+    assert loop.robot.demo in (None, oi.DemoNumber.TAG)
 
 
 def test_a_lifted_robot_searches_for_nothing():
     loop = met()
-    running = start(loop, Dock(0.0))
-    loop.run(3.0)
     loop.body.lift(True)
     loop.run(0.1)
-    assert running.outcome.code is Code.WHEEL_DROP
     assert pursue(loop, Dock(0.0)).code is Code.WHEEL_DROP
-
-
-def test_a_robot_whose_mode_is_not_known_searches_for_nothing():
-    loop = met()
-    running = start(loop, Dock(0.0))
-    loop.run(3.0)
-    loop.forged = {'oi_mode': 9}
-    loop.run(0.3)
-    assert running.outcome.code is Code.MODE
-    assert 'switch the robot off and on' in running.outcome.text
-    assert loop.robot.demo is None
 
 
 def test_a_robot_that_safe_lets_go_leaves_in_safe():

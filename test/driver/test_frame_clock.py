@@ -15,14 +15,6 @@ from create_oi_ros.oi import SLOT
 WIRE = 0.01
 
 
-def test_on_a_line_without_delay_stamps_are_the_slots():
-    clock = FrameClock()
-    for slot in range(1, 200):
-        stamp, dt = clock.stamp(slot * SLOT + WIRE, WIRE)
-        assert stamp == pytest.approx(slot * SLOT)
-        assert dt == pytest.approx(SLOT)
-
-
 def test_random_delays_are_taken_out():
     clock, random = FrameClock(), Random(1)
     errors = []
@@ -31,14 +23,6 @@ def test_random_delays_are_taken_out():
         errors.append(stamp - slot * SLOT)
     settled = errors[100:]
     assert (sum(error ** 2 for error in settled) / len(settled)) ** 0.5 < 0.001
-
-
-def test_lost_frames_are_noticed_and_their_time_is_not_lost():
-    clock = FrameClock()
-    slots = [slot for slot in range(1, 400) if slot not in (200, 201, 202)]
-    taken = [clock.stamp(slot * SLOT, 0.0) for slot in slots]
-    assert taken[-1][0] == pytest.approx(slots[-1] * SLOT)
-    assert sum(dt for _, dt in taken) == pytest.approx(slots[-1] * SLOT)
 
 
 def test_a_line_that_becomes_slower_loses_nothing():
@@ -124,18 +108,6 @@ def test_a_length_that_no_robot_has_is_not_believed(slot, believed):
     for number in range(1, 400):
         clock.stamp(number * slot, 0.0)
     assert clock.period == believed
-
-
-def test_what_was_learned_outlives_a_restart():
-    clock = FrameClock()
-    for slot in range(1, 300):
-        clock.stamp(slot * 0.0152, 0.0)
-    before = clock.known_period
-    clock.restart()
-    assert clock.known_period == before
-    for slot in range(1, 60):
-        clock.stamp(slot * 0.0152, 0.0)
-    assert clock.known_period == before
 
 
 def test_a_frame_that_was_damaged_is_counted():

@@ -165,14 +165,6 @@ def test_a_script_keeps_goals_away():
     assert 'a script plays' in ending.text
 
 
-def test_while_a_goal_runs_no_script_plays():
-    loop = met()
-    running = moving(loop)
-    loop.driver.scripts.define(oi.Script(script=oi.WaitTime(time=20).encode()))
-    assert 'stop it first' in loop.driver.scripts.play(loop.now, force=False).outcome.text
-    assert running.outcome is None
-
-
 def test_without_a_robot_a_goal_ends_at_once():
     loop = Loop()
     for _ in range(2):

@@ -11,7 +11,6 @@ from create_oi_ros.driver.goals import Code, WallFollow
 from create_oi_ros.driver.goals.goal import Stall, StoppingModel, View
 from create_oi_ros.driver.motion import Velocity
 from create_oi_ros.odometry import Estimate
-from create_oi_ros.sim.world import shipped
 from support.goals import angle, arc, distance, ended, met, moving, place, pursue, until_ended
 
 
@@ -27,13 +26,6 @@ def test_a_bump_ends_every_motion(make, side, where):
     ending = ended(loop, running)
     assert ending.code is Code.BUMP
     assert where in ending.text and 'drive backwards' in ending.text
-
-
-def test_a_wall_ends_a_distance_where_the_robot_touches_it():
-    loop = met(world=shipped('room'))
-    ending = pursue(loop, distance(5.0))
-    assert ending.code is Code.BUMP
-    assert 1.5 < ending.estimate.x < 1.9
 
 
 def test_a_pressed_bumper_lets_no_distance_begin_but_backwards_and_turns():
@@ -120,15 +112,6 @@ def test_a_robot_in_the_air_begins_nothing():
     loop.body.lift(True)
     loop.run(0.1)
     assert pursue(loop, distance(0.1)).code is Code.WHEEL_DROP
-
-
-def test_held_wheels_stall_by_their_current():
-    loop = met()
-    running = moving(loop)
-    loop.body.hold(right=True, left=True)
-    ending = ended(loop, running, within=2.0)
-    assert ending.code is Code.STALL
-    assert 'current' in ending.text
 
 
 def test_wheels_that_do_not_follow_stall_even_if_no_current_shows_it():

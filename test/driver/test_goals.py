@@ -71,16 +71,6 @@ def test_a_place_is_reached_with_its_heading(x, y, heading):
         assert degrees(turn_difference(pose.yaw, heading * pi / 180)) < 2
 
 
-def test_a_place_is_reached_in_phases():
-    loop = met()
-    running, phases = start(loop, place(0.4, 0.4, 0)), []
-    while running.outcome is None:
-        loop.turn()
-        if running.progress.phase not in phases[-1:]:
-            phases.append(running.progress.phase)
-    assert phases[-3:] == [Phase.TURNING_TO_PLACE, Phase.DRIVING, Phase.TURNING_TO_HEADING]
-
-
 def test_a_robot_that_knows_its_coast_does_not_overshoot():
     loop = met()
     for _ in range(3):
@@ -91,16 +81,6 @@ def test_a_robot_that_knows_its_coast_does_not_overshoot():
         loop.turn()
         furthest = max(furthest, loop.body.truth().travelled - begun)
     assert furthest < 0.4 + 0.005
-
-
-def test_what_is_left_falls_to_nothing():
-    loop = met()
-    running, left = start(loop, distance(0.5)), []
-    while running.outcome is None:
-        loop.turn()
-        left.append(running.progress.distance)
-    assert max(left) == pytest.approx(0.5, abs=0.01)
-    assert left[-1] < 0.01
 
 
 def test_unequal_wheels_still_drive_straight():
@@ -225,18 +205,3 @@ def test_a_wall_ahead_is_found_by_touching_it_and_followed_round_the_room():
     ending = until_ended(loop, running)
     assert ending.code is Code.NONE
     assert loop.body.truth().travelled > 4.0
-
-
-def test_without_a_wall_the_follower_says_that_it_searches():
-    loop = met()
-    running = start(loop, WallFollow(-1, 3.0, 0.0))
-    loop.run(2.0)
-    assert running.progress.phase is Phase.SEARCHING
-    assert until_ended(loop, running).code is Code.NONE
-
-
-def test_a_wall_that_is_followed_for_too_long_is_left():
-    loop = met()
-    ending = pursue(loop, WallFollow(-1, 30.0, 2.0))
-    assert ending.code is Code.TIMEOUT
-    assert '2.0 s' in ending.text

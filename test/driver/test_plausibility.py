@@ -39,13 +39,6 @@ def test_after_a_restart_the_first_reading_spans_an_unknown_time() -> None:
     assert check.possible(moved(550, 0), 8.5)
 
 
-def test_nothing_turns_faster_than_twice_what_wheels_can_do() -> None:
-    for angle, possible in ((1820, True), (1821, False)):
-        check = JumpCheck()
-        check.possible(moved(0, 0), 8.0)
-        assert check.possible(moved(0, angle), 12.0) is possible
-
-
 def turning(right: int, left: int, angle: int = 0) -> oi.Readings:
     """Return a reading of a robot that was told to turn."""
     return oi.Readings({

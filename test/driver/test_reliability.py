@@ -3,7 +3,6 @@
 """What the driver does when something is wrong with line or robot, in memory."""
 
 from re import fullmatch
-from struct import calcsize
 
 import pytest
 
@@ -12,7 +11,6 @@ from create_oi_ros.driver import BatteryLevel, BatteryLimits, LowBatteryAction, 
 from create_oi_ros.driver.battery import LEVEL_DELAY
 from create_oi_ros.driver.mode import CLEAR_TIME
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP
-from create_oi_ros.driver.stream import ALL
 from support.loop import Loop, said, texts
 
 # What cannot be.
@@ -30,31 +28,6 @@ def test_an_impossible_jump_is_dropped_and_counted():
     loop.run(0.1)
     assert loop.driver.counts.impossible_jumps == 1
     assert loop.estimate.x == pytest.approx(before.x, abs=1e-6)
-
-
-def ruled_out() -> list[tuple[str, int]]:
-    """Return each reading with the values next to what the manual allows, as far as they fit."""
-    found = []
-    for name in ALL:
-        wire = oi.PACKETS[oi.NUMBERS[name]].wire
-        bits = 8 * calcsize(wire.format)
-        least = -2 ** (bits - 1) if wire.format.islower() else 0
-        found += [(name, value) for value in (wire.low - 1, wire.high + 1)
-                  if least <= value < least + 2 ** bits]
-    return found
-
-
-@pytest.mark.parametrize(('name', 'value'), ruled_out())
-def test_no_reading_next_to_the_manuals_range_is_published(name, value):
-    loop = Loop()
-    loop.run(1)
-    forged, before = loop.driver.plan.full, len(loop.moved)
-    values = [0] * len(forged.packets)
-    values[forged.names.index(name)] = value
-    loop.driver.receive(forged.pack_frame(values), loop.now)
-    assert loop.driver.next_event() is None
-    assert loop.driver.counts.implausible_frames == 1
-    assert len(loop.moved) == before
 
 
 # The battery.

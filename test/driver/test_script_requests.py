@@ -6,7 +6,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Activity, Pending, Severity
+from create_oi_ros.driver import Activity, Pending
 from create_oi_ros.driver.script import SILENCE
 from create_oi_ros.oi.script import build_script
 from create_oi_ros.oi.tools.text import parse_script
@@ -143,16 +143,6 @@ def test_while_a_script_plays_it_is_said_for_how_long_and_what_stops_it(loop):
     assert 'for about 1 s more' in stopped.text
     assert 'Power button' in stopped.text
     assert loop.driver.health(loop.now).busy == stopped.text
-
-
-def test_ending_the_driver_while_a_script_holds_the_robot_is_an_error(loop):
-    ask(loop, loop.driver.scripts.define, AWAY_FROM_ITS_GOAL)
-    ask(loop, loop.driver.scripts.play, loop.now, force=True)
-    loop.driver.shut_down(loop.now)
-    loop.turn()
-    assert loop.notices[-1].severity is Severity.ERROR
-    assert 'the driver ends, but a script plays' in loop.notices[-1].text
-    assert 'for an unknown time' in loop.notices[-1].text
 
 
 def test_a_script_whose_end_is_open_says_so(loop):

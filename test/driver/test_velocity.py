@@ -14,7 +14,7 @@ from create_oi_ros.driver.goals import Code
 from create_oi_ros.driver.motion import next_speeds, rounded, STOPPED
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.oi.commands import WheelSpeeds
-from support.goals import angle, met, moving, pursue
+from support.goals import met, moving
 from support.loop import AT_ONCE, Loop, texts
 
 TIMEOUT = MotionLimits.timeout
@@ -193,13 +193,6 @@ def test_a_robot_that_is_found_or_enters_a_mode_under_commands_drives_without_a_
     assert loop.driver.scripts.show(loop.now).outcome is not None  # refused: the robot drives
     assert loop.body.truth().speed == pytest.approx(0.1, abs=0.01)
     assert texts(loop.notices, Severity.WARNING) == []
-
-
-def test_a_goal_for_a_robot_that_enters_its_mode_waits_for_it():
-    loop = Loop()
-    while not loop.driver.state.answered:
-        loop.turn()
-    assert pursue(loop, angle(10)).code is Code.NONE
 
 
 def test_commands_while_the_stored_script_is_read_are_no_warning(loop):
