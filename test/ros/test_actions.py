@@ -116,9 +116,9 @@ def test_a_place_in_the_odometry_frame_is_reached(driving):
     pose = driving.robot.body.truth().pose
     assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.3, 0.3, 0.0), abs=0.04)
     feedback = NavigateToPosition.Feedback
-    assert {each.navigate_state for each in sent.feedback} >= {
+    assert list(dict.fromkeys(filter(None, (each.navigate_state for each in sent.feedback)))) == [
         feedback.ROTATING_TO_GOAL_POSITION, feedback.DRIVING_TO_GOAL_POSITION,
-        feedback.ROTATING_TO_GOAL_ORIENTATION}
+        feedback.ROTATING_TO_GOAL_ORIENTATION]
 
 
 def test_the_robot_drives_to_a_place_that_is_published(start):
@@ -182,26 +182,6 @@ def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driv
     result = third.result()
     assert result.error_code == DriveDistance.Result.SUPERSEDED
     assert 'velocity command' in result.message
-
-
-@pytest.mark.parametrize(('happens', 'code'), [
-    (lambda driving: driving.robot.body.force(bump_right=1), Code.BUMP),
-    (lambda driving: driving.robot.body.plug_charger(True), Code.MODE),
-], ids=['BUMP', 'MODE'])
-def test_what_happens_to_the_robot_is_the_reason(driving, happens, code):
-    sent = driving.moving()
-    happens(driving)
-    result = sent.result()
-    assert (sent.status, result.error_code) == (GoalStatus.STATUS_ABORTED, code)
-    assert result.message
-    assert not result.success
-
-
-def test_time_that_is_over_is_the_reason(driving):
-    sent = driving.moving(time_allowance=Duration(sec=1))
-    result = sent.result()
-    assert result.error_code == DriveDistance.Result.TIMEOUT
-    assert 'time_allowance of 1.0 s is over' in result.message
 
 
 def test_without_a_robot_every_goal_says_so(stage):

@@ -201,21 +201,17 @@ def test_a_robot_that_does_not_hear_is_an_error_of_the_driver(loop):
     assert 'off and on' in status.message
 
 
-def odometry_of(loop: Loop, **changes: object) -> DiagnosticStatus:
-    health = loop.driver.health(loop.now)
-    return diagnostics.odometry('create', replace(health, **changes))
+GOOD = GyroState(True, None, 3, False)
 
 
-def test_what_is_thought_of_a_gyro_is_said(loop):
-    assert 'gyro' not in values(odometry_of(loop))
-    good, bad = GyroState(True, None, 3, False), GyroState(False, 'it jumps', 0, False)
-    assert odometry_of(loop, gyro=good).level == OK
-    assert values(odometry_of(loop, gyro=good)) == {'gyro': 'used', 'slips': '3'}
-    assert odometry_of(loop, gyro=bad).message == 'the gyro is not used: it jumps'
-    slips = odometry_of(loop, gyro=good._replace(slips_now=True))
-    assert slips.level == WARN
-    assert 'wheels slip' in slips.message
-
-
-def values(status: DiagnosticStatus) -> dict[str, str]:
-    return {value.key: value.value for value in status.values if value.key in ('gyro', 'slips')}
+@pytest.mark.parametrize(('gyro', 'level', 'says', 'values'), [
+    (None, OK, 'learn', {}), (GOOD, OK, 'learn', {'gyro': 'used', 'slips': '3'}),
+    (GyroState(False, 'it jumps', 0, False), WARN, 'the gyro is not used: it jumps',
+     {'gyro': 'it jumps', 'slips': '0'}),
+    (GOOD._replace(slips_now=True), WARN, 'wheels slip', {'gyro': 'used', 'slips': '3'})])
+def test_what_is_thought_of_a_gyro_is_said(loop, gyro, level, says, values):
+    status = diagnostics.odometry(
+        'create', replace(loop.driver.health(loop.now), gyro=gyro))
+    assert status.level == level and says in status.message
+    assert values == {each.key: each.value for each in status.values
+                      if each.key in ('gyro', 'slips')}

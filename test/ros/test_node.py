@@ -52,12 +52,6 @@ def test_a_drive_and_a_turn_agree_with_the_truth(ready):
     assert 0 < ready.ros.node.get_clock().now().nanoseconds - stamps[-1] < 5e9
 
 
-def test_every_topic_of_the_table_is_published_with_its_type(ready):
-    heard = {topic.name: ready.ros.listen(topic.type, topic.name, topic.qos)
-             for topic in PUBLISHED}
-    ready.ros.until(lambda: all(heard.values()), 'a message on every topic')
-
-
 def nanoseconds(message) -> int:
     """Return the stamp of a message."""
     return message.header.stamp.sec * 10 ** 9 + message.header.stamp.nanosec

@@ -13,7 +13,7 @@ import pytest
 from std_srvs.srv import Trigger
 import yaml
 
-from create_oi_ros.odometry import Geometry, Known, KnownGyro, Odometry
+from create_oi_ros.odometry import Geometry, Known, KnownGyro
 from create_oi_ros.odometry.bank import Bank
 from create_oi_ros.ros.odometry_model import (
     parsed,
@@ -50,19 +50,6 @@ def test_a_gyro_is_kept_too():
     known = parsed(text_of(replace(parsed(anything()), gyro=gyro)))
     assert known.gyro == gyro
     assert parsed(anything()).gyro is None
-
-
-def test_an_odometry_that_starts_with_a_file_knows_what_it_says():
-    model = yaml.safe_load(anything())
-    model['right_gain'] = {'value': 1.03, 'deviation': 0.001}
-    model['rounding'] = {'truncate': 0.0, 'round': 1.0, 'carry': 0.0}
-    known = Odometry(window=1.0, robot=parsed(yaml.safe_dump(model))).bank.knowledge
-    assert known.right_gain.value == pytest.approx(1.03, abs=1e-3)
-    assert known.likeliest[0].value == 'round'
-
-
-def test_no_file_yet_is_no_fault(tmp_path):
-    assert read(tmp_path / 'model.yaml') is None
 
 
 def test_a_folder_that_does_not_exist_is_named(tmp_path):

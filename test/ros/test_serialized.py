@@ -82,10 +82,6 @@ def test_a_subscriber_gets_what_an_object_would_have_brought(type_, drawn):
     assert brought == filled(message, values)
 
 
-def test_every_message_has_numbers_enough_to_be_mixed_up():
-    assert all(len(list(numbers(empty(type_, 'a', 'b')))) > 2 for type_ in TYPES)
-
-
 def test_a_number_that_does_not_fit_or_is_not_in_the_message_is_refused():
     encode = serialized(Cliff(), ['left_signal'])
     with pytest.raises(struct.error):
