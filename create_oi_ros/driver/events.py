@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from .. import oi
-from ..odometry import Estimate, Geometry, GyroSettings, GyroState, Knowledge, Known
+from ..odometry import Estimate, Geometry, GyroSettings, GyroState, Knowledge
 from ..oi.codes import START_BAUDS
 from ..robot import TOP_SPEED, WHEEL_SEPARATION
 from .state import Activity
@@ -226,8 +226,6 @@ class Health:
     """Whether it may ignore commands: it shows no sign that it takes them."""
     angle_stuck: bool
     """Whether the angle does not change though the robot is told to turn."""
-    frame_period: Known
-    """Seconds between two frames."""
     robot: Knowledge | None
     """What the odometry has learned of this robot; None before it has learned anything."""
     gyro: GyroState | None

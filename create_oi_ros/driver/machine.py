@@ -200,8 +200,7 @@ class Driver:
             spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=self.core.watch.ignores,
             suspects_commands=self.core.watch.suspects, angle_stuck=self._turn_check.stuck,
-            frame_period=self._tracking.clock.known_period, robot=self._tracking.robot,
-            gyro=self._tracking.gyro,
+            robot=self._tracking.robot, gyro=self._tracking.gyro,
             battery=self._battery.level, songs=tuple(sorted(self.outputs.songs)))
 
     # What is requested.
