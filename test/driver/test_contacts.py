@@ -42,13 +42,6 @@ def test_nothing_felt_is_no_point():
     assert Contacts().points(HERE) == ()
 
 
-def test_a_hit_is_kept_for_a_while():
-    contacts = Contacts()
-    frame(contacts, bumps_and_wheel_drops=2)
-    assert len(frame(contacts, stamp=1.9)) == 1
-    assert frame(contacts, stamp=2.1) == ()
-
-
 def test_what_is_still_felt_does_not_end():
     contacts = Contacts()
     for stamp in range(10):
@@ -71,10 +64,6 @@ def test_a_bump_straight_ahead_replaces_the_half_that_came_first():
     frame(contacts, bumps_and_wheel_drops=2)
     (_, y), = frame(contacts, stamp=0.015, bumps_and_wheel_drops=3)
     assert y == pytest.approx(0, abs=1e-9)
-
-
-def test_several_sensors_have_several_points():
-    assert len(frame(Contacts(), cliff_left=1, cliff_right=1, virtual_wall=1)) == 3
 
 
 def test_frames_that_lack_a_sensor_say_nothing_of_it():

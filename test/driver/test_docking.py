@@ -267,23 +267,16 @@ def test_a_robot_that_does_not_charge_is_reported_once_each_time_that_it_docks(s
     assert said(loop).count(f'does not charge (state {state.name})') == 2
 
 
-def test_a_robot_that_does_not_charge_is_restarted_if_it_may_be():
+@pytest.mark.parametrize('helps', [False, True])
+def test_a_robot_that_does_not_charge_is_restarted_if_it_may_be(helps):
     loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE, reset_when_not_charging=True)
     pursue(loop, Dock(0.0))
+    loop.robot.guesses = Guesses(dock_charges=helps)
     loop.run(CHARGE_WAIT + 15)
     assert 'restarting it (opcode 7)' in said(loop)
     assert loop.robot.mode is oi.Mode.PASSIVE
-    assert 'even after a restart' in said(loop)
-
-
-def test_a_restart_that_helps_is_the_last_word():
-    loop = docked(Guesses(dock_charges=False), mode=oi.Mode.SAFE, reset_when_not_charging=True)
-    pursue(loop, Dock(0.0))
-    loop.robot.guesses = Guesses()
-    loop.run(CHARGE_WAIT + 15)
-    assert 'restarting it (opcode 7)' in said(loop)
-    assert 'even after a restart' not in said(loop)
-    assert loop.body.sense().current > 0
+    assert ('even after a restart' in said(loop)) is not helps
+    assert (loop.body.sense().current > 0) is helps
 
 
 def test_a_search_outlasts_what_makes_no_difference_to_it():

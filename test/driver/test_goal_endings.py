@@ -174,29 +174,16 @@ def test_without_a_robot_a_goal_ends_at_once():
         loop.driver.disconnected('no port')
 
 
-def test_a_robot_that_no_longer_answers_ends_a_goal():
+@pytest.mark.parametrize(('happens', 'says'), [
+    (lambda loop: setattr(loop, 'cut', True), 'the robot no longer answers'),
+    (lambda loop: loop.driver.disconnected('cable pulled'), 'the port is gone'),
+    (lambda loop: loop.driver.shut_down(loop.now), 'the driver ends')])
+def test_a_robot_port_or_driver_that_is_gone_ends_a_goal(happens, says):
     loop = met()
     running = moving(loop)
-    loop.cut = True
+    happens(loop)
     ending = until_ended(loop, running)
-    assert ending.code is Code.LINK
-
-
-def test_a_port_that_is_lost_ends_a_goal():
-    loop = met()
-    running = moving(loop)
-    loop.driver.disconnected('cable pulled')
-    assert running.outcome.code is Code.LINK
-
-
-def test_a_driver_that_ends_ends_its_goal():
-    loop = met()
-    running = moving(loop)
-    loop.driver.shut_down(loop.now)
-    assert running.outcome.code is Code.LINK
-    assert 'the driver ends' in running.outcome.text
-    loop.run(0.1)
-    assert loop.robot.actuators.wheels == (0, 0)
+    assert ending.code is Code.LINK and says in ending.text
 
 
 # When it begins, and for how long.

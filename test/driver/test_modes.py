@@ -103,23 +103,19 @@ def test_the_times_to_wait_are_those_of_the_pages():
     assert (RETRY_INTERVAL, MAX_TRIES, SETTLING_TIME, CLEAR_TIME) == (0.2, 3, 2.0, 1.0)
 
 
-def test_a_fresh_command_brings_the_mode_back_when_the_cause_has_been_gone_for_a_second(loop):
-    loop.body.drop(left=True)
-    loop.run(0.2)
-    loop.body.drop()
-    loop.run(CLEAR_TIME + TIMEOUT + 0.1)
-    loop.drive(0.2, 0.0, 1.0)
-    assert loop.robot.mode is oi.Mode.SAFE
-    assert loop.body.truth().speed > 0.1
-
-
-def test_a_fresh_command_does_nothing_while_the_cause_is_recent(loop):
+@pytest.mark.parametrize(('recovers', 'gone', 'comes_back'), [
+    (True, CLEAR_TIME + 0.1, True), (True, 0.0, False), (False, CLEAR_TIME + 0.1, False)])
+def test_a_fresh_command_brings_the_mode_back_when_the_cause_has_been_gone_for_a_second(
+        recovers, gone, comes_back):
+    loop = Loop(Settings(recover_mode=recovers))
+    loop.run(0.3)
     loop.body.drop(left=True)
     loop.run(TIMEOUT + 0.2)
     loop.body.drop()
+    loop.run(gone)
     loop.drive(0.2, 0.0, CLEAR_TIME - 0.2)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-    assert loop.body.truth().speed == 0
+    assert (loop.robot.mode is oi.Mode.SAFE) is comes_back
+    assert (loop.body.truth().speed > 0.1) is comes_back
 
 
 def test_the_mode_command_is_sent_once_however_often_the_robot_is_told_to_drive(loop):
@@ -160,17 +156,6 @@ def test_the_mode_never_comes_back_while_a_charger_is_powered(loop):
     loop.body.plug_charger(True)
     loop.run(CLEAR_TIME + TIMEOUT + 1)
     loop.drive(0.2, 0.0, 3.0)
-    assert loop.robot.mode is oi.Mode.PASSIVE
-
-
-def test_without_recover_mode_the_mode_stays():
-    loop = Loop(Settings(recover_mode=False))
-    loop.run(0.3)
-    loop.body.drop(left=True)
-    loop.run(0.2)
-    loop.body.drop()
-    loop.run(CLEAR_TIME + TIMEOUT + 0.1)
-    loop.drive(0.2, 0.0, 1.0)
     assert loop.robot.mode is oi.Mode.PASSIVE
 
 

@@ -37,21 +37,6 @@ def test_after_a_mode_the_robot_has_time_to_enter_it(mode: type[oi.Command]) -> 
     assert released(outbox, 8.0201) == OFF.encode()
 
 
-def test_a_pause_that_was_asked_for_is_kept_unless_the_mode_needs_a_longer_one() -> None:
-    for command, asked, pause in ((OFF, 0.5, 0.5), (oi.Safe(), 0.5, 0.5), (oi.Safe(), 0.01, 0.02)):
-        outbox = Outbox()
-        outbox.send(command, 'done', pause=asked)
-        outbox.send(OFF)
-        assert released(outbox, 8.0) == command.encode()
-        assert released(outbox, 8.0 + pause - 0.001) == b''
-        assert released(outbox, 8.0 + pause + 0.001) == OFF.encode()
-        outbox.send(oi.Demo(demo=oi.DemoNumber.COVER), pause=0.25)
-        outbox.send(OFF)
-        assert len(released(outbox, 9.0)) == 2
-        assert released(outbox, 9.125) == b''
-        assert released(outbox, 9.25) == OFF.encode()
-
-
 def test_a_stop_overtakes_all_that_waits() -> None:
     outbox = Outbox()
     outbox.send(oi.Safe())

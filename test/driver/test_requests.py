@@ -157,30 +157,30 @@ def test_leds_and_outputs_are_restored_after_a_mode_change(loop, before, after):
     assert_restored(loop)
 
 
-def test_all_is_restored_after_a_power_cycle_but_drivers_stay_off(loop):
-    set_everything(loop)
-    power_cycle(loop)
-    assert_restored(loop)
-    assert tuple(loop.robot.actuators.duties) == (0, 0, 0)
-
-
-def test_all_is_restored_after_a_reconnect(loop):
-    set_everything(loop)
+def fall_silent(loop: Loop) -> None:
+    """Cut the line for a while."""
     loop.cut = True
     loop.run(2.0)
     loop.cut = False
     loop.run(2.0)
-    assert_restored(loop)
 
 
-def test_all_is_restored_after_a_drop(loop):
-    set_everything(loop)
+def drop_a_wheel(loop: Loop) -> None:
+    """Let the robot leave Safe, and bring it back."""
     loop.body.drop(left=True)
     loop.run(0.3)
     loop.body.drop()
     loop.run(2.0)
     loop.drive(0.1, 0.0, 0.5)
+
+
+@pytest.mark.parametrize(('happens', 'duty'), [
+    (power_cycle, 0), (fall_silent, 128), (drop_a_wheel, 0)])
+def test_all_is_restored_but_drivers_that_the_robot_switched_off(loop, happens, duty):
+    set_everything(loop)
+    happens(loop)
     assert_restored(loop)
+    assert tuple(loop.robot.actuators.duties) == (duty, 0, 0)
 
 
 @pytest.mark.parametrize('mode', [oi.Mode.PASSIVE, oi.Mode.FULL])

@@ -83,22 +83,6 @@ def stage() -> Iterator[Stage]:
         yield made
 
 
-@pytest.mark.parametrize(('type_', 'qos', 'before'), [
-    (Twist, RELIABLE, True), (TwistStamped, BEST_EFFORT, True),
-    (TwistStamped, RELIABLE, False), (Twist, BEST_EFFORT, False)])
-def test_a_publisher_of_either_kind_is_heard_that_was_there_before_or_comes_later(
-        stage, type_, qos, before):
-    if before:
-        publish = stage.publisher(type_, qos)
-    made = stage.start()
-    if not before:
-        publish = stage.publisher(type_, qos)
-    stage.hears(publish, 0.1)
-    assert (made.type, made.reliability) == (type_, qos.reliability)
-    subscription, = made.node.subscriptions
-    assert subscription.msg_type is type_
-
-
 def test_types_follow_the_publishers_that_are_alone_and_stay_while_both_are_there(stage):
     made = stage.start()
     twist = stage.publisher(Twist)
@@ -112,17 +96,6 @@ def test_types_follow_the_publishers_that_are_alone_and_stay_while_both_are_ther
     assert made.type is TwistStamped
     stamped.end()
     stage.hears(twist, 0.5)
-
-
-@pytest.mark.parametrize(('type_', 'taken', 'ignored'), [
-    ('twist', Twist, TwistStamped), ('stamped', TwistStamped, Twist)])
-def test_a_type_that_was_chosen_stays(stage, type_, taken, ignored):
-    made = stage.start(type_)
-    other = stage.publisher(ignored)
-    stage.look()
-    assert made.type is taken
-    other.end()
-    stage.hears(stage.publisher(taken), 0.1)
 
 
 def endpoint(qos: QoSProfile = RELIABLE) -> TopicEndpointInfo:
