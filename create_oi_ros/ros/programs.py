@@ -28,13 +28,13 @@ from .. import __version__
 PACKAGE = __package__.partition('.')[0]
 MODULES = {
     'create_check': 'apps.check.create_check',
-    'create_demo': 'apps.demo.create_demo',
+    'create_demo': 'apps.demo',
     'create_fleet': 'apps.fleet',
     'create_lidar': 'apps.lidar',
     'create_node': 'ros.node',
     'create_record': 'apps.record',
     'create_report': 'apps.report.create_report',
-    'create_run': 'apps.run.create_run',
+    'create_run': 'apps.run',
     'create_sim': 'sim.server.create_sim',
     'create_web': 'apps.web.create_web',
 }

@@ -18,8 +18,7 @@ from rclpy.qos import QoSProfile
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
-from create_oi_ros.apps.demo import tour
-from create_oi_ros.apps.demo.pilot import Pilot, Stopped, TourError
+from create_oi_ros.apps.demo import cliff, Pilot, Stopped, TourError, WORLD
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.goal_client import GoalFailed
 from create_oi_ros.ros.programs import PROGRAMS
@@ -36,7 +35,7 @@ STAIRS_AHEAD = Pose(4.25, 4.85, pi / 2)
 def stage(tmp_path_factory):
     """Return a scene with a robot in the demo's world, and its node."""
     with scene(tmp_path_factory.mktemp('demo')) as made:
-        made.hero = made.robot(world=shipped(tour.WORLD))
+        made.hero = made.robot(world=shipped(WORLD))
         made.node(made.hero.link)
         yield made
 
@@ -65,7 +64,7 @@ def test_a_pilot_turns_the_short_way(pilot, stage):
 def test_the_robot_comes_back_from_the_stairs(pilot, stage):
     robot = stage.hero
     robot.soon(lambda: robot.body.place(STAIRS_AHEAD))
-    tour.cliff(pilot)
+    cliff(pilot)
     assert pilot.mode == Mode.SAFE
     assert not robot.body.sense().drop_caster and not robot.body.sense().cliff_front_left
 

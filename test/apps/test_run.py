@@ -15,7 +15,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import GetParameters
 
-from create_oi_ros.apps.run import create_run
+from create_oi_ros.apps import run as create_run
 from create_oi_ros.oi.tools.capture_format import CaptureReader, RecordKind, records_of
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import children_of, TIMEOUT

@@ -12,7 +12,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import BatteryState
 
-from create_oi_ros.apps.run.status import RobotStatus, WIDTH
+from create_oi_ros.apps.run import RobotStatus, WIDTH
 from create_oi_ros.ros.messages import of_yaw
 
 PORT = '/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0'

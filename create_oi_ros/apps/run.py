@@ -8,52 +8,166 @@ only, without `--host`. What follows `--ros-args` is for the node.
 """
 
 import argparse
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, ExitStack
+from math import degrees, isnan, nan
 import os
 from pathlib import Path
+import re
 from shlex import quote
 import shutil
 import sys
+from typing import Any
 
 from create_oi_msgs.msg import Bumper, Mode
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
-from rclpy.node import Node
+import rclpy
 from rclpy.task import Future
 from sensor_msgs.msg import BatteryState
 
-from ...ros.node_arguments import names_only, refusal, split
-from ...ros.process import call_on_signal, Children, ros_executor, spin_until
-from ...ros.programs import check_environment
-from ...ros.simulated_run import run_domain, run_folder
-from ...ros.waiting import announce
-from ...sim.world_files import read_world, shipped_names, WorldError
-from .status import RobotStatus, show, status_line
+from ..ros.diagnostics import LINK
+from ..ros.messages import mode_name, yaw_of
+from ..ros.node_arguments import names_only, refusal, split
+from ..ros.process import call_on_signal, Children, ros_executor, spin_until
+from ..ros.programs import check_environment
+from ..ros.robot_state import RobotState
+from ..ros.simulated_run import run_domain, run_folder
+from ..ros.waiting import announce
+from ..sim.world_files import read_world, shipped_names, WorldError
 
 WORLD = 'apartment'
 """World of the simulated robot, if nothing else is asked for."""
+WIDTH = 80
+"""Columns of the status line at most."""
+POSE_TEXTS = 2
+"""Parts of the motion that are the pose."""
+CLEAR = '\r\x1b[K'
+"""Go to the begin of the line, and clear it."""
+LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
+USUAL_FORMAT = '[{severity}] [{time}] [{name}]: {message}'
 
 
-class StatusNode(Node):
-    """Subscribes to the driver's topics and shows a status line every second."""
+class RobotStatus(RobotState):
+    """Collects what the driver publishes, and puts it into one line."""
 
-    def __init__(self, children: Children, ended: Future) -> None:
-        """Watch the children too: when one ends by itself, `ended` gets exit code 1."""
-        super().__init__('create_run')
-        self._ended = ended
-        self._children = children
-        self._status = RobotStatus()
-        self._status.listen(self, Odometry, Mode, BatteryState, Bumper, DiagnosticArray)
-        self.create_timer(1.0, self._show)
+    def __init__(self) -> None:
+        super().__init__()
+        self._frames = 0
+        self._pressed: set[str] = set()
+        """Sides of the bumper that were pressed since the last line."""
+        self._troubles: list[str] = []
+        self._no_robot = ''
+        """Why no robot answers, as far as the driver knows."""
 
-    def _show(self) -> None:
-        ended = self._children.ended()
-        if ended is not None:
-            print(f'create_run: {ended}; see above for why', file=sys.stderr)
-            self._ended.set_result(1)
-            return
-        show(self._status.line())
+    def take(self, message: Any) -> None:
+        """Take a message; count frames, and remember a short touch until the next line."""
+        super().take(message)
+        if isinstance(message, Odometry):
+            self._frames += 1
+        self._pressed |= self._now_pressed()
+        if isinstance(message, DiagnosticArray):
+            self._take_diagnostics(message)
+
+    def _now_pressed(self) -> set[str]:
+        bumper = self.newest(Bumper)
+        return {side for side in ('left', 'right')
+                if bumper is not None and getattr(bumper, side)}
+
+    def _take_diagnostics(self, diagnostics: DiagnosticArray) -> None:
+        """Take what the driver complains about: a script, a damaged line, the battery."""
+        for status in diagnostics.status:
+            if status.name.endswith(f': {LINK}'):
+                port = next((each.value for each in status.values if each.key == 'port'), '')
+                # A port may have a long name, and nobody has two here.
+                said = status.message.replace(port, 'port', 1) if port else status.message
+                self._no_robot = said if status.level == DiagnosticStatus.ERROR else ''
+        # The mode says its own reason; safety repeats the bumper.
+        self._troubles = [
+            status.message for about in ('driver', LINK, 'battery')
+            for status in diagnostics.status
+            if status.name.endswith(f': {about}') and status.level != DiagnosticStatus.OK]
+
+    def line(self) -> str:
+        """Return the line, and begin the next second; the pose of a robot is always in it."""
+        motion, mode = self._motion(), self.newest(Mode)
+        robot = mode is None or mode.mode != Mode.UNKNOWN
+        pose = POSE_TEXTS if robot else 0
+        said = (*motion[:pose], *self._remarks())
+        line = '  '.join((f'{self._frames:2d} frames/s', self._mode_text(), *said))
+        if len(line) > WIDTH:
+            line = '  '.join((self._mode_text().rstrip(), *said))
+        if len(line) > WIDTH:
+            line = f'{line[:WIDTH - 3]}...'
+        for text in motion[pose:]:
+            if len(line) + 2 + len(text) > WIDTH:
+                break
+            line += f'  {text}'
+        self._frames, self._pressed = 0, self._now_pressed()
+        return line.rstrip()
+
+    def _mode_text(self) -> str:
+        mode = self.newest(Mode)
+        return 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
+
+    def _remarks(self) -> list[str]:
+        """Return what is unusual, the most important first."""
+        sides, mode = ' and '.join(sorted(self._pressed)), self.newest(Mode)
+        remarks = [f'BUMP {sides}'] if sides else []
+        if mode is not None and mode.reason:
+            unknown = mode.mode == Mode.UNKNOWN
+            remarks.append((self._no_robot if unknown else '') or mode.reason)
+        # No robot answers: all else follows from that.
+        elif mode is not None:
+            remarks += map(gist, self._troubles)
+        return remarks
+
+    def _motion(self) -> list[str]:
+        odom = self.newest(Odometry)
+        if odom is None:
+            return []
+        pose, twist, battery = odom.pose.pose, odom.twist.twist, self.newest(BatteryState)
+        charge = nan if battery is None else battery.percentage
+        charged = '' if isnan(charge) else f'{charge:.0%}'
+        return [f'x {pose.position.x:+.2f} y {pose.position.y:+.2f} m',
+                f'{degrees(yaw_of(pose.orientation)):+4.0f} deg', charged,
+                f'{twist.linear.x:+.2f} m/s', f'{twist.angular.z:+.2f} rad/s']
+
+
+def gist(message: str) -> str:
+    """Return a long message without its advice: the first clause, and what brackets add to it."""
+    if len(message) <= WIDTH // 2:
+        return message
+    added = re.search(r' \([^()]*\)$', message)
+    return message.partition(', ')[0] + (added[0] if added else '')
+
+
+def on_terminal() -> bool:
+    """Return whether the line can be updated in place."""
+    return sys.stdout.isatty() and os.environ.get('TERM', 'dumb') != 'dumb'
+
+
+@contextmanager
+def status_line() -> Iterator[None]:
+    """Keep the log lines of children apart from a status line that is updated in place."""
+    if not on_terminal():
+        yield
+        return
+    # A log line begins by clearing the status line, which is shown again below it.
+    os.environ[LOG_FORMAT] = CLEAR + os.environ.get(LOG_FORMAT, USUAL_FORMAT)
+    try:
+        yield
+    finally:
+        print(flush=True)
+
+
+def show(line: str) -> None:
+    """Show the line: in place on a terminal, as a line of its own elsewhere."""
+    if on_terminal():
+        columns = os.get_terminal_size(sys.stdout.fileno()).columns or WIDTH
+        print(f'{CLEAR}{line[:columns - 1]}', end='\r', flush=True)
+    else:
+        print(line, flush=True)
 
 
 def introduction(port: str, simulated: bool, namespace: str = '') -> str:
@@ -78,9 +192,22 @@ def introduction(port: str, simulated: bool, namespace: str = '') -> str:
 
 
 def _watch(children: Children, ended: Future, names: list[str], driver: str) -> int:
+    """Show the status every second; return the exit code, 1 when a child has ended by itself."""
+    status = RobotStatus()
+
+    def look() -> None:
+        why = children.ended()
+        if why is None:
+            show(status.line())
+        else:
+            print(f'create_run: {why}; see above for why', file=sys.stderr)
+            ended.set_result(1)
     with (ros_executor(['--ros-args', *names]) as executor,
           announce(int(os.environ.get('ROS_DOMAIN_ID') or 0), driver)):
-        executor.add_node(StatusNode(children, ended))
+        node = rclpy.create_node('create_run')
+        status.listen(node, Odometry, Mode, BatteryState, Bumper, DiagnosticArray)
+        node.create_timer(1.0, look)
+        executor.add_node(node)
         try:
             spin_until(executor, ended)
         finally:
