@@ -29,7 +29,6 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from ..ros.bags import missing
 from ..ros.goal_client import GoalClient, GoalFailed
 from ..ros.messages import yaw_of
 from ..ros.process import call_on_signal, Children, ros_executor, start
@@ -366,9 +365,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except OSError as error:
         say(f'recording has ended: {error}')
-        return 2
-    except ModuleNotFoundError as error:
-        say(missing((error.name or '').partition('.')[0]))
         return 2
     made = report(options.folder)
     return code or made  # of a tour that ends at once nothing may have been recorded

@@ -16,7 +16,6 @@ import rclpy
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from ..ros.bags import missing
 from ..ros.process import call_on_signal, ros_executor, spin_until
 from ..ros.recorder import Recorder
 from ..ros.waiting import say_if_waiting
@@ -71,22 +70,14 @@ def _arguments() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_record`; 1: recording failed or no message came, 2: rosbags is missing."""
+    """Run `create_record`; 1: the disk is full, or no message came. OSError: see `record`."""
     given = sys.argv if arguments is None else ['create_record', *arguments]
     parser, ended = _arguments(), Future()
     options = parser.parse_args(remove_ros_args(given)[1:])
     if options.folder.exists():
         parser.error(f'{options.folder} is there already')
     call_on_signal(lambda: ended.set_result(0))
-    try:
-        recorder = record(
-            options.folder, given, TwistStamped if options.stamped else Twist, ended)
-    except ModuleNotFoundError as error:
-        say(missing((error.name or '').partition('.')[0]))
-        return 2
-    except OSError as error:
-        say(f'recording has ended: {error}')
-        return 1
+    recorder = record(options.folder, given, TwistStamped if options.stamped else Twist, ended)
     if recorder is None:
         return 1
     # On a terminal, overwrite the line with the running count.

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
 
-from .programs import installing
+from .programs import UserError
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Item = TypeVar('Item')
 
 
-class BagError(Exception):
+class BagError(UserError):
     """A bag cannot be read or is not of this driver; the message is one sentence."""
 
 
@@ -64,11 +64,6 @@ def guarded(items: Iterable[Item]) -> Iterator[Item]:
     """Yield what is read, under `reading`; exceptions of the caller are not changed."""
     with reading():
         yield from items
-
-
-def missing(module: str) -> str:
-    """Return a sentence on how to install a missing Python module."""
-    return f'the Python module {module} is not installed: {installing(module)}'
 
 
 def message_files() -> list[Path]:

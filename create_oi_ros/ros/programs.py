@@ -43,7 +43,7 @@ PROGRAMS = {name: f'from {__name__} import {name} as run; raise SystemExit(run()
             for name in MODULES}
 """Python code that runs a program, for `python -c`; the package need not be installed."""
 OURS = 'create_oi_msgs'
-NEEDED = ('aiohttp', 'numpy', 'serial', 'yaml')
+NEEDED = ('aiohttp', 'numpy', 'rosbags', 'serial', 'yaml')
 """Python modules that may be missing."""
 JAZZY = Path('/opt/ros/jazzy/setup.bash')
 MAKE = '`make` in a clone of this repository, then `source env.sh` there'

@@ -4,6 +4,7 @@
 
 from contextlib import closing
 import http.client
+import re
 import signal
 import socket
 import sys
@@ -16,7 +17,6 @@ from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.ros import programs
-from create_oi_ros.ros.programs import UserError
 from create_oi_ros.sim.world import shipped
 from support.ros import Ready, scene
 from support.simulator import taught
@@ -140,25 +140,17 @@ def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(sh
         assert standing(robot) and not heard
 
 
-def test_the_wheels_stop_when_the_server_is_killed(stage, pages):
+@pytest.mark.parametrize(('end', 'timeout'), [(signal.SIGTERM, LONG), (signal.SIGKILL, 0.5)])
+def test_the_wheels_stop_when_the_server_ends_or_is_killed(stage, pages, end, timeout):
     robot = stage.robot()
-    stage.node(robot.link)
+    stage.node(robot.link, cmd_vel_timeout=timeout)
     web, address = served(stage)
     page = ready(pages(address))
     page.drive(0.2, 0.0, lambda: not standing(robot))
-    web.send(signal.SIGKILL)
-    stage.ros.until(lambda: standing(robot))
-
-
-def test_the_wheels_stop_when_the_server_ends(stage, pages):
-    robot = stage.robot()
-    stage.node(robot.link, cmd_vel_timeout=LONG)
-    web, address = served(stage)
-    page = ready(pages(address))
-    page.drive(0.2, 0.0, lambda: not standing(robot))
-    web.send(signal.SIGTERM)
-    assert web.ended() == 0
-    assert page.closed() == aiohttp.WSCloseCode.GOING_AWAY
+    web.send(end)
+    if end is signal.SIGTERM:
+        assert web.ended() == 0
+        assert page.closed() == aiohttp.WSCloseCode.GOING_AWAY
     stage.ros.until(lambda: standing(robot))
     assert 'Traceback' not in web.output
 
@@ -233,9 +225,8 @@ def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(shared, 
 
 # Doing.
 
-def test_modes_tunes_leds_dock_and_reset_are_done(shared, pages):
-    robot, address = shared.robot, shared.address
-    page = ready(pages(address))
+def test_leds_are_set_and_the_odometry_is_reset(shared, pages):
+    robot, page = shared.robot, ready(pages(shared.address))
 
     def done(type_, **fields):
         page.send(type_, **fields)
@@ -245,34 +236,19 @@ def test_modes_tunes_leds_dock_and_reset_are_done(shared, pages):
     lights = robot.create.lights
     shared.ros.until(lambda: (lights.bits, lights.color, lights.intensity) == (
         LedBits.PLAY, 200, 100))
-    page.send('audio_note_sequence', notes='G4:0.25 C5:0.5')
-    shared.ros.until(lambda: robot.create.note == 72)
-    page.until(lambda: page.known['song']['playing'])
-    assert page.reply()['ok']
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.1)
     page.send('release')
     page.until(lambda: page.known['pose']['speed'] == 0)
     done('reset_odometry')
     page.until(lambda: abs(page.known['pose']['x']) < 0.01)
     assert page.known['track'][:2] == [0.0, 0.0]
-    for mode in (Mode.FULL, Mode.PASSIVE, Mode.SAFE):
-        done('set_mode', mode=mode.value)
-        page.until(lambda mode=mode: page.known['mode']['actual'] == mode.name)
-    page.send('dock')
-    shared.ros.until(lambda: robot.create.demo is not None)
-    page.send('stop')
-    assert {page.reply()['to'] for _ in range(2)} == {'dock', 'stop'}
-    shared.ros.until(lambda: robot.create.demo is None)
 
 
 def test_bad_messages_are_answered_and_nothing_moves(shared, pages):
     robot, address = shared.robot, shared.address
     page = ready(pages(address))
-    for text in ('', '{', '[]', '[' * 2000, '{"type": "fly"}', '{"type": "drive"}',
-                 '{"type": "drive", "linear": 9, "angular": 0, "seen": 0}',
-                 '{"type": "drive", "linear": NaN, "angular": 0, "seen": 0}',
-                 '{"type": "set_mode", "mode": "off"}', '{"type": "dock", "far": 1}',
-                 '{"type": "set_leds", "play": "<b>"}'):
+    for text in ('{', '{"type": "fly"}', '{"type": "set_mode", "mode": "off"}',
+                 '{"type": "drive", "linear": NaN, "angular": 0, "seen": 0}'):
         page.send_text(text)
         reply = page.reply()
         assert not reply['ok'] and 'allowed' in reply['text'] or 'no JSON' in reply['text']
@@ -376,12 +352,15 @@ def test_a_simulated_robot_shows_its_room_and_where_it_really_is(stage, pages, t
 
 # The command line.
 
-def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch):
+def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, 'aiohttp', None)
     for name in [name for name in sys.modules if name.startswith('create_oi_ros.apps.web')]:
         monkeypatch.delitem(sys.modules, name)
-    with pytest.raises(UserError, match='aiohttp is missing: .* install (python3-)?aiohttp'):
-        programs._imported('create_web')
+    monkeypatch.setattr(sys, 'argv', ['create_web'])
+    monkeypatch.setattr(signal, 'signal', lambda number, handler: None)
+    assert programs.create_web() == 2
+    assert re.fullmatch('create_web: aiohttp is missing: .* install (python3-)?aiohttp`\n',
+                        capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(('arguments', 'words'), [

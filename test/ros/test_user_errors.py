@@ -189,6 +189,8 @@ CLONE = '`make` in a clone of this repository, then `source env.sh` there'
     ('serial', SYSTEM, 'none', 'serial is missing: `sudo apt-get install python3-serial`\n'),
     ('serial', VENV, 'none', "serial is missing: `'/home/me/my venv/python' -m pip install "
                              'pyserial`\n'),
+    ('rosbags.typesys', SYSTEM, 'jazzy',
+     'rosbags is missing: `python3 -m pip install --break-system-packages rosbags`\n'),
     ('numpy', VENV, 'jazzy', "numpy is missing: `'/home/me/my venv/python' -m pip install ")])
 def test_a_missing_part_is_one_sentence_that_fits_this_python(
         module, prefix, ros, sentence, monkeypatch, capsys, tmp_path):

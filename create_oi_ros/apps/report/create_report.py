@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 import sys
 
-from ...ros.bags import BagError, missing
 from .bag_reader import read
+from .page import write
 
 WIDTH = 30
 """Characters of the progress bar."""
@@ -26,16 +26,6 @@ def bar(label: str) -> Callable[[float], None]:
     return show if sys.stderr.isatty() else lambda part: None
 
 
-def report(bag: Path, target: Path, robot: str | None = None) -> None:
-    """Make a report; BagError or OSError says why it failed."""
-    try:
-        recording = read(bag, bar(f'reading {bag.name}'), robot)
-        from .page import write
-        write(recording, target)
-    except ModuleNotFoundError as error:
-        raise BagError(missing((error.name or '').partition('.')[0])) from error
-
-
 def _target(text: str) -> Path:
     target = Path(text)
     if target.suffix != '.html':
@@ -44,7 +34,7 @@ def _target(text: str) -> Path:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `create_report`; 2: no report could be made."""
+    """Run `create_report`; BagError or OSError says why no report can be made."""
     parser = argparse.ArgumentParser(
         prog='create_report', description='Show on one page what a robot did, from a bag.')
     parser.add_argument('bag', type=Path, metavar='BAG',
@@ -54,10 +44,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--robot', metavar='NAMESPACE',
                         help='which robot, if the bag holds several; / is one without a namespace')
     options = parser.parse_args(arguments)
-    try:
-        report(options.bag, options.target, options.robot)
-    except BagError as error:
-        print(f'create_report: {error}', file=sys.stderr)
-        return 2
+    write(read(options.bag, bar(f'reading {options.bag.name}'), options.robot), options.target)
     print(options.target)
     return 0
