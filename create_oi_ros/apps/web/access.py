@@ -1,13 +1,23 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Who may open the page, and how much each page may send. Pure: the time is an argument."""
+"""
+Who may open the page, how much a page may send, and who drives. Pure: the time is an argument.
+
+One viewer at a time has the driver's seat. A command holds for HOLD seconds, and the page sends
+the next one earlier. So the wheels stop soon after a page is closed, a telephone sleeps, or the
+network fails.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 import hmac
 from ipaddress import ip_address
+from math import inf
 from urllib.parse import urlsplit
+
+from ...driver.motion import Velocity
+from ...robot import TOP_SPEED, WHEEL_SEPARATION
 
 MOST_VIEWERS = 8
 """Pages that are connected at once."""
@@ -15,6 +25,12 @@ LONGEST_MESSAGE = 4096
 """Bytes of one message from a page."""
 RATE, BURST = 60.0, 120.0
 """Messages a second that a page may send for long, and at once."""
+HOLD = 0.15
+"""Seconds that a command holds."""
+OLDEST_VIEW = 0.5
+"""Seconds: a page whose picture is older than this may not drive. It includes the way there."""
+TOP_TURN = TOP_SPEED / (WHEEL_SEPARATION / 2)
+"""rad/s at which both wheels run at top speed, in opposite directions."""
 
 
 def is_loopback(host: str) -> bool:
@@ -23,14 +39,6 @@ def is_loopback(host: str) -> bool:
         return ip_address(host).is_loopback
     except ValueError:
         return host == 'localhost'
-
-
-def host_of(header: str) -> str:
-    """Return the host in a Host header, without its port; '' if it cannot be read."""
-    try:
-        return urlsplit(f'//{header}').hostname or ''
-    except ValueError:
-        return ''
 
 
 @dataclass(frozen=True)
@@ -46,7 +54,12 @@ class Access:
 
     def admits_host(self, header: str) -> bool:
         """Return whether the Host header of a request is one that we answer."""
-        return self.token is not None or is_loopback(host_of(header))
+        if self.token is not None:
+            return True
+        try:
+            return is_loopback(urlsplit(f'//{header}').hostname or '')
+        except ValueError:  # it cannot be read
+            return False
 
     def admits_token(self, given: str) -> bool:
         """Return whether the token is right; the time this takes does not tell how far it was."""
@@ -57,11 +70,7 @@ class Access:
     @staticmethod
     def same_origin(origin: str, host: str) -> bool:
         """Return whether the page that connects was served by us; browsers always send both."""
-        try:
-            parts = urlsplit(origin)
-        except ValueError:
-            return False
-        return parts.scheme in ('http', 'https') and bool(host) and parts.netloc == host
+        return bool(host) and origin in (f'http://{host}', f'https://{host}')
 
 
 class MessageBudget:
@@ -79,3 +88,83 @@ class MessageBudget:
             return False
         self._left -= 1
         return True
+
+
+class Refused(Exception):
+    """A viewer may not do this now; the message says why and what to do."""
+
+
+class DriverSeat:
+    """The seat of the only viewer that may drive; viewers are numbers."""
+
+    def __init__(self) -> None:
+        self.viewer: int | None = None
+        """Who has the seat."""
+        self.velocity = Velocity()
+        """The command that holds now."""
+        self.deadline = inf
+        """When the command ends; inf while none holds."""
+        self.latched = False
+        """Whether STOP was pressed, and the stick has not been let go since."""
+
+    @property
+    def driving(self) -> bool:
+        """Whether a command holds."""
+        return self.deadline < inf
+
+    def sit(self, viewer: int) -> None:
+        """Take the seat if it is free; Refused: another viewer has it."""
+        if self.viewer is None:
+            self.viewer, self.latched = viewer, False
+        if self.viewer != viewer:
+            raise Refused('another page drives: press "Take over" first')
+
+    def take_over(self, viewer: int) -> bool:
+        """Take the seat, whoever has it; return whether the wheels must stop now."""
+        if viewer == self.viewer:
+            return False
+        self.viewer = viewer
+        return self._end()
+
+    def leave(self, viewer: int) -> bool:
+        """Free the seat if this viewer has it; return whether the wheels must stop now."""
+        if viewer != self.viewer:
+            return False
+        self.viewer = None
+        return self._end()
+
+    def drive(self, viewer: int, velocity: Velocity, view_age: float, now: float) -> bool:
+        """
+        Take a command; return whether to obey it, False: it is too old, or STOP still holds.
+
+        `view_age` is the age, s, of the newest picture that the page had when it sent this. After
+        a gap in the network, old commands arrive all at once: their pictures are old, too.
+        """
+        self.sit(viewer)
+        if self.latched or not -OLDEST_VIEW < view_age <= OLDEST_VIEW:
+            return False
+        self.velocity, self.deadline = velocity, now + HOLD
+        return True
+
+    def release(self, viewer: int) -> bool:
+        """Let the stick go; return whether the wheels must stop now."""
+        if viewer != self.viewer:
+            return False
+        return self._end()
+
+    def stop(self) -> None:
+        """Stop, whoever asks; the stick must be let go before it drives again."""
+        self._end()
+        self.latched = True
+
+    def expire(self, now: float) -> bool:
+        """Return whether the command has just ended because no other one came in time."""
+        if now < self.deadline:
+            return False
+        self.velocity, self.deadline = Velocity(), inf
+        return True
+
+    def _end(self) -> bool:
+        was_driving = self.driving
+        self.velocity, self.deadline, self.latched = Velocity(), inf, False
+        return was_driving

@@ -14,7 +14,7 @@ import time
 from ...ros.node_arguments import names_only
 from ...ros.process import start
 from ...ros.topics import CMD_VEL
-from .driver_seat import Refused
+from .access import Refused
 from .live_robot import LiveRobot
 from .web_node import WebNode
 

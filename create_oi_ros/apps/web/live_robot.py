@@ -251,7 +251,12 @@ class LiveRobot:
                 self._heard_at = now
                 self._move(message, now)
             case BatteryState():
-                self.parts.put(part, self._battery_part(message, now))
+                self.parts.put(part, {
+                    'part': finite(message.percentage, 3), 'voltage': finite(message.voltage, 2),
+                    'current': finite(message.current, 3),
+                    'minutes': self._battery.left(
+                        message.charge, message.capacity, message.current, now),
+                    'temperature': finite(message.temperature, 0)})
             case msg.Mode():
                 self._change_mode(message, now)
             case msg.Charging():
@@ -310,12 +315,6 @@ class LiveRobot:
                 self.events.add([
                     HAZARDS[kind], round(self.pose.x, 3), round(self.pose.y, 3), touched])
         self._touched[kind] = bool(touched)
-
-    def _battery_part(self, message: BatteryState, now: float) -> Json:
-        left = self._battery.left(message.charge, message.capacity, message.current, now)
-        return {'part': finite(message.percentage, 3), 'voltage': finite(message.voltage, 2),
-                'current': finite(message.current, 3), 'minutes': left,
-                'temperature': finite(message.temperature, 0)}
 
     def sample(self, now: float) -> None:
         """Add a sample to the charts when it is due; say what is old, and who is silent."""

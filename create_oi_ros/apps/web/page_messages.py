@@ -19,7 +19,7 @@ from ...robot import TOP_SPEED
 from ...ros.actions import ALL_ACTIONS, malformed
 from ...ros.goal_client import filled, GoalFailed
 from ...ros.services import SERVICES
-from .driver_seat import TOP_TURN
+from .access import TOP_TURN
 
 GOALS: Mapping[str, Any] = {
     action.name: action.type for action in ALL_ACTIONS if action.type is not LedAnimation}
@@ -72,7 +72,10 @@ def read(text: str) -> PageMessage:
         raise MessageError(f'unknown type; allowed: {", ".join(TYPES)}')
     try:
         if type_ in GOALS:
-            return PageMessage(type_, found, _goal(type_, found))
+            goal = _message(GOALS[type_].Goal, found, type_)
+            if why := malformed(type_, goal):
+                raise MessageError(f'{type_}: {why}')
+            return PageMessage(type_, found, goal)
         if type_ in CALLS:
             return PageMessage(type_, found, _message(CALLS[type_].Request, found, type_))
         _check(type_, found)
@@ -97,14 +100,6 @@ def _check(type_: str, found: Mapping[str, Any]) -> None:
             fits, words = json.dumps(value) in choices, ' or '.join(choices)
         if not fits:
             raise MessageError(f'{type_}: {name} is not allowed; allowed: {words}')
-
-
-def _goal(name: str, fields: Mapping[str, Any]) -> Any:
-    made = _message(GOALS[name].Goal, fields, name)
-    why = malformed(name, made)
-    if why:
-        raise MessageError(f'{name}: {why}')
-    return made
 
 
 def _message(type_: Any, fields: Mapping[str, Any], where: str) -> Any:

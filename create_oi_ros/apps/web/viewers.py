@@ -15,13 +15,19 @@ from aiohttp import web, WSCloseCode, WSMsgType
 
 from ...driver.motion import Velocity
 from ...robot import BODY_RADIUS, TOP_SPEED, WHEEL_SEPARATION
-from .access import LONGEST_MESSAGE, MessageBudget, MOST_VIEWERS
+from .access import (
+    DriverSeat,
+    LONGEST_MESSAGE,
+    MessageBudget,
+    MOST_VIEWERS,
+    OLDEST_VIEW,
+    Refused,
+    TOP_TURN,
+)
 from .bag_recording import BagRecording
-from .driver_seat import DriverSeat, OLDEST_VIEW, Refused, TOP_TURN
-from .goal_sender import GoalSender
 from .live_robot import Cursor, LiveRobot
 from .page_messages import CALLS, MessageError, PageMessage, read
-from .web_node import Reply, WebNode
+from .web_node import GoalSender, Reply, WebNode
 
 HEARTBEAT = 5.0
 """Seconds between two pings; a page that does not answer is disconnected."""

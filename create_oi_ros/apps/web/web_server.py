@@ -133,17 +133,13 @@ class WebServer:
         self._files = files()
         self._wrong, self._waiting = asyncio.Lock(), 0
 
-    def _application(self) -> web.Application:
-        made = web.Application(middlewares=[self._guard], client_max_size=MOST_BODY)
-        made.router.add_get('/', self._page)
-        made.router.add_get('/live', self._live)
-        made.router.add_get('/{name}', self._file)
-        return made
-
     async def serve(self, listener: socket.socket, tls: ssl.SSLContext | None,
                     complain: Callable[[str], object]) -> web.AppRunner:
         """Answer who connects to a socket; return what ends that. Bad HTTP is complained of."""
-        runner, opened = web.AppRunner(self._application()), Counter[str]()
+        application = web.Application(middlewares=[self._guard], client_max_size=MOST_BODY)
+        application.add_routes([web.get('/', self._page), web.get('/live', self._live),
+                                web.get('/{name}', self._file)])
+        runner, opened = web.AppRunner(application), Counter[str]()
         await runner.setup()
         assert runner.server is not None
         server = runner.server
