@@ -19,7 +19,7 @@ from ...driver import Health
 from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
 from ...ros.programs import INTERRUPTED, UserError
-from .moves import CheckStep, duration, Move, Reads, Segment, STEPS
+from .moves import duration, Move, Reads, Segment, STEPS
 from .questions import (
     about_banner,
     about_dock,
@@ -76,7 +76,11 @@ class GuidedCheck:
         self._to_the_floor()
         seen.append(about_leds(line, person))
         for number, step in enumerate(STEPS, 1):
-            self._take(step, f'{number} of {len(STEPS)}')
+            person.confirm(f'Step {number} of {len(STEPS)} ({duration(step.moves):.0f} s): '
+                           f'{step.about}')
+            for done, move in enumerate(step.moves, 1):
+                self._make(move)
+                progress(done, len(step.moves))
         return seen, line.health(), by_tape(line, person)
 
     def _to_the_floor(self) -> None:
@@ -95,13 +99,6 @@ class GuidedCheck:
                 raise UserError(outcome.text)
             person.confirm(f'{outcome.text}. Mend this')
             outcome = line.enter(oi.Mode.SAFE)
-
-    def _take(self, step: CheckStep, number: str) -> None:
-        self._person.confirm(
-            f'Step {number} ({duration(step.moves):.0f} s): {step.about}')
-        for done, move in enumerate(step.moves, 1):
-            self._make(move)
-            progress(done, len(step.moves))
 
     def _make(self, move: Move) -> None:
         """Make a move, again where it was disturbed."""
@@ -124,10 +121,6 @@ def _conclude(seen: Sequence[Finding], health: Health, output: Path) -> None:
     tell(f'{output}: give it to the driver with -p odometry_model:={output.absolute()}')
 
 
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `create_check`; 130: it was interrupted. UserError, OSError: what is wrong."""
     options = _arguments().parse_args(arguments)
@@ -135,7 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise UserError(f'{options.output.absolute().parent} is no folder: nothing can be '
                         'written there')
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, _interrupt)
+        signal.signal(number, signal.default_int_handler)
     person = Person(absent=options.yes)
     try:
         person.confirm(INTRODUCTION)

@@ -3,6 +3,7 @@
 """What was found of a robot, in plain words, with how sure it is and what that agrees with."""
 
 from collections.abc import Sequence
+import re
 from typing import NamedTuple
 
 from ... import oi
@@ -84,18 +85,12 @@ def _of_period(period: float) -> str:
 
 def banner_in(heard: bytes) -> Finding:
     """Say what the robot said when it was switched on."""
-    longest = max(oi_text(heard), key=len, default='')
+    texts = (' '.join(run.decode().split()) for run in re.findall(rb'[\t\n\r -~]+', heard))
+    longest = max(texts, key=len, default='')
     if len(longest) < LEAST_BANNER:
         return Finding('banner', 'nothing that can be read', 'the manual, which has none')
     return Finding('banner', f'{len(longest)} characters: {longest!r}',
                    'reports of some 140 bytes of text')
-
-
-def oi_text(heard: bytes) -> list[str]:
-    """Return the runs of letters in bytes."""
-    text = ''.join(chr(byte) if 32 <= byte < 127 or byte in (9, 10, 13) else '\0'
-                   for byte in heard)
-    return [' '.join(run.split()) for run in text.split('\0') if run.strip()]
 
 
 def lines(findings: Sequence[Finding]) -> list[str]:

@@ -185,12 +185,17 @@ class BagFiles:
 
     def _flattened(self, stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
         """Yield the records of an MCAP file, those inside of chunks instead of the chunks."""
+        from rosbags.rosbag2.storage_mcap import decompress
         for opcode, body in _records(stream):
             if opcode != CHUNK:
                 yield opcode, body
                 continue
             try:
-                content = _content(body)
+                with reading():
+                    size, checksum = unpack_from('<QI', body, 16)
+                    compression, = _texts(body, 28, 1)
+                    content = decompress(
+                        body[40 + len(compression):], compression, size, checksum)
             except DamageError as error:
                 self._note(str(error))
                 continue
@@ -208,15 +213,6 @@ def _records(stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
         if at > end:
             return
         yield opcode, stream.read(size)
-
-
-def _content(chunk: bytes) -> bytes:
-    """Return the records in a chunk; DamageError: it is damaged."""
-    from rosbags.rosbag2.storage_mcap import decompress
-    with reading():
-        size, checksum = unpack_from('<QI', chunk, 16)
-        compression, = _texts(chunk, 28, 1)
-        return decompress(chunk[40 + len(compression):], compression, size, checksum)
 
 
 def _texts(body: bytes, at: int, count: int) -> list[str]:

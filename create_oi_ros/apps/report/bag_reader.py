@@ -49,26 +49,40 @@ Progress = Callable[[float], None]
 
 
 class RecordingBuilder:
-    """Builds a recording from messages, with a method for each type."""
+    """Builds a recording from messages."""
 
     def __init__(self, recording: Recording) -> None:
         self.recording = recording
         self._last_message: float | None = None
         self._last_odom: float | None = None
         self._stamp = 0.0
-        self._adders: dict[str, Callable[[float, Any], None]] = {
-            'odom': self._add_odom, CMD_VEL: self._add_twist, 'battery_state': self._add_battery,
-            'diagnostics': self._add_diagnostics, 'mode': self._add_mode, 'song': self._add_song,
-            'charging': self._add_charging}
 
     def add(self, topic: str, time: float, message: Any) -> None:
         """Add a message of one of TOPICS."""
-        if topic in self._adders:
-            self._adders[topic](time, message)
-        else:
-            self.recording.spans[topic.replace('_', ' ')].contact(time, [
-                name.replace('_', ' ') for name in message.__dataclass_fields__
-                if getattr(message, name) is True])
+        recording = self.recording
+        match topic:
+            case 'odom':
+                self._add_odom(time, message)
+            case 'cmd_vel':
+                twist = getattr(message, 'twist', message)  # of a TwistStamped
+                recording.commands.add(time, twist.linear.x, twist.angular.z)
+            case 'battery_state':
+                recording.battery.add(
+                    time, message.voltage, message.current, 100 * message.percentage)
+            case 'diagnostics':
+                self._add_diagnostics(time, message)
+            case 'mode':
+                name = mode_name(message.mode, message.reason).lower()
+                recording.spans['mode'].change(
+                    time, MODES.get(message.mode) or name, message.reason)
+            case 'song':
+                self._add_song(time, message)
+            case 'charging':
+                recording.spans['charging'].change(time, CHARGING.get(message.state, ''))
+            case _:
+                recording.spans[topic.replace('_', ' ')].contact(time, [
+                    name.replace('_', ' ') for name in message.__dataclass_fields__
+                    if getattr(message, name) is True])
 
     def note_time(self, time: float) -> None:
         """Note the time of a message; a long silence before it is a gap."""
@@ -114,19 +128,6 @@ class RecordingBuilder:
                     if hypot(x, y) < NEAR else f'Odometry jumps by {far:.2f} m (reset_pose)')
             self.recording.jumps.append(Span(time, text, time))
 
-    def _add_twist(self, time: float, message: Any) -> None:
-        twist = getattr(message, 'twist', message)  # of a TwistStamped
-        self.recording.commands.add(time, twist.linear.x, twist.angular.z)
-
-    def _add_battery(self, time: float, message: Any) -> None:
-        self.recording.battery.add(
-            time, message.voltage, message.current, 100 * message.percentage)
-
-    def _add_mode(self, time: float, message: Any) -> None:
-        self.recording.spans['mode'].change(
-            time, MODES.get(message.mode) or mode_name(message.mode, message.reason).lower(),
-            message.reason)
-
     def _add_song(self, time: float, message: Any) -> None:
         spans = self.recording.spans['song']
         text = f'song {message.number}' if message.playing else ''
@@ -135,9 +136,6 @@ class RecordingBuilder:
             spans.all[-1].text = text
         else:
             spans.change(time, text)
-
-    def _add_charging(self, time: float, message: Any) -> None:
-        self.recording.spans['charging'].change(time, CHARGING.get(message.state, ''))
 
     def _add_diagnostics(self, time: float, message: Any) -> None:
         prefix = f'{self.recording.robot}/'.lstrip('/')

@@ -23,7 +23,7 @@ import zlib
 
 from ... import pages
 from ...ros.odometry_model import write_whole
-from .recording import Curve, CURVES, Recording, Span, SPANS
+from .recording import CURVES, Recording, Span, SPANS
 from .summary import absent, clock, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
@@ -44,12 +44,14 @@ def _html(recording: Recording) -> bytes:
     style = '\n'.join(files[name] for name in STYLES)
     script = '\n' + one_script({
         name: text for name, text in files.items() if name.endswith('.js')}, ENTRY)
+    lacks = absent(recording)
     return Template(files[PAGE]).substitute(
         title=escape(f'What the robot did: {recording.name}'),
         style=style, script=script, data=packed(recording),
         policy=f'script-src {_digest(script)}; style-src {_digest(style)}',
         summary='\n'.join(f'<p>{escape(line)}</p>' for line in summary(recording)),
-        absent=_absent(recording), events=_event_table(events(recording)),
+        absent=f'<p>Not recorded: {escape(", ".join(lacks))}.</p>' if lacks else '',
+        events=_event_table(events(recording)),
         warnings=_event_table(warnings(recording)),
         settings=_settings(recording)).encode('utf-8', 'replace')
 
@@ -57,11 +59,6 @@ def _html(recording: Recording) -> bytes:
 def _digest(text: str) -> str:
     """Return what a content security policy calls this inline text."""
     return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
-
-
-def _absent(recording: Recording) -> str:
-    names = ', '.join(absent(recording))
-    return f'<p>Not recorded: {escape(names)}.</p>' if names else ''
 
 
 def _event_table(shown: list[TimelineEvent]) -> str:
@@ -142,29 +139,27 @@ def steps(values: Iterable[float], unit: float) -> list[int | None]:
     return found
 
 
-def _curve(curve: Curve, units: Mapping[str, float], most: int) -> Any:
-    places = kept([curve[name] for name in units if name not in POSE], most)
-    columns = {'t': (curve.times, TIME)}
-    columns |= {name: (curve[name], unit) for name, unit in units.items()}
-    return {name: {'unit': unit, 'steps': steps((values[at] for at in places), unit)}
-            for name, (values, unit) in columns.items()}
-
-
 def _bars(spans: Iterable[Span]) -> list[list[Any]]:
     return [[round(span.start, 3), round(span.end, 3), span.text] for span in spans]
 
 
 def page_data(recording: Recording, most: int) -> dict[str, Any]:
     """Return all that the page draws, with at most `most` points of each curve."""
+    curves: dict[str, Any] = {}
+    for kind, units in CURVES.items():
+        curve = getattr(recording, kind)
+        places = kept([curve[name] for name in units if name not in POSE], most)
+        columns = {'t': (curve.times, TIME)} | {
+            name: (curve[name], unit) for name, unit in units.items()}
+        curves[kind] = {name: {'unit': unit, 'steps': steps((values[at] for at in places), unit)}
+                        for name, (values, unit) in columns.items()}
     return {
         'seconds': recording.seconds, 'pause': PAUSE, 'damage': recording.damage,
         'began': recording.began, 'jumps': [round(each.start, 3) for each in recording.jumps],
         'gaps': _bars(recording.gaps),
         'spans': [{'name': name, 'spans': _bars(recording.spans[name].all)} for name in SPANS
                   if name.replace(' ', '_') in recording.heard],
-        'curves': {name: _curve(getattr(recording, name), units, most)
-                   for name, units in CURVES.items()},
-    }
+        'curves': curves}
 
 
 def packed(recording: Recording) -> str:

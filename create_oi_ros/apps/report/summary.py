@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 from .recording import Recording, Span, TOPICS
 
-CONTACTS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
-           'overcurrent': 'Too much current', 'buttons': 'Button'}
-
+WORDS = {'bumper': 'Bump', 'cliff': 'Cliff', 'wheel drop': 'Wheel drop',
+         'overcurrent': 'Too much current', 'buttons': 'Button', 'song': 'Plays',
+         'charging': 'Charging:'}
+"""How the text of an event begins, by its kind."""
 HOUR = 3600
 
 
@@ -35,12 +36,10 @@ def clock(seconds: float) -> str:
 
 def events(recording: Recording) -> list[TimelineEvent]:
     """Return all events, in order of time."""
-    found = [*_modes(recording), *_contacts(recording)]
-    for span in recording.spans['song'].all:
-        found.append(TimelineEvent(span.start, 'song', f'Plays {span.text}{_duration(span)}'))
-    for span in recording.spans['charging'].all:
-        found.append(TimelineEvent(
-            span.start, 'charging', f'Charging: {span.text}{_duration(span)}'))
+    found = list(_modes(recording))
+    for kind, word in WORDS.items():
+        for span in recording.spans[kind].all:
+            found.append(TimelineEvent(span.start, kind, f'{word} {span.text}{_duration(span)}'))
     for span in recording.jumps:
         found.append(TimelineEvent(span.start, 'odometry', span.text))
     for span in recording.gaps:
@@ -55,12 +54,6 @@ def _modes(recording: Recording) -> Iterator[TimelineEvent]:
         if span.text != before:
             yield TimelineEvent(span.start, 'mode', f'Mode {span.text}{reason}')
         before = span.text
-
-
-def _contacts(recording: Recording) -> Iterator[TimelineEvent]:
-    for kind, word in CONTACTS.items():
-        for span in recording.spans[kind].all:
-            yield TimelineEvent(span.start, kind, f'{word} {span.text}{_duration(span)}')
 
 
 def _duration(span: Span) -> str:
