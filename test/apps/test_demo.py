@@ -9,21 +9,18 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
-import threading
 
 from create_oi_msgs.msg import Mode
 from nav_msgs.msg import Odometry
 import pytest
-from rclpy.qos import QoSProfile
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
-from create_oi_ros.apps.demo import cliff, Pilot, Stopped, TourError, WORLD
+from create_oi_ros.apps.demo import cliff, Pilot, TourError, WORLD
 from create_oi_ros.apps.report.bag_reader import read
 from create_oi_ros.ros.goal_client import GoalFailed
 from create_oi_ros.ros.programs import PROGRAMS
-from create_oi_ros.ros.recorder import bag_qos
-from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.ros.topics import PUBLISHED
 from create_oi_ros.sim.world import Pose, shipped
 from support.ros import children_of, Listener, scene
 
@@ -79,23 +76,6 @@ def test_a_timeout_names_the_event_and_stops_the_robot(pilot, stage):
 def test_a_refusal_has_the_text_of_the_service(pilot):
     with pytest.raises(GoalFailed, match='play_song: '):
         pilot.call('play_song', number=99)
-
-
-def test_stopped_ends_any_wait(stage):
-    asked = threading.Event()
-
-    def check():
-        if asked.is_set():
-            raise Stopped
-    one = Pilot(stage.ros.node, stage.ros._executor, check)
-    asked.set()
-    with pytest.raises(Stopped):
-        one.until(lambda: False, 'nothing')
-
-
-def test_latched_topics_are_latched_in_the_bag():
-    assert bag_qos(LATCHED).durability.name == 'TRANSIENT_LOCAL'
-    assert bag_qos(QoSProfile(depth=7)).depth == 7
 
 
 def demo(folder: Path, *arguments: str) -> subprocess.Popen[str]:

@@ -74,9 +74,3 @@ def test_where_nothing_is_near_all_ranges_are_infinite_and_the_end_of_the_robot_
     sim.send(signal.SIGINT)
     assert lidar.ended() == 0
     assert 'Traceback' not in lidar.output
-
-
-def test_a_real_robot_has_no_simulated_lidar(stage):
-    program = stage.program('create_run', '--port', '/dev/ttyUSB0', '--lidar')
-    assert program.ended() == 2
-    assert '--lidar is for a simulated robot' in program.output

@@ -89,17 +89,13 @@ def test_feedback_of_actions_which_rosbag2_does_not_define_is_skipped_and_named(
     assert FEEDBACK in told(recording) and not recording.faults
 
 
-def test_a_bag_without_chunks_and_index_is_whole(bag, whole, tmp_path):
-    """`--storage-preset-profile fastwrite`."""
-    recording = shown(copied(bag, tmp_path / 'walk', use_chunking=False))
+@pytest.mark.parametrize('options', [{'use_chunking': False}, {'slices': 11}], ids=str)
+def test_a_bag_without_chunks_and_index_or_in_many_files_is_whole_without_metadata(
+        bag, whole, tmp_path, options):
+    """`--storage-preset-profile fastwrite`, `--max-bag-duration`."""
+    recording = shown(copied(bag, tmp_path / 'walk', **options))
     assert_same(recording, whole)
     assert not recording.faults and recording.storage == 'MCAP'
-
-
-def test_files_of_a_split_bag_are_read_in_their_order_without_metadata(bag, whole, tmp_path):
-    recording = shown(copied(bag, tmp_path / 'walk', slices=11))
-    assert_same(recording, whole)
-    assert not recording.faults
 
 
 def test_a_last_file_without_a_byte_is_no_obstacle(bag, whole, tmp_path):

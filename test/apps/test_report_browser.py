@@ -285,12 +285,6 @@ def test_keys_and_the_play_button_move_the_time(opened):
     page.page.get_by_role('button', name='Play').wait_for()
 
 
-def test_parameters_are_listed(opened):
-    page = opened('telephone')
-    page.page.locator('#settings summary').click()
-    assert 'max_wheel_speed' in page.text('#settings')
-
-
 def test_charts_are_drawn_anew_in_the_dark(opened):
     page = opened()
     light = pictures(page, '.paper canvas')

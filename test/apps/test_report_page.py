@@ -6,7 +6,6 @@ from base64 import b64decode
 from itertools import accumulate
 import json
 from math import inf, nan, sin
-from pathlib import Path
 import re
 import zlib
 
@@ -16,11 +15,9 @@ import pytest
 
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
-from create_oi_ros import pages
 from create_oi_ros.apps.report import page
 from create_oi_ros.apps.report.page import kept, one_script, packed, steps, write
 from create_oi_ros.apps.report.recording import Recording, Span, Spans
-from create_oi_ros.apps.report.summary import clock
 
 EVIL = '</script><img id=evil src=x onerror=alert(1)>$style'
 
@@ -109,12 +106,6 @@ def test_an_empty_recording_has_a_page(tmp_path):
     write(made, tmp_path / 'page.html')
 
 
-@pytest.mark.parametrize(('seconds', 'text'), [
-    (59.99, '1:00.0'), (3599.97, '1:00:00'), (119.94, '1:59.9')])
-def test_a_time_never_has_sixty_seconds(seconds, text):
-    assert clock(seconds) == text
-
-
 # The page.
 
 def test_texts_of_a_bag_are_no_html(tmp_path):
@@ -152,18 +143,3 @@ def test_modules_become_functions_in_the_order_of_their_use():
         'const math_js = (() => {\nconst { A } = a_js;\nfunction twice(x) { return 2 * x + A; }\n'
         '\nreturn { twice };\n})();\n'
         'const { twice } = math_js;\nconst { A } = a_js;\nshow(twice(A));\n')
-
-
-def test_our_modules_use_only_the_forms_that_are_known():
-    folders = [Path(__file__).parents[2] / 'create_oi_ros' / each for each in (
-        'apps/report/live', 'pages/parts')]
-    for text in (path.read_text('utf-8') for folder in folders for path in folder.glob('*.js')):
-        named = re.findall(r"^import \{[^}]*\} from '\./[\w.]+';$", text, re.MULTILINE)
-        assert len(named) == len(re.findall(r'^\s*import\b', text, re.MULTILINE))
-        exported = re.findall(r'^export (?:async )?(?:function|class|const) \w+', text,
-                              re.MULTILINE)
-        assert len(exported) == len(re.findall(r'^\s*export\b', text, re.MULTILINE))
-
-
-def test_shared_files_are_there():
-    assert {'map.js', 'base.css'} <= pages.files().keys()

@@ -124,6 +124,7 @@ def test_when_a_child_ends_everything_ends(stage):
     (['--capture', ''], '--capture is empty'), (['--token-file', ''], '--token-file is empty'),
     (['--world', 'nowhere'], "'nowhere'; allowed: a file, or one of apartment, empty,"),
     (['--port', '/dev/ttyUSB0', '--world', 'room'], 'give one of them'),
+    (['--port', '/dev/ttyUSB0', '--lidar'], '--lidar is for a simulated robot'),
     (['--ros-args', '-p', 'port:=/dev/ttyUSB0'], 'write --port'),
     (['-p', 'bump_stop:=forward'], 'write --ros-args -p bump_stop:=forward'),
 ])

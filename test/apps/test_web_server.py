@@ -98,11 +98,6 @@ def test_the_server_says_no_version(server):
     assert ask(server[1], '/nothing').headers['Server'] == 'create_web'
 
 
-def test_a_wrong_token_leaves_the_address_and_is_called_wrong(server):
-    answer = ask(server[1], '/?token=guessed')
-    assert (answer.status, answer.headers['Location']) == (303, '/#wrong')
-
-
 def test_tokens_that_fail_are_answered_one_after_the_other_and_not_too_many(server):
     port, asked = port_of(server[1]), []
     with ExitStack() as opened:
@@ -154,9 +149,6 @@ def test_a_file_that_is_no_good_for_a_token_is_refused(tmp_path, text, mode, wor
     with pytest.raises(UserError, match=words):
         kept_token(file)
     assert file.read_text() == text
-
-
-def test_a_folder_is_no_file_for_a_token(tmp_path):
     with pytest.raises(UserError, match='Is a directory'):
         kept_token(tmp_path)
 

@@ -94,19 +94,13 @@ def test_after_a_reset_of_the_odometry_the_track_begins_anew():
     assert news(robot, cursor)[0]['anew'] == []
 
 
-@pytest.mark.parametrize('place', [nan, inf, 1e9])
-def test_a_place_that_cannot_be_drawn_is_left_out(place):
-    robot = LiveRobot()
-    robot.update(odom(place), 0.0)
+@pytest.mark.parametrize(('place', 'heading'), [(nan, 0.0), (inf, 0.0), (1e9, 0.0), (0.0, nan)])
+def test_a_place_or_heading_that_cannot_be_drawn_is_left_out(place, heading):
+    robot, message = LiveRobot(), odom(place)
+    message.pose.pose.orientation.z = heading
+    robot.update(message, 0.0)
     told, _ = news(robot)
     assert 'pose' not in told and told['anew'] == []
-
-
-def test_a_heading_that_is_no_number_is_left_out():
-    robot, message = LiveRobot(), odom()
-    message.pose.pose.orientation.z = nan
-    robot.update(message, 0.0)
-    assert 'pose' not in news(robot)[0]
 
 
 def test_samples_come_five_times_a_second_while_the_driver_speaks():
