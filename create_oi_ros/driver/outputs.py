@@ -132,9 +132,9 @@ class Outputs:
 
     # Outputs.
 
-    def set_leds(self, bits: oi.LedBits, color: int, intensity: int) -> Pending:
+    def set_leds(self, leds: oi.Leds) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
-        return self._set(oi.Leds(bits=bits, color=color, intensity=intensity), (
+        return self._set(leds, (
             'LEDs sent' if self._animation is None else 'these LEDs show after the animation'))
 
     def set_output(self, name: str, *, high: bool) -> Pending:

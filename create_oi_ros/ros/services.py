@@ -58,23 +58,11 @@ def set_mode(driver: Driver, request: SetMode.Request, now: float) -> Pending:
     return driver.modes.set(oi.Mode(request.mode), now)
 
 
-def reset_pose(driver: Driver, request: ResetPose.Request, _now: float) -> Pending:
-    """Say where the robot is."""
-    place = request.pose.position
-    return driver.reset_pose(place.x, place.y, yaw_of(request.pose.orientation))
-
-
 def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pending:
     """Store a song, and play it if asked to."""
     song = request.number, list(request.pitches), list(request.seconds)
     return (driver.outputs.define_and_play(*song, now) if request.play
             else driver.outputs.define_song(*song))
-
-
-def set_leds(driver: Driver, request: SetLeds.Request, _now: float) -> Pending:
-    """Set the LEDs."""
-    leds = messages.leds(request)
-    return driver.outputs.set_leds(oi.LedBits(leds.bits), leds.color, leds.intensity)
 
 
 def set_digital_outputs(
@@ -145,7 +133,9 @@ SERVICES = (
         request=lambda driver, _, now: driver.reset_odometry(),
         about='begin `odom` again where the robot is'),
     Service(
-        name='reset_pose', type=ResetPose, request=reset_pose,
+        name='reset_pose', type=ResetPose,
+        request=lambda driver, request, _: driver.reset_pose(
+            request.pose.position.x, request.pose.position.y, yaw_of(request.pose.orientation)),
         about='say where the robot is in `odom_frame`: `odom` goes on from there'),
     Service(
         name='save_odometry_model', type=Trigger, request=None,
@@ -158,7 +148,8 @@ SERVICES = (
         request=lambda driver, request, now: driver.outputs.play_song(request.number, now),
         about='play a song that was stored'),
     Service(
-        name='set_leds', type=SetLeds, request=set_leds,
+        name='set_leds', type=SetLeds,
+        request=lambda driver, request, _: driver.outputs.set_leds(messages.leds(request)),
         about='Play and Advance; colour and intensity of Power'),
     Service(
         name='set_digital_outputs', type=SetDigitalOutputs, request=set_digital_outputs,

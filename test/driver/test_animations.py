@@ -18,10 +18,15 @@ OWN = (PLAY, 20, 30)
 OFF = (0, 0, 0)
 
 
+def leds(bits: oi.LedBits, color: int, intensity: int) -> oi.Leds:
+    """Return what LEDs are to show."""
+    return oi.Leds(bits=bits, color=color, intensity=intensity)
+
+
 def start(loop: Loop, steps=None, period: float = 0.3, seconds: float = 1.5) -> Animation:
     """Have an animation shown, after the user's own setting."""
     loop.run(0.5)
-    assert ask(loop, loop.driver.outputs.set_leds, *OWN).text == 'LEDs sent'
+    assert ask(loop, loop.driver.outputs.set_leds, leds(*OWN)).text == 'LEDs sent'
     loop.commands()
     animation = Animation(steps or blink(ALL), period, seconds)
     loop.driver.outputs.animate(animation, loop.now)
@@ -63,7 +68,8 @@ def test_leds_are_lit_in_turn_and_only_those_that_are_chosen(loop):
 def test_what_is_set_meanwhile_shows_when_the_animation_is_canceled(loop):
     outputs = loop.driver.outputs
     animation = start(loop, seconds=60.0)
-    assert ask(loop, outputs.set_leds, ADVANCE, 1, 2).text == 'these LEDs show after the animation'
+    assert ask(loop, outputs.set_leds, leds(ADVANCE, 1, 2)).text == (
+        'these LEDs show after the animation')
     assert (ADVANCE, 1, 2) not in [lights for lights, _ in seen(loop, 1.0)]
     another = Animation(blink(ALL), 1.0, 1.0)
     outputs.animate(another, loop.now)

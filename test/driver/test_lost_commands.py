@@ -28,7 +28,8 @@ def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(begun):
 def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
     loop = Loop()
     loop.run(1)
-    pending = loop.driver.outputs.set_leds(oi.LedBits(0), 7, 8)
+    pending = loop.driver.outputs.set_leds(
+        oi.Leds(bits=oi.LedBits(0), color=7, intensity=8))
     loop.run(0.5)
     assert pending.outcome.ok
     loop.robot.receive(oi.WaitTime(time=40).encode(), loop.now)

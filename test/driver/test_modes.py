@@ -162,11 +162,14 @@ def test_the_mode_never_comes_back_while_a_charger_is_powered(loop):
 # What is sent, byte for byte, and said.
 
 
+LEDS = oi.Leds(bits=oi.LedBits(0), color=7, intensity=8)
+
+
 @pytest.mark.parametrize(('mode', 'sent'), [
-    (oi.Mode.FULL, [oi.Full(), oi.Leds(bits=oi.LedBits(0), color=7, intensity=8)]),
+    (oi.Mode.FULL, [oi.Full(), LEDS]),
     (oi.Mode.PASSIVE, [oi.Start()])])
 def test_leds_are_set_again_in_a_mode_that_has_them_and_only_there(loop, mode, sent):
-    loop.driver.outputs.set_leds(oi.LedBits(0), 7, 8)
+    loop.driver.outputs.set_leds(LEDS)
     loop.run(0.1)
     loop.commands()
     loop.driver.modes.set(mode, loop.now)

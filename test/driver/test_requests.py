@@ -12,7 +12,7 @@ from create_oi_ros.oi.tools.text import parse_script
 from support.asking import ask, in_mode, power_cycle
 from support.loop import Loop
 
-BLUE = oi.LedBits.PLAY | oi.LedBits.ADVANCE
+LEDS = oi.Leds(bits=oi.LedBits.PLAY | oi.LedBits.ADVANCE, color=10, intensity=200)
 HIGH = oi.OutputBits.OUTPUT_0 | oi.OutputBits.OUTPUT_2
 WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
 
@@ -96,7 +96,7 @@ def test_a_song_too_short_to_be_seen_is_said_to_be_sent(loop):
 
 
 @pytest.mark.parametrize('request_of', [
-    lambda driver: driver.outputs.set_leds(BLUE, 0, 0),
+    lambda driver: driver.outputs.set_leds(LEDS),
     lambda driver: driver.outputs.set_outputs(HIGH),
     lambda driver: driver.outputs.set_drivers((0, 0, 1)),
     lambda driver: driver.outputs.send_ir(1),
@@ -123,7 +123,7 @@ def test_before_the_mode_is_known_every_request_is_refused():
     packets = driver.plan.full
     driver.receive(packets.pack_frame([0] * len(packets.packets)), 0.1)
     assert driver.state.answered
-    assert 'no answer yet' in driver.outputs.set_leds(BLUE, 0, 0).outcome.text
+    assert 'no answer yet' in driver.outputs.set_leds(LEDS).outcome.text
 
 
 # Restoring.
@@ -131,7 +131,7 @@ def test_before_the_mode_is_known_every_request_is_refused():
 
 def set_everything(loop: Loop) -> None:
     """Set all that is restored, and a low side driver, which is not."""
-    assert ask(loop, loop.driver.outputs.set_leds, BLUE, 10, 200).ok
+    assert ask(loop, loop.driver.outputs.set_leds, LEDS).ok
     assert ask(loop, loop.driver.outputs.set_outputs, HIGH).ok
     assert ask(loop, loop.driver.outputs.set_drivers, (1.0, 0.0, 0.0)).ok
     assert ask(loop, loop.driver.outputs.define_song, 3, [60], [0.5]).ok
@@ -140,7 +140,7 @@ def set_everything(loop: Loop) -> None:
 def assert_restored(loop: Loop) -> None:
     """See all of it at the robot."""
     assert loop.robot.mode in oi.ACTUATE
-    assert loop.robot.lights == (BLUE, 10, 200)
+    assert loop.robot.lights == (LEDS.bits, 10, 200)
     assert loop.robot.outputs == HIGH
     assert loop.robot.speaker.songs[3] == ((60, 32),)
 

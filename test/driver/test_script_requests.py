@@ -14,7 +14,7 @@ from create_oi_ros.sim.firmware.guesses import Guesses
 from support.asking import ask, power_cycle
 from support.loop import Loop
 
-BLUE = oi.LedBits.PLAY | oi.LedBits.ADVANCE
+LEDS = oi.Leds(bits=oi.LedBits.PLAY | oi.LedBits.ADVANCE, color=10, intensity=200)
 WAITING = parse_script('Drive velocity=200 radius=straight; Wait Time time=20')
 ENDLESS = parse_script('Wait Time time=1; Play Script')
 
@@ -48,7 +48,7 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
 def test_while_a_script_plays_nothing_is_promised(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
-    for answer in (ask(loop, loop.driver.outputs.set_leds, BLUE, 0, 0),
+    for answer in (ask(loop, loop.driver.outputs.set_leds, LEDS),
                    ask(loop, loop.driver.modes.set, oi.Mode.PASSIVE, loop.now)):
         assert answer.ok is False
         assert 'script' in answer.text
@@ -60,10 +60,10 @@ def test_while_a_script_plays_nothing_is_promised(loop):
 
 
 def test_leds_are_restored_after_a_script_that_enters_safe(loop):
-    ask(loop, loop.driver.outputs.set_leds, BLUE, 10, 200)
+    ask(loop, loop.driver.outputs.set_leds, LEDS)
     ask(loop, loop.driver.scripts.define, parse_script('Safe; Wait Time time=2'))
     ask(loop, loop.driver.scripts.play, loop.now, force=False, seconds=1.0)
-    assert loop.robot.lights == (BLUE, 10, 200)
+    assert loop.robot.lights == (LEDS.bits, 10, 200)
 
 
 def test_a_script_that_cannot_end_is_refused_unless_forced(loop):

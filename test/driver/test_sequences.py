@@ -146,7 +146,8 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(color=st.integers(0, 255))
     def light(self, color):
-        self.loop.request(self.driver.outputs.set_leds(oi.LedBits.PLAY, color, 128))
+        self.loop.request(self.driver.outputs.set_leds(
+            oi.Leds(bits=oi.LedBits.PLAY, color=color, intensity=128)))
 
     @rule(force=st.booleans())
     def play_script(self, force):
