@@ -42,6 +42,7 @@ from ..robot import (
 from .core import Core
 from .events import Moved, Severity
 from .frame_clock import FrameClock
+from .motion import BUMPS
 from .script import Speeds
 from .stream import requested_speeds
 
@@ -180,7 +181,6 @@ REPORT_INTERVAL = 5.0
 """Seconds between two looks at what the odometry has learned."""
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""
-BUMPED = int(oi.BumpsAndWheelDrops.BUMP_LEFT | oi.BumpsAndWheelDrops.BUMP_RIGHT)
 STANDING: Speeds = (0.0, 0.0)
 DRIVEN = frozenset(map(int, oi.DriveDirect.modes))
 """Modes in which the wheels obey, as plain numbers: Python hashes a member by its name."""
@@ -283,7 +283,7 @@ class Tracking:
         if self._gyro is not None:
             volts = readings.analog_volts if readings.has('analog_signal') else nan
             increment = increment._replace(
-                analog=None if isnan(volts) else volts, bumped=bool(drops & BUMPED))
+                analog=None if isnan(volts) else volts, bumped=bool(drops & BUMPS))
         self._reading_dropped = False
         return increment
 

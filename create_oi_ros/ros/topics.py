@@ -32,6 +32,7 @@ from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 
 from tf2_msgs.msg import TFMessage
 
+from ..driver.contacts import CLIFFS
 from ..driver.motion import BUMPS
 from ..oi import Readings
 from . import messages
@@ -108,7 +109,6 @@ CONTACTS = Topic(
     when='on change at once, at `sensor_rate` while there are points, else 1 Hz',
     about='what bumper, cliffs and virtual wall feel, as points in `base_frame`, for costmaps')
 
-CLIFFS = ('cliff_left', 'cliff_front_left', 'cliff_front_right', 'cliff_right')
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
         name='bumper', type=Bumper, values=messages.bumper,

@@ -5,7 +5,7 @@
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import MotionLimits, Settings
+from create_oi_ros.driver import Settings
 from create_oi_ros.driver.battery import CHARGE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
 from create_oi_ros.driver.state import Activity
@@ -228,13 +228,6 @@ def test_contacts_that_are_felt_for_ever_are_said():
     assert 'still feels the contacts' in ending.text
 
 
-def test_a_robot_that_may_not_turn_its_wheels_stays_on_its_dock():
-    loop = docked(limits=MotionLimits(max_wheel_speed=0.0))
-    ending = pursue(loop, undock())
-    assert ending.code is Code.STALL
-    assert 'max_wheel_speed is 0' in ending.text
-
-
 def test_a_command_to_a_docked_robot_is_answered_with_undock():
     for mode, guesses in ((oi.Mode.PASSIVE, Guesses()), (oi.Mode.SAFE, Guesses(
             dock_ends_safe=True))):
@@ -277,11 +270,3 @@ def test_a_robot_that_does_not_charge_is_restarted_if_it_may_be(helps):
     assert loop.robot.mode is oi.Mode.PASSIVE
     assert ('even after a restart' in said(loop)) is not helps
     assert (loop.body.sense().current > 0) is helps
-
-
-def test_a_search_outlasts_what_makes_no_difference_to_it():
-    loop = met()
-    running = start(loop, Dock(0.0))
-    loop.run(1.5)
-    loop.drive(0.0, 0.0, 0.3)
-    assert until_ended(loop, running).code is Code.NONE

@@ -356,14 +356,6 @@ def test_a_velocity_that_is_not_finite_changes_nothing_while_a_goal_runs(velocit
     assert until_ended(loop, running).code is Code.NONE
 
 
-def test_a_goal_takes_over_from_velocities_that_have_ended():
-    loop = met()
-    loop.drive(0.2, 0.0, 0.3)
-    running = start(loop, distance(0.3))
-    assert loop.driver.state.activity is Activity.GOAL
-    assert until_ended(loop, running).code is Code.NONE
-
-
 def test_the_odometry_is_not_reset_while_a_goal_needs_it():
     loop = met()
     running = moving(loop)

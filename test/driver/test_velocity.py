@@ -220,15 +220,6 @@ def test_a_robot_that_cannot_drive_is_sent_no_speeds(velocity):
     assert drives(loop) == []
 
 
-def test_a_robot_that_plays_a_script_is_sent_only_the_stops_that_ask_for_its_end(loop):
-    loop.driver.scripts.define(oi.Script(script=oi.WaitTime(time=20).encode()))
-    loop.driver.scripts.play(loop.now, force=False)
-    loop.run(0.2)
-    drives(loop)
-    loop.drive(0.1, 0.0, 0.5)
-    assert set(drives(loop)) == {oi.DriveDirect(right=0, left=0)}
-
-
 def test_with_bump_stop_no_command_drives_further_into_an_obstacle():
     loop = met(replace(AT_ONCE, bump_stop=True))
     loop.drive(0.2, 0.0, 0.5)

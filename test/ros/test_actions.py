@@ -184,19 +184,6 @@ def test_a_goal_takes_over_a_stop_ends_it_and_a_person_at_the_joystick_wins(driv
     assert 'velocity command' in result.message
 
 
-def test_without_a_robot_every_goal_says_so(stage):
-    stage.node(stage.folder / 'nothing')
-    client = Client(stage.ros)
-    right = {'translate_direction': 1, 'radius': 1.0, 'follow_side': -1}
-    for action in ACTIONS:
-        known = action.type.Goal.get_fields_and_field_types()
-        fields = {name: value for name, value in right.items() if name in known}
-        result = client.result(action.type, action.name, **fields)
-        assert result.error_code == Code.NO_ROBOT, action.name
-        assert 'check cable and power' in result.message
-    client.close()
-
-
 def test_a_robot_docks_and_leaves_its_dock(start):
     driving = start(world=BASE)
     sent = driving.send(Dock, 'dock')

@@ -70,15 +70,6 @@ def test_the_example_drives_and_turns_until_ctrl_c_cancels_its_goal(ready):
     ready.ros.until(lambda: ready.robot.create.actuators.wheels == (0, 0), 'the wheels stand')
 
 
-def test_the_example_ends_with_the_reason_where_something_is_in_the_way(ready):
-    ready.robot.body.force(bump_left=1, bump_right=1)
-    example = ready.stage.example('square.py')
-    assert example.ended() == 1
-    assert fullmatch(
-        r'drive_distance: .*; the bumper is pressed in front: drive backwards or turn away\n',
-        example.output)
-
-
 def test_a_goal_that_fails_says_why_and_the_next_one_is_done(ready):
     script = ready.stage.folder / 'fails.py'
     script.write_text(FAILS)
