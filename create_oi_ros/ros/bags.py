@@ -66,19 +66,14 @@ def guarded(items: Iterable[Item]) -> Iterator[Item]:
         yield from items
 
 
-def message_files() -> list[Path]:
-    """Return the definitions of our messages, installed or else in the repository."""
+def definitions() -> Typestore:
+    """Return the message definitions of ROS 2 Jazzy and ours, installed or in the repository."""
+    from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+    store = get_typestore(Stores.ROS2_JAZZY)
     try:
         share = Path(get_package_share_directory('create_oi_msgs'))
     except PackageNotFoundError:
         share = Path(__file__).parents[2] / 'msg_defs'
-    return sorted(share.glob('msg/*.msg'))
-
-
-def definitions() -> Typestore:
-    """Return the message definitions of ROS 2 Jazzy and ours."""
-    from rosbags.typesys import get_types_from_msg, get_typestore, Stores
-    store = get_typestore(Stores.ROS2_JAZZY)
-    for path in message_files():
+    for path in sorted(share.glob('msg/*.msg')):
         store.register(get_types_from_msg(path.read_text(), f'create_oi_msgs/msg/{path.stem}'))
     return store

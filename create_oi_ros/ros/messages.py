@@ -71,15 +71,11 @@ def duration(length: float) -> Duration:
     return Duration(sec=sec, nanosec=nanosec)
 
 
-def unmeasured() -> list[float]:
-    """Return a covariance of the six axes of ROS, none of them measured."""
-    return [NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
-
-
 def empty_odometry(odom_frame: str, base_frame: str) -> Odometry:
     """Return a message to be filled with `odometry`; axes that are not measured are set."""
     message = Odometry(header=Header(frame_id=odom_frame), child_frame_id=base_frame)
-    message.pose.covariance = message.twist.covariance = unmeasured()
+    message.pose.covariance = message.twist.covariance = [
+        NOT_MEASURED if row == column else 0.0 for row in range(6) for column in range(6)]
     message.twist.covariance[7] = SIDEWAYS
     return message
 

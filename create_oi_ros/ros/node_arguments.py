@@ -64,11 +64,14 @@ def names_only(ros: Sequence[str]) -> list[str]:
 
 def unused_files(arguments: Sequence[str], node: str) -> Iterator[str]:
     """Say which parameter files hold nothing for a node; ROS ignores them without a word."""
+    wild = {'**': r'(/\w+)*', '*': r'/\w+'}  # any number of names, one name
     for flag, path in pairwise(arguments):
         if flag != '--params-file':
             continue
         parts = list(_parts(yaml.safe_load(Path(path).read_text('utf-8'))))
-        if not any(re.fullmatch(_pattern(part), node) for part in parts):
+        patterns = [''.join(wild.get(name, f'/{re.escape(name)}') for name in part.split('/')[1:])
+                    for part in parts]
+        if not any(re.fullmatch(pattern, node) for pattern in patterns):
             yield (f'{path} holds no parameter of this node, {node}, but of '
                    f'{", ".join(parts) or "none"}, so nothing of it is used: it must begin with '
                    f'"/**:" or "{node}:"')
@@ -82,12 +85,6 @@ def _parts(content: object, name: str = '') -> Iterator[str]:
                 yield name
             else:
                 yield from _parts(inside, f'{name}/{str(key).strip("/")}')
-
-
-def _pattern(part: str) -> str:
-    """Return what a node's name must match: * is a name, ** any number of names."""
-    wild = {'**': r'(/\w+)*', '*': r'/\w+'}
-    return ''.join(wild.get(name, f'/{re.escape(name)}') for name in part.split('/')[1:])
 
 
 def unused_remaps(

@@ -332,18 +332,12 @@ def contradiction(parameters: Parameters) -> str | None:
         return None
     if not parameters.gyro_scale:
         return "parameter gyro_scale = 0: give the data sheet's degrees a second for each volt"
-    if parameters.baud and (why := too_slow_for_gyro(parameters.baud)):
-        return f'parameters gyro and baud: {why}'
+    everything = StreamPlan(START_BAUDS[0]).full.budget(parameters.baud or START_BAUDS[0])
+    if not everything.fits:
+        return (f'parameters gyro and baud: {parameters.baud} baud carries {everything.capacity} '
+                f'bytes in a slot, and a frame that always has packet 33 has {everything.size}: '
+                f'use {START_BAUDS[0]} baud')
     return None
-
-
-def too_slow_for_gyro(baud: int) -> str | None:
-    """Say why a gyro cannot be read in every frame at a baud rate; None: it can."""
-    everything = StreamPlan(START_BAUDS[0]).full.budget(baud)
-    if everything.fits:
-        return None
-    return (f'{baud} baud carries {everything.capacity} bytes in a slot, and a frame that always '
-            f'has packet 33 has {everything.size}: use {START_BAUDS[0]} baud')
 
 
 def wrong_type(name: str, value: Any) -> str:

@@ -43,12 +43,9 @@ def services() -> str:
 def actions() -> str:
     """Return the table of actions."""
     return markdown.table(('action', 'type', 'goal', 'what'), (
-        (f'`{action.name}`', type_name(action.type), _fields(action.type.Goal), action.about)
-        for action in ALL_ACTIONS))
-
-
-def _fields(goal: Any) -> str:
-    return ', '.join(f'`{name}`' for name in goal.get_fields_and_field_types())
+        (f'`{action.name}`', type_name(action.type),
+         ', '.join(f'`{name}`' for name in action.type.Goal.get_fields_and_field_types()),
+         action.about) for action in ALL_ACTIONS))
 
 
 def parameters() -> str:

@@ -230,17 +230,14 @@ class WallFollow(DrivingGoal):
         """Follow the wall until the time is over."""
         begun_at, velocities = self.view.now, self._velocities()
         while self.view.now - begun_at < self._runtime:
-            self._look()
+            if self._touches or self._sees:
+                self._seen_at = self.view.now
+            engaged = self.view.now - self._seen_at <= ENGAGED
+            self.progress = Progress(phase=Phase.ENGAGED if engaged else Phase.SEARCHING)
             velocity = next(velocities)
             self.forward = velocity.linear > 0
             yield velocity
         yield Over(Code.NONE, f'followed for {self._runtime:g} s')
-
-    def _look(self) -> None:
-        if self._touches or self._sees:
-            self._seen_at = self.view.now
-        engaged = self.view.now - self._seen_at <= ENGAGED
-        self.progress = Progress(phase=Phase.ENGAGED if engaged else Phase.SEARCHING)
 
     @property
     def _touches(self) -> bool:
