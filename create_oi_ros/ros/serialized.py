@@ -79,7 +79,7 @@ class SerializedMessage:
         self._constants: dict[str, bytes] = {}
         """What stands between the numbers, by names that no path has."""
         order, layout, end = [], '=', 0
-        for path, (code, offset) in sorted(places.items(), key=lambda each: each[1].offset):
+        for path, (code, offset) in sorted(places.items(), key=lambda each: each[1][1]):
             gap = f'until {offset}'
             self._constants[gap] = text[end:offset]
             order += [gap, path]
@@ -98,15 +98,12 @@ class SerializedMessage:
         return self._pack(*self._in_order({**self._constants, **values}))
 
 
-class Place(NamedTuple):
-    """Where a number is in the bytes, and its code of `struct`."""
+def _place(message: Any, path: str, serialize: Callable[[Any], bytes]) -> tuple[str, int]:
+    """
+    Return a number's code of `struct`, and its offset in the bytes.
 
-    code: str
-    offset: int
-
-
-def _place(message: Any, path: str, serialize: Callable[[Any], bytes]) -> Place:
-    """Find a number: the only place where the bytes are those of each value that it gets."""
+    That is the only place where the bytes are those of each value that it gets.
+    """
     found = field(message, path)
     if found.type not in FORMATS:
         raise ValueError(f'{path} is no number')
@@ -122,7 +119,7 @@ def _place(message: Any, path: str, serialize: Callable[[Any], bytes]) -> Place:
                 b'(?=%s)' % re.escape(mark[:layout.size]), text)}
             places = here if places is None else places & here
         if places is not None and len(places) == 1:
-            return Place(FORMATS[found.type], places.pop())
+            return FORMATS[found.type], places.pop()
     raise ValueError(f'the place of {path} is not certain')
 
 
