@@ -11,13 +11,13 @@ from random import Random
 
 import pytest
 
-from create_oi_ros.driver import Settings
+from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.odometry import Knowledge, Rounding, SignSource
 from create_oi_ros.odometry import Response as Responses
 from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
-from support.loop import Loop
+from support.loop import Loop, said
 from support.measuring import UNMEASURED
 
 pytestmark = UNMEASURED
@@ -96,9 +96,11 @@ def test_a_robot_is_known_after_two_minutes():
     [(0.2, 0.4, 12.0)], [(0.3, 0.0, 3.0), (-0.3, 0.0, 3.0), (0.0, 1.5, 3.0), (0.0, -1.5, 3.0)]])
 def test_the_first_12_seconds_with_a_known_robot_are_right(wishes):
     centre = centre_robot()
-    yaw, place = errors(robot(known=centre), wishes)
+    loop = robot(known=centre)
+    yaw, place = errors(loop, wishes)
     assert yaw < 1.5  # each reading that is cut off may hide a degree
     assert place < 0.015
+    assert not said(loop, Severity.INFO, 'odometry'), 'it was known before'
 
 
 def test_knowledge_makes_the_start_of_an_unusual_robot_right():
@@ -125,7 +127,8 @@ def test_wheels_that_overshoot_are_known_as_such():
     assert known.wheels.overshoot == pytest.approx(0.3, abs=0.1)
     late = 2 * 0.358 * 0.06 + config.dead_time  # 0.358 is the damping of such an overshoot
     assert known.delay(0.2).value == pytest.approx(late, abs=0.01)
-    line, = [notice.text for notice in loop.notices if 'knows this robot' in notice.text]
+    line, = [notice.text for notice in loop.notices if 'odometry' in notice.text]
+    assert line.startswith('the odometry knows this robot now: fractions of distance and angle: ')
     assert 'second order, overshoots by' in line
     yaw, place = errors(robot(config=config, known=known), [
         (0.3, 0.0, 2.0), (-0.3, 0.0, 2.0), (0.0, 1.5, 2.0), (0.0, 0.0, 1.0), (0.0, -1.5, 2.0)])
@@ -143,7 +146,7 @@ def test_knowledge_of_another_robot_is_unlearned(rounding, sign, is_learned):
     known = taught(loop)
     assert known.likeliest == is_learned
     assert known.right_gain.value == pytest.approx(1.04, abs=0.015)
-    assert [notice for notice in loop.notices if 'another robot' in notice.text]
+    assert said(loop, Severity.INFO, 'this is another robot than odometry_model says') > 0
 
 
 def test_nothing_is_known_before_the_first_reading():

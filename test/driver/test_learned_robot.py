@@ -2,23 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """What people are told of a robot that has become known."""
 
-from dataclasses import replace
-
 import pytest
 
-from create_oi_ros.driver import Notice, Settings
-from create_oi_ros.driver.core import Core
-from create_oi_ros.driver.tracking import in_words, REPORT_INTERVAL, Tracking
+from create_oi_ros.driver.tracking import in_words
 from create_oi_ros.odometry import Hypothesis, Knowledge, Known, Response, SignSource
 from create_oi_ros.robot import Rounding
 
 WHEELS = Hypothesis(Response.LAG, 0.14, 1.0, 0.0, 1.0, 0.03, 0.01, SignSource.DRIVE)
 
 
-def robot(rounding: Rounding = Rounding.TRUNCATE, wheels: Hypothesis = WHEELS) -> Knowledge:
+def robot(wheels: Hypothesis = WHEELS) -> Knowledge:
     """Return what is known of a robot."""
     return Knowledge(
-        hypotheses={wheels: 1.0}, rounding={each: float(each is rounding) for each in Rounding},
+        hypotheses={wheels: 1.0},
+        rounding={each: float(each is Rounding.TRUNCATE) for each in Rounding},
         right_gain=Known(0.98, 1e-4), left_gain=Known(1.02, 1e-4), angle_factor=Known(1.0, 1e-3),
         frame_period=Known(0.01525, 1e-6))
 
@@ -42,44 +39,4 @@ def test_a_robot_is_described_in_plain_words() -> None:
     (WHEELS._replace(response=Response.RAMP, time=2.0, braking=0.5),
      'a constant acceleration of 0.50 m/s2, brakes 0.5 times as fast as it speeds up')])
 def test_each_response_has_its_words(wheels: Hypothesis, answer: str) -> None:
-    assert in_words(robot(wheels=wheels))['response'].startswith(f'{answer} (')
-
-
-class Learning(Tracking):
-    """Knows of the robot what it is told."""
-
-    robot = None
-
-
-class Told:
-    """What people are told of a robot, as the odometry learns of it."""
-
-    def __init__(self, known_before: Knowledge | None = None) -> None:
-        self.core = Core(Settings(robot=known_before), lambda _: None)
-        self.tracking = Learning(self.core)
-        self.now = 0.0
-
-    def of(self, known: Knowledge | None) -> list[str]:
-        """Let the odometry know this robot; return what was said."""
-        self.tracking.robot = known
-        self.core.events.clear()
-        self.now += REPORT_INTERVAL
-        self.tracking.report_robot(self.now)
-        return [each.text for each in self.core.events if isinstance(each, Notice)]
-
-
-def test_people_are_told_once_and_again_of_another_robot() -> None:
-    told = Told()
-    assert told.of(None) == told.of(replace(robot(), right_gain=Known(1.0, 0.1))) == []
-    first, = told.of(robot())
-    assert first.startswith('the odometry knows this robot now: fractions of distance and '
-                            'angle: cut off')
-    assert told.of(robot()) == []
-    second, = told.of(robot(Rounding.ROUND))
-    assert second.startswith('this is another robot than odometry_model says; the odometry has '
-                             'learned: fractions of distance and angle: rounded')
-
-
-@pytest.mark.parametrize('rounding', [Rounding.TRUNCATE, Rounding.CARRY])
-def test_of_a_robot_that_was_known_before_nobody_is_told(rounding: Rounding) -> None:
-    assert bool(Told(robot(rounding)).of(robot())) is (rounding is not Rounding.TRUNCATE)
+    assert in_words(robot(wheels))['response'].startswith(f'{answer} (')

