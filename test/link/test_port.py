@@ -98,7 +98,7 @@ def test_a_terminal_that_has_gone_is_a_port_error_whatever_is_tried(operation):
     opened = Port(os.ttyname(host), 57600, timeout=0.01)
     os.close(host)
     os.close(robot)
-    with pytest.raises(PortError):
+    with pytest.raises(PortError, match='failed .*; is the cable in|cannot be set'):
         operation(opened)
     opened.close()
     opened.close()
@@ -224,13 +224,6 @@ def test_a_fast_line_gives_the_robot_time_for_each_byte(line, monkeypatch):
     opened.write(b'\x80\x83')
     assert receive(other, 2) == b'\x80\x83' and slept == [FAST_SPACING] * 2
     os.close(other)
-
-
-def test_a_line_that_was_lost_says_so(line):
-    opened, other = line
-    os.close(other)
-    with pytest.raises(PortError, match='reading failed .*; is the cable in'):
-        opened.read()
 
 
 def test_a_line_that_was_closed_is_read_no_more(line):
@@ -394,3 +387,21 @@ def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
         os.kill(ours._dead_man.pid, 9)
         heard.wait_for('drives on')
         assert ours._dead_man is None
+
+
+def test_a_robot_whose_line_takes_no_bytes_for_once_is_stopped_by_the_dead_man(
+        tmp_path, monkeypatch):
+    def fail(*_, **__):
+        raise PortError('a line that fails')
+    stands = threading.Event()
+    with robot_on(tmp_path / 'tty') as robot, \
+            session_on(tmp_path / 'tty', dead_man=True) as (ours, heard):
+        heard.wait_for('robot answers')
+        while not any(robot.create.actuators.wheels):
+            ours.drive(0.2, 0.0)
+            heard.wait_for_more()
+        robot.watch(lambda: any(robot.create.actuators.wheels) or stands.set())
+        monkeypatch.setattr(ours, '_open_port', fail)  # or the driver would stop it, too
+        monkeypatch.setattr(Port, 'write', fail)
+        ours.drive(0.2, 0.0)
+        assert stands.wait(TIMEOUT) and ours.port is None
