@@ -15,7 +15,7 @@ from create_oi_ros.sim.world import parse, shipped
 from support.robot import GENTLE, Robot
 import vectors
 
-SAMPLES = {vector.command.opcode: vector.command for vector in reversed(vectors.COMMANDS)}
+SAMPLES = {command.opcode: command for command, _ in reversed(vectors.COMMANDS)}
 """A command of each opcode."""
 
 
