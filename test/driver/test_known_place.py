@@ -56,15 +56,9 @@ def test_an_impossible_place_is_refused(loop, place):
     assert pose(loop) == (0, 0, 0)
 
 
-def docking(**settings) -> Loop:
-    """Return a robot in front of a Home Base whose place is known."""
-    loop = Loop(Settings(dock_pose=PLACE, **settings), config=DEFAULT_BODY, world=BASE)
-    loop.run(1.0)
-    return loop
-
-
 def test_a_robot_that_docks_is_where_its_dock_is():
-    loop = docking()
+    loop = Loop(Settings(dock_pose=PLACE), config=DEFAULT_BODY, world=BASE)
+    loop.run(1.0)
     assert pose(loop) == (0, 0, 0)
     assert pursue(loop, Dock(0.0)).docked
     assert pose(loop) == pytest.approx(PLACE, abs=0.02)

@@ -71,15 +71,9 @@ def errors(loop: Loop, wishes: Iterable[Wish]) -> tuple[float, float]:
 
 
 @cache
-def lesson() -> tuple[Loop, Knowledge]:
-    """Return the most likely robot after two minutes, and what was learned of it."""
-    loop = robot()
-    return loop, taught(loop)
-
-
 def centre_robot() -> Knowledge:
     """Return what is learned of the most likely robot."""
-    return lesson()[1]
+    return taught(robot())
 
 
 def test_a_robot_is_known_after_two_minutes():

@@ -29,9 +29,9 @@ class Stage:
         self.failed = threading.Event()
         self.inputs: list[VelocityInput] = []
 
-    def start(self, type_: str = 'auto') -> VelocityInput:
+    def start(self) -> VelocityInput:
         """Subscribe, and take commands."""
-        made = VelocityInput(self.ros.node, type_, self._on_command, on_failure=self.failed.set)
+        made = VelocityInput(self.ros.node, 'auto', self._on_command, on_failure=self.failed.set)
         self.inputs.append(made)
         made.start()
         return made
@@ -39,9 +39,10 @@ class Stage:
     def _on_command(self, linear: float, angular: float, stamp: Any) -> None:
         self.got.append((linear, angular))
 
-    def publisher(self, type_: type, qos: QoSProfile = RELIABLE) -> Any:
-        """Return a function that publishes a speed."""
-        made = self._another().node.create_publisher(type_, 'cmd_vel', qos)
+    def publisher(self, type_: type) -> Any:
+        """Return a function that publishes a speed, on a context of its own: that has one type."""
+        self.others.append(Listener(self.domain, f'other{len(self.others)}'))
+        made = self.others[-1].node.create_publisher(type_, 'cmd_vel', RELIABLE)
 
         def publish(speed: float) -> None:
             twist = Twist(linear=Vector3(x=speed), angular=Vector3(z=-speed))
@@ -49,21 +50,12 @@ class Stage:
         publish.end = made.destroy  # type: ignore[attr-defined]
         return publish
 
-    def _another(self) -> Listener:
-        """Return a node with a context of its own: one context has one type for a topic."""
-        self.others.append(Listener(self.domain, f'other{len(self.others)}'))
-        return self.others[-1]
-
-    def look(self) -> None:
-        """Let the input adapt to its publishers, as the driver does once a second."""
-        self.inputs[-1].adapt(self.ros.node.get_publishers_info_by_topic('cmd_vel'))
-
     def hears(self, publish: Any, speed: float) -> None:
-        """Publish until it is heard."""
+        """Publish until it is heard; meanwhile the input adapts to its publishers."""
         self.got.clear()
 
         def heard() -> bool:
-            self.look()
+            self.inputs[-1].adapt(self.ros.node.get_publishers_info_by_topic('cmd_vel'))
             publish(speed)
             return (speed, -speed) in self.got
         self.ros.until(heard)
