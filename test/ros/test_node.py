@@ -84,7 +84,7 @@ def test_topics_of_a_frame_have_its_stamp(ready):
     transforms = ready.ros.listen(TFMessage, '/tf', 1000)
     others = {name: ready.ros.listen(type_, name, qos) for name, type_, qos in (
         ('contacts', PointCloud2, 10), ('mode', Mode, LATCHED), ('bumper', Bumper, 10))}
-    ready.ros.until(lambda: transforms and others['contacts'] and in_mode(others['mode'], 2))
+    ready.ros.until(lambda: transforms and all(others.values()) and in_mode(others['mode'], 2))
     ready.robot.body.force(bump_left=1, drop_left=1)
     ready.ros.until(lambda: others['contacts'][-1].width and in_mode(others['mode'], 1))
     newest = max(nanoseconds(received[-1]) for received in others.values())
