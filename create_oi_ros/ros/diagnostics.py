@@ -43,14 +43,14 @@ def hardware_id(port: str, namespace: str) -> str:
 
 
 def status(name: str, level: bytes, message: str, values: Values) -> DiagnosticStatus:
-    """Return a status without hardware id."""
+    """Return a status; the node puts its own name before this one, and adds its hardware id."""
     return DiagnosticStatus(
         level=level, name=name, message=message,
         values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
 
 
 def serial_link(
-    name: str, health: Health, port: str, before: LinkCounts, seconds: float,
+    health: Health, port: str, before: LinkCounts, seconds: float,
 ) -> DiagnosticStatus:
     """Say how well the line works; faults are counted over the last interval."""
     counts = health.counts
@@ -66,7 +66,7 @@ def serial_link(
     elif faults or garbage:
         level, message = WARN, 'bytes arrive damaged: look at plug, cable and motors nearby'
     age = health.frame_age
-    return status(f'{name}: {LINK}', level, message, {
+    return status(LINK, level, message, {
         'port': port, 'frames per second': round((counts.frames - before.frames) / seconds, 1),
         'damaged frames': faults, 'garbage bytes': garbage,
         'odd values': counts.odd_values - before.odd_values,
@@ -81,7 +81,7 @@ def _odd(values: Mapping[str, int]) -> str:
     return ', '.join(f'{name.replace("_", " ")} = {value}' for name, value in values.items())
 
 
-def mode(name: str, health: Health) -> DiagnosticStatus:
+def mode(health: Health) -> DiagnosticStatus:
     """Say whether the robot is in the wanted mode, and why not."""
     known = health.mode
     actual = 'unknown' if known.actual is None else known.actual.name
@@ -92,15 +92,15 @@ def mode(name: str, health: Health) -> DiagnosticStatus:
         level, message = OK, f'{actual}, entering {known.wanted.name}'
         if known.reason:
             level, message = WARN, f'{actual} instead of {known.wanted.name}: {known.reason}'
-    return status(f'{name}: mode', level, message, {
+    return status('mode', level, message, {
         'mode': actual, 'wanted': known.wanted.name, 'reason': known.reason})
 
 
-def safety(name: str, health: Health) -> DiagnosticStatus:
+def safety(health: Health) -> DiagnosticStatus:
     """Say what is in the robot's way, or keeps it from driving."""
     readings = health.readings
     if not health.answered or not readings.has(*TOUCHED):
-        return status(f'{name}: safety', WARN, 'no robot answers', {})
+        return status('safety', WARN, 'no robot answers', {})
     hazards = ', '.join(cause.value for cause in health.hazards)
     overcurrents = [bit.name or '' for bit in oi.Overcurrents if readings.overcurrents & bit]
     level, message = OK, 'nothing in the way'
@@ -112,17 +112,17 @@ def safety(name: str, health: Health) -> DiagnosticStatus:
         level, message = WARN, hazards
     elif health.mode.actual is oi.Mode.FULL:
         message = 'Full mode: the robot does not stop at cliffs by itself'
-    return status(f'{name}: safety', level, message, {
+    return status('safety', level, message, {
         'bumper': 'pressed' if bumps(readings) else 'free', 'hazards': hazards or 'none',
         'overcurrent': ', '.join(overcurrents).lower() or 'none'})
 
 
-def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatus:
+def battery(health: Health, *, charge_known: bool) -> DiagnosticStatus:
     """Say whether the battery lasts, and whether it is charged where it could be."""
     readings = health.readings
     if not health.answered or not readings.has(
             'battery_capacity', 'charging_sources', 'oi_mode'):
-        return status(f'{name}: battery', WARN, 'no robot answers', {})
+        return status('battery', WARN, 'no robot answers', {})
     state = messages.battery_state(readings, charge_known=charge_known)
     charge, temperature = state['percentage'], state['temperature']
     level, message = _battery(readings, charge, temperature, health.battery)
@@ -133,7 +133,7 @@ def battery(name: str, health: Health, *, charge_known: bool) -> DiagnosticStatu
     if odd and level == OK:
         level, message = WARN, f'not known: {_odd(odd)}, which no battery has'
     charging = readings.charging_state
-    return status(f'{name}: battery', level, message, {
+    return status('battery', level, message, {
         'voltage (V)': _known(state['voltage'], 3), 'current (A)': _known(state['current'], 3),
         'charge (%)': _known(100 * charge), 'temperature (C)': _known(temperature, 1),
         'charging': 'not known' if charging is None else charging.name.lower()})
@@ -165,8 +165,7 @@ def _battery(readings: oi.Readings, charge: float, temperature: float,
 
 
 def driver(
-    name: str, health: Health, stale_commands: int, publishers: Sequence[str], *,
-    contested: bool,
+    health: Health, stale_commands: int, publishers: Sequence[str], *, contested: bool,
 ) -> DiagnosticStatus:
     """Say what the driver is doing; `publishers` of `cmd_vel`, `contested`: two of them send."""
     level, message = OK, health.activity.value
@@ -180,13 +179,13 @@ def driver(
         level, message = WARN, 'told to turn, but the angle does not change: wheels blocked?'
     elif contested:
         level, message = WARN, f'{len(publishers)} nodes publish cmd_vel: the newest command wins'
-    return status(f'{name}: driver', level, message, {
+    return status('driver', level, message, {
         'stale commands dropped': stale_commands,
         'cmd_vel publishers': ', '.join(publishers) or 'none',
         'songs stored': ', '.join(map(str, health.songs)) or 'none'})
 
 
-def odometry(name: str, health: Health) -> DiagnosticStatus:
+def odometry(health: Health) -> DiagnosticStatus:
     """Say what the odometry has learned of this robot, and how sure it is."""
     robot, gyro = health.robot, health.gyro
     level, message = OK, 'nothing learned yet'
@@ -196,14 +195,14 @@ def odometry(name: str, health: Health) -> DiagnosticStatus:
         level, message = WARN, f'the gyro is not used: {gyro.problem}'
     elif gyro is not None and gyro.slips_now:
         level, message = WARN, 'wheels and gyro disagree: wheels slip, or somebody turns the robot'
-    return status(f'{name}: odometry', level, message, {
+    return status('odometry', level, message, {
         **({} if robot is None else {**in_words(robot), 'readings': robot.readings}),
         **({} if gyro is None else {'gyro': gyro.problem or 'used', 'slips': gyro.slips})})
 
 
-def parameters(name: str, values: Parameters) -> DiagnosticStatus:
+def parameters(values: Parameters) -> DiagnosticStatus:
     """Report version and parameters, so that every recording holds them."""
-    return status(f'{name}: {PARAMETERS}', OK, f'version {__version__}', {
+    return status(PARAMETERS, OK, f'version {__version__}', {
         'version': __version__, **asdict(values)})
 
 

@@ -212,18 +212,17 @@ class CreateNode(Node):
                 'commands are followed. Start what publishes /clock, or leave use_sim_time out')
 
     def _publish_diagnostics(self) -> None:
-        name = self.get_fully_qualified_name().lstrip('/')
         health = self.session.health()
         message = topics.DIAGNOSTICS.type(status=[
             diagnostics.serial_link(
-                name, health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
-            diagnostics.mode(name, health), diagnostics.safety(name, health),
-            diagnostics.battery(name, health, charge_known=self.parameters.charge_known),
-            diagnostics.driver(name, health, self._stale, self._graph.publishers,
+                health, self.parameters.port, self._counts, DIAGNOSTICS_PERIOD),
+            diagnostics.mode(health), diagnostics.safety(health),
+            diagnostics.battery(health, charge_known=self.parameters.charge_known),
+            diagnostics.driver(health, self._stale, self._graph.publishers,
                                contested=self._graph.contested),
-            diagnostics.odometry(name, health),
-            diagnostics.parameters(name, self.parameters)])
+            diagnostics.odometry(health), diagnostics.parameters(self.parameters)])
         for status in message.status:
+            status.name = f'{self.get_fully_qualified_name().lstrip("/")}: {status.name}'
             status.hardware_id = self._hardware_id
         self._counts = health.counts
         message.header.stamp = self.get_clock().now().to_msg()

@@ -31,15 +31,14 @@ def loop() -> Loop:
 
 
 def all_of(loop: Loop, before: LinkCounts | None = None) -> dict[str, DiagnosticStatus]:
-    """Return the statuses that the node would publish, by the last word of their name."""
+    """Return the statuses that the node would publish, by their names."""
     health = loop.driver.health(loop.now)
     made = [
-        diagnostics.serial_link(
-            'create', health, 'port', before or LinkCounts(), 1.0),
-        diagnostics.mode('create', health), diagnostics.safety('create', health),
-        diagnostics.battery('create', health, charge_known=True),
-        diagnostics.driver('create', health, 0, (), contested=False)]
-    return {status.name.removeprefix('create: '): status for status in made}
+        diagnostics.serial_link(health, 'port', before or LinkCounts(), 1.0),
+        diagnostics.mode(health), diagnostics.safety(health),
+        diagnostics.battery(health, charge_known=True),
+        diagnostics.driver(health, 0, (), contested=False)]
+    return {status.name: status for status in made}
 
 
 def levels(loop: Loop) -> dict[str, bytes]:
@@ -210,8 +209,7 @@ GOOD = GyroState(True, None, 3, False)
      {'gyro': 'it jumps', 'slips': '0'}),
     (GOOD._replace(slips_now=True), WARN, 'wheels slip', {'gyro': 'used', 'slips': '3'})])
 def test_what_is_thought_of_a_gyro_is_said(loop, gyro, level, says, values):
-    status = diagnostics.odometry(
-        'create', replace(loop.driver.health(loop.now), gyro=gyro))
+    status = diagnostics.odometry(replace(loop.driver.health(loop.now), gyro=gyro))
     assert status.level == level and says in status.message
     assert values == {each.key: each.value for each in status.values
                       if each.key in ('gyro', 'slips')}
