@@ -266,14 +266,6 @@ def say(text: str) -> None:
     print(f'create_demo: {text}', flush=True)
 
 
-def tour(steps: Sequence[TourStep], pilot: Pilot) -> None:
-    """Do all steps, and print each one."""
-    began = time.monotonic()
-    for number, (title, do) in enumerate(steps, 1):
-        say(f'{time.monotonic() - began:5.1f} s  {number} of {len(steps)}: {title}')
-        do(pilot)
-
-
 @contextmanager
 def recording(bag: Path, children: Children, stop: threading.Event) -> Iterator[Pilot]:
     """Record everything to a bag and yield the pilot; at the end, stop the children first."""
@@ -319,7 +311,11 @@ def record(steps: Sequence[TourStep], bag: Path, stop: threading.Event) -> None:
         children.start('create_sim', '--link', port, '--world', WORLD,
                        '--odometry', 'carry')
         children.start('create_node', '--ros-args', '-p', f'port:={port}')
-        tour(steps, stack.enter_context(recording(bag, children, stop)))
+        pilot = stack.enter_context(recording(bag, children, stop))
+        began = time.monotonic()
+        for number, (title, do) in enumerate(steps, 1):
+            say(f'{time.monotonic() - began:5.1f} s  {number} of {len(steps)}: {title}')
+            do(pilot)
 
 
 def report(folder: Path) -> int:
