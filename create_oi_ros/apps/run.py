@@ -40,8 +40,6 @@ WORLD = 'apartment'
 """World of the simulated robot, if nothing else is asked for."""
 WIDTH = 80
 """Columns of the status line at most."""
-POSE_TEXTS = 2
-"""Parts of the motion that are the pose."""
 CLEAR = '\r\x1b[K'
 """Go to the begin of the line, and clear it."""
 LOG_FORMAT = 'RCUTILS_CONSOLE_OUTPUT_FORMAT'
@@ -91,12 +89,13 @@ class RobotStatus(RobotState):
     def line(self) -> str:
         """Return the line, and begin the next second; the pose of a robot is always in it."""
         motion, mode = self._motion(), self.newest(Mode)
+        name = 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
         robot = mode is None or mode.mode != Mode.UNKNOWN
-        pose = POSE_TEXTS if robot else 0
+        pose = 2 if robot else 0  # parts of the motion that are the pose
         said = (*motion[:pose], *self._remarks())
-        line = '  '.join((f'{self._frames:2d} frames/s', self._mode_text(), *said))
+        line = '  '.join((f'{self._frames:2d} frames/s', name, *said))
         if len(line) > WIDTH:
-            line = '  '.join((self._mode_text().rstrip(), *said))
+            line = '  '.join((name.rstrip(), *said))
         if len(line) > WIDTH:
             line = f'{line[:WIDTH - 3]}...'
         for text in motion[pose:]:
@@ -105,10 +104,6 @@ class RobotStatus(RobotState):
             line += f'  {text}'
         self._frames, self._pressed = 0, self._now_pressed()
         return line.rstrip()
-
-    def _mode_text(self) -> str:
-        mode = self.newest(Mode)
-        return 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
 
     def _remarks(self) -> list[str]:
         """Return what is unusual, the most important first."""

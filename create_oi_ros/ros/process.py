@@ -60,7 +60,7 @@ def end_with_parent(parent: int) -> None:
         os.kill(os.getpid(), signal.SIGTERM)
 
 
-def call_on_signal(end: Callable[[], None]) -> None:
+def call_on_signal(end: Callable[[], object]) -> None:
     """Call `end` on a thread of its own at the first stop signal; from the main thread only."""
     reader, writer = socket.socketpair()
     writer.setblocking(False)

@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from create_oi_ros.apps.check.moves import duration, Move, Reads, Segment, STEPS
+from create_oi_ros.apps.check.moves import Move, Reads, Segment, STEPS
 from create_oi_ros.apps.check.questions import by_tape, in_lines, Person
 from create_oi_ros.apps.check.runner import Notebook, Runner
 from create_oi_ros.apps.check.verdict import as_mapping, banner_in, lines, of_gyro, of_wheels
@@ -73,7 +73,7 @@ def found() -> tuple[Floor, Knowledge]:
 
 
 def test_the_program_takes_less_than_five_minutes():
-    assert sum(duration(step.moves) for step in STEPS) < 270
+    assert sum(move.seconds for step in STEPS for move in step.moves) < 270
 
 
 def test_each_step_ends_where_it_began(found):

@@ -19,7 +19,7 @@ from ...driver import Health
 from ...ros.odometry_model import write
 from ...ros.parameters import BAUDS, Parameters
 from ...ros.programs import INTERRUPTED, UserError
-from .moves import duration, Move, Reads, Segment, STEPS
+from .moves import Move, Reads, Segment, STEPS
 from .questions import (
     about_banner,
     about_dock,
@@ -76,8 +76,8 @@ class GuidedCheck:
         self._to_the_floor()
         seen.append(about_leds(line, person))
         for number, step in enumerate(STEPS, 1):
-            person.confirm(f'Step {number} of {len(STEPS)} ({duration(step.moves):.0f} s): '
-                           f'{step.about}')
+            seconds = sum(move.seconds for move in step.moves)
+            person.confirm(f'Step {number} of {len(STEPS)} ({seconds:.0f} s): {step.about}')
             for done, move in enumerate(step.moves, 1):
                 self._make(move)
                 progress(done, len(step.moves))

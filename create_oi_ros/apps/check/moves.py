@@ -7,7 +7,6 @@ Every move begins and ends at rest. It is answered by its opposite, so that the 
 its place.
 """
 
-from collections.abc import Sequence
 from enum import Enum
 from typing import NamedTuple
 
@@ -110,8 +109,3 @@ STEPS = (
         *_both(1.3, 300, 300, Reads.OFTEN, 3))),
 )
 """Quick and long moves come last: they tell the gains best, and gains may change with time."""
-
-
-def duration(moves: Sequence[Move]) -> float:
-    """Return how long moves take, seconds."""
-    return sum(move.seconds for move in moves)

@@ -216,10 +216,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         token = kept_token(options.token_file)
     with asyncio.Runner() as runner, listen(options.host, options.port) as listener:
         ended, loop = asyncio.Event(), runner.get_loop()
-
-        def end() -> None:
-            loop.call_soon_threadsafe(ended.set)
-        call_on_signal(end)
+        call_on_signal(lambda: loop.call_soon_threadsafe(ended.set))
         with ros_executor(given) as executor:
             runner.run(_serve(executor, listener, options, token, tls, ended))
     return 0

@@ -24,8 +24,8 @@ from .access import TOP_TURN
 GOALS: Mapping[str, Any] = {
     action.name: action.type for action in ALL_ACTIONS if action.type is not LedAnimation}
 """The type of each action that a page shows, by its name."""
-CALLED = ('set_mode', 'stop', 'set_leds', 'reset_odometry')
-CALLS: Mapping[str, Any] = {each.name: each.type for each in SERVICES if each.name in CALLED}
+CALLS: Mapping[str, Any] = {each.name: each.type for each in SERVICES if each.name in (
+    'set_mode', 'stop', 'set_leds', 'reset_odometry')}
 """The types of the services that a page can call."""
 
 
