@@ -101,10 +101,6 @@ def test_the_reason_of_a_mode_is_shown_alone():
      'port does not exist; there are /dev/ttyUSB1: is the ca'),
     (f'{PORT}: no permission; `sudo usermod -aG dialout ada`, then log in again',
      'port: no permission; `sudo usermod -aG dialout ada`, t'),
-    (f'{PORT} is in use by create_node (process 12345); end it, or give another port',
-     'port is in use by create_node (process 12345); end it,'),
-    ('something sends on the port, but not like a Create at 57600 baud (it sent 36 71 80',
-     'something sends on the port, but not like a Create at '),
     ("no answer at 57600 baud: is the robot on (Power light)? is it the Create's own",
      'no answer at 57600 baud: is the robot on (Power light)'),
 ])

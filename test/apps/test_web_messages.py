@@ -49,29 +49,15 @@ BAD_REQUESTS = [
     ('drive_distance', {'distance': 1001}, 'allowed: -1000 to 1000'),
     ('drive_distance', {'distance': nan}, 'not finite'),
     ('drive_distance', {'distance': 10 ** 400}, 'distance = 1000.* of type float'),
-    ('drive_distance', {'distance': True}, 'distance = True; allowed'),
-    ('drive_distance', {'distance': 1, 'max_translation_speed': 0}, 'allowed: 0.001 or more'),
     ('drive_distance', {'far': 1}, "has no field 'far'; allowed: distance, max_translation_speed"),
-    ('rotate_angle', {'angle': inf}, 'not finite'),
-    ('rotate_angle', {'angle': 1, 'max_rotation_speed': -1}, 'allowed'),
-    ('drive_arc', {'angle': 1, 'radius': 0, 'translate_direction': 1}, 'allowed'),
-    ('drive_arc', {'angle': 1, 'radius': 1, 'translate_direction': 1000}, 'of type int8'),
-    ('navigate_to_position', {'goal_pose': None}, 'of type geometry_msgs/PoseStamped'),
     ('navigate_to_position', {'goal_pose': {'pose': {'position': {'x': 'far'}}}},
      "goal_pose: pose: position: x = 'far'; allowed"),
-    ('navigate_to_position', {'goal_pose': {'pose': {'position': {'x': nan}}}}, 'not finite'),
-    ('dock', {'time_allowance': {'sec': -1}}, 'time_allowance'),
-    ('wall_follow', {'follow_side': -1, 'max_runtime': {'sec': 2 ** 40}}, 'of type int32'),
-    ('wall_follow', {'follow_side': 1}, 'allowed'),
     ('audio_note_sequence', {'notes': 'la'}, 'such as C4:1/4'),
-    ('audio_note_sequence', {'notes': ['C4:1/4']}, 'of type string'),
     ('set_mode', {'mode': 'safe'}, "mode = 'safe'; allowed"),
-    ('set_mode', {'mode': []}, r'mode = \[\]; allowed'),
     ('stop', {'now': True}, "has no field 'now'; allowed: none"),
-    ('set_leds', {'play': 1}, 'of type boolean'),
     ('set_leds', {'power_color': 256}, 'of type uint8'),
-    ('set_leds', {'power_color': 1.5}, 'of type uint8'),
 ]
+"""What may be in a field is told by the tests of `filled` and of the actions."""
 
 
 @pytest.mark.parametrize('type_', MESSAGES)
