@@ -10,6 +10,7 @@ the origin, in Safe, with nothing around it but a wall 1.5 m ahead.
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, closing
 import math
+import re
 import signal
 
 from create_oi_msgs.srv import SetMode
@@ -391,6 +392,9 @@ def test_nothing_is_wider_than_the_page_and_stop_is_in_reach_everywhere(stage, r
         small = page.evaluate("""() => [...document.querySelectorAll('button:not(#piano button)')]
             .filter(each => each.offsetParent && each.offsetHeight < 32).map(each => each.id)""")
         assert small == [], f'{size}: a thumb must hit every button'
+        wide = page.evaluate("""() => [...document.querySelectorAll('figure')]
+            .filter(each => each.scrollWidth > each.clientWidth).map(each => each.innerText)""")
+        assert wide == [], f'{size}: values stick out of their chart'
     resize(*SIZES['sideways'])
     page.evaluate('scrollTo(0, 0)')
     stick, canvas, stop = (page.locator(each).bounding_box()
@@ -534,6 +538,8 @@ def test_a_way_through_a_wall_is_red_and_a_cancel_is_no_error(stage, robot, show
     page.page.locator('#here-cancel').click()
     stage.ros.until(lambda: standing(robot))
     page.until("document.getElementById('goal-text').textContent === 'Go to a place: cancelled'")
+    assert re.search(r'\bnavigate to position: stopped 0\.\d+ m from the goal; canceled$',
+                     page.text('#log-list'), re.MULTILINE)
     assert page.page.locator('#goal-cancel').is_disabled()
     assert page.evaluate("document.getElementById('toast').dataset.level") == 'good'
     page.page.get_by_role('button', name='Clear').click()

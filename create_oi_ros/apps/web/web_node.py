@@ -137,8 +137,8 @@ class GoalSender:
         goal.running = False
         state = 'reached' if reply.ok else 'canceled' if goal.canceling else 'ended'
         self._show(goal, state, reply.text)
-        self._robot.happened('error' if state == 'ended' else '', f'{goal.name.replace("_", " ")}'
-                             f' {state}: {reply.text}', time.monotonic())
+        self._robot.happened('error' if state == 'ended' else '',
+                             f'{goal.name.replace("_", " ")}: {reply.text}', time.monotonic())
         return reply
 
     async def _reply(self, goal: SentGoal, request: Any) -> Reply:
