@@ -42,13 +42,6 @@ class Hit(NamedTuple):
     """When that was, s."""
 
 
-def felt(readings: oi.Readings) -> list[str]:
-    """Return the sensors that feel something now."""
-    found = [name for name in (*CLIFFS, 'virtual_wall') if readings.number(name, 0)]
-    bumps = readings.number('bumps_and_wheel_drops', 0) & BUMPS
-    return [*found, BUMPERS[bumps]] if bumps else found
-
-
 class Contacts:
     """Remembers what was felt, for a while and until the robot has moved away."""
 
@@ -58,7 +51,10 @@ class Contacts:
     def update(self, readings: oi.Readings, at: Estimate, stamp: float,
                persistence: float) -> None:
         """Take a frame in; what is no longer felt is kept for `persistence` seconds."""
-        found = felt(readings)
+        found = [name for name in (*CLIFFS, 'virtual_wall') if readings.number(name, 0)]
+        bumps = readings.number('bumps_and_wheel_drops', 0) & BUMPS
+        if bumps:
+            found.append(BUMPERS[bumps])
         if not found and not self._hits:
             return
         for name in found:
