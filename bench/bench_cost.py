@@ -19,7 +19,6 @@ from time import sleep
 from typing import NamedTuple
 
 from create_oi_ros.ros.topics import PUBLISHED
-from processes import processor_share, resident
 from results import Figure, figures_of, load, repeated, run
 from scene import scene
 
@@ -47,7 +46,7 @@ def floor() -> float:
         driver = stage.driver(floor=True)
         listener.line()
         sleep(SETTLE)
-        return processor_share(driver.pid, WATCH)
+        return driver.processor_share(WATCH)
 
 
 def node(*topics: str) -> Node:
@@ -58,10 +57,10 @@ def node(*topics: str) -> Node:
         driver = stage.driver()
         listener.line()
         sleep(SETTLE)
-        standing = processor_share(driver.pid, WATCH)
+        standing = driver.processor_share(WATCH)
         stage.program('circle')
         sleep(SETTLE)
-        return Node(standing, processor_share(driver.pid, DRIVE), resident(driver.pid))
+        return Node(standing, driver.processor_share(DRIVE), driver.resident())
 
 
 def measure() -> list[Figure]:

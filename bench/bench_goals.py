@@ -6,7 +6,7 @@ How exact goals are: `python bench/bench_goals.py`, minutes, a table.
 Robots are drawn at random as for the odometry (`robots`), and each pursues goals one after the
 other, byte by byte between the whole driver and the whole simulated robot. The truth is the
 simulator's. The error is measured after the robot has come to rest. Allowed are 5 mm + 0.5 % of a
-distance, 1 degree + 0.3 % of an angle. Then cancels: frames from a cancel to a request of zero.
+distance, 1 degree + 0.3 % of an angle.
 """
 
 from math import degrees, radians
@@ -16,7 +16,7 @@ from statistics import mean
 from typing import NamedTuple
 
 from create_oi_ros import oi
-from create_oi_ros.driver.goals import DriveDistance, Goal, RotateAngle
+from create_oi_ros.driver.goals import DriveDistance, RotateAngle
 from odometry_loop import Journey
 from results import Figure, percentile, run
 from robots import CLASSES, spread
@@ -25,6 +25,7 @@ GOALS = 1000
 EACH = 10
 """Goals of a robot."""
 KINDS = ('centre', 'all ranges')
+MADE = {'drive_distance': DriveDistance, 'rotate_angle': RotateAngle}
 LATENCY = 0.005
 FIRST_SEED = 10_000
 REST = 1.5
@@ -53,13 +54,6 @@ def wish(random: Random) -> tuple[str, float, float]:
             spread(random, 0.4, 3.0))
 
 
-def goal_of(journey: Journey, name: str, way: float, speed: float) -> Goal:
-    """Return the goal that the driver pursues."""
-    if name == 'drive_distance':
-        return DriveDistance(way, speed, 0.0)
-    return RotateAngle(way, speed, 0.0)
-
-
 def allowed(name: str, way: float) -> float:
     """Return the error that is allowed, m or rad."""
     if name == 'drive_distance':
@@ -75,8 +69,7 @@ def pursue(journey: Journey, kind: str, name: str, way: float, speed: float) -> 
         truth = journey.body.truth()
         return truth.travelled if straight else truth.turned
     begun_at, begun = journey.now, place()
-    goal = goal_of(journey, name, way, speed)
-    running = journey.driver.goals.start(goal, journey.now)
+    running = journey.driver.goals.start(MADE[name](way, speed, 0.0), journey.now)
     while running.outcome is None and journey.now - begun_at < PATIENCE:
         journey.go()
     for _ in range(round(REST / oi.SLOT) * 3):
@@ -97,28 +90,7 @@ def series(job: tuple[str, int]) -> list[Score]:
     return [pursue(journey, kind, *wish(random)) for _ in range(EACH)]
 
 
-def cancels(count: int) -> list[int]:
-    """Cancel goals at random moments; return the frames until zero was requested."""
-    random, frames = Random(1), []
-    journey = Journey(CLASSES['centre'](random), 1)
-    while journey.now < 1.0:
-        journey.go()
-    for _ in range(count):
-        name, way, speed = wish(random)
-        running = journey.driver.goals.start(goal_of(journey, name, 9 * way, speed), journey.now)
-        until = journey.now + random.uniform(0.1, 1.0)
-        while journey.now < until:
-            journey.go()
-        journey.driver.goals.cancel(running, journey.now)
-        waited = 0
-        while journey.robot.actuators.wheels != (0, 0):
-            journey.go()
-            waited += 1
-        frames.append(-(-waited // 3))
-    return frames
-
-
-def figures(scores: list[Score], frames: list[int]) -> list[Figure]:
+def figures(scores: list[Score]) -> list[Figure]:
     """Return the figures that have targets; less is better."""
     made = []
     for name, unit in (('drive_distance', 'mm'), ('rotate_angle', 'deg')):
@@ -130,7 +102,6 @@ def figures(scores: list[Score], frames: list[int]) -> list[Figure]:
                 percentile(beyond), '', 1.0, worst=max(beyond),
                 beside=f'error: mean {mean(s.error for s in some):.2f} {unit}, 95th percentile '
                 f'{percentile([s.error for s in some]):.2f} {unit}'))
-    made.append(Figure('frames from a cancel to a request of zero', max(frames), '', 1.0))
     return made
 
 
@@ -139,7 +110,7 @@ def measure() -> list[Figure]:
     jobs = [(kind, FIRST_SEED + i) for i in range(GOALS // EACH // len(KINDS)) for kind in KINDS]
     with Pool() as pool:
         scores = [each for some in pool.imap_unordered(series, jobs) for each in some]
-    return figures(scores, cancels(100))
+    return figures(scores)
 
 
 if __name__ == '__main__':

@@ -20,7 +20,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings
 from create_oi_ros.driver.stream import StreamPlan
 from results import Figure, repeated, run
-from scene import Scene, scene
+from scene import drives, Scene, scene
 
 REPETITIONS = 3
 # Seconds to wait after the last command, and seconds in which odometry is measured.
@@ -53,12 +53,8 @@ def frame_latencies(sent: list[float], received: list[float]) -> list[float]:
 def command_latencies(published: list[Any], received: list[Any]) -> list[float]:
     """Return the latency of each velocity command; infinity for one that never arrived."""
     arrived: dict[int, float] = {}
-    reader = oi.CommandReader()
-    for when, data in received:
-        reader.feed(bytes.fromhex(data))
-        while (event := reader.next_event()) is not None:
-            if isinstance(event, oi.DriveDirect):
-                arrived.setdefault(event.right, when)
+    for when, command in drives(received):
+        arrived.setdefault(command.right, when)
     return sorted(arrived.get(speed, inf) - when for when, speed in published)
 
 

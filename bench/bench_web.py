@@ -12,21 +12,17 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 import json
-from pathlib import Path
 import re
 import shutil
 import sys
 from time import monotonic
-from typing import Any
 
 import aiohttp
 from playwright.sync_api import sync_playwright
 
-from create_oi_ros import oi
 from create_oi_ros.ros.programs import PROGRAMS
-from processes import processor_share
 from results import Figure, repeated, run
-from scene import Scene, scene
+from scene import drives, Process, Scene, scene
 
 WATCH = 10.0
 """Seconds for which the processor time is measured."""
@@ -60,10 +56,10 @@ async def held(connection: aiohttp.ClientWebSocketResponse, until: Callable[[], 
                 'type': 'drive', 'linear': SPEED, 'angular': 0.5, 'seen': news['at']})
 
 
-async def share_with_a_page(web: int, port: int) -> float:
+async def share_with_a_page(web: Process, port: int) -> float:
     """Return the processor share, %, of a server whose only page drives."""
     async with page(port) as connection:
-        measured = asyncio.create_task(asyncio.to_thread(processor_share, web, WATCH))
+        measured = asyncio.create_task(asyncio.to_thread(web.processor_share, WATCH))
         await held(connection, measured.done)
         return await measured
 
@@ -82,15 +78,15 @@ async def stop_time(ask: Callable[[str], str], port: int, *, closing: bool) -> f
         return told['time'] - begun
 
 
-def started(stage: Scene, control: Path) -> tuple[int, int]:
-    """Start robot, driver and server; return process id and port of the server."""
+def started(stage: Scene) -> tuple[Process, int]:
+    """Start driver and server; return the server and its port."""
     stage.start('-c', PROGRAMS['create_node'], '--ros-args', '-p', f'port:={stage.port}',
                 '-p', 'cmd_vel_timeout:=10.0')
-    web = stage.start('-c', PROGRAMS['create_web'], '--control', str(control))
+    web = stage.start('-c', PROGRAMS['create_web'], '--control', str(stage.control))
     deadline = monotonic() + 30
     while not (found := re.search(r'open http://\S+:(\d+)/', ''.join(web.errors))):
         assert monotonic() < deadline, web.errors
-    return web.pid, int(found[1])
+    return web, int(found[1])
 
 
 def press_times(port: int) -> list[float]:
@@ -114,31 +110,20 @@ def press_times(port: int) -> list[float]:
     return pressed
 
 
-def turned(received: list[Any]) -> list[float]:
-    """Return when commands arrived that let the wheels turn, by what the robot received when."""
-    found, reader = [], oi.CommandReader()
-    for when, data in received:
-        reader.feed(bytes.fromhex(data))
-        while (event := reader.next_event()) is not None:
-            if isinstance(event, oi.DriveDirect) and event.right:
-                found.append(when)
-    return found
-
-
 def measure() -> list[Figure]:
     """Measure all."""
     with scene() as stage:
         robot = stage.robot()
-        web, port = started(stage, stage.control)
+        web, port = started(stage)
         asyncio.run(asyncio.sleep(SETTLE))
-        alone = processor_share(web, WATCH)
+        alone = web.processor_share(WATCH)
         watched = asyncio.run(share_with_a_page(web, port))
         with stage.control_socket() as ask:
             silent, closed = (
                 [asyncio.run(stop_time(ask, port, closing=closing)) for _ in range(STOPS)]
                 for closing in (False, True))
         pressed = press_times(port)
-        turns = turned(robot.result()['received'])
+        turns = [when for when, command in drives(robot.result()['received']) if command.right]
     presses = [1000 * (min(turn for turn in turns if turn > press) - press) for press in pressed]
     return [
         Figure('create_web, no page open: processor', alone, '% of a core'),

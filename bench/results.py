@@ -8,7 +8,6 @@ each program: its figures, and when and on what machine they were measured. A ru
 entry of its program only, one line for each figure. `document.py` reads the file.
 """
 
-from argparse import ArgumentParser
 from collections.abc import Callable, Sequence
 from datetime import datetime, UTC
 import json
@@ -21,7 +20,6 @@ from time import monotonic, sleep
 from typing import Any, NamedTuple
 
 from create_oi_ros.oi.tools.tables import columns
-from processes import machine_seconds
 
 RESULTS = Path(__file__).with_name('results.json')
 PART = re.compile('[,:] (95th percentile|at least|at most|mean|slowest|truncate|round|carry)$')
@@ -62,6 +60,13 @@ def repeated(what: str, values: Sequence[float], unit: str, target: float | None
 def percentile(values: Sequence[float]) -> float:
     """Return the 95th percentile."""
     return quantiles(values, n=20, method='inclusive')[-1] if len(values) > 1 else values[0]
+
+
+def machine_seconds() -> float:
+    """Return the busy time of all cores together since the machine started, seconds."""
+    with open('/proc/stat', encoding='ascii') as file:
+        user, nice, system, _, _, irq, soft, steal, *_ = map(int, file.readline().split()[1:])
+    return (user + nice + system + irq + soft + steal) / os.sysconf('SC_CLK_TCK')
 
 
 def load_before(seconds: float = 1.0) -> float:
@@ -147,15 +152,11 @@ def written(results: dict[str, Any]) -> str:
 
 def run(program: str, measure: Callable[[], list[Figure]]) -> None:
     """Run a bench program: measure, print the table, save it."""
-    parser = ArgumentParser(prog=f'bench/{program}.py')
-    parser.add_argument('--json', type=Path, default=RESULTS, metavar='FILE',
-                        help='save the figures here (default: %(default)s)')
-    path = parser.parse_args().json
     where = machine()
     print(f'{program}: ' + ', '.join(f'{name} {value}' for name, value in where.items()))
     figures = measure()
     show_all(figures)
-    keep(program, figures, where, path)
+    keep(program, figures, where)
 
 
 def show_all(figures: Sequence[Figure]) -> None:

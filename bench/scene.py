@@ -6,7 +6,7 @@ Processes for the bench programs: a simulated robot, the node or the floor, and 
 All of them run in one ROS domain. Run nothing else in that domain meanwhile.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, ExitStack
 import json
 import os
@@ -17,6 +17,7 @@ import subprocess
 import sys
 from tempfile import TemporaryDirectory
 import threading
+from time import monotonic, sleep
 from typing import Any
 
 from create_oi_ros import oi
@@ -27,6 +28,7 @@ PROGRAM_FOLDER = Path(__file__).parent / 'programs'
 DOMAIN = os.environ.get('ROS_DOMAIN_ID', '83')
 TIMEOUT = 60.0
 """Seconds to wait for a line of output, and for a process to end."""
+MEGA = 1 << 20
 SPEEDS = ('requested_right_velocity', 'requested_left_velocity')
 FLOOR_LIST = oi.PacketList([*(name for name in ESSENTIAL if name not in SPEEDS), *SPEEDS])
 """Packets that the floor streams: those that the driver needs in every frame, no more."""
@@ -55,11 +57,6 @@ class Process:
         for line in self.process.stderr:
             self.errors.append(line)
 
-    @property
-    def pid(self) -> int:
-        """The process id."""
-        return self.process.pid
-
     def line(self) -> str:
         """Wait for a line of output; RuntimeError has the error output if none comes."""
         assert self.process.stdout is not None
@@ -80,6 +77,17 @@ class Process:
             line = self.line()
         return json.loads(line)
 
+    def processor_share(self, seconds: float) -> float:
+        """Wait; return the processor share of it and its descendants, % of one core."""
+        used, begun = processor_seconds(self.process.pid), monotonic()
+        sleep(seconds)
+        return 100 * (processor_seconds(self.process.pid) - used) / (monotonic() - begun)
+
+    def resident(self) -> float:
+        """Return its resident memory, without its children, MB."""
+        pages = Path(f'/proc/{self.process.pid}/statm').read_text('ascii').split()[1]
+        return int(pages) * os.sysconf('SC_PAGE_SIZE') / MEGA
+
     def close(self) -> None:
         """End the process; kill it if it does not end."""
         self.process.terminate()
@@ -89,6 +97,23 @@ class Process:
             self.process.kill()
         self.process.wait()
         self._error_reader.join()
+
+
+def processor_seconds(number: int) -> float:
+    """Return the processor time that a process and its descendants have used so far, seconds."""
+    used = 0.0
+    for task in Path(f'/proc/{number}/task').iterdir():
+        used += int((task / 'schedstat').read_text('ascii').split()[0]) / 1e9
+        used += sum(map(processor_seconds, map(int, (task / 'children').read_text().split())))
+    return used
+
+
+def drives(received: Sequence[tuple[float, str]]) -> Iterator[tuple[float, oi.DriveDirect]]:
+    """Yield each Drive Direct that a robot received, and when all of it had arrived."""
+    reader = oi.CommandReader()
+    for when, data in received:
+        reader.feed(bytes.fromhex(data))
+        yield from ((when, event) for event in reader if isinstance(event, oi.DriveDirect))
 
 
 class Scene:
