@@ -27,8 +27,6 @@ PENDING_LIMIT = 4_000_000
 """Bytes that wait for the disk at most: some ten minutes of a driving robot."""
 CLOSE_TIMEOUT = 2.0
 """Seconds that `close` waits for a slow disk."""
-NS_PER_US = 1000
-"""Nanoseconds in a microsecond."""
 
 
 def new_file(wanted: str) -> tuple[int, Path]:
@@ -66,7 +64,7 @@ class Capture:
         self._dropped = 0
         """Records dropped since the last one that was kept."""
         started = datetime.now(UTC).isoformat(timespec='microseconds')
-        self._last = time.monotonic_ns() // NS_PER_US
+        self._last = time.monotonic_ns() // 1000
         self._pending = bytearray(encode_head({
             'started': started,
             **{name: ' '.join(str(value).splitlines()) for name, value in facts.items()}}))
@@ -99,7 +97,7 @@ class Capture:
             self._on_failure(news)
 
     def _append(self, kind: RecordKind, data: bytes) -> None:
-        now = time.monotonic_ns() // NS_PER_US
+        now = time.monotonic_ns() // 1000
         self._pending += encode_record(now - self._last, kind, data)
         self._last = now
 

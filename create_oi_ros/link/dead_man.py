@@ -51,11 +51,6 @@ class DeadMan:
             os.close(watched)
 
     @property
-    def pid(self) -> int:
-        """The process id."""
-        return self._process.pid
-
-    @property
     def ended(self) -> bool:
         """Whether the process has ended, so that nobody watches."""
         return self._process.poll() is not None

@@ -93,8 +93,15 @@ class Port:
         """Wait for bytes and return them; b'' when none came before the timeout."""
         try:
             if self._line is not None:
-                ready = self._waiting.poll(self._longest)
-                return self._read_waiting(self._line) if ready else b''
+                if not self._waiting.poll(self._longest):
+                    return b''
+                if '://' in self.url:
+                    return bytes(self._serial.read(READ_LIMIT))
+                if not self._serial.is_open:
+                    raise OSError('it was closed')
+                if received := os.read(self._line, READ_LIMIT):
+                    return received
+                raise OSError('ready, but with nothing to read: it was unplugged')
             first: bytes = self._serial.read(1)
             if not first:
                 return b''
@@ -102,17 +109,6 @@ class Port:
             return first + bytes(self._serial.read(waiting)) if waiting else first
         except FAILURE as error:
             raise PortError(f'{self.url}: reading failed ({error}); is the cable in?') from error
-
-    def _read_waiting(self, line: int) -> bytes:
-        """Return the bytes that wait, without pyserial's second system call."""
-        if '://' in self.url:
-            return bytes(self._serial.read(READ_LIMIT))
-        if not self._serial.is_open:
-            raise OSError('it was closed')
-        waiting = os.read(line, READ_LIMIT)
-        if not waiting:
-            raise OSError('ready, but with nothing to read: it was unplugged')
-        return waiting
 
     def write(self, encoded: bytes) -> None:
         """Write all bytes."""
@@ -150,10 +146,8 @@ def lasting_name(device: str, names: str = '/dev/serial/by-id') -> str | None:
 
     A USB adapter that was ttyUSB0 may come back as ttyUSB1; its name by id stays.
     """
-    for link in sorted(glob(f'{names}/*')):
-        if os.path.realpath(link) == os.path.realpath(device):
-            return link
-    return None
+    return next((link for link in sorted(glob(f'{names}/*'))
+                 if os.path.realpath(link) == os.path.realpath(device)), None)
 
 
 def holder(device: str) -> str | None:

@@ -24,52 +24,45 @@ from support.ros import TIMEOUT
 WORDS = b'stop now'
 
 
-def gone(pid: int) -> bool:
-    """Tell whether a process has ended and nobody need wait for it."""
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return True
-    return False
-
-
 def read_words(reading: int) -> bytes:
     """Wait for as many bytes as the last words have."""
     return b''.join(os.read(reading, 1) for _ in WORDS)
 
 
-def test_released_it_writes_nothing_and_ends():
+@pytest.fixture
+def guarded() -> Iterator[tuple[DeadMan, int]]:
+    """Yield a dead-man and the other end of its line."""
     reading, writing = os.pipe()
     guard = DeadMan(writing, WORDS)
     os.close(writing)
+    yield guard, reading
+    os.close(reading)
+
+
+def test_released_it_writes_nothing_and_ends(guarded):
+    guard, reading = guarded
     guard.release()
     assert os.read(reading, 100) == b'', 'the line is closed, by it as well'
-    os.close(reading)
-    assert gone(guard.pid)
+    with pytest.raises(ProcessLookupError):
+        os.kill(guard._process.pid, 0)
 
 
-def test_releasing_one_that_was_killed_is_allowed():
-    reading, writing = os.pipe()
-    guard = DeadMan(writing, WORDS)
+def test_releasing_one_that_was_killed_is_allowed(guarded):
+    guard, _ = guarded
     assert guard.ended is False
-    os.kill(guard.pid, signal.SIGKILL)
+    os.kill(guard._process.pid, signal.SIGKILL)
     guard._process.wait()
     assert guard.ended is True
     guard.release()
-    os.close(reading)
-    os.close(writing)
 
 
-def test_one_that_does_not_end_is_killed(monkeypatch):
+def test_one_that_does_not_end_is_killed(monkeypatch, guarded):
+    guard, _ = guarded
     monkeypatch.setattr(dead_man, 'END_TIMEOUT', 0.0)
-    reading, writing = os.pipe()
-    guard = DeadMan(writing, WORDS)
-    os.kill(guard.pid, signal.SIGSTOP)
-    os.waitpid(guard.pid, os.WUNTRACED)
+    os.kill(guard._process.pid, signal.SIGSTOP)
+    os.waitpid(guard._process.pid, os.WUNTRACED)
     guard.release()
     assert guard._process.wait(TIMEOUT) == -signal.SIGKILL
-    os.close(reading)
-    os.close(writing)
 
 
 def test_one_that_cannot_be_started_leaves_no_file_open(monkeypatch):
@@ -85,7 +78,7 @@ PARENT = """
 import os, sys
 from create_oi_ros.link.dead_man import DeadMan
 dead_man = DeadMan(int(sys.argv[1]), sys.argv[2].encode())
-print(dead_man.pid, flush=True)
+print('guarded', flush=True)
 sys.stdin.read()
 """
 
@@ -217,16 +210,14 @@ def test_a_line_with_little_room_gets_each_byte_once(blocking):
     os.close(theirs)
 
 
-def test_what_ends_its_parent_politely_does_not_reach_it():
-    reading, writing = os.pipe()
-    guard = DeadMan(writing, WORDS)
-    os.close(writing)
-    assert os.getsid(guard.pid) == guard.pid, 'the keys of a terminal do not reach it'
+def test_what_ends_its_parent_politely_does_not_reach_it(guarded):
+    guard, reading = guarded
+    pid = guard._process.pid
+    assert os.getsid(pid) == pid, 'the keys of a terminal do not reach it'
     for number in END_SIGNALS:
-        os.kill(guard.pid, number)
+        os.kill(pid, number)
     os.close(guard._pipe)
     assert read_words(reading) == WORDS
-    os.close(reading)
     assert guard._process.wait() == 0
 
 

@@ -379,12 +379,12 @@ def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
     monkeypatch.setattr(session, 'LEAST_LIFE', 0.0)
     with robot_on(tmp_path / 'tty'), session_on(tmp_path / 'tty', dead_man=True) as (ours, heard):
         heard.wait_for('robot answers')
-        first = ours._dead_man.pid
+        first = ours._dead_man._process.pid
         os.kill(first, 9)
         heard.wait_for('another one has been started')
-        assert ours._dead_man.pid != first
+        assert ours._dead_man._process.pid != first
         monkeypatch.setattr(session, 'LEAST_LIFE', 1000.0)
-        os.kill(ours._dead_man.pid, 9)
+        os.kill(ours._dead_man._process.pid, 9)
         heard.wait_for('drives on')
         assert ours._dead_man is None
 
