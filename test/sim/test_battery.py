@@ -80,40 +80,23 @@ def test_waiting_ends_when_enough_was_used():
     assert body.sense().charging_state in (ChargingState.FULL_CHARGING, ChargingState.TRICKLE)
 
 
-def test_safe_and_full_end_charging_though_the_source_is_there():
+@pytest.mark.parametrize('acts', [
+    [(lambda body: body.allow_charging(False), ChargingState.NOT_CHARGING),  # Safe and Full do
+     (lambda body: body.allow_charging(True), ChargingState.FULL_CHARGING)],
+    [(lambda body: body.set_battery(fault=True), ChargingState.FAULT),
+     (lambda body: body.set_battery(fault=False), ChargingState.FULL_CHARGING)],
+    [(lambda body: body.set_battery(temperature=46), ChargingState.WAITING),
+     (lambda body: body.set_battery(temperature=42), ChargingState.WAITING),
+     (lambda body: body.set_battery(temperature=39), ChargingState.FULL_CHARGING)]],
+    ids=['mode', 'fault', 'heat'])
+def test_charging_stops_for_a_mode_a_fault_and_heat_and_goes_on(acts):
     body = charging()
-    body.allow_charging(False)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.NOT_CHARGING
-    assert body.sense().internal_charger
-    assert body.sense().current < 0
-    body.allow_charging(True)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.FULL_CHARGING
-
-
-def test_a_charging_fault_stops_the_current_until_it_is_cleared():
-    body = charging()
-    body.set_battery(fault=True)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.FAULT
-    assert body.sense().current < 0
-    body.set_battery(fault=False)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.FULL_CHARGING
-
-
-def test_a_hot_battery_waits_until_it_is_cooler():
-    body = charging()
-    body.set_battery(temperature=46)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.WAITING
-    body.set_battery(temperature=42)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.WAITING
-    body.set_battery(temperature=39)
-    body.step(1)
-    assert body.sense().charging_state == ChargingState.FULL_CHARGING
+    for act, state in acts:
+        act(body)
+        body.step(1)
+        sense = body.sense()
+        assert sense.charging_state == state and sense.internal_charger
+        assert (sense.current > 0) is (state == ChargingState.FULL_CHARGING)
 
 
 def test_work_warms_the_battery_and_rest_cools_it():

@@ -94,39 +94,28 @@ def test_pushed_by_hand_either_way_the_distance_counts_up():
         assert body.truth().pose.x == pytest.approx(speed)
 
 
-def test_rolling_on_forwards_after_a_reverse_command_counts_as_reverse():
-    body = body_at_speed(0.3, 0.3)
-    body.drive(right=-0.3, left=-0.3)
+@pytest.mark.parametrize(('sign', 'before', 'asked', 'counted'), [
+    (EncoderSign.UNTIL_REST, 0.3, -0.3, -45), (EncoderSign.TRUE, 0.3, -0.3, 45),
+    (EncoderSign.UNTIL_REST, -0.3, 0, -45), (EncoderSign.COMMAND, -0.3, 0, 45)])
+def test_what_a_wheel_counts_while_it_rolls_out_against_its_command(
+        sign, before, asked, counted):
+    body = body_at_speed(before, before, config=ideal(encoder_sign=sign))
+    x = body.truth().pose.x
+    body.drive(right=asked, left=asked)
     body.step(0.3)
     assert body.truth().speed == pytest.approx(0)
-    assert body.take_distance() == -45
-    assert body.truth().pose.x > 0.3
+    assert (body.truth().pose.x > x) is (before > 0)
+    assert body.take_distance() == counted
 
 
-def rolled_out_after_reverse(sign):
-    body = body_at_speed(-0.3, -0.3, config=ideal(encoder_sign=sign))
+def test_once_the_wheels_rest_a_push_counts_up_again():
+    body = body_at_speed(-0.3, -0.3, config=ideal(encoder_sign=EncoderSign.UNTIL_REST))
     body.drive(right=0, left=0)
     body.step(1)
-    return body
-
-
-def test_rolling_out_of_reverse_keeps_the_sign_until_the_wheels_rest():
-    body = rolled_out_after_reverse(EncoderSign.UNTIL_REST)
-    assert body.take_distance() == -45
+    body.take_distance()
     body.push(speed=-0.1, rate=0, seconds=1)
     body.step(1)
     assert body.take_distance() == 100
-
-
-def test_rolling_out_of_reverse_counts_up_where_zero_means_forwards():
-    assert rolled_out_after_reverse(EncoderSign.COMMAND).take_distance() == 45
-
-
-def test_true_encoders_know_the_direction():
-    body = body_at_speed(0.3, 0.3, config=ideal(encoder_sign=EncoderSign.TRUE))
-    body.drive(right=-0.3, left=-0.3)
-    body.step(0.3)
-    assert body.take_distance() == 45
 
 
 def test_the_firmwares_own_wheel_separation_scales_its_angle():
