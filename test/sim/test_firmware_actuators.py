@@ -154,14 +154,6 @@ def test_notes_outside_the_range_of_31_to_127_are_rests(
     assert robot.read('song_playing')
 
 
-def test_a_half_second_long_note_has_a_duration_of_32(robot: Robot) -> None:
-    robot.say(oi.Song(number=0, notes=ONE_NOTE), oi.PlaySong(number=0))
-    robot.run(0.48)
-    assert robot.read('song_playing')
-    robot.run(0.03)
-    assert not robot.read('song_playing')
-
-
 def test_play_does_not_work_if_a_song_is_already_playing(robot: Robot) -> None:
     robot.say(oi.Song(number=0, notes=OTHER_NOTE), oi.Song(number=1, notes=ONE_NOTE),
               oi.PlaySong(number=0), oi.PlaySong(number=1))
