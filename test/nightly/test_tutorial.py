@@ -10,12 +10,14 @@ twice. The lines of a `text` block must appear in the output; numbers may differ
 not run is marked `not run:` and one of the REASONS.
 """
 
+from collections.abc import Callable
 import os
 from pathlib import Path
 import re
 from shlex import quote
 import signal
 import subprocess
+from typing import Any
 
 import pytest
 
@@ -29,6 +31,8 @@ BLOCKS = blocks(PAGE)
 REASONS = {'ros2': {'ros2'}, 'robot': {'create_run', 'create_node', 'python'}}
 """Reasons for not running a block, and the programs that such a block may name."""
 JOIN = re.compile(r'export ROS_DOMAIN_ID=\d+')
+JOINED = re.compile(r'export ROS_DOMAIN_ID=(\d+)$')
+"""How further terminals join, and the line of the first one that says so."""
 VARYING = re.compile(r'\b(left|right)$|\b(True|False)\b|[+-]?\d+(\.\d+)?(e-?\d+)?')
 """Parts of a line that may differ from run to run: numbers, booleans, left or right."""
 
@@ -45,34 +49,22 @@ class Terminal:
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
         self.printed: list[str] = []
 
-    def shows(self, expected: str) -> None:
-        """Wait for a line like this one, unless it was printed before."""
-        assert self.process.stdout is not None
-        if shape(expected) in map(shape, self.printed):
-            return
+    def until(self, happened: Callable[[str], Any], what: str) -> Any:
+        """Wait for a line for which something is true; return that."""
         for line in self.process.stdout:
             self.printed.append(line)
-            if shape(line) == shape(expected):
-                return
-        raise AssertionError(f'{expected!r} was not printed: {"".join(self.printed)}')
+            if found := happened(line):
+                return found
+        raise AssertionError(f'{what} was not printed: {"".join(self.printed)}')
+
+    def shows(self, expected: str) -> None:
+        """Wait for a line like this one, unless it was printed before."""
+        if shape(expected) not in map(shape, self.printed):
+            self.until(lambda line: shape(line) == shape(expected), expected)
 
     def prints(self, text: str) -> None:
         """Wait for a line that contains a text."""
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self.printed.append(line)
-            if text in line:
-                return
-        raise AssertionError(f'{text!r} was not printed: {"".join(self.printed)}')
-
-    def domain(self) -> str:
-        """Wait for the line by which others join; return the number of the ROS domain."""
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self.printed.append(line)
-            if found := re.search(r'export ROS_DOMAIN_ID=(\d+)$', line):
-                return found[1]
-        raise AssertionError(f'no ROS domain was printed: {"".join(self.printed)}')
+        self.until(lambda line: text in line, text)
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""
@@ -80,7 +72,6 @@ class Terminal:
 
     def ended(self) -> int:
         """Wait for the end of the shell; return its exit code."""
-        assert self.process.stdout is not None
         self.printed += self.process.stdout.readlines()
         return self.process.wait()
 
@@ -133,7 +124,7 @@ def test_the_tutorial_works(folder, environment):
             match block.language, block.mark:
                 case 'bash', 'terminal 1':
                     latest = running['1'] = Terminal(block.text, folder, environment)
-                    environment['ROS_DOMAIN_ID'] = latest.domain()
+                    environment['ROS_DOMAIN_ID'] = latest.until(JOINED.search, 'a domain')[1]
                 case 'bash', _ if lasting:
                     latest = running[lasting[1]] = Terminal(block.text, folder, environment)
                     if lasting[2]:

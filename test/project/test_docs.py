@@ -75,8 +75,8 @@ FILES = [span for span in SPANS if re.match(r'[\w/]+(\.(py|md|xml|yaml|js)(: [\w
 
 def defines(path: Path, name: str) -> bool:
     """Return whether a file defines a name: a class, a function, or a value."""
-    return bool(re.search(rf'^(    )?(class|(async )?def) {name}\b|^(    )?{name}\b(: [^=\n]+)? = ',
-                          path.read_text('utf-8'), re.MULTILINE))
+    pattern = rf'^(    )?((class|(async )?def) {name}\b|{name}\b(: [^=\n]+)? = )'
+    return bool(re.search(pattern, path.read_text('utf-8'), re.MULTILINE))
 
 
 def test_the_packages_are_those_of_the_tree():
