@@ -203,8 +203,10 @@ def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
 def test_stopping_a_demo_leaves_passive_and_stopping_none_leaves_the_mode(loop):
     assert ask(loop, loop.driver.modes.stop_demo).ok
     assert loop.robot.mode is oi.Mode.SAFE
-    assert ask(loop, loop.driver.modes.start_demo, oi.DemoNumber.DRIVE_FIGURE_EIGHT).ok
-    assert ask(loop, loop.driver.modes.stop_demo).ok
+    loop.drive(0.1, 0.0, 0.1)
+    modes, demo = loop.driver.modes, oi.DemoNumber.DRIVE_FIGURE_EIGHT
+    assert ask(loop, modes.start_demo, demo, seconds=0.1).ok
+    assert ask(loop, modes.stop_demo, seconds=0.1).ok
     assert (loop.robot.mode, loop.robot.demo) == (oi.Mode.PASSIVE, None)
     assert loop.driver.state.activity is Activity.IDLE
 
