@@ -10,6 +10,7 @@ the origin, in Safe, with nothing around it but a wall 1.5 m ahead.
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir, closing
 import math
+from pathlib import Path
 import re
 import signal
 
@@ -594,8 +595,8 @@ def test_a_recording_is_made_and_its_report_is_offered(stage, robot, shown):
     page.until("document.getElementById('record').getAttribute('aria-pressed') === 'true'")
     page.until("document.getElementById('log-list').textContent.includes('recording on')")
     folder = page.text('#record-text').removeprefix('Records to ')
-    stage.ros.until(lambda: 'create_record' in [
-        each.node_name for each in stage.ros.node.get_subscriptions_info_by_topic('odom')])
+    stage.ros.until(lambda: any(each.stat().st_size > 200_000
+                                for each in Path(folder).glob('*.mcap')), 'two seconds')
     page.grab(0.0, 0.5)
     stage.ros.until(lambda: robot.body.truth().pose.x > 0.05)
     page.page.mouse.up()
