@@ -21,10 +21,11 @@ import serial
 from serial.rfc2217 import PortManager
 import serial.tools.list_ports
 
-from create_oi_ros.driver import Driver, Moved, Notice
+from create_oi_ros.driver import Driver, Moved, Notice, Settings
 from create_oi_ros.link import port, session
 from create_oi_ros.link.port import exists, holder, lasting_name, Port, PortError
 from create_oi_ros.link.session import Session
+from create_oi_ros.oi import Mode
 from create_oi_ros.oi.codes import FAST_BAUD, FAST_SPACING
 from create_oi_ros.robot import Rounding
 from create_oi_ros.sim.body.config import DEFAULT_BODY
@@ -281,11 +282,12 @@ class Heard:
 
 
 @contextmanager
-def session_on(url: Path | str, *, dead_man: bool = False):
+def session_on(url: Path | str, *, dead_man: bool = False, **settings):
     """Keep a driver connected; yield it and what is heard of it."""
     heard = Heard()
     ours = Session(
-        Driver(), str(url), on_event=heard, on_failure=lambda: None, dead_man=dead_man)
+        Driver(Settings(**settings)), str(url), on_event=heard, on_failure=lambda: None,
+        dead_man=dead_man)
     ours.start()
     try:
         yield ours, heard
@@ -387,6 +389,20 @@ def test_a_dead_man_that_was_killed_is_replaced(tmp_path, monkeypatch):
         os.kill(ours._dead_man._process.pid, 9)
         heard.wait_for('drives on')
         assert ours._dead_man is None
+
+
+def test_at_an_orderly_end_the_dead_man_says_nothing(tmp_path):
+    modes, later = [], threading.Event()
+
+    def look() -> None:
+        modes.append(robot.create.mode)
+        if modes[-20:] == [Mode.FULL] * 20:  # 0.3 s, in which its bytes would have come
+            later.set()
+    with robot_on(tmp_path / 'tty') as robot:
+        with session_on(tmp_path / 'tty', dead_man=True, mode_on_exit=Mode.FULL) as (_, heard):
+            heard.wait_for('robot answers')
+        robot.watch(look)
+        assert later.wait(TIMEOUT)
 
 
 def test_a_robot_whose_line_takes_no_bytes_for_once_is_stopped_by_the_dead_man(
