@@ -8,6 +8,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver, Settings
+from create_oi_ros.driver.outbox import HALT
 from create_oi_ros.oi.tools.text import parse_script
 from support.asking import ask, in_mode, power_cycle
 from support.loop import Loop
@@ -195,6 +196,16 @@ def test_nothing_moves_when_the_driver_has_said_goodbye(mode):
     assert loop.robot.mode is mode
     loop.run(1.0)
     assert loop.body.truth().speed == 0
+
+
+@pytest.mark.parametrize('speed', [0.0, 0.2])
+def test_a_stop_is_to_be_written_before_the_next_poll(loop, speed):
+    """A caller that fails right after it has still stopped the robot."""
+    loop.drive(speed, 0.0, 0.5)
+    loop.driver.poll(loop.now)
+    loop.driver.data_to_send()
+    loop.driver.stop(loop.now)
+    assert loop.driver.data_to_send().startswith(HALT.encode())
 
 
 # Demos.
