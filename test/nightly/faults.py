@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
 from create_oi_ros.ros.programs import PROGRAMS
-from nightly.stage import QUICK, SONG, Stage
+from nightly.stage import ANSWERS, OPENED, QUICK, SONG, Stage
 
 SERVICE_TIMEOUT = 0.5
 """Seconds within which a service must answer when there is no robot."""
@@ -64,11 +64,12 @@ class Fault:
         """Start the robot and the node if the stage has none; end a node that is not wanted."""
         if stage.robot is None:
             stage.start_robot(*self.robot)
-        if not self.keeps_node:
-            stage.end_node()
-        elif stage.node is None or not stage.node.running():
+        serves = stage.node is not None and stage.node.running()
+        if self.keeps_node and not serves:
             stage.start_node(**self.node)
             stage.set_outputs()
+        elif serves and not self.keeps_node:
+            stage.end_node()
 
     def attempt(self, stage: Stage, random: Random) -> Result:
         """Make the fault once; an error or a timeout is a result as well."""
@@ -76,7 +77,7 @@ class Fault:
         try:
             self.prepare(stage)
             result = self.try_once(stage, random)
-        except (AssertionError, OSError) as error:
+        except (AssertionError, TimeoutError, OSError) as error:
             result = Result(trouble=str(error) or repr(error))
         result.wrong = stage.watch.wrong[wrong:]
         return result
@@ -167,6 +168,19 @@ def losing(lose: Callable[[Stage], None], find: Callable[[Stage], None]) -> Try:
 def sending(*lines: str) -> Callable[[Stage], None]:
     """Return a function that sends lines to the simulator's control socket."""
     return lambda stage: stage.control.tell(*lines)
+
+
+unplug, plug = sending('cable unplug'), sending('cable plug')
+
+
+def plug_elsewhere(stage: Stage) -> None:
+    """Plug in while another program has the terminal's old number, so that it gets a new one."""
+    taken = os.openpty()
+    try:
+        plug(stage)
+    finally:
+        for descriptor in taken:
+            os.close(descriptor)
 
 
 def restarted(stage: Stage, random: Random) -> Result:
@@ -262,11 +276,49 @@ def told_other_rate(stage: Stage, random: Random) -> Result:
     return result
 
 
-def _write(stage: Stage, data: bytes) -> None:
-    """Write bytes to the robot's port."""
+def command_cut_short(stage: Stage, random: Random) -> Result:
+    """Leave a command unfinished on the line, then start the node."""
+    command = random.choice([
+        oi.Song(number=5, notes=tuple(oi.Note(60, 20) for _ in range(16))),
+        oi.DriveDirect(right=500, left=500), oi.Leds(bits=0, color=1, intensity=2),
+        oi.Script(script=bytes(100)), oi.Stream(packets=tuple(range(7, 35)))]).encode()
+    _write(stage, oi.Start().encode() + command[:random.randrange(1, len(command))], wait=0.05)
+    return connected(stage)
+
+
+def at_other_rate(stage: Stage, random: Random) -> Result:
+    """Leave the robot at an unusual baud rate, then start the node with `baud: 0`."""
+    _write(stage, oi.Start().encode() + oi.Baud(code=oi.BaudCode.B19200).encode(), wait=0.05)
+    stage.control.tell('after 0.2')
+    result = connected(stage, baud=0)
+    stage.control.tell('power fail')
+    return result
+
+
+def _write(stage: Stage, data: bytes, *, wait: float | None = None) -> None:
+    """Write bytes to the robot's port; keep it open for `wait` seconds of the robot's clock."""
     line = os.open(stage.port, os.O_RDWR | os.O_NOCTTY)
     os.write(line, data)
+    if wait is not None:
+        stage.control.tell(f'after {wait}')
     os.close(line)
+
+
+def connected(stage: Stage, **parameters: object) -> Result:
+    """Start a node; measure from the opening of the port to the robot's answer; end the node."""
+    stage.start_node(**parameters)
+    assert stage.node is not None
+    seconds = _logged(stage, ANSWERS) - _logged(stage, OPENED)
+    stage.until(lambda: stage.control.truth()['mode'] == 'SAFE', 'Safe mode')
+    stage.node.send(signal.SIGINT)
+    stage.node.ended()
+    return Result(recovery=seconds)
+
+
+def _logged(stage: Stage, words: str) -> float:
+    """Return the time stamp of the first line of the node's log that has these words."""
+    line = next(line for line in stage.node.printed if words in line)
+    return float(line.split('[')[2].split(']')[0])
 
 
 # Faults of the driver's process, and commands that end.
@@ -288,11 +340,10 @@ raise SystemExit(programs.create_node())
 """A node whose bumper message and velocity callback can raise an exception."""
 
 
-def ends(name: str, end: Callable[[Stage], None], zero: float, exit_code: int,
-         program: str = PROGRAMS['create_node']) -> Fault:
-    """Return the fault that the node ends while the wheels turn."""
+def ending(end: Callable[[Stage], None], exit_code: int, program: str) -> Try:
+    """Return a try in which the node ends while the wheels turn."""
     def attempt(stage: Stage, random: Random) -> Result:
-        stage.start_node(code=program, cmd_vel_timeout=10.0)
+        stage.start_node(code=program, cmd_vel_timeout='10.0')
         start_driving(stage, random)
         begun = time.monotonic()
         end(stage)
@@ -307,12 +358,37 @@ def ends(name: str, end: Callable[[Stage], None], zero: float, exit_code: int,
         if stage.control.truth()['commands'] != truth['commands']:
             result.trouble = 'commands still arrive at the robot'
         return result
-    return Fault(name, attempt, keeps_node=False, recovery=None, zero=zero)
+    return attempt
 
 
-def signalled(number: signal.Signals, exit_code: int) -> Fault:
-    """Return the fault that the node gets a signal that ends it."""
-    return ends(number.name, lambda stage: stage.node.send(number), 0.1, exit_code)
+def killed(number: signal.Signals) -> Fault:
+    """Return the fault that a signal kills the node at once."""
+    return _ends(number.name, _send(number), 0.1, -number)
+
+
+def ended(number: signal.Signals) -> Fault:
+    """Return the fault that a signal asks the node to end."""
+    return _ends(number.name, _send(number), 0.1, 0)
+
+
+def raising(name: str, end: Callable[[Stage], None]) -> Fault:
+    """Return the fault that a callback of the node raises an exception."""
+    return _ends(name, end, 0.2, 1, RAISING)
+
+
+def _send(number: signal.Signals) -> Callable[[Stage], None]:
+    return lambda stage: stage.node.send(number)
+
+
+def _ends(name: str, end: Callable[[Stage], None], zero: float, exit_code: int,
+          program: str = PROGRAMS['create_node']) -> Fault:
+    return Fault(
+        name, ending(end, exit_code, program), keeps_node=False, recovery=None, zero=zero)
+
+
+def publishing(twist: Twist) -> Callable[[Stage], None]:
+    """Return a function that publishes one velocity."""
+    return lambda stage: stage.publish(twist)
 
 
 def suspended(stage: Stage, random: Random) -> Result:
@@ -335,12 +411,17 @@ def commands_end(stage: Stage, random: Random) -> Result:
 
 def told_to_stop(stage: Stage, random: Random) -> Result:
     """Call the service `stop`."""
-    stage.ros.call(Trigger, 'stop')  # its client is connected then
+    client = stage.ros.node.create_client(Trigger, 'stop')
+    stage.until(client.service_is_ready, 'the service')
     start_driving(stage, random)
     begun = time.monotonic()
-    reply = stage.ros.call(Trigger, 'stop')
+    called = client.call_async(Trigger.Request())
     stage.control.truth('wait right=0 left=0')
-    return Result(zero=time.monotonic() - begun, trouble='' if reply.success else reply.message)
+    result = Result(zero=time.monotonic() - begun)
+    stage.until(called.done, 'the reply')
+    stage.ros.node.destroy_client(client)
+    result.trouble = '' if called.result().success else called.result().message
+    return result
 
 
 # All faults of the nightly.
@@ -349,7 +430,8 @@ def told_to_stop(stage: Stage, random: Random) -> Result:
 BOOT = 3.0
 """Seconds that the boot loader of a robot takes."""
 FAULTS = (
-    Fault('cable out and in', losing(sending('cable unplug'), sending('cable plug'))),
+    Fault('cable out and in', losing(unplug, plug)),
+    Fault('port renamed', losing(unplug, plug_elsewhere)),
     Fault('cable broken and mended', losing(sending('cable cut'), sending('cable mend'))),
     Fault('robot off and on', losing(sending('power off'), sending('power on'))),
     Fault('robot off and on, 3 s of boot loader', losing(
@@ -367,12 +449,13 @@ FAULTS = (
         zero=FOLLOW_TIMEOUT, node={'baud': 0}),
     Fault('robot told to wait for ever', told_to_wait, node={'baud': 0}),
     Fault('robot told another baud rate', told_other_rate, node={'baud': 0}),
+    Fault('command cut short before connecting', command_cut_short, keeps_node=False, zero=None),
+    Fault('robot at 19200, baud: 0', at_other_rate, keeps_node=False, zero=None),
     Fault('SIGSTOP, SIGCONT', suspended, zero=0.2),
-    *(signalled(number, -number) for number in (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)),
-    *(signalled(number, 0) for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)),
-    ends('exception in a subscription', lambda stage: stage.publish(
-        Twist(linear=Vector3(z=1.0))), 0.2, 1, RAISING),
-    ends('exception on the serial thread', sending('bump left'), 0.2, 1, RAISING),
+    *map(killed, (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)),
+    *map(ended, (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)),
+    raising('exception in a subscription', publishing(Twist(linear=Vector3(z=1.0)))),
+    raising('exception on the serial thread', sending('bump left')),
     Fault('commands end', commands_end, recovery=None, zero=0.7),
     Fault('stop', told_to_stop, recovery=None, zero=0.1),
 )

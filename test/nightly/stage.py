@@ -3,9 +3,11 @@
 """A simulated robot and a node as processes, and a listener that checks what is published."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from math import hypot, remainder, tau
+import os
 from pathlib import Path
+import signal
 import time
 from typing import Any, NamedTuple
 
@@ -18,11 +20,15 @@ from std_msgs.msg import Header
 from create_oi_ros.ros.messages import yaw_of
 from create_oi_ros.ros.programs import PROGRAMS
 from create_oi_ros.ros.topics import LATCHED, SENSOR_TOPICS
-from support.ros import Listener, Program, Scene, scene
+from support.ros import Listener, own_domain, Program
 from support.simulator import ControlClient
 
+TIMEOUT = 30.0
+"""Seconds to wait for anything."""
 LOOK_EVERY = 0.01
 """Seconds between two looks at a condition."""
+OPENED, ANSWERS = 'opened, calling', 'robot answers'
+"""Words in the node's log when it has opened the port, and when the robot answers."""
 HELD = (
     'bump_left=0 bump_right=0 drop_left=0 drop_right=0 drop_caster=0 wall=0 wall_signal=1234 '
     'cliff_left=0 cliff_front_left=0 cliff_front_right=0 cliff_right=0 cliff_left_signal=1001 '
@@ -43,46 +49,52 @@ QUICK = ('--guess', 'boot_seconds=0')
 class Stage:
     """One robot, one node, and one client that drives."""
 
-    control: ControlClient
-    """The control socket of the robot."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.port = scene.folder / 'create'
-        self.ros = scene.ros
+    def __init__(self, folder: Path, domain: int) -> None:
+        self.folder, self.domain = folder, domain
+        self.port = folder / 'create'
+        self.ros = Listener(domain)
         self.watch = Watch(self.ros)
         self.robot: Program | None = None
         self.node: Program | None = None
+        self._control: ControlClient | None = None
         self._velocity = self.ros.node.create_publisher(Twist, 'cmd_vel', 1)
         self._robots = 0
+
+    @property
+    def control(self) -> ControlClient:
+        """The control socket of the robot."""
+        assert self._control is not None
+        return self._control
 
     def start_robot(self, *arguments: str) -> None:
         """Start a new robot and hold its sensors; only then point the port to it."""
         self._robots += 1
-        folder = self.scene.folder
-        link, control = folder / f'tty{self._robots}', folder / f'control{self._robots}'
-        self.robot = self.scene.program('create_sim', '--link', str(link), '--control',
-                                         str(control), *(arguments or QUICK))
+        link, control = self.folder / f'tty{self._robots}', self.folder / f'control{self._robots}'
+        self.robot = Program('-c', PROGRAMS['create_sim'], '--link', str(link), '--control',
+                             str(control), *(arguments or QUICK), domain=self.domain)
         self.until(lambda: control.exists() and 'help' in self.robot.output, 'a robot')
-        self.control = ControlClient(control)
+        self._control = ControlClient(control)
         self.control.tell(f'force {HELD}')
-        new_port = folder / 'new_port'
+        new_port = self.folder / 'new_port'
         new_port.symlink_to(link)
         new_port.replace(self.port)
 
     def end_robot(self) -> None:
         """Kill the robot's process."""
         # A cable that is pulled out takes its device name with it; another may get that name.
-        (self.scene.folder / f'tty{self._robots}').unlink(missing_ok=True)
-        self.robot.close()
-        self.control.close()
-        self.robot = None
+        (self.folder / f'tty{self._robots}').unlink(missing_ok=True)
+        _kill(self.robot)
+        if self._control is not None:
+            self._control.close()
 
     def start_node(self, *, code: str = PROGRAMS['create_node'], **parameters: object) -> None:
         """Start the driver; wait until the robot answers and is in Safe mode."""
         self.watch.restart()
-        self.node = self.scene.node(self.port, code=code, **parameters)
-        self.until(lambda: 'robot answers' in self.node.output and self.watch.mode == Mode.SAFE,
+        arguments = [f'port:={self.port}', *(f'{n}:={value}' for n, value in parameters.items())]
+        self.node = Program(
+            '-c', code, '--ros-args', *(part for each in arguments for part in ('-p', each)),
+            domain=self.domain)
+        self.until(lambda: ANSWERS in self.node.output and self.watch.mode == Mode.SAFE,
                    'a robot that answers')
 
     def set_outputs(self) -> None:
@@ -96,9 +108,13 @@ class Stage:
 
     def end_node(self) -> None:
         """Kill the node's process."""
-        if self.node is not None:
-            self.node.close()
-        self.node = None
+        _kill(self.node)
+
+    def end(self) -> None:
+        """End node and robot; whoever comes next starts others."""
+        self.end_node()
+        self.end_robot()
+        self.node = self.robot = None
 
     def restored(self) -> bool:
         """Whether the robot's mode, LEDs and outputs are as they were set."""
@@ -111,16 +127,21 @@ class Stage:
         return bool(truth['right'] == truth['left'] == 0)
 
     def until(self, happened: Callable[[], Any], what: str) -> float:
-        """Wait for a condition, and fail after a while; return how long it took, seconds."""
-        begun, looked = time.monotonic(), 0.0
+        """Wait for a condition; return how long it took, or raise TimeoutError."""
+        begun = looked = time.monotonic()
+        if happened():
+            return 0.0
 
-        def looks() -> Any:
+        def over() -> bool:
             nonlocal looked
-            if time.monotonic() - looked < LOOK_EVERY:
+            now = time.monotonic()
+            if now - looked < LOOK_EVERY:
                 return False
-            looked = time.monotonic()
-            return happened()
-        self.ros.until(looks, what)
+            looked = now
+            if now - begun > TIMEOUT:
+                raise TimeoutError(f'{what} did not come within {TIMEOUT:g} s')
+            return bool(happened())
+        self.ros.until(over, what)
         return time.monotonic() - begun
 
     def wait(self, seconds: float) -> None:
@@ -141,12 +162,25 @@ class Stage:
         """Publish one velocity."""
         self._velocity.publish(twist)
 
+    def close(self) -> None:
+        """End everything, in the order that `Scene.close` explains."""
+        self.ros.close()
+        self.end_node()
+        self.end_robot()
+
+
+def _kill(program: Program | None) -> None:
+    if program is not None:
+        if program.running():
+            os.kill(program.pid, signal.SIGKILL)
+        program.ended()
+
 
 @contextmanager
 def staged(folder: Path) -> Iterator[Stage]:
     """Yield a stage in a ROS domain of its own; end its processes afterwards."""
-    with scene(folder) as made:
-        yield Stage(made)
+    with own_domain() as domain, closing(Stage(folder, domain)) as stage:
+        yield stage
 
 
 # Checks everything that a node publishes for wrong values.
@@ -218,9 +252,7 @@ class Watch:
             self.wrong.append(f'{name}: {text}')
 
     def _on_odom(self, odom: Odometry) -> None:
-        stamp, at = odom.header.stamp, odom.pose.pose.position
-        pose = Pose(stamp.sec + stamp.nanosec / 1e9, at.x, at.y,
-                    yaw_of(odom.pose.pose.orientation))
+        pose = _pose(odom)
         if pose.time < self._since:
             return
         self.odoms += 1
@@ -228,3 +260,8 @@ class Watch:
         if self._last is not None and (wrong := jump(self._last, pose)):
             self.wrong.append(wrong)
         self._last = pose
+
+
+def _pose(odom: Odometry) -> Pose:
+    stamp, at, turned = odom.header.stamp, odom.pose.pose.position, odom.pose.pose.orientation
+    return Pose(stamp.sec + stamp.nanosec / 1e9, at.x, at.y, yaw_of(turned))

@@ -36,8 +36,7 @@ def test_the_robot_stops_or_all_is_as_before(stage, name):
     failure = fault.failure(result, inf)  # nothing is timed here: the machine may be busy
     if failure:
         failure += stage.node.output if stage.node else ''
-        stage.end_node()  # whatever comes next starts others
-        stage.end_robot()
+        stage.end()
     assert not failure
 
 

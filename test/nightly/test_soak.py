@@ -64,7 +64,6 @@ rclpy.spin_until_future_complete(node, received)
 print('received', flush=True)
 rclpy.spin(node)
 """
-"""A node that gets one message of `odom`, and is stopped then."""
 PAGE = os.sysconf('SC_PAGE_SIZE')
 
 
@@ -105,17 +104,15 @@ class Soak:
         stage.start_robot(*ROBOT)
         stage.start_node(baud=0)
         stage.set_outputs()
-        frozen = stage.scene.start('-c', SUBSCRIBER)
-        stage.until(lambda: 'received' in frozen.output, 'odom for the subscriber')
-        frozen.send(signal.SIGSTOP)
-        begun = time.monotonic()
-        while (passed := time.monotonic() - begun) < 60 * minutes:
-            if first is None and passed >= min(SETTLE, 20 * minutes):
-                first = self._size()
-            self._round()
-        stage.control.tell('fault off', 'cable mend')
-        stage.until(self._recovered, 'the robot')
-        last = self._size()
+        with frozen_subscriber(stage.domain):
+            begun = time.monotonic()
+            while (passed := time.monotonic() - begun) < 60 * minutes:
+                if first is None and passed >= min(SETTLE, 20 * minutes):
+                    first = self._size()
+                self._round()
+            stage.control.tell('fault off', 'cable mend')
+            stage.until(self._recovered, 'the robot')
+            last = self._size()
         print(f'from {first} to {last}; {self._commands} commands, {self._called} calls, '
               f'{self._goals} goals, {stage.watch.odoms} odom')
         self._compare(first, last)
@@ -226,6 +223,24 @@ def all_cores_busy() -> Iterator[None]:
         for loop in loops:
             loop.kill()
             loop.wait()
+
+
+@contextmanager
+def frozen_subscriber(domain: int) -> Iterator[None]:
+    """Run a process that subscribes to `odom`, receives one message and is then stopped."""
+    subscriber = subprocess.Popen(
+        [sys.executable, '-c', SUBSCRIBER], stdout=subprocess.PIPE,
+        env={**os.environ, 'ROS_DOMAIN_ID': str(domain)})
+    assert subscriber.stdout is not None
+    try:
+        # The middleware may print lines of its own before.
+        if b'received\n' not in subscriber.stdout:
+            raise ChildProcessError('the subscriber ended before it received odom')
+        subscriber.send_signal(signal.SIGSTOP)
+        yield
+    finally:
+        subscriber.kill()
+        subscriber.wait()
 
 
 @pytest.mark.nightly

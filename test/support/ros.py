@@ -267,7 +267,7 @@ class Scene:
 
     def program(self, name: str, *arguments: str, terminal: bool = False) -> Program:
         """Start one of the package's executables."""
-        return self.start('-c', PROGRAMS[name], *arguments, terminal=terminal)
+        return self._start('-c', PROGRAMS[name], *arguments, terminal=terminal)
 
     def example(self, name: str, *arguments: str) -> Program:
         """Start one of the programs in examples/."""
@@ -275,24 +275,22 @@ class Scene:
 
     def script(self, path: Path, *arguments: str) -> Program:
         """Start a Python file."""
-        return self.start(str(path), *arguments)
+        return self._start(str(path), *arguments)
 
-    def start(self, *arguments: str, terminal: bool = False) -> Program:
-        """Start a Python program."""
+    def _start(self, *arguments: str, terminal: bool = False) -> Program:
         made = Program(*arguments, domain=self.domain, terminal=terminal)
         self._closing.append(made.close)
         return made
 
-    def node(self, port: Path, *remaps: str, code: str = PROGRAMS['create_node'],
-             **parameters: object) -> Program:
-        """Start the driver, or code that starts it, with remaps and parameters."""
+    def node(self, port: Path, *remaps: str, **parameters: object) -> Program:
+        """Start the driver, with remaps and parameters."""
         arguments = ['--ros-args', '-p', f'port:={port}']
         for name, value in parameters.items():
             written = str(value).lower() if isinstance(value, bool) else value
             arguments += ['-p', f'{name}:={written}']
         for remap in remaps:
             arguments += ['-r', remap]
-        return self.start('-c', code, *arguments)
+        return self.program('create_node', *arguments)
 
     def close(self) -> None:
         """
