@@ -420,4 +420,5 @@ def test_a_robot_whose_line_takes_no_bytes_for_once_is_stopped_by_the_dead_man(
         monkeypatch.setattr(ours, '_open_port', fail)  # or the driver would stop it, too
         monkeypatch.setattr(Port, 'write', fail)
         ours.drive(0.2, 0.0)
+        heard.wait_for('a line that fails')
         assert stands.wait(TIMEOUT) and ours.port is None
