@@ -137,8 +137,8 @@ class Server:
         return 0 if place < 0 else place + len(command) - len(self._last_byte)
 
     def _send(self, now: float) -> None:
-        self._to_host.put(
-            self._faults.from_robot(self._create.data_to_send(), now), now, self._create.baud)
+        data = self._faults.from_robot(self._create.data_to_send(), now)
+        self._to_host.put(data, now, self._line.baud() or self._create.baud)
 
     def _due(self) -> float:
         """Return when the next slot ends, or bytes arrive."""
