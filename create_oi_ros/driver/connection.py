@@ -361,8 +361,9 @@ class Connection:
         elif calls == 1:
             stop = HALT.encode()  # next to nothing for a robot that may only wait
         size = len(stop) + sum(len(each.encode()) for each in (*start, ask))
-        self._call_interval = max(CALL_INTERVAL, ANSWER_TIME + (
-            size + self.plan.full.frame_size) * oi.BITS_PER_BYTE / baud)
+        answer = 0 if self._search.raises else self.plan.full.frame_size
+        self._call_interval = max(
+            CALL_INTERVAL, ANSWER_TIME + (size + answer) * oi.BITS_PER_BYTE / baud)
         self._core.outbox.send_raw(stop)
         for each in (*start, ask):
             self._core.outbox.send(each)
