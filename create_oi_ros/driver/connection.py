@@ -15,7 +15,7 @@ from itertools import chain, cycle
 from math import inf
 
 from .. import oi
-from ..oi.codes import FAST_BAUD, START_BAUDS
+from ..oi.codes import START_BAUDS
 from ..robot import MILLI, SLOT
 from .core import Core
 from .events import LinkCounts, Severity
@@ -38,9 +38,7 @@ CALLS_BEFORE_NOTICE = 3
 def _rates(first: int) -> Iterator[int]:
     """Yield all rates for ever; the likely ones come again before each of the others."""
     usual = (first, *(rate for rate in START_BAUDS if rate != first))
-    # 14400 before 38400: a call at 38400 is a Wait to a robot at 14400, which then is deaf.
-    rest = sorted((code.rate for code in oi.BaudCode if code.rate not in usual),
-                  key=lambda rate: (rate != FAST_BAUD, rate > SLOWEST_BAUD, -rate))
+    rest = sorted((code.rate for code in oi.BaudCode if code.rate not in usual), reverse=True)
     return cycle(chain.from_iterable((*usual, other) for other in rest))
 
 

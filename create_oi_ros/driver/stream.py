@@ -52,9 +52,9 @@ class StreamPlan:
 
     def __init__(self, baud: int) -> None:
         """Plan for a baud rate."""
-        self.call = oi.PacketList(['oi_mode'])
-        """Asked for to see whether a robot listens: no part of this Stream can do harm, while
-        packet 7, read as an opcode, restarts the robot."""
+        self.call = oi.PacketList(['infrared'])
+        """Asked for to see whether a robot listens: no part of this Stream can do harm, not even
+        read at another rate, where the mode's restarts the robot or starts Cover."""
         self.marker = oi.PacketList(ESSENTIAL)
         """Asked for only to see whether the robot takes commands."""
         self.tune(baud)

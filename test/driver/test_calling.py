@@ -11,6 +11,9 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Driver, Settings, Severity
 from create_oi_ros.driver.outbox import HALT
 from create_oi_ros.oi.codes import START_BAUDS
+from create_oi_ros.sim.body import Body
+from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.world import shipped
 from support.loop import Loop, said
 
 RATES = [code.rate for code in oi.BaudCode]
@@ -135,3 +138,16 @@ def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off():
     loop.robot.data_to_send = lambda: bytes(60)
     loop.run(1)
     assert said(loop, Severity.ERROR, 'but no frame among them') == 1
+
+
+@pytest.mark.parametrize('robot_baud', RATES)
+def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud):
+    robot, driver = Create(Body(shipped('empty'))), Driver(Settings(baud=0))
+    robot.receive(oi.Start().encode() + oi.Baud(code=oi.BaudCode.of_rate(robot_baud)).encode(), 0.0)
+    driver.connected(1.0)
+    for now in (1 + step * 0.005 for step in range(3000)):
+        driver.poll(now)
+        sent = driver.data_to_send()
+        if driver.baud != robot.baud:
+            robot.receive(sent, now, driver.baud)
+            assert robot.mode is oi.Mode.PASSIVE and robot.demo is None and not robot.waiting

@@ -100,7 +100,7 @@ def test_a_port_lost_by_one_thread_is_closed_by_the_one_that_reads_it():
     def read() -> bytes:
         reading.set()
         assert may_return.wait(TIMEOUT)
-        return oi.PacketList(['oi_mode']).pack_frame([1])
+        return ours.driver.plan.call.pack_frame([1])
 
     def read_second() -> bytes:
         opened_again.set()
