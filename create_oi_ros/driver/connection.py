@@ -52,8 +52,6 @@ class BaudSearch:
         self.baud = baud or START_BAUDS[0]
         """Bits per second, now."""
         self._next = _rates(self.baud)
-        self.raised_from: int | None = None
-        """Rate of the call before, if it told the robot to change to START_BAUDS[0]."""
         self.calls = 0
         """Calls since the robot answered, or since the port was opened."""
         self._garbage = bytearray()
@@ -63,7 +61,7 @@ class BaudSearch:
     def restart(self) -> None:
         """Start anew: the robot answered until now, or the port has just been opened."""
         self._next = _rates(START_BAUDS[0] if self.raises else self.baud)
-        self.calls, self.problem, self.raised_from = 0, None, None
+        self.calls, self.problem = 0, None
         self._garbage.clear()
 
     @property
@@ -74,7 +72,6 @@ class BaudSearch:
     def next_baud(self) -> int:
         """Return the rate of the next call."""
         self.calls += 1
-        self.raised_from = self.baud if self.raises else None
         if self.searching:
             self.baud = next(self._next)
         return self.baud
@@ -255,15 +252,6 @@ class Connection:
         """Note bytes that are no frame."""
         self._core.counts.garbage_bytes += len(garbage)
         self._search.add_garbage(garbage)
-
-    def answered(self, event: StateEvent) -> None:
-        """Note that the first frame has come; `event` is ANSWERED or RETURNED."""
-        slow = self._search.raised_from
-        if slow is not None:
-            self._core.notice(Severity.WARNING, (
-                f'the robot was at {slow} baud, too slow for its stream: it is at {self.baud} '
-                'now, until it is switched off'))
-        self._core.handle(event)
 
     def ask(self, now: float, *, motion_due: bool) -> None:
         """Ask for another list of packets, when it is time for one."""

@@ -304,7 +304,7 @@ class Driver:
                      for each in (before, self.core.readings))
         away = self._connection.was_away(now) or had is not None and (
             had is not mode or mode not in oi.ACTUATE)
-        self._connection.answered(StateEvent.RETURNED if away else StateEvent.ANSWERED)
+        self.core.handle(StateEvent.RETURNED if away else StateEvent.ANSWERED)
         wanted = self.status.wanted
         self.core.notice(Severity.INFO, f'robot answers; entering {wanted.name}')
         self.outputs.restore_songs()
