@@ -31,6 +31,19 @@ def test_the_robot_is_found_at_its_rate(baud):
     assert not said(loop, Severity.ERROR, 'baud: 0')
 
 
+@pytest.mark.parametrize(('baud', 'limit'), [(57600, 1.0), (0, 1.5)])
+@pytest.mark.parametrize('off', [0.5 * number for number in range(1, 17)])
+def test_a_robot_that_was_off_is_back_in_time(baud, limit, off):
+    loop = Loop(Settings(baud=baud), robot_baud=57600)
+    loop.run(0.5)
+    loop.robot.power(False, loop.now)
+    loop.run(off)
+    loop.robot.power(True, loop.now)
+    loop.run(loop.robot.guesses.boot_seconds + limit)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert not said(loop, Severity.WARNING, '')
+
+
 @pytest.mark.parametrize('baud', [0, *RATES])
 def test_a_call_has_left_before_the_next_one_begins_or_the_rate_changes(baud):
     driver, rate, free_at, tried = Driver(Settings(baud=baud)), None, 0.0, set()

@@ -15,6 +15,7 @@ from geometry_msgs.msg import Twist, Vector3
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
+from create_oi_ros.driver.connection import MAX_ABSENCE
 from create_oi_ros.ros.programs import PROGRAMS
 from nightly.stage import ANSWERS, OPENED, QUICK, SONG, Stage
 
@@ -30,7 +31,8 @@ class Result:
     """The result of one try."""
 
     recovery: float | None = None
-    """Seconds from the end of the fault until everything is restored and published again."""
+    """Seconds from the end of the fault until everything is restored and published again; a robot
+    that was restarted is taken to be back MAX_ABSENCE after its last frame at the earliest."""
     zero: float | None = None
     """Seconds until the wheels had zero speed requested."""
     wrong: list[str] = field(default_factory=list)
@@ -113,9 +115,10 @@ def check_without_robot(stage: Stage, result: Result) -> None:
         result.trouble = 'odom is published without a robot'
 
 
-def recovered(stage: Stage, result: Result) -> Result:
+def recovered(stage: Stage, result: Result, *, restarted: bool = False) -> Result:
     """Wait until the wheels have stopped and everything is restored; play the song."""
     begun, odoms = time.monotonic(), stage.watch.odoms
+    early = stage.watch.newest + MAX_ABSENCE - time.time() if restarted else 0.0
     back_at: float | None = None
 
     def back() -> bool:
@@ -131,7 +134,7 @@ def recovered(stage: Stage, result: Result) -> Result:
         return now - back_at >= STEADY
     stage.until(back, 'recovery')
     assert back_at is not None
-    result.recovery = back_at - begun
+    result.recovery = back_at - begun - max(0.0, early)
     song = stage.ros.call(PlaySong, 'play_song', number=SONG)
     if not song.success:
         result.trouble = f'the song is lost: {song.message}'
@@ -151,7 +154,8 @@ ADVICE_TIMEOUT = 3.0
 """Seconds within which the user must be told that the robot waits."""
 
 
-def losing(lose: Callable[[Stage], None], find: Callable[[Stage], None]) -> Try:
+def losing(lose: Callable[[Stage], None], find: Callable[[Stage], None], *,
+           restarts: bool = False) -> Try:
     """Return a try in which the link is lost while the wheels turn, and found again."""
     def attempt(stage: Stage, random: Random) -> Result:
         start_driving(stage, random)
@@ -161,7 +165,7 @@ def losing(lose: Callable[[Stage], None], find: Callable[[Stage], None]) -> Try:
         check_without_robot(stage, result)
         stage.wait(random.uniform(0.0, 1.0))
         find(stage)
-        return recovered(stage, result)
+        return recovered(stage, result, restarted=restarts)
     return attempt
 
 
@@ -189,7 +193,7 @@ def restarted(stage: Stage, random: Random) -> Result:
     stage.end_robot()
     until_link_down(stage)
     stage.start_robot()
-    return recovered(stage, Result())
+    return recovered(stage, Result(), restarted=True)
 
 
 def disturbing(fault: str) -> Try:
@@ -251,7 +255,7 @@ def power_cycled(stage: Stage, printed: int) -> Result:
     if not any(words in log for words in ADVICE):
         return Result(trouble='the robot does not follow, and the log does not say what to do')
     stage.control.tell('power off', 'after 1', 'power on')
-    return recovered(stage, Result())
+    return recovered(stage, Result(), restarted=True)
 
 
 def told_to_wait(stage: Stage, random: Random) -> Result:
@@ -433,7 +437,8 @@ FAULTS = (
     Fault('cable out and in', losing(unplug, plug)),
     Fault('port renamed', losing(unplug, plug_elsewhere)),
     Fault('cable broken and mended', losing(sending('cable cut'), sending('cable mend'))),
-    Fault('robot off and on', losing(sending('power off'), sending('power on'))),
+    Fault('robot off and on', losing(
+        sending('power off'), sending('power on'), restarts=True)),
     Fault('robot off and on, 3 s of boot loader', losing(
         sending('power off'), sending('power on', f'after {BOOT}')), robot=('--seed', '1')),
     Fault('battery out and in', losing(
