@@ -157,6 +157,22 @@ def test_a_client_at_another_baud_rate_is_not_understood(robot: Robot, rate: int
         assert teacher.truth()['mode'] == 'OFF'
 
 
+def test_what_a_client_hears_at_another_rate_is_over_when_it_has_the_right_one(robot: Robot) -> None:
+    port, teacher = robot
+    with serial.Serial(str(port), 57600, timeout=1.5) as client:
+        client.write(START + bytes([129, oi.BaudCode.B19200]))
+        teacher.tell('wait baud=19200', 'after 0.15')
+        client.baudrate = 19200
+        client.write(bytes([148, 1, 6]))
+        teacher.tell('after 0.1')
+        client.baudrate = 57600
+        teacher.tell('after 2')
+        client.baudrate = 19200
+        client.write(bytes([150, 0]))
+        client.reset_input_buffer()
+        assert len(client.read(10_000)) < 1000
+
+
 def test_a_program_of_ours_says_lines_to_the_control_socket(capsys, tmp_path) -> None:
     control = tmp_path / 'world'
     with simulator('--link', str(tmp_path / 'tty'), '--control', str(control)):
