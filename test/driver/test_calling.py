@@ -155,7 +155,8 @@ def test_noise_in_place_of_frames_is_not_taken_for_a_robot_that_is_off():
 @pytest.mark.parametrize('robot_baud', RATES)
 def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(robot_baud):
     robot, driver = Create(Body(shipped('empty'))), Driver(Settings(baud=0))
-    robot.receive(oi.Start().encode() + oi.Baud(code=oi.BaudCode.of_rate(robot_baud)).encode(), 0.0)
+    rate = oi.Baud(code=oi.BaudCode.of_rate(robot_baud))
+    robot.receive(oi.Start().encode() + rate.encode(), 0.0)
     driver.connected(1.0)
     for now in (1 + step * 0.005 for step in range(3000)):
         driver.poll(now)

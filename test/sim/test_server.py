@@ -157,7 +157,7 @@ def test_a_client_at_another_baud_rate_is_not_understood(robot: Robot, rate: int
         assert teacher.truth()['mode'] == 'OFF'
 
 
-def test_what_a_client_hears_at_another_rate_is_over_when_it_has_the_right_one(robot: Robot) -> None:
+def test_what_a_client_hears_at_another_rate_ends_when_it_has_the_right_one(robot: Robot) -> None:
     port, teacher = robot
     with serial.Serial(str(port), 57600, timeout=1.5) as client:
         client.write(START + bytes([129, oi.BaudCode.B19200]))
