@@ -4,7 +4,6 @@
 
 from .events import (
     BatteryLevel,
-    BatteryLimits,
     Cause,
     DriverEvent,
     Health,

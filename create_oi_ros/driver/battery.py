@@ -41,7 +41,6 @@ class BatteryGuard:
     def __init__(self, core: Core, modes: Modes) -> None:
         self._core = core
         self._modes = modes
-        self._limits = core.settings.battery
         self.level = BatteryLevel.FINE
         """State of the battery by its voltage."""
         self._below_since: dict[BatteryLevel, float] = {}
@@ -60,7 +59,7 @@ class BatteryGuard:
             volts = readings.number('voltage', 0) * MILLI
             self._core.notice(
                 Severity.WARNING, f'battery {self.level.value} ({volts:.1f} V): charge it')
-            self._action_due = self._limits.action is not LowBatteryAction.NONE
+            self._action_due = self._core.settings.low_battery_action is not LowBatteryAction.NONE
             self._refusal = ''
         if self._action_due and self.level is BatteryLevel.EMPTY:
             self._act(now)
@@ -72,8 +71,9 @@ class BatteryGuard:
             return BatteryLevel.FINE  # nobody knows
         voltage = inf if readings.charging_sources else readings.voltage * MILLI
         found = BatteryLevel.FINE
-        for level, limit in ((BatteryLevel.LOW, self._limits.low),
-                             (BatteryLevel.EMPTY, self._limits.empty)):
+        settings = self._core.settings
+        for level, limit in ((BatteryLevel.LOW, settings.battery_low),
+                             (BatteryLevel.EMPTY, settings.battery_empty)):
             if voltage > limit + (HYSTERESIS if level in self._below_since else 0.0):
                 self._below_since.pop(level, None)
             elif now - self._below_since.setdefault(level, now) >= LEVEL_DELAY:
@@ -82,7 +82,7 @@ class BatteryGuard:
 
     def _act(self, now: float) -> None:
         """Do what the user chose; where the robot refuses it, say so once and try again."""
-        action = self._limits.action
+        action = self._core.settings.low_battery_action
         outcome = (self._modes.start_demo(oi.DemoNumber.COVER_AND_DOCK)
                    if action is LowBatteryAction.DOCK else
                    self._modes.set(oi.Mode.PASSIVE, now, StateEvent.RESTED)).outcome

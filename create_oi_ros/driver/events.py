@@ -36,15 +36,6 @@ class BatteryLevel(Enum):
 
 
 @dataclass(frozen=True)
-class BatteryLimits:
-    """Voltages of the whole battery, V, and what to do below the lower one."""
-
-    low: float = 13.5
-    empty: float = 12.5
-    action: LowBatteryAction = LowBatteryAction.NONE
-
-
-@dataclass(frozen=True)
 class MotionLimits:
     """Limits on the wheel speeds that are sent."""
 
@@ -79,7 +70,12 @@ class Settings:
     """Whether a robot that does not charge on its dock is restarted."""
     odometry_window: float = 1.0
     """Seconds between readings of distance and angle; 0 reads them in every frame."""
-    battery: BatteryLimits = field(default_factory=BatteryLimits)
+    battery_low: float = 13.5
+    """V of the whole battery below which it is low."""
+    battery_empty: float = 12.5
+    """V below which it is nearly empty."""
+    low_battery_action: LowBatteryAction = LowBatteryAction.NONE
+    """What to do then."""
     limits: MotionLimits = field(default_factory=MotionLimits)
     geometry: Geometry = field(default_factory=Geometry)
     dock_pose: tuple[float, float, float] | None = None

@@ -84,7 +84,7 @@ class GoalControl:
         if why is not None:
             self._end(goal, why)
             return goal
-        self._finish(ANOTHER_GOAL, now)
+        self.finish(ANOTHER_GOAL, now)
         if self._core.state.activity is Activity.HOLDING:
             # A goal is as good as a pause of commands.
             self._core.handle(StateEvent.HALTED)
@@ -95,19 +95,10 @@ class GoalControl:
             self._core.notice(Severity.WARNING, goal.hint)
         return goal
 
-    @property
-    def active(self) -> bool:
-        """Whether a goal runs."""
-        return self._core.state.pursues
-
     def cancel(self, goal: Goal, now: float, why: Over = CANCELED) -> None:
         """End this goal, if it still runs."""
         if goal is self._goal:
-            self._finish(why, now)
-
-    def interrupt(self, now: float) -> None:
-        """End the goal that runs: a velocity command takes over."""
-        self._finish(COMMANDED, now)
+            self.finish(why, now)
 
     def driver_ends(self) -> None:
         """End the goal that runs."""
@@ -116,7 +107,7 @@ class GoalControl:
 
     def handled(self, event: StateEvent) -> None:
         """End the goal after an event that has led out of its activities."""
-        if self._goal is not None and self._goal.outcome is None and not self.active:
+        if self._goal is not None and self._goal.outcome is None and not self._core.state.pursues:
             if event is StateEvent.MODE_LEFT:
                 status = self._core.status
                 over = Over(Code.CLIFF if self._blames(CLIFFS) else Code.MODE, (
@@ -131,7 +122,7 @@ class GoalControl:
         assert goal is not None
         if goal.needs_driving and not self._core.status.can_drive:
             if goal.begun_at is not None:
-                self._finish(self._wrong_mode(), now)
+                self.finish(self._wrong_mode(), now)
             return
         order = goal.step(View(
             now, moved.dt, moved.estimate, moved.readings, moved.brought.has('distance'),
@@ -146,9 +137,9 @@ class GoalControl:
         assert goal is not None
         if goal.begun_at is None:
             if now - goal.given_at > MODE_WAIT:
-                self._finish(self._wrong_mode(), now)
+                self.finish(self._wrong_mode(), now)
         elif now - goal.begun_at > (goal.allowance or inf):
-            self._finish(goal.timed_out(), now)
+            self.finish(goal.timed_out(), now)
 
     # How a goal begins.
 
@@ -186,7 +177,7 @@ class GoalControl:
             case Velocity(linear, angular):
                 self._motion.follow(linear, angular, now)
             case Over():
-                self._finish(order, now)
+                self.finish(order, now)
             case Enter(mode, why):
                 if why:
                     self._core.notice(Severity.WARNING, why)
@@ -202,9 +193,9 @@ class GoalControl:
 
     # How a goal ends.
 
-    def _finish(self, over: Over, now: float) -> None:
+    def finish(self, over: Over, now: float) -> None:
         """End the goal that runs, if any, and stop what it set in motion."""
-        if self._goal is None or not self.active:
+        if self._goal is None or not self._core.state.pursues:
             return
         gives_up = self._core.state.activity is Activity.DOCKING and over.code is not Code.NONE
         self._core.outbox.send_at_once(HALT, now)

@@ -29,7 +29,7 @@ from .events import (
     Settings,
     Severity,
 )
-from .goal_control import GoalControl
+from .goal_control import COMMANDED, GoalControl
 from .mode import causes_in, docked, Modes
 from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
@@ -139,7 +139,7 @@ class Driver:
         self._connection.check_silence(now)
         self.modes.poll(now)
         self.outputs.poll(now)
-        if self.goals.active:
+        if self.state.pursues:
             self.goals.poll(now)
         self.motion.poll(now)
         suspected = self.core.watch.suspects
@@ -212,7 +212,7 @@ class Driver:
             if not (finite and self.core.limits.commands_interrupt and (linear or angular)):
                 return
             docking = self.state.activity is Activity.DOCKING
-            self.goals.interrupt(now)
+            self.goals.finish(COMMANDED, now)
             if docking:
                 return  # the robot first has to enter its mode
         self.motion.command(linear, angular, now)
@@ -256,7 +256,7 @@ class Driver:
         return self._place(x, y, yaw, f'odom goes on from x {x:g} m, y {y:g} m, yaw {yaw:g} rad')
 
     def _place(self, x: float, y: float, yaw: float, text: str) -> Pending:
-        if self.goals.active:
+        if self.state.pursues:
             return refused('a goal runs and needs the odometry: cancel it first')
         self._tracking.odometry.reset(x, y, yaw)
         return done(text)
@@ -327,9 +327,8 @@ class Driver:
     def _check_frame(self, moved: Moved, now: float) -> None:
         """React to what a frame says about mode, commands, line, angle and battery."""
         readings = moved.readings
-        if self.goals.active:
+        if self.state.pursues:
             self.goals.see(moved, now)
-        self.outputs.observe(readings, now)
         self.modes.observe(readings, now)
         self.motion.observe(readings, now)
         if (self.state.takes_commands and not self.core.watch.suspects

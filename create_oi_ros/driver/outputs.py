@@ -119,11 +119,10 @@ class Outputs:
         self._player: Pending = done('no song')
         """A tune, or who waits for a single song to begin."""
         self._playing: Iterator[None] = iter(())
-        """What is done for that, frame by frame."""
+        """What is done for that, from poll to poll."""
         self._number = SONGS
         """Number of the song that was sent to play."""
         self._now = 0.0
-        self._readings = oi.Readings()
         self._animation: Animation | None = None
         """The animation that is shown."""
         self._animation_started_at = 0.0
@@ -262,7 +261,7 @@ class Outputs:
         self._playing = iter(())
         self._player.end(False, why)
 
-    # What is done frame by frame.
+    # What is done from poll to poll.
 
     def _play_one(self, request: Pending, number: int, text: str) -> Iterator[None]:
         """Send a song to play, and wait until the robot reports it."""
@@ -316,8 +315,9 @@ class Outputs:
     @property
     def _plays(self) -> bool:
         """Whether the robot reports the song that was sent to play, perhaps without its number."""
-        return bool(self._readings.number('song_playing', 0)) and (
-            self._readings.number('song_number', self._number) == self._number)
+        readings = self._core.readings
+        return bool(readings.number('song_playing', 0)) and (
+            readings.number('song_number', self._number) == self._number)
 
     # Animations.
 
@@ -349,15 +349,8 @@ class Outputs:
             self._to_restore.setdefault(oi.Leds, DARK)
             animation.end(ok, why)
 
-    # What the robot reports.
-
-    def observe(self, readings: oi.Readings, now: float) -> None:
-        """Take a frame in: go on with a song or a tune."""
-        self._readings, self._now = readings, now
-        next(self._playing, None)
-
     def poll(self, now: float) -> None:
-        """Go on with an animation; end what waits for a song that is not reported."""
+        """Go on with a song, a tune and an animation."""
         self._now = now
         next(self._playing, None)
         if self._animation is not None:

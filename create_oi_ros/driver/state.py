@@ -169,9 +169,6 @@ DRIVE_REFUSALS = {
 class State:
     """The present activity, and what follows from it."""
 
-    __slots__ = ('activity', 'answered', 'owner', 'refusal', 'drive_refusal', 'takes_commands',
-                 'moving', 'pursues')
-
     def __init__(self, activity: Activity = Activity.CLOSED) -> None:
         self._enter(activity)
 

@@ -152,6 +152,11 @@ class CommandWatch:
         self.restart()
 
     @property
+    def suspects(self) -> bool:
+        """Whether the robot may not take commands."""
+        return self._stage is not None
+
+    @property
     def ignores(self) -> bool:
         """Whether the robot ignores commands, and the user was told."""
         return self._stage is CommandNews.IGNORES
@@ -161,13 +166,7 @@ class CommandWatch:
         self._list: tuple[int, ...] | None = None
         """The packets of the newest frame."""
         self._unseen_since: float | None = None
-        self._enter(None)
-
-    def _enter(self, stage: CommandNews | None) -> None:
-        # Worked out once here, since the driver asks many times in every frame.
-        self._stage = stage
-        self.suspects = stage is not None
-        """Whether the robot may not take commands."""
+        self._stage: CommandNews | None = None
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
         """Note that the robot was asked for frames with these packets."""
@@ -185,12 +184,12 @@ class CommandWatch:
         if not times:
             if not self.suspects:
                 return None  # as in most frames
-            self._enter(None)
+            self._stage = None
             return CommandNews.OBEYS_AGAIN
         stage = next((stage for stage, after in STAGES if now - min(times) > after), None)
         if stage is None or self._stage is not None and stage.value <= self._stage.value:
             return None
-        self._enter(stage)
+        self._stage = stage
         return stage
 
 

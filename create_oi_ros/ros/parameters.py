@@ -17,7 +17,7 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParam
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ..driver import BatteryLimits, LowBatteryAction, MotionLimits, Settings
+from ..driver import LowBatteryAction, MotionLimits, Settings
 from ..driver.stream import StreamPlan
 from ..odometry import Geometry, GyroSettings
 from ..oi import BaudCode, Mode
@@ -131,14 +131,14 @@ class Parameters:
         'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
         choices=('nimh', 'alkaline'), fixed=True)
     battery_low: float = parameter(
-        BatteryLimits.low, 'Voltage below which the battery is reported as low, V',
+        Settings.battery_low, 'Voltage below which the battery is reported as low, V',
         low=0.0, high=20.0, fixed=True)
     battery_empty: float = parameter(
-        BatteryLimits.empty, 'Voltage below which it is reported as nearly empty, V',
+        Settings.battery_empty, 'Voltage below which it is reported as nearly empty, V',
         low=0.0, high=20.0, fixed=True)
     low_battery_action: str = parameter(
-        BatteryLimits.action.value, 'What to do when the battery is nearly empty: nothing, stop '
-        'in Passive, or look for the dock', choices=tuple(ACTIONS), fixed=True)
+        Settings.low_battery_action.value, 'What to do when the battery is nearly empty: nothing, '
+        'stop in Passive, or look for the dock', choices=tuple(ACTIONS), fixed=True)
     reset_when_not_charging: bool = parameter(
         Settings.reset_when_not_charging, 'Whether a robot that does not charge on its Home Base '
         'is restarted (opcode 7)', fixed=True)
@@ -159,9 +159,8 @@ class Parameters:
         return Settings(
             baud=self.baud, mode_on_start=START_MODES[self.mode_on_start],
             mode_on_exit=START_MODES[self.mode_on_exit], recover_mode=self.recover_mode,
-            battery=BatteryLimits(
-                low=self.battery_low, empty=self.battery_empty,
-                action=ACTIONS[self.low_battery_action]),
+            battery_low=self.battery_low, battery_empty=self.battery_empty,
+            low_battery_action=ACTIONS[self.low_battery_action],
             reset_when_not_charging=self.reset_when_not_charging,
             dock_pose=pose(self.dock_pose), output_names=self.output_names,
             odometry_window=self.odometry_window, limits=self.limits(),

@@ -2,17 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """From the battery's voltage to its level, to the second."""
 
-
-
 from create_oi_ros import oi
-from create_oi_ros.driver import BatteryLevel, BatteryLimits, Settings
+from create_oi_ros.driver import BatteryLevel, Settings
 from create_oi_ros.driver.battery import BatteryGuard
 from create_oi_ros.driver.core import Core
 from create_oi_ros.driver.mode import Modes
 from create_oi_ros.driver.outputs import Outputs
 
 FINE, LOW, EMPTY = BatteryLevel
-LIMITS = BatteryLimits(low=13.5, empty=12.5)
 
 
 def readings(millivolts: int, sources: int = 0) -> oi.Readings:
@@ -23,8 +20,8 @@ def readings(millivolts: int, sources: int = 0) -> oi.Readings:
 class Watch:
     """Who watches the battery of a robot."""
 
-    def __init__(self, limits: BatteryLimits = LIMITS) -> None:
-        self.core = Core(Settings(battery=limits), lambda _: None)
+    def __init__(self) -> None:
+        self.core = Core(Settings(battery_low=13.5, battery_empty=12.5), lambda _: None)
         self.guard = BatteryGuard(self.core, Modes(self.core, Outputs(self.core)))
 
     @property

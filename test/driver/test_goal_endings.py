@@ -9,13 +9,12 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import (
-    BatteryLimits,
     LowBatteryAction,
     MotionLimits,
     Settings,
     Severity,
 )
-from create_oi_ros.driver.goal_control import CLIENT_GONE, MODE_WAIT
+from create_oi_ros.driver.goal_control import CLIENT_GONE, COMMANDED, MODE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Ending, Undock, WallFollow
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
@@ -268,7 +267,7 @@ def test_time_that_the_driver_chose_is_said_to_be_twice_what_it_should_take():
 
 
 def test_an_empty_battery_ends_a_goal_with_that_reason():
-    loop = Loop(Settings(battery=BatteryLimits(action=LowBatteryAction.STOP)), config=DEFAULT_BODY)
+    loop = Loop(Settings(low_battery_action=LowBatteryAction.STOP), config=DEFAULT_BODY)
     loop.run(1.0)
     running = moving(loop, distance(9.0))
     loop.body.force(voltage=11000)
@@ -282,7 +281,7 @@ def test_an_empty_battery_ends_a_goal_with_that_reason():
     (LowBatteryAction.STOP, 'stops and stays in Passive')])
 def test_what_an_empty_battery_asks_for_is_done_as_soon_as_the_robot_takes_it(
         action, does, monkeypatch):
-    loop = Loop(Settings(battery=BatteryLimits(action=action)), config=DEFAULT_BODY)
+    loop = Loop(Settings(low_battery_action=action), config=DEFAULT_BODY)
     loop.run(1.0)
     monkeypatch.setattr(loop.driver.core, 'refusal', lambda _: 'not now')
     loop.body.force(voltage=11000)
@@ -333,7 +332,7 @@ def test_what_comes_after_the_end_changes_nothing():
     loop.driver.goals.cancel(second, loop.now, CLIENT_GONE)
     assert second.outcome.code is Code.STOPPED and 'its client has gone' in second.outcome.text
     before = second.outcome
-    loop.driver.goals.interrupt(loop.now)
+    loop.driver.goals.finish(COMMANDED, loop.now)
     assert second.outcome is before
 
 

@@ -7,7 +7,7 @@ from re import fullmatch
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import BatteryLevel, BatteryLimits, Settings, Severity
+from create_oi_ros.driver import BatteryLevel, Settings, Severity
 from create_oi_ros.driver.battery import LEVEL_DELAY
 from create_oi_ros.driver.mode import CLEAR_TIME
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP
@@ -34,7 +34,7 @@ def test_an_impossible_jump_is_dropped_and_counted():
 
 
 def test_a_low_battery_is_told_of_once_and_nothing_is_done_unasked():
-    loop = Loop(Settings(battery=BatteryLimits(low=14.0, empty=13.9)))
+    loop = Loop(Settings(battery_low=14.0, battery_empty=13.9))
     loop.run(0.5)
     loop.body.set_battery(charge=0.02)
     loop.run(LEVEL_DELAY + 2)

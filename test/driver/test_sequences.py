@@ -116,7 +116,7 @@ class Sequences(RuleBasedStateMachine):
     def until_goal_ends(self):
         """Let a goal run, and let time pass."""
         until = self.loop.now + 3.0
-        while self.driver.goals.active and self.loop.now < until:
+        while self.driver.state.pursues and self.loop.now < until:
             self.loop.turn()
 
     # Requests.
