@@ -200,8 +200,8 @@ class Modes:
         self._core.notice(
             Severity.WARNING, f'robot left {status.wanted.name} for {status.name}: '
             f'{status.reason}')
-        if status.causes == (Cause.UNKNOWN,) or (
-                status.unknown and status.wanted is oi.Mode.PASSIVE):
+        if self._core.state.takes_commands and (status.causes == (Cause.UNKNOWN,) or (
+                status.unknown and status.wanted is oi.Mode.PASSIVE)):
             self._core.outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
 
     def poll(self, now: float) -> None:

@@ -45,6 +45,26 @@ def test_a_script_plays_and_the_wheels_stand_when_it_has_ended(loop):
     assert loop.estimate.x == pytest.approx(loop.body.truth().pose.x, abs=0.01)
 
 
+def test_after_a_script_that_leaves_safe_commands_must_pause(loop):
+    loop.run(3.0)
+    ask(loop, loop.driver.scripts.define, parse_script('Start; Wait Time time=10'))
+    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    loop.drive(0.2, 0.0, 4.0)
+    assert not loop.driver.scripts.playing
+    assert (loop.robot.mode, loop.robot.actuators.wheels) == (oi.Mode.PASSIVE, (0, 0))
+    loop.run(1.0)
+    loop.drive(0.2, 0.0, 0.5)
+    assert loop.robot.actuators.wheels == (200, 200)
+
+
+def test_a_script_that_enters_full_is_sent_no_end_of_a_demo(loop):
+    loop.run(3.0)
+    ask(loop, loop.driver.scripts.define, parse_script('Full; Wait Time time=10'))
+    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    loop.drive(0.2, 0.0, 4.0)
+    assert (loop.robot.mode, loop.robot.actuators.wheels) == (oi.Mode.SAFE, (200, 200))
+
+
 def test_while_a_script_plays_nothing_is_promised(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
     ask(loop, loop.driver.scripts.play, loop.now, force=False)
