@@ -8,6 +8,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings
 from create_oi_ros.driver.battery import CHARGE_WAIT
 from create_oi_ros.driver.goals import Code, Dock, Phase, Undock
+from create_oi_ros.driver.outbox import END_DEMO, HALT
 from create_oi_ros.driver.state import Activity
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.firmware.guesses import Guesses
@@ -99,8 +100,10 @@ def test_a_search_is_canceled_and_the_robot_obeys_again():
     running = start(loop, Dock(0.0))
     loop.run(3.0)
     assert loop.driver.state.activity is Activity.DOCKING
+    loop.commands()
     loop.driver.goals.cancel(running, loop.now)
     loop.run(0.3)
+    assert loop.commands()[:2] == [HALT, END_DEMO]
     assert running.outcome.code is Code.CANCELED
     assert (loop.robot.demo, loop.robot.mode) == (None, oi.Mode.SAFE)
     assert pursue(loop, distance(-0.1)).code is Code.NONE

@@ -8,7 +8,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Activity, Driver, Settings
-from create_oi_ros.driver.outbox import HALT
+from create_oi_ros.driver.outbox import farewell, HALT
 from create_oi_ros.oi.tools.text import parse_script
 from support.asking import ask, in_mode, power_cycle
 from support.loop import Loop
@@ -239,6 +239,17 @@ def test_stop_ends_a_demo_that_is_about_to_begin(loop):
     loop.run(1.0)
     assert loop.robot.demo is None
     assert loop.body.truth().speed == 0
+
+
+def test_a_driver_that_ends_ends_a_demo_that_has_just_begun(loop):
+    loop.driver.modes.start_demo(oi.DemoNumber.COVER)
+    loop.turn()
+    assert loop.robot.demo is oi.DemoNumber.COVER
+    assert loop.driver.status.actual is oi.Mode.SAFE, 'no frame shows it yet'
+    loop.driver.shut_down(loop.now)
+    loop.commands()
+    loop.turn()
+    assert loop.commands() == farewell(oi.Mode.PASSIVE, oi.Mode.PASSIVE)
 
 
 def test_stop_ends_a_demo_also_where_the_robot_seems_to_ignore_commands(loop):

@@ -9,12 +9,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from create_oi_ros.driver import Driver, MotionLimits, Settings
+from create_oi_ros.driver import Driver, MotionLimits, Notice, Settings
 from create_oi_ros.driver.goals import DriveDistance
 from create_oi_ros.driver.outbox import farewell, HALT
 from create_oi_ros.link import session
 from create_oi_ros.link.session import Session
 from create_oi_ros.oi import Mode
+from create_oi_ros.oi.tools.text import parse_script
 from support.loop import Loop, STEP
 from support.ros import TIMEOUT
 
@@ -186,6 +187,19 @@ def test_a_publisher_that_raises_stops_the_robot_and_ends_the_session(monkeypatc
     ride.use(Session.close)
     assert ride.wheels == (0, 0) and ride.port.heard.endswith(FAREWELL)
     assert (ride.errors, ride.failures) == ([Broken], 1)
+
+
+def test_a_session_that_is_closed_tells_what_the_driver_says_last(monkeypatch):
+    ride, told = Ride(monkeypatch), []
+    ride.on_event = told.append
+    with ride.session.request() as (driver, now):
+        driver.stop(now)
+        driver.scripts.define(parse_script('Wait Time time=100'))
+        assert driver.scripts.play(now, force=False).outcome is None
+    ride.port.run(0.5)
+    ride.session.close()
+    texts = [event.text for event in told if isinstance(event, Notice)]
+    assert texts[-1].startswith('the driver ends, but a script plays')
 
 
 def test_a_robot_whose_driver_has_failed_is_driven_no_more(monkeypatch):

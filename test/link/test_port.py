@@ -217,6 +217,17 @@ def test_a_line_over_the_network_is_read_and_lost():
             opened.read()
 
 
+def test_a_line_that_is_spied_on_shows_what_is_read(tmp_path):
+    other, ours = os.openpty()
+    spied = tmp_path / 'spied'
+    with closing(Port(f'spy://{os.ttyname(ours)}?file={spied}', 57600, timeout=0.01)) as opened:
+        os.close(ours)
+        os.write(other, b'hello')
+        assert received(opened, 5) == b'hello'
+    os.close(other)
+    assert 'RX   0000  68 65 6C 6C 6F' in spied.read_text()
+
+
 def test_a_fast_line_gives_the_robot_time_for_each_byte(line, monkeypatch):
     opened, other = line
     slept = []
@@ -399,8 +410,9 @@ def test_at_an_orderly_end_the_dead_man_says_nothing(tmp_path):
         if modes[-20:] == [Mode.FULL] * 20:  # 0.3 s, in which its bytes would have come
             later.set()
     with robot_on(tmp_path / 'tty') as robot:
-        with session_on(tmp_path / 'tty', dead_man=True, mode_on_exit=Mode.FULL) as (_, heard):
+        with session_on(tmp_path / 'tty', dead_man=True, mode_on_exit=Mode.FULL) as (ours, heard):
             heard.wait_for('robot answers')
+        assert ours.port is None
         robot.watch(look)
         assert later.wait(TIMEOUT)
 

@@ -9,6 +9,7 @@ from random import Random
 
 import pytest
 
+from create_oi_ros.driver import Settings
 from create_oi_ros.odometry import (
     GyroOdometry,
     GyroSettings,
@@ -21,6 +22,7 @@ from create_oi_ros.odometry.gyro import STEP
 from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.config import DEFAULT_BODY
 from create_oi_ros.sim.world import World
+from support.loop import Loop
 
 SLOT = 0.015
 SEED = 4
@@ -95,6 +97,20 @@ def test_a_robot_that_is_lifted_and_turned_knows_its_heading():
     with_gyro, without = (now - was for now, was in zip(ride.off, before))
     assert abs(with_gyro) < 1.5 < 80.0 < abs(without)
     assert max(ride.steps) < 1.1 * SLOT + radians(1), 'no jump'
+
+
+def test_a_robot_that_is_turned_slowly_by_its_bumper_knows_its_heading():
+    known = Ride().prove().gyro.knowledge
+    loop = Loop(Settings(gyro=GyroSettings(), robot=known),
+                config=replace(DEFAULT_BODY, gyro=True))
+    loop.run(30)
+    assert loop.driver.health(loop.now).gyro.believed
+    before = loop.estimate.yaw
+    loop.body.force(bump_left=1)
+    loop.forged = {'analog_signal': loop.body.sense().analog + 20}
+    loop.run(30)
+    assert loop.estimate.yaw - before == pytest.approx(30 * 20 * STEP * radians(80), rel=0.1)
+    assert loop.driver.health(loop.now).gyro.slips == 0
 
 
 def test_a_gyro_that_was_checked_is_believed_once_the_robot_has_stood():

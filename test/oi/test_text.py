@@ -227,6 +227,7 @@ def test_commands_out_of_range_can_be_formatted(command: oi.Command, text: str) 
      "Song: notes: 'H4' is not a note; allowed: names such as C4, C#4 or Db4"),
     ('Song number=0 notes=C4', 1, 21, 'Song: notes = C4; allowed: note:duration'),
     ('Song number=0 notes=C4:999', 1, 24, 'Song: notes, duration = 999; allowed: 0 to 255 ('),
+    ('Song number=0 notes=C4:1,C#4:999', 1, 30, 'Song: notes, duration = 999; allowed: 0'),
     ('Song number=0 notes=300:9', 1, 21, 'Song: notes, note = 300; allowed: 0 to 255'),
     ('Song number=0 notes=F#1:9', 1, 21, 'Song: notes: F#1 makes no sound; allowed: 31 (G1) to '),
     ('Start\nScript script={\nFull\nDrive velocity=x}', 4, 16, 'Drive: velocity = x; allowed: '),
