@@ -27,7 +27,7 @@ from ..odometry import (
     SignSource,
 )
 from ..odometry.hypotheses import REFERENCE_SPEED
-from ..odometry.knowledge import delay_of, QUICK
+from ..odometry.knowledge import delay_of, QUICK, TAUGHT
 from ..oi.readings import ALLOWED
 from ..robot import (
     BATTERY_DEGREES,
@@ -228,11 +228,12 @@ class Tracking:
             return
         self._report_at = now + REPORT_INTERVAL
         robot, before = self.robot, self._reported
-        if robot is None or not robot.certain or robot.likeliest == before:
+        if (robot is None or not robot.certain or robot.readings < TAUGHT
+                or robot.likeliest == before):
             return
         self._reported = robot.likeliest
         known = 'the odometry knows this robot now' if before is None else (
-            'this is another robot than odometry_model says; the odometry has learned')
+            'this robot is another than the odometry thought; it has learned')
         said = '; '.join(f'{what}: {answer}' for what, answer in in_words(robot).items())
         self._core.notice(Severity.INFO, f'{known}: {said}')
 

@@ -15,6 +15,9 @@ CERTAIN, FINE, PROMPT = 0.99, 0.01, 0.03
 largest standard deviation of a gain, and of a wheel's delay, s."""
 QUICK = 0.2
 """m/s of a quick drive, at which that delay is looked at."""
+TAUGHT = 40
+"""Readings since the start from which on what was learned is told and saved by itself: the first
+may be sure of what the next ones refute."""
 
 
 class Known(NamedTuple):

@@ -23,6 +23,7 @@ from ..driver import Outcome
 from ..driver.frame_clock import MAX_PERIOD, MIN_PERIOD
 from ..link.session import Session
 from ..odometry import Hypothesis, Knowledge, Known, KnownGyro, Response, Rounding, SignSource
+from ..odometry.knowledge import TAUGHT
 
 FORMAT = 2
 HEAD = """\
@@ -44,8 +45,6 @@ RANGES = {
     'probability': (0.0, 1.0)}
 """Of all numbers; of a gyro they are in V, V/s, degrees a second for each volt."""
 MOST_HYPOTHESES = 64
-MIN_READINGS = 30
-"""Readings since the start from which on the file is written at the end."""
 NO_FILE = ('parameter odometry_model is empty: start the node with '
            '-p odometry_model:=FILE to have a file')
 NOTHING = 'nothing was learned yet: drive and turn the robot first'
@@ -214,7 +213,7 @@ class ModelKeeper:
         robot = _known_by(session)
         if self._path is None or robot is None:
             return
-        if not robot.certain or robot.readings < MIN_READINGS:
+        if not robot.certain or robot.readings < TAUGHT:
             self._log.info(f'too little was learned of the robot: {self._path} stays as it is')
             return
         outcome = self.save(session)

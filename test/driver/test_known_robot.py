@@ -140,7 +140,7 @@ def test_knowledge_of_another_robot_is_unlearned(rounding, sign, is_learned):
     known = taught(loop)
     assert known.likeliest == is_learned
     assert known.right_gain.value == pytest.approx(1.04, abs=0.015)
-    assert said(loop, Severity.INFO, 'this is another robot than odometry_model says') > 0
+    assert said(loop, Severity.INFO, 'this robot is another than the odometry thought') > 0
 
 
 def test_nothing_is_known_before_the_first_reading():
