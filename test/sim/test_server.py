@@ -230,6 +230,20 @@ def test_a_client_that_drains_and_sets_the_new_rate_at_once(robot: Robot) -> Non
             assert client.read(1) == b'\x02', (old, new)
 
 
+def test_a_client_is_read_at_its_own_rate_not_at_that_of_the_one_before(robot: Robot) -> None:
+    port, teacher = robot
+    rate = bytes([129, oi.BaudCode.B19200])
+    with serial.Serial(str(port), 57600) as client:
+        client.write(START + rate)
+        teacher.tell('wait baud=19200', 'after 0.15')
+    for mode, opcode in (('SAFE', SAFE), ('FULL', FULL)) * 5:
+        with serial.Serial(str(port), 57600):
+            teacher.tell('after 0.05')
+        with serial.Serial(str(port), 19200) as client:
+            client.write(opcode + rate)
+            teacher.tell(f'wait mode={mode} timeout=1', 'after 0.15')
+
+
 def test_a_client_that_polls_without_a_pause_gets_every_reply(robot: Robot) -> None:
     """And no faster than the line, so that it does not keep the robot from its slots."""
     port, _ = robot

@@ -38,7 +38,8 @@ class Server:
         self._to_host, self._to_robot = Pacer(), Pacer()
         """Bytes on the wire."""
         self._bauds = line.baud(), line.baud()
-        """The rates that the host had set in the last two slots."""
+        """The rates that the host had set in the last two slots; None: it was not there, and is
+        taken to have begun at the robot's."""
         self._last_byte = b''
         self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
@@ -92,7 +93,7 @@ class Server:
         if not self._faults.quiet:
             self._cause_faults(now)
         baud = self._line.baud()
-        self._bauds = self._bauds[1], baud
+        self._bauds = self._bauds[1], baud if self._line.present else None
         self._create.host_baud(baud)
         self._create.poll(now)
         self._send(now)
@@ -114,7 +115,10 @@ class Server:
 
     def _read(self, now: float) -> None:
         data = self._faults.to_robot(self._line.read(), now)
-        baud, before = self._line.baud() or self._create.baud, self._bauds[0]
+        if not self._line.present:
+            self._bauds = None, None
+        own = self._create.baud
+        baud, before = self._line.baud() or own, self._bauds[0] or own
         if before in RATES and baud in RATES and before != baud:
             old = self._sent_before(data, baud)
             self._to_robot.put(data[:old], now, before)
