@@ -31,6 +31,7 @@ MODE_TIMEOUT = 0.5
 DOCK_PAUSE = 1.0
 """Seconds that the robot must be in Passive before it is sent to its dock (reported)."""
 SETTABLE = ', '.join(f'{mode.value} {mode.name}' for mode in MODE_COMMANDS)
+DEMOS = range(oi.DemoNumber.COVER, oi.DemoNumber.BANJO + 1)
 LEFT_DROP, RIGHT_DROP, CASTER_DROP = map(int, (
     oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT, oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
     oi.BumpsAndWheelDrops.WHEEL_DROP_CASTER))
@@ -78,14 +79,15 @@ class Modes:
 
     # How the robot gets into a mode.
 
-    def set(self, mode: oi.Mode, now: float, event: StateEvent | None = None) -> Pending:
+    def set(self, number: int, now: float, event: StateEvent | None = None) -> Pending:
         """
         Want a mode; the request ends when the robot reports it, or does not in time.
 
         `event` is what this means where nobody asked for the mode.
         """
-        if mode not in MODE_COMMANDS:
-            return refused(f'mode {mode.name} cannot be set; allowed: {SETTABLE}')
+        if number not in MODE_COMMANDS:
+            return refused(f'mode {number} cannot be set; allowed: {SETTABLE}')
+        mode = oi.Mode(number)
         why = self._core.refusal(MODE_COMMANDS[mode])
         if why is not None:
             return refused(why)
@@ -234,12 +236,13 @@ class Modes:
 
     # Demos; Passive is the wanted mode from then on.
 
-    def start_demo(self, demo: oi.DemoNumber) -> Pending:
+    def start_demo(self, number: int) -> Pending:
         """Let the robot play a demo; the request ends when the command is written."""
-        if demo is oi.DemoNumber.ABORT:
-            return refused('no demo: call stop_demo to end one')
+        if number not in DEMOS:
+            return refused(f'there is no demo {number}; allowed: 0 (Cover) to 9 (Banjo)')
         why = self._core.refusal(oi.Demo)
-        return refused(why) if why is not None else self.play_demo(demo, StateEvent.DEMO_STARTED)
+        return refused(why) if why is not None else self.play_demo(
+            oi.DemoNumber(number), StateEvent.DEMO_STARTED)
 
     def play_demo(self, demo: oi.DemoNumber, event: StateEvent) -> Pending:
         """Tell a robot that takes commands to play a demo; `event` says for whom."""

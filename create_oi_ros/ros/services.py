@@ -47,15 +47,6 @@ from .odometry_model import ModelKeeper
 Result = TypeVar('Result')
 QUEUE = QoSProfile(depth=200)
 """Requests that may arrive at once; more than the depth are never answered (ROS default: 10)."""
-MODES = ', '.join(f'{mode.value} {mode.name}' for mode in oi.Mode)
-DEMOS = ', '.join(f'{demo.value} {demo.name}' for demo in oi.DemoNumber if demo >= 0)
-
-
-def set_mode(driver: Driver, request: SetMode.Request, now: float) -> Pending:
-    """Enter a mode."""
-    if request.mode not in list(oi.Mode):
-        return refused(f'mode {request.mode} is none of {MODES}')
-    return driver.modes.set(oi.Mode(request.mode), now)
 
 
 def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pending:
@@ -72,13 +63,6 @@ def set_digital_outputs(
     outputs = request.output_0, request.output_1, request.output_2
     return driver.outputs.set_outputs(
         oi.OutputBits(sum(bit for bit, high in zip(oi.OutputBits, outputs) if high)))
-
-
-def start_demo(driver: Driver, request: StartDemo.Request, _now: float) -> Pending:
-    """Start a demo."""
-    if request.demo not in list(oi.DemoNumber):
-        return refused(f'demo {request.demo} is none of {DEMOS}')
-    return driver.modes.start_demo(oi.DemoNumber(request.demo))
 
 
 def define_script(driver: Driver, request: DefineScript.Request, _now: float) -> Pending:
@@ -123,7 +107,8 @@ class Service:
 
 SERVICES = (
     Service(
-        name='set_mode', type=SetMode, request=set_mode,
+        name='set_mode', type=SetMode,
+        request=lambda driver, request, now: driver.modes.set(request.mode, now),
         about='enter Passive (1), Safe (2) or Full (3); answers when the robot reports it'),
     Service(
         name='stop', type=Trigger, request=lambda driver, _, now: driver.stop(now),
@@ -169,7 +154,8 @@ SERVICES = (
         request=lambda driver, request, _: driver.outputs.send_ir(request.character),
         about='send an infrared character by low side driver 1'),
     Service(
-        name='start_demo', type=StartDemo, request=start_demo,
+        name='start_demo', type=StartDemo,
+        request=lambda driver, request, _: driver.modes.start_demo(request.demo),
         about='let the robot play a built-in demo, 0 (Cover) to 9 (Banjo)'),
     Service(
         name='stop_demo', type=Trigger, request=lambda driver, _, now: driver.modes.stop_demo(),
