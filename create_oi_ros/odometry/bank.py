@@ -240,7 +240,7 @@ class Bank:
             self.covariances[:] -= (((1 - kept) / variance)[..., None] * column)[
                 ..., None] * column[..., None, :]
             logs += log
-        if trusted and not lost and (wheels.path.max() > 2e-3 or reported.any()):
+        if trusted and (wheels.path.max() > 2e-3 or reported.any()):
             self.readings += motion.seconds > APART
             logs = np.where(free, -LEAST_LOG, np.maximum(logs, -LEAST_LOG))
             self.log_weight[:] = FORGET * self.log_weight + EVIDENCE * logs
