@@ -54,14 +54,11 @@ def test_a_word_that_is_not_a_byte_is_refused(word: str) -> None:
     assert ran('decode', stdin=f'128\n{word} 1\n') == (1, ['Start'], f'line 2: {reason}')
 
 
-def test_commands_are_explained() -> None:
+def test_commands_are_explained_and_what_is_not_understood_is_a_comment() -> None:
     status, lines, _ = ran('decode', '--explain', '131')
     assert (status, lines) == (0, [
         'Safe  # 131. Enter Safe mode: control with safety stops. Turns all LEDs off and ends '
         'charging. Obeyed in Passive, Safe, Full.'])
-
-
-def test_what_is_not_understood_is_a_comment() -> None:
     status, lines, errors = ran('decode', '7 137 39 15 0 0 137')
     assert (status, errors) == (1, '')
     assert lines == [
@@ -85,7 +82,7 @@ def test_replies_are_explained() -> None:
         '= 1, Cliff Front Right = 1, Cliff Right = 1', '# reply is cut short: 6 of 26 bytes'])
 
 
-def test_frames_are_explained() -> None:
+def test_frames_are_explained_with_and_without_their_list() -> None:
     frame = '19 5 29 2 25 13 0 '
     assert ran('decode', '--stream', '29,13', frame + '182') == (0, [
         '# checksums leave the header out, as the manual says',
@@ -97,10 +94,7 @@ def test_frames_are_explained() -> None:
         'Cliff Front Left Signal = 537, Virtual Wall = 0',
         'Bumps and Wheel Drops = bump_right+bump_left',
         '# garbage: 19'], '')
-
-
-def test_frames_are_explained_without_their_list() -> None:
-    frame = '19 5 29 2 25 13 0 182'
+    frame += '182'
     lines = [
         '# checksums leave the header out, as the manual says', '# frames of packets 29,13',
         'Cliff Front Left Signal = 537, Virtual Wall = 0']
@@ -129,13 +123,10 @@ def test_no_list_is_found_where_no_frame_is(data: bytes) -> None:
     assert not any('frames of packets' in line for line in lines)
 
 
-def test_the_boot_banner_is_shown() -> None:
+def test_stdin_can_be_binary_and_the_boot_banner_is_shown() -> None:
     status, lines, _ = ran('decode', '--raw', '--stream', '7', stdin=b'\0RDK by iRobot!\r\n')
     assert status == 1 and len(lines) == 1
     assert lines[0].endswith(" 'RDK by iRobot!'")
-
-
-def test_stdin_can_be_binary() -> None:
     assert ran('decode', '--raw', stdin=b'\x89\xff\x38\x01\xf4\x80') == (
         0, ['Drive velocity=-200 radius=500', 'Start'], '')
 

@@ -2,15 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Waits that never end, and how long scripts take, from the script's own motion."""
 
-from hypothesis import given
-from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi.script import duration, endless_wait
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import FIRMWARE_SEPARATION, MM_PER_M
-from support.oi_strategies import commands
 
 SEPARATION = FIRMWARE_SEPARATION * MM_PER_M
 
@@ -65,13 +62,3 @@ def test_in_passive_a_drive_is_ignored_until_the_script_enters_another_mode():
     found = endless_wait(parse_script(drive), oi.Mode.PASSIVE, SEPARATION)
     assert found is not None and found.why == 'the wheels stand'
     assert endless_wait(parse_script(f'Safe; {drive}'), oi.Mode.PASSIVE, SEPARATION) is None
-
-
-@given(st.lists(commands(), max_size=4))
-def test_a_script_with_a_duration_has_no_endless_wait(listed):
-    try:
-        script = oi.Script(script=b''.join(command.encode() for command in listed))
-    except ValueError:
-        return
-    if duration(script, oi.Mode.SAFE, SEPARATION) is not None:
-        assert endless_wait(script, oi.Mode.SAFE, SEPARATION) is None

@@ -11,7 +11,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.oi.stream import FRAMES_TO_SWITCH, GARBAGE_LIMIT
-from support.oi_strategies import commands, frames, packet_lists
+from support.oi_strategies import commands
 import vectors
 
 CLIFF = oi.PacketList([29, 13])
@@ -54,37 +54,10 @@ def test_the_manuals_frame_is_read() -> None:
     assert frame.readings == oi.Readings(vectors.STREAM_VALUES)
 
 
-def test_noise_before_between_and_after_is_garbage() -> None:
-    data = b'\1\2' + GOOD + b'\3' + GOOD + b'\x13'
-    assert events([data], CLIFF) == [
-        oi.Garbage(b'\1\2'), oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE), oi.Garbage(b'\3'),
-        oi.Frame(CLIFF, GOOD, oi.Checksum.HARDWARE), oi.Garbage(b'\x13')]
-
-
 def test_a_failed_checksum_is_counted_once() -> None:
     reader = oi.StreamReader([CLIFF])
     events(bytewise(GOOD + GOOD[:-1] + b'\0' + GOOD), reader=reader)
     assert reader.checksum_failures == 1
-
-
-@pytest.mark.parametrize('lost', range(1, len(GOOD)))
-def test_a_cut_frame_does_not_affect_the_next(lost: int) -> None:
-    assert kinds(events([GOOD[:lost] + GOOD], CLIFF)) == 'gF'
-    assert kinds(events([GOOD[lost:] + GOOD], CLIFF)) == 'gF'
-
-
-def test_a_frame_after_a_false_header_is_found() -> None:
-    packets = oi.PacketList([19, 13])
-    frame = packets.pack_frame([0x1305, 0])
-    assert kinds(events([b'\x13\x05\x13' + frame], packets)) == 'gF'
-    assert kinds(events([b'\x13\x05\x13\x13\x05' + frame], packets)) == 'gF'
-
-
-@pytest.mark.parametrize('length', [0, 1, 4, 6, 100, 255])
-def test_a_false_length_does_not_make_it_wait(length: int) -> None:
-    reader = oi.StreamReader([CLIFF])
-    reader.feed(bytes([19, length, 29]) + GOOD)
-    assert kinds(list(reader)) == 'gF'
 
 
 def test_only_frames_that_were_asked_for_are_frames() -> None:
@@ -178,15 +151,12 @@ def test_damaged_frames_in_between_are_not_a_row() -> None:
     assert reader.checksum is oi.Checksum.HARDWARE
 
 
-def test_the_boot_banner_is_reported() -> None:
+def test_the_boot_banner_is_reported_and_readable_in_two_pieces() -> None:
     for chunks in ([BANNER + GOOD], bytewise(BANNER + GOOD)):
         garbage, frame = events(chunks, CLIFF)
         assert isinstance(garbage, oi.Garbage)
         assert garbage.data == BANNER and garbage.text == BANNER.decode().strip()
         assert isinstance(frame, oi.Frame)
-
-
-def test_the_boot_banner_is_readable_in_two_pieces() -> None:
     found = events([bytes(GARBAGE_LIMIT - 33) + BANNER + GOOD], CLIFF)
     assert kinds(found) == 'ggF'
     assert oi.Garbage(joined(found[:2])).text == BANNER.decode().strip()
@@ -223,13 +193,6 @@ def test_a_long_noise_gives_the_same_events_however_it_is_split(data: bytes) -> 
     assert events(cuts(data, [300]), CLIFF) == events(bytewise(data), CLIFF) == whole
 
 
-@given(st.data(), packet_lists(8), st.booleans())
-def test_frames_in_order_come_out_in_order(
-        data: st.DataObject, packets: oi.PacketList, header_in_sum: bool) -> None:
-    sent = data.draw(st.lists(frames(packets, header_in_sum=header_in_sum), max_size=6))
-    assert [event.data for event in events([b''.join(sent)], packets)] == sent
-
-
 def commands_in(chunks: Iterable[bytes]) -> tuple[list[oi.Command | oi.UnknownOpcode], bytes]:
     reader = oi.CommandReader()
     found = []
@@ -247,37 +210,10 @@ def test_commands_in_order_come_out_in_order(
     assert commands_in(cuts(data, places)) == (sent, b'')
 
 
-@given(st.binary(max_size=300) | st.lists(
-    st.sampled_from([*oi.Command.by_opcode, 0, 1, 3, 255]), max_size=100).map(bytes))
-def test_the_same_bytes_split_anywhere_give_the_same_commands(data: bytes) -> None:
-    found, pending = commands_in([data])
-    assert commands_in(bytewise(data)) == (found, pending)
-    assert len(pending) <= 3 + 2 * 255
-
-
-def test_a_cut_command_swallows_what_comes_next() -> None:
-    reader = oi.CommandReader()
-    reader.feed(bytes([137, 0, 200]))
-    assert reader.next_event() is None and reader.pending == bytes([137, 0, 200])
-    reader.feed(bytes([128, 131, 132]))
-    assert reader.next_event() == oi.Drive(velocity=200, radius=0x8083 - 0x10000)
-    assert reader.next_event() == oi.Full()
-    assert reader.next_event() is None and reader.clear() == b''
-
-
 def test_an_unknown_opcode_is_one_byte() -> None:
     assert commands_in([bytes([7, 133, 146, 128])]) == (
         [oi.UnknownOpcode(b'\7'), oi.UnknownOpcode(b'\x85'), oi.UnknownOpcode(b'\x92'),
          oi.Start()], b'')
-
-
-def test_a_counted_command_waits_for_its_count_and_its_items() -> None:
-    reader = oi.CommandReader()
-    for byte in bytes([140, 3, 2, 60, 32, 62]):
-        reader.feed(bytes([byte]))
-        assert reader.next_event() is None
-    reader.feed(bytes([16]))
-    assert reader.next_event() == oi.Song(number=3, notes=(oi.Note(60, 32), oi.Note(62, 16)))
 
 
 @pytest.mark.parametrize('lists, message', [

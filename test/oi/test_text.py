@@ -126,15 +126,6 @@ def test_parsing_a_formatted_command_returns_it(command: oi.Command) -> None:
     assert parse_commands(f'  {text} ;\n\n# {text}\n{text} # {text}') == [command, command]
 
 
-@given(st.lists(commands([oi.Drive, oi.Script, oi.WaitEvent, oi.Leds, oi.Start]), max_size=6))
-def test_parsing_a_formatted_nested_script_returns_it(listed: list[oi.Command]) -> None:
-    try:
-        script = build_script(listed)
-    except ValueError:
-        return
-    assert parse_commands(format_command(script)) == [script]
-
-
 @pytest.mark.parametrize('text, sent', [
     ('drive VELOCITY = -200  radius= 500', '137 255 56 1 244'),
     ('Drive velocity=0xc8 radius=in-place-clockwise', '137 0 200 255 255'),
@@ -241,11 +232,6 @@ def test_an_error_names_line_column_and_what_is_allowed(
     with pytest.raises(TextError) as refused:
         parse_commands(text)
     assert str(refused.value).startswith(f'line {line}, column {column}: {reason}')
-
-
-def test_a_script_of_text_longer_than_the_robot_can_store_is_refused() -> None:
-    with pytest.raises(TextError, match='^line 102, column 1: Script: command 101 .Full. brings'):
-        parse_script('Full\n' * 101)
 
 
 WORDS = st.sampled_from([

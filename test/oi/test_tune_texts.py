@@ -11,9 +11,6 @@ import pytest
 from create_oi_ros.oi.commands import REST, SOUNDING
 from create_oi_ros.oi.tools.tunes import note_name, note_text, parse_tune
 
-SCALE = 'c c# d d# e f f# g g# a a# b'.split()
-"""An octave of a ring tone."""
-
 
 @pytest.mark.parametrize(('text', 'notes'), [
     ('C4:1/4', [(60, 16)]),
@@ -27,13 +24,6 @@ SCALE = 'c c# d d# e f f# g g# a a# b'.split()
 ])
 def test_a_tune_is_read(text, notes):
     assert list(parse_tune(text)) == notes
-
-
-@pytest.mark.parametrize('octave', range(2, 9))
-def test_every_note_of_a_ring_tone_is_that_of_the_octave(octave):
-    notes = parse_tune(f'scale:o={octave},b=240:{",".join(SCALE)}')
-    assert [note.number for note in notes] == [12 * (octave + 1) + step for step in range(12)]
-    assert {note.duration for note in notes} == {16}
 
 
 @given(st.lists(st.tuples(
