@@ -13,15 +13,6 @@ from create_oi_ros.sim.world import shipped, World
 from support.bodies import B, Body, body_at_speed, FRAME, ideal
 
 
-def test_straight_drive_covers_speed_times_time_less_the_ramp():
-    body = Body(World())
-    body.drive(right=0.3, left=0.3)
-    body.step(2)
-    x, y, yaw = body.truth().pose
-    assert x == pytest.approx(0.3 * 2 - 0.3 ** 2 / 2, abs=1e-12)
-    assert (y, yaw) == (0, 0)
-
-
 @pytest.mark.parametrize(('right', 'left'), [
     (0.3, 0.1), (-0.1, -0.3), (0.2, -0.2)])
 def test_an_arc_at_constant_speed_is_the_closed_form(right, left):
@@ -70,12 +61,6 @@ def test_unequal_wheels_bend_the_way_and_hide_it_from_the_encoders():
     assert body.truth().measured_turned == 0
 
 
-def test_constant_slip_makes_the_measured_differ_from_the_true():
-    body = body_at_speed(0.3, 0.3, config=ideal(right_slip=0.1, left_slip=0.1))
-    truth = body.truth()
-    assert truth.travelled == pytest.approx(0.9 * truth.measured_travelled)
-
-
 def test_a_slip_burst_ends_by_itself():
     body = body_at_speed(0.3, 0.3)
     before = body.truth()
@@ -115,14 +100,3 @@ def story(seed):
 def test_the_same_seed_gives_the_same_robot():
     assert story(5) == story(5)
     assert story(5) != story(6)
-
-
-def test_reading_the_sensors_does_not_change_the_motion():
-    blind, seeing = Body(shipped('room')), Body(shipped('room'))
-    for body in (blind, seeing):
-        body.drive(right=0.3, left=0.2)
-        for _ in range(200):
-            body.step(FRAME)
-            if body is seeing:
-                body.sense()
-    assert blind.truth() == seeing.truth()

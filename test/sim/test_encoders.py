@@ -5,8 +5,6 @@
 from dataclasses import replace
 import math
 
-from hypothesis import given
-from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.robot import Rounding
@@ -15,8 +13,6 @@ from create_oi_ros.sim.body.drivetrain import Drivetrain
 from create_oi_ros.sim.body.mechanics import Accumulator
 from create_oi_ros.sim.world import World
 from support.bodies import Body, body_at_speed, ideal
-
-AMOUNTS = st.lists(st.floats(-300, 300), max_size=60)
 
 
 def filled(rounding, *amounts):
@@ -50,16 +46,6 @@ def test_what_waits_is_capped_at_16_bits(rounding, amount, cap):
 @pytest.mark.parametrize('rounding', Rounding)
 def test_a_sum_of_floats_that_means_a_whole_number_is_one(rounding):
     assert filled(rounding, *[0.1] * 10).take() == 1
-
-
-@given(AMOUNTS, st.integers(1, 9))
-def test_under_carry_the_readings_add_up_to_the_truth(amounts, every):
-    accumulator, read = Accumulator(Rounding.CARRY), 0
-    for index, amount in enumerate(amounts):
-        accumulator.add(amount)
-        if index % every == 0:
-            read += accumulator.take()
-    assert abs(read + accumulator.take() - accumulator.total) < 1 + 1e-5
 
 
 def reversed_count(sign: EncoderSign, slot: float) -> float:

@@ -10,8 +10,7 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from create_oi_ros.sim.body import Body
-from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, World
+from create_oi_ros.sim.world import shipped, shipped_names, World
 from create_oi_ros.sim.world.floor_plan import (
     FREE,
     Map,
@@ -66,15 +65,6 @@ def test_free_is_where_a_robot_could_be_and_unknown_what_lies_outside(name):
     assert grey_at(drawn, drawn.x - 5, drawn.y) == UNKNOWN
 
 
-def test_walls_stand_where_a_robot_touches_them():
-    world = shipped('room')
-    drawn, body = map_of(world), Body(world)
-    body.place(Pose(1.99 - 0.165, 0.0, 0.0))
-    pose = body.truth().pose
-    assert any(grey_at(drawn, pose.x + 0.165 + far / 100, pose.y) == OCCUPIED for far in range(4))
-    assert grey_at(drawn, pose.x + 0.1, pose.y) == FREE
-
-
 def test_every_obstacle_is_a_link_in_gazebo():
     world = shipped('apartment')
     links = ElementTree.fromstring(sdf_of(world)).findall("./world/model[@name='obstacles']/link")
@@ -98,10 +88,6 @@ def test_a_world_of_nothing_is_free_floor():
     drawn = map_of(World())
     assert set(drawn.cells) == {FREE}
     assert ElementTree.fromstring(sdf_of(World())).find('world') is not None
-
-
-def test_a_start_on_a_wall_leaves_nothing_free():
-    assert FREE not in map_of(parse('start 0 0 0\nwall -1 0 1 0', 'wall')).cells
 
 
 def test_the_program_writes_a_map_that_nav2_can_load(tmp_path: Path):

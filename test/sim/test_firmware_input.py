@@ -62,12 +62,9 @@ def test_create_updates_these_values_every_15_ms(robot: Robot) -> None:
 
 # Query List.
 
-def test_the_robot_returns_the_packets_in_the_order_you_specify(robot: Robot) -> None:
+def test_the_robot_returns_up_to_255_packets_in_the_order_you_specify(robot: Robot) -> None:
     robot.body.force(bump_right=1, cliff_left_signal=0x0225)
     assert robot.say(bytes([149, 4, 28, 35, 7, 35])) == b'\x02\x25\x01\x01\x01'
-
-
-def test_up_to_255_packets_may_be_queried(robot: Robot) -> None:
     assert robot.say(bytes([149, 255] + [35] * 255)) == b'\x01' * 255
     assert len(robot.say(bytes([149, 255] + [6] * 255))) == 255 * 52
     assert robot.say(bytes([149, 0])) == b''
@@ -207,16 +204,6 @@ def test_distance_is_forward_positive_and_angle_counter_clockwise_positive(
     sent = robot.ask(19, 20)
     assert int.from_bytes(sent[:2], signed=True) == pytest.approx(distance, rel=0.005)
     assert int.from_bytes(sent[2:], signed=True) == pytest.approx(angle, rel=0.005)
-
-
-@pytest.mark.parametrize('ask', [bytes([142, 0]), bytes([142, 2]), bytes([142, 6]),
-                                 bytes([149, 2, 19, 20]), bytes([142, 19, 142, 20])])
-def test_every_request_resets_the_distance_and_angle(ask: bytes) -> None:
-    robot = Robot(Mode.FULL)
-    robot.say(oi.DriveDirect(right=300, left=-100))
-    robot.run(2)
-    robot.say(ask)
-    assert robot.ask(19, 20) == bytes(4)
 
 
 @given(st.lists(st.floats(0.001, 0.2), max_size=20))

@@ -11,9 +11,8 @@ from create_oi_ros import oi
 from create_oi_ros.oi import Mode
 from create_oi_ros.sim.firmware.guesses import Guesses
 from create_oi_ros.sim.world import shipped
-from support.robot import MODES, Robot
+from support.robot import Robot
 
-MILLION = 1_000_000
 AT_ONCE = Guesses(opcode_7_resets=False, boot_seconds=0.0)
 OPCODES = st.sampled_from([kind.opcode for kind in oi.COMMANDS])
 BYTES = st.lists(st.integers(0, 255) | OPCODES, max_size=60).map(bytes)
@@ -31,19 +30,6 @@ def test_no_bytes_raise(
         robot.say(data, baud=baud)
         robot.run(seconds)
     assert robot.mode in Mode
-
-
-def test_a_million_random_bytes_do_not_raise() -> None:
-    random = Random(1)
-    robot = Robot(Mode.PASSIVE, world=shipped('room'), guesses=AT_ONCE)
-    for _ in range(MILLION // 100):
-        robot.say(random.randbytes(100))
-        robot.slots()
-        if robot.create.waiting or robot.mode is Mode.OFF:
-            # A wait for an event that never comes would ignore the rest of the bytes.
-            robot.create.lose_battery(robot.now)
-            robot.say(oi.Start(), random.choice(list(MODES.values())))
-    assert robot.create.commands > MILLION / 500
 
 
 def test_a_robot_recovers_from_any_bytes_by_harmless_ones() -> None:

@@ -38,23 +38,6 @@ def lit(robot: Robot) -> bool:
 
 # Script, Play Script, Show Script.
 
-def test_example_drive_40_cm_and_stop(robot: Robot) -> None:
-    robot.say(DRIVE_40_CM, PLAY)
-    robot.run(5)
-    assert robot.speed == 0
-    assert robot.body.truth().travelled == pytest.approx(0.4, abs=0.06)
-
-
-def test_example_drive_in_a_square(robot: Robot) -> None:
-    robot.say(SQUARE, PLAY)
-    robot.run(60)
-    truth = robot.body.truth()
-    assert truth.turned > 6
-    assert abs(truth.pose.x) < 0.7
-    assert abs(truth.pose.y) < 0.7
-    assert robot.wheels != (0, 0)
-
-
 def test_a_script_can_be_up_to_100_bytes_long_and_is_shown_behind_its_length(
         robot: Robot) -> None:
     longest = bytes([100, *range(100)])
@@ -62,12 +45,6 @@ def test_a_script_can_be_up_to_100_bytes_long_and_is_shown_behind_its_length(
     assert robot.say(SHOW) == longest
     robot.say(bytes([152, 101] + [131] * 101))
     assert robot.say(SHOW) == longest
-
-
-def test_a_length_of_0_clears_the_current_script(robot: Robot) -> None:
-    robot.say(DRIVE_40_CM, bytes([152, 0]), PLAY)
-    assert robot.wheels == (0, 0)
-    assert robot.say(SHOW) == b'\0'
 
 
 def test_show_script_first_halts_the_sensor_stream(robot: Robot) -> None:
@@ -125,14 +102,6 @@ def test_while_waiting_create_does_not_react_to_serial_inputs(robot: Robot, wait
     assert robot.create.waiting
 
 
-def test_bytes_right_behind_a_script_that_waits_are_obeyed_after_it(robot: Robot) -> None:
-    robot.say(bytes([152, 2, 155, 10]), PLAY, GENTLE)
-    robot.run(0.9)
-    assert robot.wheels == (0, 0)
-    robot.run(0.2)
-    assert robot.wheels == (100, 100)
-
-
 @pytest.mark.parametrize('script', [bytes([152, 2, 155, 10, 153]), bytes([155, 10])])
 def test_bytes_behind_a_wait_are_lost_by_a_robot_without_a_queue(script: bytes) -> None:
     robot = Robot(Mode.FULL, guesses=Guesses(wait_queue=0))
@@ -153,12 +122,6 @@ def test_eleven_moves_in_one_burst_are_made_one_after_the_other() -> None:
     robot.run(15)
     assert robot.speed == 0
     assert robot.body.truth().travelled == pytest.approx(1.12, abs=0.02)
-
-
-def test_a_request_behind_a_wait_is_answered_after_it(robot: Robot) -> None:
-    assert robot.say(bytes([155, 10, 149, 1, 22])) == b''
-    assert robot.run(0.9) == b''
-    assert len(robot.run(0.2)) == 2
 
 
 @pytest.mark.parametrize('queue', [0, 256])

@@ -72,17 +72,11 @@ def test_the_same_seed_gives_the_same_faults() -> None:
 
 # Faults that last.
 
-def test_a_time_alone_is_once_for_a_second() -> None:
+def test_a_time_alone_is_once_for_a_second_a_period_repeats_a_rate_is_times_a_second() -> None:
     times = going_on('silence@1', FaultKind.SILENCE, 5)
     assert (times[0], times[-1]) == (1.005, 1.995)
-
-
-def test_a_period_repeats() -> None:
     times = going_on('cut@1+0.5~2', FaultKind.CUT, 6)
     assert Counter(int(time) for time in times).keys() == {1, 3, 5}
-
-
-def test_a_rate_is_times_a_second() -> None:
     some = faults('unplug:0.1+0.5')
     begun = sum(FaultKind.UNPLUG in some.step(slot * SLOT) for slot in range(200_000))
     assert 200 < begun < 340

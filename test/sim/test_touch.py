@@ -27,15 +27,6 @@ def test_a_wall_stops_the_robot_and_the_wheels_slip():
     assert not body.sense().overcurrent_left_wheel
 
 
-def test_at_a_slant_the_robot_slides_along_the_wall():
-    body = Body(WALL_AHEAD)
-    body.place(Pose(0.5, 0, math.radians(60)))
-    body.drive(right=0.2, left=0.2)
-    run(body, 10)
-    assert body.truth().pose.x == pytest.approx(1 - 0.165, abs=1e-6)
-    assert body.truth().pose.y > 0.5
-
-
 @pytest.mark.parametrize(('degrees', 'left', 'right'), [
     (0, True, True), (14, True, True), (-14, True, True), (16, True, False), (-16, False, True),
     (80, True, False), (-80, False, True), (100, False, False), (180, False, False)])
@@ -47,13 +38,6 @@ def test_the_bumper_tells_the_side_by_where_it_touched(degrees, left, right):
     sense = Body(world).sense()
     assert (sense.bump_left, sense.bump_right) == (left, right)
     assert not body.sense().bump_left
-
-
-def test_in_a_wedge_the_robot_stays_where_it_is():
-    body = Body(parse('wall 0 -1 2 0.05 \n wall 0 1 2 -0.05', 'wedge'))
-    body.drive(right=0.5, left=0.5)
-    run(body, 20)
-    assert 0.5 < body.truth().pose.x < 1.8
 
 
 @given(st.integers(0, 2 ** 32), st.sampled_from(['room', 'apartment']))
@@ -113,6 +97,7 @@ def test_a_held_wheel_draws_too_much_only_when_told_to_turn():
     body.step(FRAME)
     assert not body.sense().overcurrent_left_wheel
     body.drive(right=0.1, left=0.1)
+    assert body.sense().overcurrent_left_wheel
     run(body, 1)
     assert body.sense().overcurrent_left_wheel
     assert not body.sense().overcurrent_right_wheel
@@ -128,20 +113,6 @@ def test_a_push_turns_the_robot_and_the_wheels():
     body.step(3)
     assert body.truth().turned == pytest.approx(1)
     assert body.truth().rate == 0
-
-
-def test_while_it_is_pushed_the_truth_has_the_pushs_velocity():
-    body = Body(World())
-    body.push(speed=-0.2, rate=0.5, seconds=1)
-    body.step(0.5)
-    assert (body.truth().speed, body.truth().rate) == (-0.2, 0.5)
-
-
-def test_placing_does_not_turn_the_wheels():
-    body = Body(World())
-    body.place(Pose(3, 4, 7))
-    assert body.truth().pose == pytest.approx((3, 4, 7 - math.tau))
-    assert body.take_distance() == 0
 
 
 @pytest.mark.parametrize('act', [
@@ -189,14 +160,11 @@ def test_a_forced_sensor_can_end_by_itself_to_the_millisecond():
 @pytest.mark.parametrize(('name', 'value'), [
     ('bump_left', 2), ('analog', 1024), ('infrared', -1), ('wall_signal', 4096),
     ('charging_state', 6), ('voltage', 1.5)])
-def test_a_value_out_of_the_manuals_range_is_refused_with_its_name(name, value):
+def test_a_value_out_of_the_manuals_range_or_of_no_sensor_is_refused(name, value):
     body = Body(World())
     with pytest.raises(ValueError, match=name):
         body.force(**{'play': True, name: value})
     assert not body.sense().play
-
-
-def test_a_sensor_that_is_not_there_is_refused():
     with pytest.raises(ValueError, match='no sensor .*bump_centre'):
         Body(World()).force(bump_centre=1)
     with pytest.raises(ValueError, match='no sensor'):

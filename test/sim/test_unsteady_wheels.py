@@ -68,10 +68,6 @@ def test_a_pushed_wheel_has_the_speed_of_the_floor():
     assert body.truth().speed == 0.2
 
 
-def test_no_wheel_turns_backwards_by_being_unsteady():
-    assert min(ways(100, speed_jitter=0.1, speed_wander=0.1)) > 0
-
-
 @pytest.mark.parametrize('name', ['speed_jitter', 'speed_wander'])
 def test_it_is_a_guess_of_the_command_line(name):
     config, _ = parse_guesses([f'{name}=0.02'])

@@ -10,7 +10,6 @@ from create_oi_ros.sim.body import Body
 from create_oi_ros.sim.body.surroundings import CLIFF_BELOW
 from create_oi_ros.sim.world import parse, Pose, shipped, shipped_names, WorldError
 from create_oi_ros.sim.world.floor_plan import outlines
-from create_oi_ros.sim.world.geometry import Disc, LineSegment, Polygon
 
 FRAME = 0.015
 
@@ -63,42 +62,13 @@ def test_a_wrong_line_is_refused_with_name_line_and_what_is_allowed(line, messag
     assert message in str(caught.value)
 
 
-# Geometry.
-
-@pytest.mark.parametrize(('point', 'gap'), [
-    ((1, 1), 1), ((-3, 4), 5), ((2, 0), 0), ((5, 0), 3)])
-def test_the_gap_to_a_segment(point, gap):
-    assert LineSegment((0, 0), (2, 0)).gap(*point) == pytest.approx(gap)
-
-
-def test_a_ray_meets_what_is_in_its_way():
-    assert LineSegment((1, -1), (1, 1)).hit(0, 0, 1, 0) == pytest.approx(1)
-    assert LineSegment((1, 2), (1, 3)).hit(0, 0, 1, 0) == math.inf
-    assert LineSegment((0, 1), (1, 1)).hit(0, 0, 1, 0) == math.inf
-    assert LineSegment((-1, -1), (-1, 1)).hit(0, 0, 1, 0) == math.inf
-    assert Disc(2, 0, 0.5).hit(0, 0, 1, 0) == pytest.approx(1.5)
-    assert Disc(-2, 0, 0.5).hit(0, 0, 1, 0) == math.inf
-    assert Disc(2, 1, 0.5).hit(0, 0, 1, 0) == math.inf
-
-
-def test_a_polygon_may_be_concave():
-    hook = Polygon([(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (0, 1)])
-    assert (1, 0.5) in hook
-    assert (2.5, 2) in hook
-    assert (1, 2) not in hook
-    assert hook.edge_gap(1, 2) == pytest.approx(1)
-
-
 # Walls.
 
-def test_the_wall_sensor_looks_to_the_right():
+def test_the_wall_sensor_looks_to_the_right_and_its_signal_falls_with_distance():
     right = sensed('wall -1 -0.2 1 -0.2')
     assert right.wall and right.wall_signal > 600
     left = sensed('wall -1 0.2 1 0.2')
     assert not left.wall and left.wall_signal == 0
-
-
-def test_the_wall_signal_falls_with_distance():
     signals = [sensed(f'wall -1 {-y} 1 {-y}').wall_signal for y in (0.17, 0.2, 0.25, 0.28, 0.4)]
     assert signals == sorted(signals, reverse=True)
     assert signals[0] > signals[1] > signals[2] > signals[3] > signals[4] == 0
@@ -106,19 +76,11 @@ def test_the_wall_signal_falls_with_distance():
 
 # Floors.
 
-def test_the_cliff_signal_follows_the_floor():
+def test_the_cliff_signal_follows_the_floor_below_its_sensor():
     dark, light = sensed('floor 0.2'), sensed('floor 0.8')
     assert dark.cliff_left_signal == pytest.approx(500, abs=16)
     assert light.cliff_left_signal == pytest.approx(2000, abs=16)
     assert not dark.cliff_left
-
-
-def test_a_black_floor_looks_like_a_cliff():
-    sense = sensed('floor 0.02')
-    assert sense.cliff_front_left and not sense.drop_caster
-
-
-def test_a_patch_is_seen_by_the_sensor_above_it():
     sense = sensed('floor 0.2 \n patch 0.8 0 0 1 0 1 1 0 1')
     assert sense.cliff_left_signal > 1900 and sense.cliff_front_left_signal > 1900
     assert sense.cliff_right_signal < 600 and sense.cliff_front_right_signal < 600
@@ -177,10 +139,6 @@ BASE = 'home_base 0 0 0'
 def test_the_home_bases_beams_are_the_manuals_characters(pose, character, walled):
     sense = sensed(BASE, pose)
     assert (sense.infrared, sense.virtual_wall) == (character, walled)
-
-
-def test_a_wall_hides_the_home_base():
-    assert sensed(BASE + '\nwall 1 -1 1 1', (2, 0, 180)).infrared == 255
 
 
 def test_a_remote_control_is_heard_over_the_home_base():
