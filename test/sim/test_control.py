@@ -76,19 +76,6 @@ def test_a_client_that_waits_does_not_block_the_others(robot: Robot) -> None:
     other.close()
 
 
-def test_a_pulled_cable_is_an_error_and_comes_back_under_the_same_name(robot: Robot) -> None:
-    port, teacher = robot
-    with opened(port) as client:
-        teacher.tell('cable unplug')
-        assert not os.path.lexists(port)
-        with pytest.raises(OSError, match='Input/output'):
-            os.write(client, START)
-    teacher.tell('cable plug', 'cable plug')
-    with opened(port) as client:
-        os.write(client, START + bytes([142, 35]))
-        assert receive(client, 1) == b'\x01'
-
-
 def test_a_cut_cable_loses_all_bytes_and_the_port_stays(robot: Robot) -> None:
     port, teacher = robot
     with opened(port) as client:
@@ -110,14 +97,6 @@ def test_a_power_failure_is_answered_by_the_banner(tmp_path: Path) -> None:
         teacher.tell('wait mode=FULL', 'power fail')
         assert b'RDK by iRobot!' in receive(client, 130)
         assert teacher.truth()['mode'] == 'OFF'
-
-
-def test_quit_ends_it(port: Path, tmp_path: Path) -> None:
-    with simulator('--link', port, '--control', tmp_path / 'control') as sim:
-        teacher = ControlClient(tmp_path / 'control')
-        teacher.tell('quit')
-        assert sim.ended()[0] == 0
-        teacher.close()
 
 
 # Faults, record, drawing.
@@ -143,15 +122,6 @@ def test_faults_happen_at_their_times(tmp_path: Path) -> None:
             os.write(client, bytes([142, 35]))
             assert receive(client, 1) == b'\x03'
             teacher.tell('wait mode=OFF')
-
-
-def test_damaged_frames_are_not_whole(port: Path) -> None:
-    with simulator('--link', port, '--fault', 'flip:0.5', '--seed', '3'), \
-            opened(port) as client:
-        os.write(client, START + STREAM)
-        frames = [receive(client, FRAME) for _ in range(100)]
-    whole = sum(sum(frame) % 256 == 0 for frame in frames)
-    assert 30 < whole < 70
 
 
 def test_record_writes_the_truth_of_every_slot(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import socket
 import pytest
 
 from create_oi_ros.sim.server import main
-from support.simulator import simulator, taught
+from support.simulator import opened, receive, simulator, START, taught
 
 Refused = Callable[..., str]
 
@@ -33,25 +33,17 @@ def refused(capsys: pytest.CaptureFixture[str]) -> Iterator[Refused]:
             signal.signal(number, handler)
 
 
-def test_a_file_in_the_place_of_the_link_is_left_alone(port: Path, refused: Refused) -> None:
+def test_what_is_in_the_place_of_the_link_or_the_socket_is_left_alone(
+        port: Path, refused: Refused) -> None:
     port.write_text('precious')
     assert refused('--link', port) == f'{port}: is no symbolic link, so it is kept'
+    assert refused('--control', port) == f'{port}: is no socket, so it is kept'
     assert port.read_text() == 'precious'
-
-
-def test_a_link_to_something_else_is_left_alone(port: Path, refused: Refused) -> None:
+    port.unlink()
     port.symlink_to('ttyUSB0')
     assert refused('--link', port) == (
         f'{port}: leads to ttyUSB0, which is no pseudo terminal, so it is kept')
     assert os.readlink(port) == 'ttyUSB0'
-
-
-def test_a_file_in_the_place_of_the_control_socket_is_left_alone(
-        tmp_path: Path, refused: Refused) -> None:
-    control = tmp_path / 'control'
-    control.write_text('precious')
-    assert refused('--control', control) == f'{control}: is no socket, so it is kept'
-    assert control.read_text() == 'precious'
 
 
 @pytest.mark.parametrize('option', ['--link', '--control'])
@@ -74,29 +66,31 @@ def test_the_link_of_a_simulator_whose_cable_is_out_is_refused(
         tmp_path: Path, refused: Refused) -> None:
     with taught(tmp_path) as (port, teacher):
         teacher.tell('cable unplug')
+        assert not os.path.lexists(port)
         assert 'belongs to a running create_sim' in refused('--link', port)
         teacher.tell('cable plug')
         assert os.path.islink(port)
 
 
-def test_a_socket_left_by_a_killed_simulator_is_taken_over(tmp_path: Path) -> None:
-    control = tmp_path / 'control'
-    with simulator('--control', control) as sim:
+def test_link_and_socket_left_by_a_killed_simulator_are_taken_over(tmp_path: Path) -> None:
+    port, control = tmp_path / 'create', tmp_path / 'control'
+    with simulator('--link', port, '--control', control) as sim:
         sim.process.kill()
         sim.process.wait()
-    assert control.is_socket()
-    with taught(tmp_path) as (_, teacher):
+    assert port.is_symlink() and control.is_socket()
+    with taught(tmp_path) as (_, teacher), opened(port) as client:
+        os.write(client, START + bytes([142, 35]))
+        assert receive(client, 1) == b'\x01'
         teacher.tell('truth')
 
 
-@pytest.mark.parametrize('option', ['--link', '--control', '--record', '--replay'])
-def test_a_path_that_cannot_be_used_is_named(option: str, refused: Refused) -> None:
-    assert refused(option, '/nodir/y') == '/nodir/y: No such file or directory'
-
-
-def test_a_socket_whose_path_is_too_long_is_named(tmp_path: Path, refused: Refused) -> None:
-    path = tmp_path / ('x' * 108)
-    assert refused('--control', path) == f'{path}: AF_UNIX path too long'
+@pytest.mark.parametrize(('option', 'path', 'reason'), [
+    *((option, '/nodir/y', 'No such file or directory')
+      for option in ('--link', '--control', '--record', '--replay')),
+    ('--control', f'/tmp/{"x" * 108}', 'AF_UNIX path too long')])
+def test_a_path_that_cannot_be_used_is_named(
+        option: str, path: str, reason: str, refused: Refused) -> None:
+    assert refused(option, path) == f'{path}: {reason}'
 
 
 def test_a_full_disk_ends_a_recording_with_the_name_of_the_file() -> None:
@@ -105,16 +99,13 @@ def test_a_full_disk_ends_a_recording_with_the_name_of_the_file() -> None:
     assert (code, errors) == (2, 'create_sim: /dev/full: No space left on device\n')
 
 
-def test_an_address_that_is_in_use_is_named(refused: Refused) -> None:
+def test_an_address_that_is_in_use_or_not_known_is_named(refused: Refused) -> None:
     with socket.create_server(('127.0.0.1', 0)) as server:
         port = server.getsockname()[1]
         assert refused('--tcp', f':{port}').startswith(
             f'socket://127.0.0.1:{port}: Address already in use')
-
-
-def test_a_host_that_is_not_known_is_named(refused: Refused) -> None:
-    assert refused('--tcp', 'no.such.host.invalid:4567').startswith(
-        'socket://no.such.host.invalid:4567: ')
+    unknown = 'no.such.host.invalid:4567'
+    assert refused('--tcp', unknown).startswith(f'socket://{unknown}: ')
 
 
 @pytest.mark.parametrize('name', ['map.yaml', 'map.pgm', 'map.sdf'])
