@@ -32,14 +32,3 @@ def test_results_are_kept_beside_those_of_other_programs(tmp_path):
     keep('two', second, {'date': 'now'}, path)
     assert figures_of(load(path), 'one') == first
     assert figures_of(load(path), 'two') == second
-
-
-def test_a_table_joins_the_figures_of_a_thing():
-    beside = 'before 0.2; a reading a second 3'
-    figures = [Figure('a: deg a turn', 0.5, 'deg a turn', 1.0, beside=beside),
-               Figure('a: deg a turn, 95th percentile', 2.0, 'deg a turn', 1.5, beside='before 1'),
-               Figure('b: slowest', 2500.0, 'us')]
-    assert rows(figures) == [
-        ['what', 'value', 'target', 'before', 'a reading a second'],
-        ['a: deg a turn', '0.5, 2', '<= 1, **<= 1.5**', '0.2, 1', '3'],
-        ['b: slowest', '2,500 us', '', '', '']]

@@ -8,6 +8,7 @@ I/O and no unseeded random numbers.
 """
 
 from dataclasses import dataclass
+from graphlib import TopologicalSorter
 import re
 import sys
 
@@ -117,14 +118,6 @@ def graph(depth: int) -> dict[str, set[str]]:
     return found
 
 
-def in_rings(left: dict[str, set[str]]) -> set[str]:
-    """Return names that import each other in a ring, and what imports those."""
-    # A name that imports nothing that is left is in no ring.
-    while ends := {name for name, others in left.items() if not others & left.keys()}:
-        left = {name: others for name, others in left.items() if name not in ends}
-    return set(left)
-
-
 def test_imports_and_calls_are_those_that_a_layer_allows() -> None:
     wrong = []
     for module, path in MODULES.items():
@@ -136,9 +129,9 @@ def test_imports_and_calls_are_those_that_a_layer_allows() -> None:
 
 
 def test_nothing_imports_itself_in_a_ring() -> None:
-    assert not {depth: ring for depth in (1, 2, 3, 4) if (ring := in_rings(graph(depth)))}
-    assert not in_rings({layer: {*rule.ours} - {layer} for layer, rule in RULES.items()})
-    assert in_rings({'a': {'b'}, 'b': {'c', 'd'}, 'c': {'a'}, 'd': set()}) == {'a', 'b', 'c'}
+    rules = {layer: {*rule.ours} - {layer} for layer, rule in RULES.items()}
+    for imports in (*map(graph, (1, 2, 3, 4)), rules):
+        TopologicalSorter(imports).prepare()  # CycleError names the ring
 
 
 def test_every_rule_names_what_exists() -> None:
