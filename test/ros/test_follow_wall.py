@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The example that follows a wall: in memory around a room, and as a process at a cliff."""
 
-from math import atan2, hypot, remainder, tau
+from math import atan2, remainder, tau
 
 from nav_msgs.msg import Odometry
 import pytest
@@ -42,23 +42,17 @@ def lap(world: World, seconds: float) -> list[tuple[float, float, float]]:
 
 def test_it_goes_round_the_room_near_its_walls():
     """It is never far from the nearest of walls, cupboard, bin and the Home Base's wall."""
-    poses = lap(shipped('room'), 100.0)
+    room = shipped('room')
+    poses = lap(room, 100.0)
     reached = next(index for index, (x, y, _) in enumerate(poses) if x > 1.8)
-    gaps = sorted(gap_in_room(x, y) for x, y, _ in poses[reached:])
+    gaps = sorted(min(each.gap(x, y) for each in room.obstacles) - BODY_RADIUS
+                  for x, y, _ in poses[reached:])
     assert gaps[len(gaps) // 2] == pytest.approx(0.05, abs=0.01)
     assert gaps[int(0.95 * len(gaps))] < 0.1
     assert gaps[-1] < 0.3
     turned = sum(remainder(atan2(b[1], b[0]) - atan2(a[1], a[0]), tau)
                  for a, b in zip(poses, poses[1:]))
     assert turned > tau
-
-
-def gap_in_room(x: float, y: float) -> float:
-    """Return the distance from the robot's edge to the nearest object of the world `room`."""
-    walls = (2 - x, 2 + x, 1.5 - y, 1.5 + y)
-    cupboard = hypot(max(1.3 - x, 0), max(1.1 - y, 0))
-    bin_ = hypot(x + 1.7, y + 1.2) - 0.14
-    return min(*walls, cupboard, bin_) - BODY_RADIUS
 
 
 def test_the_program_ends_at_a_cliff_and_begins_again_where_the_robot_was_put(stage):

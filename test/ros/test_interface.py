@@ -254,6 +254,18 @@ def test_other_programs_receive_at_the_promised_rates_with_their_usual_qos(ready
         'battery', 'safety', 'mode', 'serial link', 'driver', 'odometry', 'parameters')}
 
 
+def test_odom_rate_thins_what_is_sent_and_may_change_at_run_time(ready):
+    assert ready.set('odom_rate', 20.0)
+    heard = [ready.ros.listen(Odometry, 'odom'), ready.ros.listen(JointState, 'joint_states')]
+    ready.ros.until(lambda: all(len(each) > 20 for each in heard))
+    for received in heard:
+        assert typical_rate(received) == pytest.approx(20, rel=0.1)
+    assert ready.set('odom_rate', 0.0)
+    heard[0].clear()
+    ready.ros.until(lambda: len(heard[0]) > 40)
+    assert typical_rate(heard[0]) == pytest.approx(66.7, rel=0.1)
+
+
 def test_stale_commands_are_dropped_by_their_stamp(stage):
     ready = Ready(stage, cmd_vel_type='stamped')
     velocity = ready.ros.node.create_publisher(TwistStamped, 'cmd_vel', 1)

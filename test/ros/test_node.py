@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import count
 from math import nan, pi
 import signal
-from statistics import median
 
 from create_oi_msgs.msg import Bumper, Cliff, Mode, WheelDrop
 from create_oi_msgs.srv import ResetPose, SetMode
@@ -229,24 +228,6 @@ def test_parameters_are_described_and_refused_at_run_time(ready):
     for name, value in (('cmd_vel_timeout', -1.0), ('cmd_vel_timeout', nan),
                         ('wheel_separation', 0.3)):
         assert not ready.set(name, value)
-
-
-def test_odom_rate_thins_what_is_sent_and_may_change_at_run_time(ready):
-    assert ready.set('odom_rate', 20.0)
-    heard = [ready.ros.listen(Odometry, 'odom'), ready.ros.listen(JointState, 'joint_states')]
-    ready.ros.until(lambda: all(len(each) > 20 for each in heard))
-    for received in heard:
-        assert typical_step(received) == pytest.approx(1 / 20, rel=0.1)
-    assert ready.set('odom_rate', 0.0)
-    heard[0].clear()
-    ready.ros.until(lambda: len(heard[0]) > 40)
-    assert typical_step(heard[0]) == pytest.approx(oi.SLOT, rel=0.1)
-
-
-def typical_step(received: list) -> float:
-    """Return the seconds between most stamps; a busy computer may lose some messages."""
-    stamps = [nanoseconds(message) / 1e9 for message in received]
-    return median(later - earlier for earlier, later in zip(stamps, stamps[3:])) / 3
 
 
 def test_a_gyro_is_published_by_rep_145_once_it_follows_the_wheels(stage):

@@ -30,10 +30,6 @@ def test_an_unknown_argument_is_refused_with_what_may_be_meant(capsys, arguments
     assert words in capsys.readouterr().err
 
 
-def test_ros_arguments_pass():
-    node_arguments.parse(['--ros-args', '-p', 'port:=/dev/create', '-r', '__ns:=/robot'])
-
-
 def test_help_names_every_parameter_with_its_default(capsys):
     with pytest.raises(SystemExit) as ended:
         node_arguments.parse(['--help'])
@@ -74,11 +70,8 @@ def test_the_place_of_a_dock_is_three_numbers():
     (('lamp', '', 'c', 'd'), 'has an empty name: write input_1'),
     (('a', 'b', 'c', 'd', 'e'), 'has 5 names; allowed: up to 4'),
 ])
-def test_names_that_cannot_be_told_apart_are_refused(names, words):
+def test_names_that_cannot_be_told_apart_and_frames_with_a_slash_are_refused(names, words):
     assert f'parameter input_names {words}' in refusal('input_names', names)
-
-
-def test_a_frame_with_a_leading_slash_is_refused():
     assert "write 'odom'" in refusal('odom_frame', '/odom')
     assert refusal('odom_frame', 'robot_1/odom') is None
 

@@ -53,17 +53,6 @@ def test_a_tune_is_canceled(ready, client):
     assert tune.status == GoalStatus.STATUS_CANCELED
 
 
-@pytest.mark.parametrize(('fields', 'says'), [
-    ({'notes': 'C4:9'}, "'C4:9' lasts 9 s; allowed: 1/64 to 255/64 s"),
-    ({'notes': ''}, 'a tune needs a note, such as C4:1/4'),
-    ({'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
-])
-def test_a_wrong_tune_is_rejected_and_the_log_says_why(ready, client, fields, says):
-    assert play(client, **fields) is None
-    ready.ros.until(lambda: f'audio_note_sequence rejected: {says}' in ready.node.output, says)
-    assert says in malformed('audio_note_sequence', AudioNoteSequence.Goal(**fields))
-
-
 def animate(client, **fields):
     """Ask for an animation of the LEDs."""
     return client.send(LedAnimation, 'led_animation', **fields)
@@ -96,14 +85,24 @@ def test_an_animation_is_canceled(ready, client):
     assert lights.status == GoalStatus.STATUS_CANCELED
 
 
-@pytest.mark.parametrize(('fields', 'says'), [
-    ({'animation_type': 3, 'play': True}, 'animation_type = 3; allowed: 1 (blink), 2 (spin)'),
-    ({'animation_type': 1, 'power_color': 9}, 'no LED is chosen: set play, advance or power_int'),
-    ({'animation_type': 1, 'play': True, 'period': Duration(nanosec=200_000_000)},
+TUNE, LEDS = (AudioNoteSequence, 'audio_note_sequence'), (LedAnimation, 'led_animation')
+
+
+@pytest.mark.parametrize(('action', 'fields', 'says'), [
+    (TUNE, {'notes': 'C4:9'}, "'C4:9' lasts 9 s; allowed: 1/64 to 255/64 s"),
+    (TUNE, {'notes': ''}, 'a tune needs a note, such as C4:1/4'),
+    (TUNE, {'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
+    (LEDS, {'animation_type': 3, 'play': True},
+     'animation_type = 3; allowed: 1 (blink), 2 (spin)'),
+    (LEDS, {'animation_type': 1, 'power_color': 9},
+     'no LED is chosen: set play, advance or power_int'),
+    (LEDS, {'animation_type': 1, 'play': True, 'period': Duration(nanosec=200_000_000)},
      'period = 0.2 s; allowed: 0.3 or more'),
-    ({'animation_type': 1, 'play': True, 'max_runtime': Duration(sec=-1)},
+    (LEDS, {'animation_type': 1, 'play': True, 'max_runtime': Duration(sec=-1)},
      'max_runtime = -1 s; allowed: 0 or more'),
 ])
-def test_a_wrong_animation_is_rejected_and_the_log_says_why(ready, client, fields, says):
-    assert animate(client, **fields) is None
-    ready.ros.until(lambda: f'led_animation rejected: {says}' in ready.node.output, says)
+def test_a_wrong_goal_is_rejected_and_the_log_says_why(ready, client, action, fields, says):
+    type_, name = action
+    assert client.send(type_, name, **fields) is None
+    ready.ros.until(lambda: f'{name} rejected: {says}' in ready.node.output, says)
+    assert says in malformed(name, type_.Goal(**fields))

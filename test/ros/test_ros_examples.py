@@ -48,9 +48,6 @@ def test_what_ros2_does_is_done_by_the_example(stage):
     assert 'success=True' in result(stage, 'ros.py', 'call', '/set_mode', '{mode: 2}')
     assert 'successful=True' in result(
         stage, 'ros.py', 'set', '/create', 'cmd_vel_timeout', '0.4')
-
-
-def test_names_that_do_not_exist_are_refused(stage):
     program = stage.example('ros.py', 'echo', '/nothing')
     assert program.ended() == 2 and 'nobody publishes /nothing: see list' in program.output
 

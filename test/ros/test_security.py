@@ -129,12 +129,9 @@ def test_a_pilot_may_drive_listen_and_ask():
     assert actions(pilot, 'call') == {action.name for action in ALL_ACTIONS}
 
 
-def test_the_policy_is_installed_where_the_page_looks_for_it():
+def test_the_policy_is_installed_and_every_enclave_has_its_keys_made():
     assert 'config/sros2_policy.xml' in DOCS
     assert "'config'" in (ROOT / 'setup.py').read_text('utf-8')
-
-
-def test_every_enclave_has_its_keys_made():
     for enclave in POLICY.iter('enclave'):
         path = enclave.get('path')
         assert f'create_enclave create_keys {path}\n' in DOCS

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a user gets wrong is one sentence and exit code 2; a bug keeps its traceback."""
 
+from contextlib import nullcontext
 import errno
 import os
 import signal
@@ -53,17 +54,12 @@ def test_a_wrong_domain_is_one_sentence_and_nothing_starts(program, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize('domain', ['233', '-1', '1.5', ' ', '²'])
-def test_domains_that_ros_does_not_have(domain, monkeypatch):
+@pytest.mark.parametrize('domain', ['233', '-1', '1.5', ' ', '²', '', '0', '232'])
+def test_domains_that_ros_does_not_have_are_refused(domain, monkeypatch):
     monkeypatch.setenv('ROS_DOMAIN_ID', domain)
-    with pytest.raises(UserError, match='from 0 to 232'):
+    with nullcontext() if domain in ('', '0', '232') else pytest.raises(
+            UserError, match='from 0 to 232'):
         check_environment()
-
-
-@pytest.mark.parametrize('domain', ['', '0', '232'])
-def test_domains_that_ros_has(domain, monkeypatch):
-    monkeypatch.setenv('ROS_DOMAIN_ID', domain)
-    check_environment()
 
 
 @pytest.mark.parametrize('environment', [
@@ -189,6 +185,7 @@ CLONE = '`make` in a clone of this repository, then `source env.sh` there'
     ('serial', SYSTEM, 'none', 'serial is missing: `sudo apt-get install python3-serial`\n'),
     ('serial', VENV, 'none', "serial is missing: `'/home/me/my venv/python' -m pip install "
                              'pyserial`\n'),
+    ('aiohttp', SYSTEM, 'none', 'aiohttp is missing: `sudo apt-get install python3-aiohttp`\n'),
     ('rosbags.typesys', SYSTEM, 'jazzy',
      'rosbags is missing: `python3 -m pip install --break-system-packages rosbags`\n'),
     ('numpy', VENV, 'jazzy', "numpy is missing: `'/home/me/my venv/python' -m pip install ")])
