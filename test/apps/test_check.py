@@ -72,11 +72,8 @@ def found() -> tuple[Floor, Knowledge]:
     return floor, known
 
 
-def test_the_program_takes_less_than_five_minutes():
+def test_the_program_takes_less_than_five_minutes_and_ends_where_it_began(found):
     assert sum(move.seconds for step in STEPS for move in step.moves) < 270
-
-
-def test_each_step_ends_where_it_began(found):
     truth = found[0].loop.body.truth()
     assert abs(truth.pose.x) < 0.1
     assert abs(truth.pose.y) < 0.1
@@ -117,40 +114,30 @@ def test_the_verdict_is_words_and_a_model(found):
     assert 'of the drive' in text
     assert 'first order' in text
     assert 'with the header' in text
+    assert [each.answer for each in of_wheels(known, None)
+            if each.name == 'checksum'] == ['not known']
     again = parsed(text_of(known, as_mapping(findings)))
     assert again.right_gain.value == pytest.approx(known.right_gain.value)
 
 
-def test_a_robot_that_is_lifted_ends_the_move():
+@pytest.mark.parametrize(('happen', 'why'), [
+    (lambda loop: loop.body.lift(True), 'wheel'),
+    (lambda loop: setattr(loop, 'cut', True), 'the robot does not answer any more')])
+def test_a_robot_that_is_lifted_or_falls_silent_ends_the_move(happen, why):
     floor = Floor()
     floor.runner.begin(ahead(200, 2.0))
     while not floor.loop.body.truth().speed:
         floor.turn()
-    floor.loop.body.lift(True)
+    happen(floor.loop)
     while floor.runner.busy:
         floor.turn()
-    assert floor.runner.disturbance is not None
-    assert 'wheel' in floor.runner.disturbance
-
-
-def test_a_robot_that_falls_silent_ends_the_move():
-    floor = Floor()
-    floor.runner.begin(ahead(200, 2.0))
-    floor.loop.cut = True
-    while floor.runner.busy:
-        floor.turn()
-    assert floor.runner.disturbance == 'the robot does not answer any more'
+    assert why in str(floor.runner.disturbance)
 
 
 def test_a_banner_is_told_from_frames():
     assert banner_in(bytes(range(200, 256)) * 3).answer == 'nothing that can be read'
     said = b'\x13\x05bl-start 2005-01-01 revision 7\r\nbattery present\x80'
     assert 'bl-start 2005-01-01' in banner_in(said).answer
-
-
-def test_an_unknown_checksum_is_not_claimed(found):
-    assert [each.answer for each in of_wheels(found[1], None)
-            if each.name == 'checksum'] == ['not known']
 
 
 def test_ctrl_c_stops_the_wheels(tmp_path):

@@ -45,13 +45,10 @@ def pilot(stage):
     return made
 
 
-def test_a_pilot_goes_where_it_is_told(pilot):
+def test_a_pilot_goes_where_it_is_told_and_turns_the_short_way(pilot, stage):
     pilot.go_to(0.3, 0.0)
     assert hypot(pilot.place[0] - 0.3, pilot.place[1]) < 0.05
     assert pilot.standing
-
-
-def test_a_pilot_turns_the_short_way(pilot, stage):
     truth = stage.hero.body.truth
     before = truth().turned
     pilot.turn_to(pilot.yaw - pi / 2)

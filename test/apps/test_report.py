@@ -63,7 +63,7 @@ def test_curves_are_those_of_the_bag(recording):
     assert recording.link['frames'][0] == 66
 
 
-def test_events_have_their_time_and_cause(recording):
+def test_events_have_their_time_cause_and_place(recording):
     found = {(each.kind, each.text): each.time for each in events(recording)}
     assert found['bumper', 'Bump left and right, 0.5 s'] == pytest.approx(3.0, abs=0.05)
     assert found['cliff', 'Cliff front left, 1.0 s'] == pytest.approx(8.0, abs=0.05)
@@ -71,9 +71,6 @@ def test_events_have_their_time_and_cause(recording):
     assert gap == pytest.approx(10.0, abs=0.1)
     assert found['mode', 'Mode Passive (a cliff)'] == pytest.approx(8.9, abs=0.1)
     assert any(kind == 'song' for kind, _ in found)
-
-
-def test_the_robot_is_placed_where_it_was(recording):
     bump = recording.spans['bumper'].all[0]
     at = bisect_right(recording.odom.times, bump.start) - 1
     x, y = recording.odom['x'][at], recording.odom['y'][at]
@@ -197,13 +194,6 @@ def test_a_bag_without_odometry_is_still_shown(tmp_path):
     recording = read(tmp_path / 'bag', quiet)
     assert [span.text for span in recording.spans['mode'].all] == ['Safe', 'Passive']
     assert recording.gaps[0].text == 'nothing was recorded'
-
-
-def test_a_missing_library_is_named_with_how_to_install_it(bag, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, 'rosbags.typesys', None)
-    monkeypatch.setattr(sys, 'argv', ['create_report', str(bag)])
-    assert programs.create_report() == 2
-    assert capsys.readouterr().err.startswith('create_report: rosbags is missing: ')
 
 
 def test_the_node_does_not_import_what_reports_need():

@@ -121,15 +121,6 @@ def test_nothing_is_wider_than_the_page_and_the_slider_moves_map_and_values(open
     assert bar['y'] + bar['height'] <= SIZES[size][1] + 1, 'the slider is in reach'
 
 
-def test_an_event_jumps_to_its_time_and_the_map_shows_it(opened):
-    page = opened()
-    row = page.page.locator('#events tr', has_text='Bump left')
-    row.get_by_role('button').click()
-    page.wait(lambda: page.text('#clock') == row.locator('button').inner_text(), 'the jump')
-    assert 'current' in row.get_attribute('class')
-    assert 'bumper left' in page.text('#charts')
-
-
 def move(page: OpenPage, part: float, selector: str = '.paper canvas') -> None:
     """Move the mouse over a canvas, to a part of its width."""
     box = page.page.locator(selector).first.bounding_box()
@@ -141,11 +132,16 @@ def time(page: OpenPage) -> float:
     return float(page.page.evaluate(f'document.getElementById("slider").value / {LAST}'))
 
 
-def test_it_opens_with_the_values_and_the_place_of_the_last_moment(opened):
+def test_it_opens_at_the_last_moment_and_an_event_jumps_to_its_time(opened):
     page = opened()
     page.until('document.querySelector(".chart-values").textContent.includes("measured 0.")')
     assert time(page) > 0.9
     assert page.text('#place').startswith('x 0.') and 'heading' in page.text('#place')
+    row = page.page.locator('#events tr', has_text='Bump left')
+    row.get_by_role('button').click()
+    page.wait(lambda: page.text('#clock') == row.locator('button').inner_text(), 'the jump')
+    assert 'current' in row.get_attribute('class')
+    assert 'bumper left' in page.text('#charts')
 
 
 def test_the_wheel_scrolls_the_page_and_zooms_with_ctrl(opened):
@@ -214,17 +210,13 @@ def test_pointing_at_the_track_moves_the_cursor(opened):
     page.wait(lambda: page.text('#clock') == there, 'a click on the track chooses its time')
 
 
-def test_times_of_day_are_a_choice(opened):
+def test_times_of_day_and_signals_are_chosen(opened):
     page = opened()
     page.page.locator('#utc').click()
     for text in (page.text('#clock'), page.page.locator('#events button').first.inner_text()):
         assert re.fullmatch(r'\d\d:\d\d:\d\d\.\d', text)
     page.page.locator('#utc').click()
     assert page.page.locator('#events button').first.inner_text().startswith('0:')
-
-
-def test_signals_are_chosen(opened):
-    page = opened()
     count = page.page.locator('figure:visible').count()
     page.page.locator('.chart-choice summary').click()
     page.page.get_by_label('Battery, V', exact=True).uncheck()

@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The page of a report: its data is small and exact, its script is one, its texts stay text."""
+"""The page of a report: its data is small and exact, its texts stay text."""
 
 from base64 import b64decode
 from itertools import accumulate
@@ -16,7 +16,7 @@ import pytest
 pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from create_oi_ros.apps.report import page
-from create_oi_ros.apps.report.page import kept, one_script, packed, steps, write
+from create_oi_ros.apps.report.page import kept, packed, steps, write
 from create_oi_ros.apps.report.recording import Recording, Span, Spans
 
 EVIL = '</script><img id=evil src=x onerror=alert(1)>$style'
@@ -128,18 +128,3 @@ def test_the_page_asks_for_nothing_and_runs_nothing_but_its_own(tmp_path):
     for word in ('http:', 'https:', 'src=', 'url(', '@import', 'innerHTML', 'eval('):
         assert word not in text
     assert not re.search(r'<link|^import |^export ', text, re.MULTILINE)
-
-
-# One script of several modules.
-
-def test_modules_become_functions_in_the_order_of_their_use():
-    script = one_script({
-        'main.js': "import { twice } from './math.js';\nimport { A } from './a.js';\n"
-                   'show(twice(A));\n',
-        'math.js': "import { A } from './a.js';\nexport function twice(x) { return 2 * x + A; }\n",
-        'a.js': 'export const A = 1, B = 2;\nexport class C {}\n'}, 'main.js')
-    assert script == (
-        'const a_js = (() => {\nconst A = 1, B = 2;\nclass C {}\n\nreturn { A, C };\n})();\n'
-        'const math_js = (() => {\nconst { A } = a_js;\nfunction twice(x) { return 2 * x + A; }\n'
-        '\nreturn { twice };\n})();\n'
-        'const { twice } = math_js;\nconst { A } = a_js;\nshow(twice(A));\n')

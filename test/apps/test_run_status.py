@@ -39,31 +39,18 @@ def diagnostics(about: str, level: bytes, message: str) -> DiagnosticArray:
         DiagnosticStatus(name=f'create: {about}', level=level, message=message)])
 
 
-def test_the_usual_line():
-    assert driving().line() == (
+def test_the_usual_line_counts_frames_anew_each_second():
+    status = driving()
+    assert status.line() == (
         ' 1 frames/s  SAFE     x +1.00 y +0.00 m    +0 deg  90%  +0.20 m/s  +0.00 rad/s')
-
-
-def test_without_a_driver():
+    assert status.line().startswith(' 0 frames/s')
     assert RobotStatus().line() == ' 0 frames/s  no node yet'
 
 
-def test_frames_are_counted_anew_each_second():
+def test_a_script_is_shown_with_the_time_that_it_takes():
     status = driving()
-    status.line()
-    assert status.line().startswith(' 0 frames/s')
-
-
-def test_a_script_is_shown():
-    status = driving()
-    status.take(diagnostics('driver', DiagnosticStatus.WARN, 'a script plays'))
-    assert 'x +1.00 y +0.00 m    +0 deg  a script plays' in status.line()
     status.take(diagnostics('driver', DiagnosticStatus.OK, 'driving'))
     assert 'driving' not in status.line()
-
-
-def test_of_a_script_the_time_that_it_takes_is_shown():
-    status = driving()
     status.take(diagnostics('driver', DiagnosticStatus.WARN, (
         'a script plays, and the robot ignores everything while it waits, a stop included: let '
         'it end, or switch the robot off by its Power button (it plays for about 3 s more)')))
@@ -71,16 +58,12 @@ def test_of_a_script_the_time_that_it_takes_is_shown():
         'SAFE  x +1.00 y +0.00 m    +0 deg  a script plays (it plays for about 3 s more)')
 
 
-def test_a_short_bump_is_shown_once():
+def test_a_short_bump_is_shown_once_and_a_long_one_until_it_ends():
     status = driving()
     status.take(Bumper(left=True))
     status.take(Bumper())
     assert 'BUMP left  ' in status.line()
     assert 'BUMP' not in status.line()
-
-
-def test_a_bumper_that_stays_pressed_is_shown_until_it_is_free():
-    status = driving()
     status.take(Bumper(left=True, right=True))
     assert [('BUMP left and right' in status.line()) for _ in range(2)] == [True, True]
     status.take(Bumper())

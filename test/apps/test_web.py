@@ -4,10 +4,8 @@
 
 from contextlib import closing
 import http.client
-import re
 import signal
 import socket
-import sys
 
 import aiohttp
 from geometry_msgs.msg import Twist
@@ -16,7 +14,6 @@ import pytest
 from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.oi import LedBits, Mode
-from create_oi_ros.ros import programs
 from create_oi_ros.sim.world import shipped
 from support.ros import Ready, scene
 from support.simulator import taught
@@ -257,13 +254,10 @@ def test_bad_messages_are_answered_and_nothing_moves(shared, pages):
     assert standing(robot) and robot.create.mode is Mode.SAFE
 
 
-def test_a_message_that_is_too_long_ends_the_connection(shared, pages):
+def test_a_page_that_sends_too_long_or_too_many_messages_is_disconnected(shared, pages):
     page = pages(shared.address)
     page.send_text('x' * (LONGEST_MESSAGE + 1))
     assert page.closed() == aiohttp.WSCloseCode.MESSAGE_TOO_BIG
-
-
-def test_a_page_that_sends_too_many_messages_is_disconnected(shared, pages):
     page = pages(shared.address)
     with pytest.raises((AssertionError, ConnectionError)):
         for _ in range(20 * int(BURST)):
@@ -351,17 +345,6 @@ def test_a_simulated_robot_shows_its_room_and_where_it_really_is(stage, pages, t
 
 
 # The command line.
-
-def test_without_aiohttp_the_user_is_told_what_to_install(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, 'aiohttp', None)
-    for name in [name for name in sys.modules if name.startswith('create_oi_ros.apps.web')]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setattr(sys, 'argv', ['create_web'])
-    monkeypatch.setattr(signal, 'signal', lambda number, handler: None)
-    assert programs.create_web() == 2
-    assert re.fullmatch('create_web: aiohttp is missing: .* install (python3-)?aiohttp`\n',
-                        capsys.readouterr().err)
-
 
 @pytest.mark.parametrize(('arguments', 'words'), [
     (['--port', '0'], "'0'; allowed: 1 to 65535"), (['--port', 'http'], 'allowed: 1 to 65535'),

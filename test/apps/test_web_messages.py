@@ -6,8 +6,6 @@ import json
 from math import inf, nan
 
 from create_oi_msgs.action import AudioNoteSequence, Dock, DriveArc, NavigateToPosition
-from hypothesis import given
-from hypothesis import strategies as st
 import pytest
 
 from create_oi_ros.apps.web.access import TOP_TURN
@@ -18,7 +16,6 @@ from create_oi_ros.apps.web.page_messages import (
     MessageError,
     MESSAGES,
     read,
-    TYPES,
 )
 from create_oi_ros.robot import TOP_SPEED
 
@@ -61,13 +58,9 @@ BAD_REQUESTS = [
 
 
 @pytest.mark.parametrize('type_', MESSAGES)
-def test_every_message_is_read(type_):
+def test_every_message_is_read_if_no_field_is_missing_or_too_many(type_):
     message = read(json.dumps({'type': type_, **GOOD[type_]}))
     assert (message.type, message.fields) == (type_, GOOD[type_])
-
-
-@pytest.mark.parametrize('type_', MESSAGES)
-def test_fields_are_neither_missing_nor_too_many(type_):
     with pytest.raises(MessageError, match=f'{type_}: allowed fields'):
         read(json.dumps({'type': type_, **GOOD[type_], 'more': 1}))
     for name in GOOD[type_]:
@@ -93,17 +86,6 @@ def test_what_is_no_message_is_refused_with_what_is_allowed(texts, why):
     for text in texts:
         with pytest.raises(MessageError, match=why):
             read(text)
-
-
-@given(st.text() | st.recursive(
-    st.none() | st.booleans() | st.floats() | st.integers() | st.text(),
-    lambda inner: st.lists(inner) | st.dictionaries(
-        st.sampled_from(['type', 'linear', 'notes', 'mode']) | st.text(), inner)).map(json.dumps))
-def test_no_text_does_more_than_be_refused(text):
-    try:
-        assert read(text).type in TYPES
-    except MessageError as error:
-        assert len(str(error)) < 300
 
 
 # Goals.

@@ -217,15 +217,12 @@ def battery(charge=2.0, capacity=3.0, current=-1.0) -> dict[str, float]:
     return {'charge': charge, 'capacity': capacity, 'current': current}
 
 
-def test_the_battery_s_time_is_its_charge_over_the_current():
+def test_the_battery_s_time_is_its_charge_over_the_mean_current_until_the_charger_comes_or_goes():
     assert BatteryTime().left(**battery(), now=0.0) == 120
     assert BatteryTime().left(**battery(current=2.0), now=0.0) == 30
     for unknown in (battery(charge=nan), battery(capacity=nan), battery(current=0.001),
                     battery(current=-0.03), battery(current=nan)):
         assert BatteryTime().left(**unknown, now=0.0) is None
-
-
-def test_the_current_is_averaged_until_the_charger_comes_or_goes():
     time = BatteryTime()
     time.left(**battery(current=-1.0), now=0.0)
     assert 110 < time.left(**battery(current=-2.0), now=1.0) < 120

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 import json
-import queue
 import re
 import socket
 import threading
@@ -155,7 +155,7 @@ class Relay:
         self.port = int(self._listener.getsockname()[1])
         self._target = port
         self.delay = 0.0
-        """Seconds for which bytes are on their way, in each direction."""
+        """Seconds for which bytes are on their way at least, in each direction."""
         self._moving = threading.Event()
         self._moving.set()
         self._sockets = [self._listener]
@@ -173,32 +173,18 @@ class Relay:
             far = socket.create_connection(('127.0.0.1', self._target))
             self._sockets += [near, far]
             for source, target in ((near, far), (far, near)):
-                way: queue.Queue[tuple[float, bytes]] = queue.Queue()
-                self._begin(self._take, source, way)
-                self._begin(self._deliver, way, target, self._moving)
+                self._begin(self._pass_on, source, target, self._moving)
 
-    def _take(self, source: socket.socket, way: queue.Queue[tuple[float, bytes]]) -> None:
-        data = b' '
-        while data:
-            try:
-                data = source.recv(65536)
-            except OSError:
-                data = b''
-            way.put((time.monotonic() + self.delay, data))
-
-    def _deliver(self, way: queue.Queue[tuple[float, bytes]], target: socket.socket,
+    def _pass_on(self, source: socket.socket, target: socket.socket,
                  moving: threading.Event) -> None:
-        while True:
-            due, data = way.get()
-            time.sleep(max(0.0, due - time.monotonic()))
-            moving.wait()
-            try:
+        with suppress(OSError):  # one end has gone
+            while data := source.recv(65536):
+                time.sleep(self.delay)
+                moving.wait()
                 target.sendall(data)
-                if not data:
-                    target.shutdown(socket.SHUT_WR)
-                    return
-            except OSError:
-                return
+        moving.wait()
+        with suppress(OSError):
+            target.shutdown(socket.SHUT_WR)
 
     def freeze(self) -> None:
         """Pass nothing on any more."""
