@@ -61,7 +61,7 @@ def two(stage):
     return TwoRobots(stage)
 
 
-def test_each_robot_obeys_its_own_commands(two):
+def test_each_robot_obeys_its_own_commands_and_a_lost_one_leaves_the_others_alone(two):
     program = two.begin()
     two.drive('robot2')
     two.ros.until(lambda: two.odom[1][-1].pose.pose.position.x > 0.05)
@@ -70,6 +70,13 @@ def test_each_robot_obeys_its_own_commands(two):
     for name, heard in zip(NAMES, two.odom):
         assert heard[-1].header.frame_id == f'{name}/odom'
         assert heard[-1].child_frame_id == f'{name}/base_footprint'
+    two.robots[0].unplug()
+    two.ros.until(lambda: two.modes[0][-1].mode == Mode.UNKNOWN)
+    seen = len(two.odom[1])
+    two.ros.until(lambda: len(two.odom[1]) > seen + 20)
+    assert two.asked(1) > 100
+    two.robots[0].plug()
+    two.ros.until(lambda: two.modes[0][-1].mode == Mode.SAFE, 'it is found again')
     program.send(signal.SIGTERM)
     assert program.ended() == 0, program.output
     assert two.all_told_to_stop()
@@ -80,18 +87,6 @@ def test_all_stop_when_the_process_dies(two):
     two.drive(*NAMES)
     program.send(signal.SIGKILL)
     two.ros.until(two.all_told_to_stop, 'the dead-men stop both')
-
-
-def test_a_lost_robot_leaves_the_others_alone(two):
-    two.begin()
-    two.drive('robot2')
-    two.robots[0].unplug()
-    two.ros.until(lambda: two.modes[0][-1].mode == Mode.UNKNOWN)
-    seen = len(two.odom[1])
-    two.ros.until(lambda: len(two.odom[1]) > seen + 20)
-    assert two.asked(1) > 100
-    two.robots[0].plug()
-    two.ros.until(lambda: two.modes[0][-1].mode == Mode.SAFE, 'it is found again')
 
 
 def test_a_parameter_file_has_parts_for_each_robot_and_for_all(two, tmp_path):

@@ -45,6 +45,7 @@ def test_the_usual_line_counts_frames_anew_each_second():
         ' 1 frames/s  SAFE     x +1.00 y +0.00 m    +0 deg  90%  +0.20 m/s  +0.00 rad/s')
     assert status.line().startswith(' 0 frames/s')
     assert RobotStatus().line() == ' 0 frames/s  no node yet'
+    assert ' -170 deg' in driving(yaw=190 * pi / 180).line(), 'within half a turn'
 
 
 def test_a_script_is_shown_with_the_time_that_it_takes():
@@ -97,10 +98,6 @@ def test_why_no_robot_answers_is_shown_until_one_does(message, shown):
     assert f'NO ROBOT  {shown}' in status.line()
     status.take(diagnostics('serial link', DiagnosticStatus.OK, 'frames arrive'))
     assert 'NO ROBOT  no robot answers' in status.line()
-
-
-def test_the_yaw_stays_within_half_a_turn():
-    assert ' -170 deg' in driving(yaw=190 * pi / 180).line()
 
 
 @pytest.mark.parametrize('message', ['x' * 200, 'low: charge it soon'])

@@ -28,15 +28,11 @@ def test_the_room_on_its_page_is_one() -> None:
     assert all(f'`{word} ' in text for word in KEYWORDS)
 
 
-@pytest.mark.parametrize('word', WORDS)
-def test_every_word_of_the_control_socket_is_there_with_its_form(word: str) -> None:
-    form = f'{word} {WORDS[word].form}'.strip().replace('|', r'\|')
+@pytest.mark.parametrize('form', [
+    *(f'{name} {word.form}'.strip().replace('|', r'\|') for name, word in WORDS.items()),
+    *(kind.value for kind in FaultKind)])
+def test_every_word_of_the_control_socket_and_every_kind_of_fault_is_there(form: str) -> None:
     assert f'`{form}`' in DOCS
-
-
-@pytest.mark.parametrize('kind', FaultKind)
-def test_every_kind_of_fault_is_there(kind: FaultKind) -> None:
-    assert f'`{kind.value}`' in DOCS
 
 
 @pytest.mark.parametrize('name', [field.name for field in fields(Guesses)])
