@@ -81,6 +81,8 @@ def test_the_cliff_signal_follows_the_floor_below_its_sensor():
     assert dark.cliff_left_signal == pytest.approx(500, abs=16)
     assert light.cliff_left_signal == pytest.approx(2000, abs=16)
     assert not dark.cliff_left
+    black = sensed('floor 0.02')
+    assert black.cliff_front_left and not black.drop_caster, 'it looks like a cliff'
     sense = sensed('floor 0.2 \n patch 0.8 0 0 1 0 1 1 0 1')
     assert sense.cliff_left_signal > 1900 and sense.cliff_front_left_signal > 1900
     assert sense.cliff_right_signal < 600 and sense.cliff_front_right_signal < 600
