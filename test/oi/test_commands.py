@@ -131,14 +131,11 @@ def test_decoded_numbers_have_their_names() -> None:
     assert oi.Song.decode(bytes([140, 0, 1, 60, 32])).notes[0].number == 60
 
 
-def test_two_commands_of_one_opcode_are_refused() -> None:
+def test_two_commands_of_one_opcode_and_fields_behind_a_counted_one_are_refused() -> None:
     with pytest.raises(TypeError, match='opcode 137 of Twin is already that of Drive'):
         class Twin(oi.Command, title='Twin', opcode=137, section='', modes=frozenset(oi.Mode)):
             pass
     assert oi.Command.by_opcode[137] is oi.Drive
-
-
-def test_only_the_last_field_may_be_counted() -> None:
     with pytest.raises(TypeError, match='Odd.after follows a counted field'):
         class Odd(oi.Command, title='Odd', opcode=1, section='', modes=frozenset(oi.Mode)):
             many: Annotated[bytes, Counted(0, 1, (Wire('B', 0, 255),), 'bytes')]

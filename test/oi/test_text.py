@@ -60,14 +60,11 @@ def test_the_manuals_scripts_come_out_byte_for_byte(
     assert parse_commands(format_command(script)) == [script]
 
 
-def test_only_a_script_that_does_not_play_itself_can_end() -> None:
+def test_a_script_that_plays_itself_cannot_end_and_waits_that_may_not_are_named() -> None:
     assert [can_end(parse_script(text)) for text in TEXTS.values()] == [True, False, False]
     assert can_end(oi.Script(script=b''))
     assert not can_end(oi.Script(script=bytes([7, 153, 137, 0])))
     assert can_end(oi.Script(script=bytes([151, 153]))), 'the 153 is data of Send IR'
-
-
-def test_waits_that_may_never_end_are_named() -> None:
     script = parse_script(TEXTS['Drive in a square'] + 'Wait Time time=5\nWait Event event=bump')
     assert open_waits(script) == [
         oi.WaitDistance(distance=400), oi.WaitAngle(angle=90), oi.WaitEvent(event=5)]

@@ -24,10 +24,14 @@ def robot() -> Robot:
 
 # Sensors.
 
-def test_there_are_43_different_sensor_packets(robot: Robot) -> None:
+def test_there_are_43_different_sensor_packets_and_others_are_not_answered(robot: Robot) -> None:
     for packet in range(43):
         assert len(robot.say(bytes([142, packet]))) == oi.size_of(packet)
         assert robot.slots(2) == b''
+    for packet in (43, 100, 255):
+        assert robot.say(bytes([142, packet])) == b'', packet
+        assert robot.slots(10) == b'', packet
+        assert robot.say(bytes([142, 35])) == b'\x01', packet
 
 
 @pytest.mark.parametrize(('group', 'sizes'), vectors.GROUPS.items())
@@ -40,13 +44,6 @@ def test_group_packets_send_their_component_values_in_sequential_order(
         each.run(0.5)
     assert robot.say(bytes([142, group])) == b''.join(
         other.say(bytes([142, packet])) for packet in range(sizes[1], sizes[2] + 1))
-
-
-@pytest.mark.parametrize('packet', [43, 100, 255])
-def test_a_packet_that_is_not_there_is_not_answered(robot: Robot, packet: int) -> None:
-    assert robot.say(bytes([142, packet])) == b''
-    assert robot.slots(10) == b''
-    assert robot.say(bytes([142, 35])) == b'\x01'
 
 
 def test_create_updates_these_values_every_15_ms(robot: Robot) -> None:
@@ -83,10 +80,13 @@ def test_the_checksum_makes_the_low_byte_of_the_sum_0(checksum: Checksum, start:
     assert frame[1] == len(frame) - 3
 
 
-def test_the_list_is_sent_every_15_ms(robot: Robot) -> None:
+def test_the_list_is_sent_every_15_ms_until_it_is_empty(robot: Robot) -> None:
     robot.say(bytes([148, 1, 7]))
     assert len(robot.run(15)) == 1000 * 5
     assert [len(robot.run(0.005)) for _ in range(6)] == [0, 0, 5, 0, 0, 5]
+    robot.say(bytes([148, 0]))
+    assert robot.slots(10) == b''
+    assert robot.read('stream_packets') == 0
 
 
 def test_the_same_packet_may_be_asked_for_twice() -> None:
@@ -97,12 +97,6 @@ def test_the_same_packet_may_be_asked_for_twice() -> None:
     frame = robot.slots()
     assert frame[3:5] != b'\0\0'
     assert frame[6:8] == b'\0\0'
-
-
-def test_an_empty_list_sends_nothing(robot: Robot) -> None:
-    robot.say(bytes([148, 1, 7]), bytes([148, 0]))
-    assert robot.slots(10) == b''
-    assert robot.read('stream_packets') == 0
 
 
 @pytest.mark.parametrize('mode', [oi.Start(), oi.Safe(), oi.Full()])
