@@ -106,8 +106,7 @@ class PtyLine:
         self._lock = None if link is None else PathLock(link)
         self._master = -1
         self._slave_name = ''
-        self.present = False
-        """Whether a host has the port open, as far as `read` and `connected` have seen."""
+        self._present = False
         self._settings = bytearray(TERMIOS2.size)
         """Where the system writes them; as bytes, each call would cost twice as much."""
         self.plug()
@@ -156,7 +155,7 @@ class PtyLine:
         if link is not None and link.is_symlink() and os.readlink(link) == self._slave_name:
             link.unlink()
         os.close(self._master)
-        self._master, self.present = -1, False
+        self._master, self._present = -1, False
 
     def close(self) -> None:
         """Remove the terminal and the link, and leave the link's name to others."""
@@ -170,10 +169,10 @@ class PtyLine:
 
     def connected(self) -> bool:
         """Return whether a host has the port open."""
-        if self._master >= 0 and not self.present:
+        if self._master >= 0 and not self._present:
             events = self._poll.poll(0)
-            self.present = not events or bool(events[0][1] & select.POLLIN)
-        return self.present
+            self._present = not events or bool(events[0][1] & select.POLLIN)
+        return self._present
 
     def read(self) -> bytes:
         """Return the bytes that have arrived, b'' if none; notice when the host has gone."""
@@ -186,7 +185,7 @@ class PtyLine:
         except OSError as error:
             if error.errno != errno.EIO:
                 raise
-        self.present = False
+        self._present = False
         # Drop what the last host did not read, so that the next one does not get it.
         with suppress(OSError):
             slave = os.open(self._slave_name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
@@ -202,7 +201,7 @@ class PtyLine:
 
         Without a host, all bytes are lost and count as written.
         """
-        if not data or not self.present:
+        if not data or not self._present:
             return len(data)
         try:
             return os.write(self._master, data)
@@ -220,9 +219,6 @@ class PtyLine:
 
 class TcpLine:
     """A TCP port for one `socket://` client at a time; a new client replaces the old one."""
-
-    present = True
-    """As no rate is known, it does not matter whose it is."""
 
     def __init__(self, host: str, port: int) -> None:
         """Listen; OSError if the address is not available. Port 0 finds a free port."""

@@ -38,8 +38,7 @@ class Server:
         self._to_host, self._to_robot = Pacer(), Pacer()
         """Bytes on the wire."""
         self._bauds = line.baud(), line.baud()
-        """The rates that the host had set in the last two slots; None: it was not there, and is
-        taken to have begun at the robot's."""
+        """The rates that the host had set in the last two slots."""
         self._last_byte = b''
         self.control = Interpreter(create, line, self._faults, self.stop)
         self.control_port: ControlPort | None = None
@@ -93,7 +92,7 @@ class Server:
         if not self._faults.quiet:
             self._cause_faults(now)
         baud = self._line.baud()
-        self._bauds = self._bauds[1], baud if self._line.present else None
+        self._bauds = self._bauds[1], baud
         self._create.host_baud(baud)
         self._create.poll(now)
         self._send(now)
@@ -115,13 +114,11 @@ class Server:
 
     def _read(self, now: float) -> None:
         data = self._faults.to_robot(self._line.read(), now)
-        if not self._line.present:
-            self._bauds = None, None
         own = self._create.baud
-        baud, before = self._line.baud() or own, self._bauds[0] or own
-        if before in RATES and baud in RATES and before != baud:
+        baud = self._line.baud() or own
+        if self._bauds[0] == own != baud and baud in RATES:
             old = self._sent_before(data, baud)
-            self._to_robot.put(data[:old], now, before)
+            self._to_robot.put(data[:old], now, own)
             data = data[old:]
         self._to_robot.put(data, now, baud)
         self._last_byte = data[-1:]
@@ -131,7 +128,7 @@ class Server:
 
     def _sent_before(self, data: bytes, baud: int) -> int:
         """
-        Return how many of these bytes the host sent before it set a new rate.
+        Return how many of these bytes a host at the robot's rate sent before it set a new one.
 
         A pseudo terminal does not tell, and its tcdrain returns at once: they are those up to
         the Baud command for that rate, if there is one.
