@@ -89,7 +89,7 @@ class RobotStatus(RobotState):
     def line(self) -> str:
         """Return the line, and begin the next second; the pose of a robot is always in it."""
         motion, mode = self._motion(), self.newest(Mode)
-        name = 'no node yet' if mode is None else f'{mode_name(mode.mode):7s}'
+        name = 'no node yet' if mode is None else f'{mode_name(mode.mode, mode.reason):7s}'
         robot = mode is None or mode.mode != Mode.UNKNOWN
         pose = 2 if robot else 0  # parts of the motion that are the pose
         said = (*motion[:pose], *self._remarks())

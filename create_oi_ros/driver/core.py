@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from .. import oi
 from .events import DriverEvent, LinkCounts, ModeStatus, Notice, Settings, Severity
-from .outbox import Outbox, Pending, refused
+from .outbox import MODE_COMMANDS, Outbox, Pending, refused
 from .state import Activity, REFUSALS, State, StateEvent
 from .stream import CommandWatch, IGNORES
 
@@ -64,11 +64,13 @@ class Core:
             return self.state.refusal
         if self.watch.ignores:
             return IGNORES
-        if status.actual is None:
+        if status.actual is None and not status.unknown:
             return REFUSALS[Activity.CALLING]
-        if status.actual in command.modes:
+        if status.actual in command.modes or (
+                status.unknown and command in MODE_COMMANDS.values()):
             return None
-        return f'robot is in {status.name}: call set_mode with SAFE first'
+        why = f' ({status.reason})' if status.unknown else ''
+        return f'robot is in {status.name}{why}: call set_mode with SAFE first'
 
     def request(self, command: oi.Command, done: str) -> Pending:
         """Send a command, or refuse it; the outcome's text is `done` once it is written."""

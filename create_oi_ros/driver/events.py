@@ -104,12 +104,18 @@ class Cause(Enum):
     WHEEL_DROP_CASTER = 'caster dropped'
     CHARGER = 'charger powered'
     POWER = 'robot was switched off'
+    MODE_UNKNOWN = 'it reports a mode that the manual does not have'
     UNKNOWN = 'unknown cause'
 
 
 @dataclass(frozen=True)
 class ModeStatus:
-    """What is known of the robot's mode; `actual` is None while no robot answers."""
+    """
+    What is known of the robot's mode.
+
+    `actual` is None while there is no robot, and where it reports a mode that does not exist:
+    then the cause is MODE_UNKNOWN.
+    """
 
     actual: oi.Mode | None
     wanted: oi.Mode
@@ -119,6 +125,11 @@ class ModeStatus:
     def can_drive(self) -> bool:
         """Whether the robot follows velocities in its mode."""
         return self.actual in oi.DriveDirect.modes
+
+    @cached_property
+    def unknown(self) -> bool:
+        """Whether the robot reports a mode that does not exist: it must stop, as if it drove."""
+        return Cause.MODE_UNKNOWN in self.causes
 
     @property
     def reason(self) -> str:

@@ -237,7 +237,8 @@ class Driver:
     @property
     def _may_play_demo(self) -> bool:
         """Whether the robot may play a demo, or begin one before its next frame."""
-        return oi.Mode.PASSIVE in (self.status.actual, self.status.wanted)
+        return (self.status.unknown
+                or oi.Mode.PASSIVE in (self.status.actual, self.status.wanted))
 
     def set_limits(self, limits: MotionLimits) -> None:
         """Change the limits, from the next command on."""
@@ -285,9 +286,9 @@ class Driver:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
         before = self.core.readings
         moved = self._tracking.take(frame, self._connection.baud, now, self.scripts.speeds)
+        self._connection.add_frame(frame.packets, now)
         if moved is None:
             return
-        self._connection.add_frame(frame.packets, now)
         activity = self.state.activity
         if activity is Activity.CALLING:
             self._found(before, now)

@@ -172,17 +172,20 @@ class Modes:
         left = before.actual == before.wanted != actual
         # Without a cause it may only seem so: a frame from before the mode was entered came late.
         dropped = left and (bool(present) or now - self._first_try_at > SETTLING_TIME)
+        dropped |= actual is None and (left or before.can_drive)
         tried_in_vain = (
             not causes and 0 < self._tries and now - self._tried_at > RETRY_INTERVAL
             and (bool(present) or self._tries >= MAX_TRIES))
-        if dropped:
+        if actual is None:
+            causes = (Cause.MODE_UNKNOWN,)
+        elif dropped:
             causes = present or self._causes_before or (
                 (Cause.POWER,) if actual is oi.Mode.OFF else (Cause.UNKNOWN,))
         elif actual == before.wanted:
             causes, self._tries = (), 0
         elif left:
             self._tries = 1
-        elif tried_in_vain:
+        elif before.unknown or tried_in_vain:
             causes = present or (Cause.UNKNOWN,)
         self._causes_before = present
         if (actual, causes) != (before.actual, before.causes):
@@ -199,7 +202,8 @@ class Modes:
         self._core.notice(
             Severity.WARNING, f'robot left {status.wanted.name} for {status.name}: '
             f'{status.reason}')
-        if self._core.state.takes_commands and status.causes == (Cause.UNKNOWN,):
+        if self._core.state.takes_commands and (status.causes == (Cause.UNKNOWN,) or (
+                status.unknown and status.wanted is oi.Mode.PASSIVE)):
             self._core.outbox.send_at_once(END_DEMO, now)  # damaged bytes may have begun one
 
     def poll(self, now: float) -> None:
@@ -207,9 +211,10 @@ class Modes:
         if self._request.outcome is not None or now <= self._deadline:
             return
         status = self._core.status
-        stays = 'does not answer' if status.actual is None else f'stays in {status.name}'
+        lost = status.actual is None and not status.unknown
+        stays = 'does not answer' if lost else f'stays in {status.name}'
         why = f' ({status.reason})' if status.reason else ''
-        needs = (self.advice() if docked(self._core.readings) else
+        needs = (self.advice() if docked(self._core.readings) or status.unknown else
                  'in SAFE it needs all wheels down, no cliff under it and no charger plugged in')
         self.fail(f'robot {stays}{why} instead of entering {self._requested.name}: {needs}')
 
@@ -226,6 +231,8 @@ class Modes:
     def advice(self, again: str = PAUSE) -> str:
         """Say how a robot that is in no mode to drive is brought to drive."""
         causes = self._core.status.causes
+        if self._core.status.unknown:
+            return 'call set_mode with SAFE; if that does not help, switch the robot off and on'
         if docked(self._core.readings):
             return 'send the goal undock, it is on its dock (dock and undock are actions)'
         if Cause.CHARGER in causes:

@@ -231,7 +231,8 @@ class Motion:
         """
         self._blocked = bool(readings.number('bumps_and_wheel_drops', 0) & BUMPS)
         status, reported, before = self._core.status, requested_speeds(readings), self._reported
-        if None in reported or not self._core.state.takes_commands or not status.can_drive:
+        if (None in reported or not self._core.state.takes_commands
+                or not (status.can_drive or status.unknown)):
             self.missed_since = None
             return
         self._reported = reported
@@ -247,7 +248,7 @@ class Motion:
 
     def _send_speeds(self, now: float) -> None:
         status = self._core.status
-        if self._core.state.takes_commands and status.can_drive:
+        if self._core.state.takes_commands and (status.can_drive or status.unknown):
             drive = self.next_drive(now)
             if drive is not None:
                 self._core.outbox.send_at_once(drive, now)

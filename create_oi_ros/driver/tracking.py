@@ -75,7 +75,6 @@ class OddValues:
     One frame with a value that the manual rules out is dropped: damage can have a correct
     checksum. In the third frame in a row it is no damage. From then on the robot may have
     anything in that packet: bits without a meaning are cleared, numbers and codes become None.
-    But a frame whose mode does not exist is never taken: nothing can be decided by it.
     """
 
     def __init__(self, core: Core) -> None:
@@ -98,8 +97,8 @@ class OddValues:
             self.newest.pop(name, None)
         self._running.update(odd)
         ruled_out = set(readings.implausible()) - self._known
-        if 'oi_mode' in ruled_out or self._dropped < ODD_FRAMES - 1 and any(
-                self._running[name] < ODD_FRAMES for name in ruled_out):
+        if (self._dropped < ODD_FRAMES - 1
+                and any(self._running[name] < ODD_FRAMES for name in ruled_out)):
             self._dropped += 1
             self._core.counts.implausible_frames += 1
             return None

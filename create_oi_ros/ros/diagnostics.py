@@ -86,7 +86,7 @@ def mode(health: Health) -> DiagnosticStatus:
     known = health.mode
     actual = 'unknown' if known.actual is None else known.actual.name
     level, message = OK, actual
-    if known.actual is None:
+    if known.actual is None and not known.unknown:
         level, message = WARN, known.reason
     elif known.actual != known.wanted:
         level, message = OK, f'{actual}, entering {known.wanted.name}'

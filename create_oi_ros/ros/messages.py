@@ -22,6 +22,7 @@ from tf2_msgs.msg import TFMessage
 
 from .. import oi
 from ..driver import ModeStatus
+from ..driver.events import NO_ROBOT
 from ..odometry import Estimate
 from ..oi import (
     BumpsAndWheelDrops,
@@ -235,9 +236,9 @@ def mode(status: ModeStatus, header: Header) -> Mode:
 MODE_NAMES = {mode.value: mode.name for mode in oi.Mode}
 
 
-def mode_name(code: int) -> str:
-    """Return the name of a mode in the message Mode."""
-    return MODE_NAMES.get(code, 'NO ROBOT')
+def mode_name(code: int, reason: str = NO_ROBOT) -> str:
+    """Return the name of a mode in the message Mode; the reason tells why it is UNKNOWN."""
+    return MODE_NAMES.get(code, 'NO ROBOT' if reason == NO_ROBOT else 'UNKNOWN')
 
 
 def charging_name(code: int) -> str:

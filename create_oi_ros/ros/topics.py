@@ -100,7 +100,7 @@ IMU = Topic(
     about=f'turn rate by the gyro, in `{messages.GYRO_FRAME}`; with parameter `gyro` (REP 145)')
 MODE = Topic(
     name='mode', type=Mode, when='on change, latched', qos=LATCHED,
-    about='the actual mode (255: no robot answers), the wanted one, and why they differ')
+    about='the actual mode (255: no robot, or not known), the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
     about='battery, safety, mode, serial link, driver, odometry, version and parameters (REP 107)')

@@ -124,7 +124,9 @@ def test_a_velocity_ends_a_search_and_drives_once_the_mode_is_back():
     (lambda loop: loop.driver.modes.set(oi.Mode.FULL, loop.now), Code.SUPERSEDED, 'another mode'),
     (lambda loop: loop.driver.modes.start_demo(oi.DemoNumber.TAG), Code.SUPERSEDED, 'a demo'),
     (lambda loop: loop.driver.modes.stop_demo(), Code.SUPERSEDED, 'the service stop_demo'),
-    (lambda loop: loop.body.lift(True), Code.WHEEL_DROP, 'put the robot on the floor')])
+    (lambda loop: loop.body.lift(True), Code.WHEEL_DROP, 'put the robot on the floor'),
+    (lambda loop: setattr(loop, 'forged', {'oi_mode': 9}), Code.MODE,
+     'switch the robot off and on')])
 def test_what_ends_a_search(happens, code, says):
     loop = met()
     running = start(loop, Dock(0.0))

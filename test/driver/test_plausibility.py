@@ -87,8 +87,8 @@ def impossible(name: str) -> int:
                 if low <= value <= high and value not in POSSIBLE[name])
 
 
-ODD = {name: impossible(name) for name in ALL if name != 'oi_mode'
-       and len(POSSIBLE[name]) < 256 ** oi.size_of(name)}  # type: ignore[arg-type]
+ODD = {name: impossible(name) for name in ALL
+       if len(POSSIBLE[name]) < 256 ** oi.size_of(name)}  # type: ignore[arg-type]
 
 
 def answered(loop: Loop) -> bool:
@@ -111,20 +111,21 @@ def test_a_value_that_every_frame_has_stops_nothing(name: str, value: int, baud:
     wire = oi.PACKETS[oi.NUMBERS[name]].wire
     bits = 1 if wire.boolean else wire.mask
     assert getattr(health.readings, name) == (value & bits if bits else None)
-    assert loop.body.truth().pose.x > 0.2
+    assert (loop.body.truth().pose.x > 0.2) is (name != 'oi_mode')
 
 
 def test_all_of_them_at_once_and_other_values_in_every_frame_stop_nothing() -> None:
     loop = Loop()
+    values = {name: value for name, value in ODD.items() if name != 'oi_mode'}
     for turn in range(300):
-        loop.forged = {name: value for place, (name, value) in enumerate(ODD.items())
+        loop.forged = {name: value for place, (name, value) in enumerate(values.items())
                        if (place + turn // 3) % 7 or turn > 200}
         loop.forged['wall_signal'] = 5000 + turn
         loop.driver.drive(0.2, 0.0, loop.now)
         loop.turn()
     assert answered(loop) and loop.body.truth().pose.x > 0.2
     told = said(loop, Severity.WARNING, 'which no Create should have')
-    assert told == len(ODD), 'each is told of once'
+    assert told == len(values), 'each is told of once'
     loop.forged = {}
     loop.run(2)
     assert loop.driver.health(loop.now).odd == {}
@@ -144,15 +145,21 @@ def test_one_odd_frame_is_dropped_and_so_is_another_one_later() -> None:
     assert loop.driver.status.can_drive
 
 
-def test_a_robot_whose_mode_does_not_exist_is_stopped_and_called_until_it_has_another() -> None:
+def test_a_mode_that_does_not_exist_stops_the_wheels_and_says_what_to_do() -> None:
     loop = Loop()
     loop.drive(0.3, 0.0, 2.0)
     loop.forged = {'oi_mode': 4}
-    loop.drive(0.3, 0.0, 1.0)
-    assert not loop.driver.state.answered and not any(loop.robot.actuators.wheels)
-    assert said(loop, Severity.ERROR, 'no frame for 0.5 s') == 1
+    loop.drive(0.3, 0.0, 0.3)
+    assert loop.moved[-1].readings.requested_right_velocity == 0
+    assert said(loop, Severity.WARNING, 'robot left SAFE for no known mode') == 1
+    assert said(loop, Severity.WARNING, 'call set_mode with SAFE; if that does not help') == 1
+    request = loop.driver.modes.set(oi.Mode.SAFE, loop.now)
+    loop.run(1.0)
+    assert request.outcome is not None and not request.outcome.ok
+    assert 'stays in no known mode' in request.outcome.text
+    refusal = loop.driver.modes.start_demo(oi.DemoNumber.COVER).outcome
+    assert refusal is not None and 'no known mode' in refusal.text
     loop.forged = {}
-    loop.run(2.0)
     loop.drive(0.3, 0.0, 1.0)
     assert loop.driver.status.can_drive and loop.driver.state.moving
 

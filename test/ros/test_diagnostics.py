@@ -7,8 +7,10 @@ from dataclasses import replace
 from itertools import cycle
 from math import isnan
 
+from create_oi_msgs.msg import Mode
 from diagnostic_msgs.msg import DiagnosticStatus
 import pytest
+from std_msgs.msg import Header
 
 from create_oi_ros import oi
 from create_oi_ros.driver import LinkCounts, Settings
@@ -126,16 +128,21 @@ def test_what_no_battery_has_is_not_known_and_a_warning(loop, forged, says, unkn
 
 
 def test_values_that_no_create_has_are_counted_and_go_out_as_not_known(loop):
-    loop.forged = {'charging_state': 6, 'song_number': 16, 'analog_signal': 1024,
+    loop.forged = {'oi_mode': 4, 'charging_state': 6, 'song_number': 16, 'analog_signal': 1024,
                    'cliff_left_signal': 5000, 'buttons': 3}
-    loop.run(2.0)
+    loop.run(0.6)
     before = copy(loop.driver.counts)
     loop.drive(0.1, 0.0, 1.0)
     told = all_of(loop, before)
     link = {each.key: each.value for each in told['serial link'].values}
     assert told['serial link'].level == OK and int(link['odd values']) > 100
-    assert 'charging state = 6' in link['odd packets'] and 'buttons = 3' in link['odd packets']
-    readings = loop.driver.health(loop.now).readings
+    assert 'oi mode = 4' in link['odd packets'] and 'buttons = 3' in link['odd packets']
+    assert told['mode'].level == WARN and 'a mode that the manual does not have' in (
+        told['mode'].message)
+    health = loop.driver.health(loop.now)
+    mode = messages.mode(health.mode, Header())
+    assert mode.mode == Mode.UNKNOWN and messages.mode_name(mode.mode, mode.reason) == 'UNKNOWN'
+    readings = health.readings
     cliff = messages.cliff(readings)
     assert (cliff['left_signal'], cliff['front_left_signal']) == (
         65535, readings.cliff_front_left_signal)

@@ -72,7 +72,7 @@ class RecordingBuilder:
             case 'diagnostics':
                 self._add_diagnostics(time, message)
             case 'mode':
-                name = mode_name(message.mode).lower()
+                name = mode_name(message.mode, message.reason).lower()
                 recording.spans['mode'].change(
                     time, MODES.get(message.mode) or name, message.reason)
             case 'song':

@@ -269,7 +269,7 @@ class LiveRobot:
                     self._remember(part, flags(message), now)
 
     def _change_mode(self, message: msg.Mode, now: float) -> None:
-        actual, wanted = mode_name(message.mode), mode_name(message.wanted)
+        actual, wanted = mode_name(message.mode, message.reason), mode_name(message.wanted)
         if self.parts.put('mode', {
                 'actual': actual, 'wanted': wanted, 'reason': message.reason}):
             why = f': {message.reason}' if message.reason else ''

@@ -13,6 +13,7 @@ from collections.abc import Generator, Iterator
 from ... import oi
 from ...oi.codes import BEAMS
 from ..battery import charges
+from ..events import Cause
 from ..mode import docked
 from ..motion import Velocity
 from .goal import (
@@ -64,6 +65,8 @@ class Dock(Goal):
         if docked(readings):
             phase = Phase.CHARGING if charges(readings) else Phase.DOCKED
         self.progress = Progress(phase=phase, infrared=beams if sees else BEAMS)
+        if readings.oi_mode is None:
+            return Over(Code.MODE, f'{Cause.MODE_UNKNOWN.value}: switch the robot off and on')
         return LIFTED if dropped(readings) else None
 
     def orders(self) -> Iterator[Order]:
