@@ -34,8 +34,8 @@ class Laid(NamedTuple):
     robot: Pose
 
 
-def lap(world: World) -> Iterator[Laid]:
-    """Drive the way by the odometry; yield each scan laid out along it."""
+def lap(world: World, *, by_truth: bool = False) -> Iterator[Laid]:
+    """Drive the way by the odometry, or by the truth; yield each scan laid out along it."""
     body = Body(world)
     robot, driver = Create(body), Driver(Settings())
     lidar, scans, slots = Lidar(world, 0.0, body.truth().pose), 0, []
@@ -54,6 +54,8 @@ def lap(world: World) -> Iterator[Laid]:
             continue
         x, y = world.start.ahead(moved.estimate.x, moved.estimate.y)
         here = Pose(x, y, world.start.yaw + moved.estimate.yaw)
+        if by_truth:
+            x, y, _ = here = body.truth().pose
         slots.append((robot.time, *here))
         lidar.step(robot.time, body.truth().pose)
         if lidar.scans > scans and now > commanded:

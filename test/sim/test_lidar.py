@@ -1,8 +1,8 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated lidar: its beams against the walls, and the time of its scans."""
+"""The simulated lidar: its beams against the walls, and its scans along the odometry."""
 
-from math import cos, sin
+from math import cos, hypot, inf, sin
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ import pytest
 from create_oi_ros.sim.world import parse, Pose, shipped, World
 from create_oi_ros.sim.world.geometry import reach
 from create_oi_ros.sim.world.lidar import BEARINGS, Lidar, NOISE, TURN
+from lap import lap
 
 SLOT = 0.015
 
@@ -59,3 +60,21 @@ def test_each_beam_starts_where_the_robot_is_at_its_moment():
     ahead, behind_first, behind_last = (scan['ranges'][beam] for beam in (180, 0, 359))
     assert ahead == pytest.approx(3 - TURN / 2, abs=4 * NOISE)
     assert behind_last - behind_first == pytest.approx(TURN, abs=6 * NOISE)
+
+
+def off_the_walls(world: World, scan) -> float:
+    """Return how far the ends of the beams are off the nearest obstacle, metres, in the median."""
+    gaps = []
+    for x, y in zip(scan.x, scan.y):
+        if np.isfinite(x):
+            gaps.append(min((abs(each.gap(x, y)) for each in world.obstacles), default=inf))
+    return float(np.median(gaps))
+
+
+def test_scans_of_a_lap_draw_the_walls_of_the_apartment():
+    """Laid out along the true way, whether the robot moves or not."""
+    world = shipped('apartment')
+    scans = list(lap(world, by_truth=True))
+    assert len(scans) > 700
+    assert hypot(scans[-1].robot.x - 1, scans[-1].robot.y - 1) < 0.1
+    assert max(off_the_walls(world, scan) for scan in scans[::10]) < 0.03
