@@ -104,7 +104,7 @@ def test_all_but_the_last_second_survives_a_full_disk(unmeasured, stage, tmp_pat
     recorder = stage.program('create_record', '-o', str(tmp_path / 'walk'))
     stage.ros.until(lambda: 'until Ctrl-C' in recorder.output)
     file = recorded(recorder, stage)
-    full = file.stat().st_size + 50_000
+    full = file.stat().st_size + 100_000
     resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (full, full))
     assert recorder.ended() == 1
     assert recorder.printed[-2] == (
