@@ -38,7 +38,7 @@ mm."""
 ROUNDINGS = tuple(Rounding)
 TRUNCATE, ROUND, CARRY = (ROUNDINGS.index(each) for each in (
     Rounding.TRUNCATE, Rounding.ROUND, Rounding.CARRY))
-NOISE = np.array([0.0015, 0.015, 0.1])
+NOISE = np.array([0.006, 0.025, 0.1])
 """Noise levels: part of its way by which a wheel strays within `STRAY_WAY`, and of its changes of
 speed, in seconds."""
 CURVED = 0.2
@@ -71,7 +71,7 @@ TRUST, STALE, KNOWN_SPREAD = 8.0, 1.5, 0.25
 are less sure the next day; the part of `SPREAD` by which its numbers are unsure."""
 EVIDENCE = 0.8
 """Part of a log-likelihood that counts: errors of a hypothesis are alike at each reading."""
-LEAST_LOG, UNLIKELY = 8.0, 0.02
+LEAST_LOG, UNLIKELY = 6.0, 0.02
 """The most by which one reading may tell filters apart, as a logarithm; the probability of an
 interval below which it is taken for a normal distribution."""
 APART = 0.4
