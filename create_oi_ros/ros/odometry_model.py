@@ -25,7 +25,7 @@ from ..link.session import Session
 from ..odometry import Hypothesis, Knowledge, Known, KnownGyro, Response, Rounding, SignSource
 from ..odometry.knowledge import TAUGHT
 
-FORMAT = 2
+FORMAT, OLD_FORMATS = 2, (1,)
 HEAD = """\
 # What is known of a robot's wheels and counts, for the parameter odometry_model of create_node.
 # Each number has its standard deviation; metres, seconds, m/s.
@@ -51,8 +51,16 @@ NOTHING = 'nothing was learned yet: drive and turn the robot first'
 Thing = TypeVar('Thing')
 
 
+class OldModel(Exception):
+    """The file is of an older odometry, which this one cannot use."""
+
+
 def read(path: Path) -> Knowledge | None:
-    """Return what a file knows; None: there is no file yet; ValueError: why it is no good."""
+    """
+    Return what a file knows; None: there is no file yet; ValueError: why it is no good.
+
+    OldModel: it was written by an older odometry.
+    """
     try:
         text = path.read_text('utf-8')
     except FileNotFoundError:
@@ -94,13 +102,15 @@ def text_of(knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -
 
 
 def parsed(text: str) -> Knowledge:
-    """Return what the content of a file says; ValueError: what is wrong with it."""
+    """Return what the content of a file says; ValueError: what is wrong with it, or OldModel."""
     try:
         content = yaml.safe_load(text)
     except yaml.YAMLError as error:
         raise ValueError(f'it is no YAML: {" ".join(str(error).split())}') from error
     if not isinstance(content, dict) or 'format' not in content:
         raise ValueError("it is no model of a robot: it has no 'format'")
+    if content['format'] in OLD_FORMATS:
+        raise OldModel(f"format {content['format']} is of an older odometry")
     if content['format'] != FORMAT:
         raise ValueError(f"format {content['format']!r} is not known; it must be {FORMAT}")
     rows = content.get('wheels')
@@ -187,6 +197,15 @@ class ModelKeeper:
             return
         try:
             self.robot = read(self._path)
+        except OldModel as error:
+            aside = self._path.with_name(f'{self._path.name}.old')
+            try:
+                self._path.replace(aside)
+            except OSError as why:
+                raise ValueError(f'parameter odometry_model: {self._path}: {error}, and it cannot '
+                                 f'be moved to {aside}: {why.strerror}') from why
+            self._log.warning(f'{self._path}: {error}: it is kept as {aside}, and the robot is '
+                              'learned anew')
         except ValueError as error:
             raise ValueError(f'parameter odometry_model: {error}') from error
         self._log.info(

@@ -127,6 +127,16 @@ def test_without_the_parameter_nothing_is_written(ready):
     assert '-p odometry_model:=FILE' in ready.refused(Trigger, 'save_odometry_model')
 
 
+def test_a_file_of_an_older_odometry_is_kept_aside_and_the_robot_learned_anew(stage, tmp_path):
+    file = tmp_path / 'model.yaml'
+    file.write_text('format: 1\n')
+    node = stage.node(tmp_path / 'port', odometry_model=file)
+    stage.ros.until(lambda: f'{file} does not exist: the odometry learns' in node.output)
+    assert f'format 1 is of an older odometry: it is kept as {file}.old' in node.output
+    assert (tmp_path / 'model.yaml.old').read_text() == 'format: 1\n'
+    assert not file.exists()
+
+
 def test_a_broken_file_keeps_the_node_from_starting(stage, tmp_path):
     file = tmp_path / 'model.yaml'
     file.write_text('format: 9\n')
