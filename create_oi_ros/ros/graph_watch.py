@@ -7,7 +7,7 @@ Common are: two drivers of one name, or with the same frames; two nodes that sen
 once, or one that sends it in another namespace; a partner whose message type or QoS does not fit.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 
@@ -29,7 +29,8 @@ ROBOTS_APART = 'give each robot a namespace, or another ROS_DOMAIN_ID'
 class GraphWatch:
     """Warns once for each mistake, and again when it comes back in another form."""
 
-    def __init__(self, node: Node, velocity: VelocityInput, parameters: Parameters) -> None:
+    def __init__(self, node: Node, velocity: VelocityInput, parameters: Parameters,
+                 warn: Callable[[str], None]) -> None:
         """Watch the partners of a node; `velocity` is its subscription, adapted to them."""
         self._node = node
         self._velocity = velocity
@@ -37,6 +38,7 @@ class GraphWatch:
         self._topic = node.resolve_topic_name(CMD_VEL)
         self._mode = node.resolve_topic_name(topics.MODE.name)
         self._tf = node.resolve_topic_name(topics.TF.name)
+        self._warn = warn
         self._warned: set[str] = set()
         self._base_frames: dict[str, str] = {}
         """Base frames of other drivers, by the names of their topics `mode`."""
@@ -56,7 +58,7 @@ class GraphWatch:
             warnings.add(f'another node is called {own} in ROS domain {domain}, so two '
                          f'drivers obey the same cmd_vel: {ROBOTS_APART}')
         for warning in sorted(warnings - self._warned):
-            self._node.get_logger().warning(warning)
+            self._warn(warning)
         self._warned = warnings
 
     def _velocity_mistakes(self) -> Iterator[str]:

@@ -66,6 +66,7 @@ class CreateNode(Node):
             raise ValueError('a parameter is an empty list, [], of which ROS cannot tell the '
                              'type: leave it out') from None
         self.parameters = parameters.declare(self)
+        self._periods = self.parameters.periods()
         self.add_pre_set_parameters_callback(parameters.as_declared)
         self.add_on_set_parameters_callback(parameters.check)
         self.add_post_set_parameters_callback(self._parameters_changed)
@@ -116,7 +117,8 @@ class CreateNode(Node):
         self._diagnostics = publisher(self, topics.DIAGNOSTICS)
         self._commands = VelocityInput(
             self, self.parameters.cmd_vel_type, self._on_velocity, on_failure=self._on_failure)
-        self._graph = GraphWatch(self, self._commands, self.parameters)
+        self._graph = GraphWatch(
+            self, self._commands, self.parameters, self.get_logger().warning)
 
     def start(self) -> None:
         """Open the port, call the robot, and take commands."""
@@ -148,6 +150,7 @@ class CreateNode(Node):
 
     def _parameters_changed(self, changed: list[Parameter]) -> None:
         self.parameters = parameters.changed(self.parameters, changed)
+        self._periods = self.parameters.periods()
         with self.session.request() as (driver, _now):
             driver.set_limits(self.parameters.limits())
 
@@ -156,7 +159,7 @@ class CreateNode(Node):
     def _on_event(self, event: DriverEvent) -> None:
         match event:
             case Moved():
-                stamp = self._frames.publish(event, self.parameters)
+                stamp = self._frames.publish(event, *self._periods)
                 if stamp is not None:
                     self._contacts.publish(event, stamp, self.parameters)
                 self._actions.report()

@@ -23,6 +23,7 @@ from ..odometry import Geometry, GyroSettings
 from ..oi import BaudCode, Mode
 from ..oi.codes import START_BAUDS
 from ..robot import TOP_SPEED
+from .topics import CMD_VEL
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
 ACTIONS = {action.value: action for action in LowBatteryAction}
@@ -174,6 +175,10 @@ class Parameters:
         """Whether the battery's charge is known."""
         return self.battery_technology == 'nimh'
 
+    def periods(self) -> tuple[float, float]:
+        """Return the seconds between two messages of a sensor, and between two of `odom`."""
+        return 1 / self.sensor_rate, 1 / self.odom_rate if self.odom_rate else 0.0
+
     def limits(self) -> MotionLimits:
         """Return the limits of the motion, which may change while the node runs."""
         return MotionLimits(
@@ -223,6 +228,11 @@ def declare(node: Node) -> Parameters:
     """
     given = {name: node.get_parameter(name).value for name in node.get_parameters_by_prefix('')}
     for unknown in sorted(given.keys() - DECLARED.keys()):
+        if unknown.startswith('qos_overrides.'):
+            raise ValueError(
+                f'parameter {unknown} is not supported: leave it out. All topics are published '
+                'as reliable; for best effort, let the subscriber ask for that'
+                f'; {CMD_VEL} adapts to its publishers')
         if not unknown.startswith(OF_ROS):
             node.get_logger().warning(
                 f'parameter {unknown} is unknown and ignored{suggestion(unknown, DECLARED)}')

@@ -252,12 +252,13 @@ class FramePublisher:
         self._motion_pace, self._check_at = Pace(), -inf
         self._check()
 
-    def publish(self, moved: Moved, parameters: Parameters) -> int | None:
+    def publish(self, moved: Moved, sensor_period: float, motion_period: float) -> int | None:
         """
         Publish a frame, and return its stamp, ns; None, and nothing published, without a time.
 
-        Sensors that do not change are published at `sensor_rate`, the estimate and the joints at
-        `odom_rate`. While a simulated clock stands, only changes are published.
+        Sensors that do not change are published once in `sensor_period` seconds, the estimate
+        and the joints once in `motion_period`; 0 is in every frame. While a simulated clock
+        stands, only changes are published.
         """
         before, stamp = self.stamps.newest, self.stamps.of_frame(moved.stamp)
         if stamp is None:
@@ -265,15 +266,14 @@ class FramePublisher:
         # A change, such as a bump, must not wait; what is only due again can.
         changed = self._publish_changes(stamp, moved.readings)
         if stamp != before:
-            rate = parameters.odom_rate
-            if not rate or self._motion_pace.due(moved.stamp, 1 / rate):
+            if not motion_period or self._motion_pace.due(moved.stamp, motion_period):
                 for topic in self._motion:
                     if topic.heard:
                         topic.publish(stamp, moved.estimate)
             if self._imu is not None and self._imu.heard and moved.estimate.gyro is not None:
                 self._imu.publish(stamp, moved.estimate)
             for pace, period, sensors in self._repeated:
-                if pace.due(moved.stamp, period or 1 / parameters.sensor_rate):
+                if pace.due(moved.stamp, period or sensor_period):
                     for sensor in sensors:
                         if sensor.heard and sensor.complete and sensor not in changed:
                             sensor.publish(stamp, moved.readings)

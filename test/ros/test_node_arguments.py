@@ -122,11 +122,16 @@ def test_a_parameter_file_for_another_node_is_told(tmp_path, content, used):
     assert not said if used else 'holds no parameter of this node, /robot1/create, but' in said[0]
 
 
-def test_what_has_no_effect_is_a_warning(stage, tmp_path):
+def test_what_has_no_effect_is_a_warning_and_what_is_not_supported_is_refused(stage, tmp_path):
+    """Each of these starts the program."""
     (tmp_path / 'other.yaml').write_text('other:\n  ros__parameters: {baud: 19200}\n')
     warned = stage.program(
         'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0',
         '--params-file', str(tmp_path / 'other.yaml'))
+    refused = stage.node(
+        stage.folder / 'none', **{'qos_overrides./odom.publisher.reliability': 'best_effort'})
+    assert refused.ended() == 2
+    assert 'qos_overrides./odom.publisher.reliability is not supported' in refused.output
     for words in ('cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?',
                   'holds no parameter of this node, /create, but'):
         stage.ros.until(lambda words=words: words in warned.output, words)

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which messages are published for a frame, and in which order: changes first."""
 
-from dataclasses import replace
-
 from create_oi_msgs.msg import Bumper, Cliff
 from nav_msgs.msg import Odometry
 import pytest
@@ -20,8 +18,7 @@ from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.publishing import FramePublisher
 
 QUIET = dict.fromkeys(ALL, 0)
-RATE = 5.0
-PARAMETERS = Parameters(sensor_rate=RATE)
+PERIOD = 0.2
 
 
 class Frames:
@@ -31,7 +28,7 @@ class Frames:
         for topic in (Odometry, 'odom'), (Bumper, 'bumper'), (Cliff, 'cliff'):
             stage.ros.listen(*topic)
         self._slot = 0
-        self.parameters = PARAMETERS
+        self.motion_period = 0.0
         self._told: list[str] = []
         really = publishing.encoder
 
@@ -57,7 +54,7 @@ class Frames:
         self._slot += 1
         self.nanoseconds = self.publisher.publish(
             Moved(self.stamp, oi.Readings(QUIET | readings), Estimate()),
-            self.parameters)
+            PERIOD, self.motion_period)
         return self._told
 
     def quiet(self) -> None:
@@ -88,19 +85,19 @@ def test_what_is_due_again_comes_behind_the_odometry_in_its_period(frames):
     told = [list(frames.next()) for _ in range(200)]
     assert all(names[0] == 'Odometry' for names in told)
     for name in ('Bumper', 'Cliff'):
-        assert sum(name in names for names in told) == round(200 * oi.SLOT * RATE)
+        assert sum(name in names for names in told) == round(200 * oi.SLOT / PERIOD)
 
 
 def test_a_topic_that_changes_in_each_frame_comes_once_and_delays_no_other(frames):
     frames.quiet()
     told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(200)]
     assert all(names.count('Bumper') == 1 for names in told)
-    assert sum('Cliff' in names for names in told) == round(200 * oi.SLOT * RATE)
+    assert sum('Cliff' in names for names in told) == round(200 * oi.SLOT / PERIOD)
 
 
 @pytest.mark.parametrize('rate', [20, 66])
 def test_with_odom_rate_odometry_comes_at_its_rate_and_changes_at_once(frames, rate):
-    frames.parameters = replace(PARAMETERS, odom_rate=float(rate))
+    frames.motion_period = 1 / rate
     frames.quiet()
     told = [list(frames.next(bumps_and_wheel_drops=(slot + 1) % 2)) for slot in range(1000)]
     assert all(names[0] == 'Bumper' for names in told)
@@ -146,7 +143,7 @@ def test_where_bytes_cannot_be_packed_objects_are_published_with_one_warning(
 
     def publish() -> bool:
         moved = Moved(next(slots) * oi.SLOT, oi.Readings(QUIET), Estimate(x=3.5))
-        frames.publish(moved, Parameters(sensor_rate=1.0))
+        frames.publish(moved, 1.0, 0.0)
         return bool(heard)
     stage.ros.until(publish)
     assert heard[-1].pose.pose.position.x == 3.5
