@@ -3,7 +3,7 @@
 """The command line of `create_node`: ROS arguments, and help with everything else."""
 
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
@@ -19,6 +19,8 @@ from .parameters import listed, Parameters, shown, suggestion
 WIDTH = 96
 NODE = 'create'
 """The node's name, unless it is remapped."""
+SPECIAL = '__ns', '__node', '__name'
+"""What remap rules change besides topics and services."""
 ROS_FLAGS = ('-p', '--param', '-r', '--remap', '--params-file', '--log-level')
 """Arguments that ROS knows, after --ros-args."""
 
@@ -83,6 +85,38 @@ def _parts(content: object, name: str = '') -> Iterator[str]:
                 yield name
             else:
                 yield from _parts(inside, f'{name}/{str(key).strip("/")}')
+
+
+def unused_remaps(
+    arguments: Sequence[str], nodes: Collection[tuple[str, str]], names: Collection[str],
+) -> list[str]:
+    """
+    Say which remap rules change no name of any node; ROS ignores them without a word.
+
+    `nodes`: namespace and name of each; `names`: of all their topics and services, as declared.
+    """
+    said = []
+    for flag, rule in pairwise(arguments):
+        if flag not in ('-r', '--remap') or ':=' not in rule:
+            continue
+        source = rule.partition(':=')[0].removeprefix('rostopic://').removeprefix('rosservice://')
+        node, _, name = source.rpartition(':')
+        if node and node not in {NODE, *(own for _, own in nodes)}:
+            said.append(f'remap {rule} has no effect: it is for a node {node}, this one is '
+                        f'{" and ".join(own for _, own in nodes)}')
+        elif name not in SPECIAL and not any(
+                full_name(name, *each) in {full_name(known, *each) for known in names}
+                for each in nodes):
+            said.append(f'remap {rule} has no effect: no topic or service here is called {name}'
+                        f'{suggestion(name, [*names, *SPECIAL])}')
+    return said
+
+
+def full_name(name: str, namespace: str, node: str) -> str:
+    """Return a name as ROS expands it: relative, absolute, or of the node itself (~)."""
+    if name.startswith('~'):
+        name = f'{node}{name[1:]}'
+    return name if name.startswith('/') else f'{namespace.rstrip("/")}/{name}'
 
 
 def parameter_help() -> str:

@@ -9,7 +9,8 @@ import yaml
 
 from create_oi_ros import __version__
 from create_oi_ros.ros import node_arguments
-from create_oi_ros.ros.node_arguments import unused_files
+from create_oi_ros.ros.node import NAMES
+from create_oi_ros.ros.node_arguments import unused_files, unused_remaps
 from create_oi_ros.ros.parameters import contradiction, Parameters, refusal, wrong_type
 
 
@@ -106,6 +107,29 @@ def test_what_is_wrong_at_start_is_one_line_and_exit_code_2(stage):
         'create_node: parameter cmd_vel_timeout = 20; allowed: 0.05 to 10')
 
 
+ROBOT = ('/robot1', 'create')
+
+
+@pytest.mark.parametrize(('rule', 'node', 'words'), [
+    ('cmdvel:=x', ('/', 'create'), 'here is called cmdvel: did you mean cmd_vel?'),
+    ('set_led:=x', ('/', 'create'), 'did you mean set_leds?'),
+    ('/cmd_vel:=/x', ROBOT, 'did you mean cmd_vel?'), ('__nss:=/x', ROBOT, 'did you mean __ns?'),
+    ('zzz:=x', ROBOT, 'no topic or service here is called zzz'),
+    ('rotate_angle:=x', ROBOT, 'did you mean rotate_angle/_action/status?'),
+    ('rotate_angel/_action/status:=x', ROBOT, 'did you mean rotate_angle/_action/status?'),
+    ('driver:cmd_vel:=x', ROBOT, 'it is for a node driver, this one is create'),
+    ('rostopic://odometry:=x', ROBOT, 'no topic or service here is called odometry'),
+    *((rule, ROBOT, None) for rule in (
+        'cmd_vel:=x', '/robot1/cmd_vel:=x', 'create:cmd_vel:=x', '/tf:=tf', '/tf_static:=tf',
+        '__ns:=/robot1', 'create:__node:=x', '~/set_parameters:=x', 'rosservice://stop:=x',
+        '/diagnostics:=diagnostics', 'dock/_action/send_goal:=x'))])
+def test_a_remap_without_effect_is_told_with_the_nearest_name(rule, node, words):
+    said = unused_remaps(['create_node', '--ros-args', '-r', rule], [node], NAMES)
+    assert len(said) == (words is not None)
+    if words is not None:
+        assert said[0].startswith(f'remap {rule} has no effect: ') and words in said[0]
+
+
 @pytest.mark.parametrize(('content', 'used'), [
     ('', False), ('hello\n', False), ('other:\n  ros__parameters: {baud: 19200}\n', False),
     ('create:\n  ros__parameters: {baud: 19200}\n', False),
@@ -126,12 +150,13 @@ def test_what_has_no_effect_is_a_warning_and_what_is_not_supported_is_refused(st
     """Each of these starts the program."""
     (tmp_path / 'other.yaml').write_text('other:\n  ros__parameters: {baud: 19200}\n')
     warned = stage.program(
-        'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0',
-        '--params-file', str(tmp_path / 'other.yaml'))
+        'create_node', '--ros-args', '-p', 'cmd_vel_timout:=1.0', '-r', 'cmdvel:=x',
+        '-r', 'odom:=x', '--params-file', str(tmp_path / 'other.yaml'))
     refused = stage.node(
         stage.folder / 'none', **{'qos_overrides./odom.publisher.reliability': 'best_effort'})
     assert refused.ended() == 2
     assert 'qos_overrides./odom.publisher.reliability is not supported' in refused.output
     for words in ('cmd_vel_timout is unknown and ignored: did you mean cmd_vel_timeout?',
-                  'holds no parameter of this node, /create, but'):
+                  'did you mean cmd_vel?', 'holds no parameter of this node, /create, but'):
         stage.ros.until(lambda words=words: words in warned.output, words)
+    assert 'remap odom' not in warned.output
