@@ -157,13 +157,18 @@ addEventListener('keydown', event => {
 const jumps = [...document.querySelectorAll('tr[data-time]')].map(row => {
   const button = row.querySelector('button'), time = Number(row.dataset.time);
   button.addEventListener('click', () => { play(false); seek(time); });
-  return { button, time, since: button.textContent };
+  return { button, time };
 });
+// Rounded as the clock is, or it would show another tenth after a jump.
+const showTimes = () => {
+  for (const { button, time } of jumps) button.textContent = timeText(time);
+};
+showTimes();
 byId('utc').addEventListener('click', () => {
   const utc = byId('utc').getAttribute('aria-pressed') === 'false';
   byId('utc').setAttribute('aria-pressed', String(utc));
   charts.zero = utc ? -(data.began % DAY) : 0;
-  for (const { button, time, since } of jumps) button.textContent = utc ? timeText(time) : since;
+  showTimes();
   charts.redraw();
   show(now);
 });
