@@ -24,7 +24,7 @@ import zlib
 from ... import pages
 from ...ros.odometry_model import write_whole
 from .recording import CURVES, Recording, Span, SPANS
-from .summary import absent, clock, events, summary, TimelineEvent, warnings
+from .summary import absent, events, summary, TimelineEvent, warnings
 
 LONGEST = 2000
 """Rows of a table; the rest is only counted."""
@@ -62,11 +62,11 @@ def _digest(text: str) -> str:
 
 
 def _event_table(shown: list[TimelineEvent]) -> str:
-    """Return a table whose rows jump to their time."""
+    """Return a table whose rows jump to their time, which the page's script writes."""
     if not shown:
         return '<p>Nothing.</p>'
-    rows = [f'<tr data-time="{each.time:.3f}"><td class="time"><button type="button">'
-            f'{clock(each.time)}</button></td><td class="kind">{escape(each.kind)}</td>'
+    rows = [f'<tr data-time="{each.time:.3f}"><td class="time">'
+            f'<button type="button"></button></td><td class="kind">{escape(each.kind)}</td>'
             f'<td>{escape(each.text)}</td></tr>' for each in shown[:LONGEST]]
     rest = len(shown) - LONGEST
     more = f'<p>And {rest} more.</p>' if rest > 0 else ''

@@ -159,7 +159,6 @@ const jumps = [...document.querySelectorAll('tr[data-time]')].map(row => {
   button.addEventListener('click', () => { play(false); seek(time); });
   return { button, time };
 });
-// Rounded as the clock is, or it would show another tenth after a jump.
 const showTimes = () => {
   for (const { button, time } of jumps) button.textContent = timeText(time);
 };
