@@ -17,12 +17,8 @@ from rosbags.typesys import get_typestore, Stores
 from std_msgs.msg import Header
 
 from create_oi_ros.ros import messages, topics
-from create_oi_ros.ros.serialized import field, filled, FORMATS, SerializedMessage
+from create_oi_ros.ros.serialized import filled, locate, SerializedMessage
 
-BOUNDS = {
-    name: (-(1 << (8 * struct.calcsize(code) - 1)), (1 << (8 * struct.calcsize(code) - 1)) - 1)
-    if code.islower() else (0, (1 << (8 * struct.calcsize(code))) - 1)
-    for name, code in FORMATS.items() if code.isalpha() and code not in 'fd'}
 FRAMES = st.text(st.characters(min_codepoint=1, max_codepoint=0x2fff), max_size=40)
 EMPTY: dict[type, Any] = {
     topics.ODOM.type: messages.empty_odometry, topics.TF.type: messages.empty_transforms,
@@ -54,13 +50,15 @@ def numbers(message: Any, path: str = '') -> Iterator[str]:
                     yield f'{inside}[{index}]'
 
 
-def value(type_: str) -> st.SearchStrategy[Any]:
-    """Return values of a type of number."""
-    if type_ == 'boolean':
+def value(code: str) -> st.SearchStrategy[Any]:
+    """Return values of a number with this code of `struct`."""
+    bits = 8 * struct.calcsize(code)
+    if code == '?':
         return st.booleans()
-    if type_ in ('float', 'double'):
-        return st.floats(allow_nan=False, width=32 if type_ == 'float' else 64)
-    return st.integers(*BOUNDS[type_])
+    if code in 'fd':
+        return st.floats(allow_nan=False, width=bits)
+    return (st.integers(-(1 << bits - 1), (1 << bits - 1) - 1) if code.islower()
+            else st.integers(0, (1 << bits) - 1))
 
 
 def serialized(message: Any, paths: Iterable[str]) -> SerializedMessage:
@@ -75,7 +73,9 @@ def test_a_subscriber_gets_what_an_object_would_have_brought(type_, drawn):
     message = empty(type_, drawn.draw(FRAMES), drawn.draw(FRAMES))
     paths = drawn.draw(st.lists(st.sampled_from(list(numbers(message))), min_size=1, unique=True))
     encode = serialized(message, paths)
-    values = {path: drawn.draw(value(field(message, path).type)) for path in paths}
+    places: dict[str, tuple[str, int]] = {}
+    locate(message, type_.__name__, '', 0, places)
+    values = {path: drawn.draw(value(places[path][0])) for path in paths}
     in_another_order = dict(reversed(values.items()))
     brought = deserialize_message(encode(in_another_order), type_)
     assert brought == filled(message, values)
@@ -92,13 +92,21 @@ def test_what_is_no_number_of_the_message_or_does_not_fit_is_refused():
 
 
 @pytest.mark.parametrize('wrong', [
-    lambda message: serialize_message(message)[:-8] + bytes(8),
-    lambda message: serialize_message(message) * 3,
-    lambda message: serialize_message(Odometry()),
+    lambda text: text[:4] + bytes(4) + text[4:],
+    lambda text: text[:4] + bytes(8) + text[4:],
+    lambda text: b'\0\0' + text[2:],  # the other byte order
+    lambda text: text[:-8],
 ])
 def test_a_middleware_that_serializes_otherwise_is_found_out(wrong):
-    with pytest.raises(ValueError, match='not certain'):
-        SerializedMessage(Odometry(), ['twist.covariance[35]'], wrong, deserialize_message)
+    with pytest.raises(ValueError, match='do not say what was packed'):
+        SerializedMessage(
+            Odometry(), ['pose.pose.position.x'],
+            lambda message: wrong(serialize_message(message)), deserialize_message)
+
+
+def test_a_type_that_is_not_used_is_refused():
+    with pytest.raises(ValueError, match='data is of type wstring'):
+        locate('text', 'wstring', 'data', 0, {})
 
 
 def test_what_stands_in_the_gaps_between_fields_may_differ():
