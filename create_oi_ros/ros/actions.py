@@ -24,7 +24,7 @@ from create_oi_msgs.action import (
     Undock,
     WallFollow,
 )
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from rclpy.action.server import (
     ActionServer,
     CancelResponse,
@@ -33,6 +33,7 @@ from rclpy.action.server import (
 )
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from rclpy.time import Time
 from std_msgs.msg import Header
 
 from ..driver import Driver, goals
@@ -45,10 +46,10 @@ from ..link.session import Session
 from ..oi.codes import BEAMS, FORCE_FIELD, GREEN_BUOY, RED_BUOY
 from ..oi.tools.tunes import note_text, parse_tune
 from . import messages
-from .messages import of_yaw, yaw_of
+from .messages import duration, of_yaw, Values, yaw_of
 from .parameters import Parameters
 from .publishing import StampClock
-from .services import fill, future_of, QUEUE
+from .services import answer, future_of, QUEUE
 from .topics import GOAL_POSE
 
 FEEDBACK_EVERY = 7
@@ -57,58 +58,41 @@ RESULT_KEPT = 60
 """Seconds for which a client can still ask for the result of a goal that has ended."""
 CLIENT_LOST_CHECKS = 2
 """Checks of the graph, one a second, without a client of the goal, after which it is ended."""
-PHASES = {
+PHASES: dict[Phase | None, int] = {
     Phase.TURNING_TO_PLACE: NavigateToPosition.Feedback.ROTATING_TO_GOAL_POSITION,
     Phase.DRIVING: NavigateToPosition.Feedback.DRIVING_TO_GOAL_POSITION,
     Phase.TURNING_TO_HEADING: NavigateToPosition.Feedback.ROTATING_TO_GOAL_ORIENTATION,
 }
 
 
-def distance_left(feedback: Any, goal: Goal) -> None:
-    """Fill in the distance that is left."""
-    feedback.remaining_travel_distance = goal.progress.distance
+def distance_left(goal: Goal) -> Values:
+    """Return the distance that is left."""
+    return {'remaining_travel_distance': goal.progress.distance}
 
 
-def angle_left(feedback: Any, goal: Goal) -> None:
-    """Fill in the angle that is left."""
-    feedback.remaining_angle_travel = goal.progress.angle
+def angle_left(goal: Goal) -> Values:
+    """Return the angle that is left."""
+    return {'remaining_angle_travel': goal.progress.angle}
 
 
-def phase_left(feedback: Any, goal: Goal) -> None:
-    """Fill in the phase, and what is left of it."""
-    progress = goal.progress
-    if progress.phase is not None:
-        feedback.navigate_state = PHASES[progress.phase]
-    feedback.remaining_angle_travel = progress.angle
-    feedback.remaining_travel_distance = progress.distance
+def phase_left(goal: Goal) -> Values:
+    """Return the phase, and what is left of it."""
+    return {'navigate_state': PHASES.get(goal.progress.phase, 0),
+            **distance_left(goal), **angle_left(goal)}
 
 
-def dock_seen(feedback: Any, goal: Goal) -> None:
-    """Fill in how far the search for the dock is, and what of it is seen."""
-    progress = goal.progress
-    beams = max(0, progress.infrared - BEAMS)
-    feedback.state = getattr(feedback, (progress.phase or Phase.LOOKING).name)
-    feedback.sees_dock = bool(beams)
-    feedback.red_buoy = bool(beams & RED_BUOY)
-    feedback.green_buoy = bool(beams & GREEN_BUOY)
-    feedback.force_field = bool(beams & FORCE_FIELD)
+def dock_seen(goal: Goal) -> Values:
+    """Return how far the search for the dock is, and what of it is seen."""
+    beams = max(0, goal.progress.infrared - BEAMS)
+    return {'state': getattr(Dock.Feedback, (goal.progress.phase or Phase.LOOKING).name),
+            'sees_dock': bool(beams), 'red_buoy': bool(beams & RED_BUOY),
+            'green_buoy': bool(beams & GREEN_BUOY), 'force_field': bool(beams & FORCE_FIELD)}
 
 
-def wall_engaged(feedback: Any, goal: Goal) -> None:
-    """Fill in whether a wall is followed."""
-    feedback.engaged = goal.progress.phase is Phase.ENGAGED
-
-
-def note_played(feedback: Any, tune: Tune) -> None:
-    """Fill in the note that sounds."""
-    feedback.note = note_text(tune.notes[tune.note].number)
-    feedback.place, feedback.iterations_played = tune.note, tune.iterations_played
-    feedback.current_runtime = messages.duration(tune.seconds)
-
-
-def runtime_left(feedback: Any, animation: Animation) -> None:
-    """Fill in the time that is left."""
-    feedback.remaining_runtime = messages.duration(animation.max_seconds - animation.seconds)
+def note_played(tune: Tune) -> Values:
+    """Return the note that sounds."""
+    return {'note': note_text(tune.notes[tune.note].number), 'place': tune.note,
+            'iterations_played': tune.iterations_played, 'current_runtime': duration(tune.seconds)}
 
 
 def allowance(goal: Any) -> float:
@@ -149,32 +133,21 @@ def cancel_show(driver: Driver, shown: Tune | Animation, _now: float, *, gone: b
     driver.outputs.cancel(shown, 'its client has gone' if gone else 'canceled')
 
 
-def fill_ending(result: Any, goal: Goal) -> str:
-    """Fill in how a goal ended, but for the header of the pose; return that for the log."""
+def goal_result(goal: Goal) -> Values:
+    """Return how a goal ended; its pose gets a header yet."""
     ending = goal.outcome
     assert ending is not None
-    result.success = ending.code is Code.NONE
-    result.error_code = ending.code
-    result.message = ending.text
-    position = result.pose.pose.position
-    position.x, position.y = ending.estimate.x, ending.estimate.y
-    turned = result.pose.pose.orientation
-    turned.z, turned.w = of_yaw(ending.estimate.yaw)
-    if hasattr(result, 'is_docked'):
-        result.is_docked = ending.docked
-    if hasattr(result, 'runtime'):
-        result.runtime = messages.duration(ending.seconds)
-    return f'{"succeeded" if result.success else f"ended, {ending.code.name}"}: {ending.text}'
+    estimate = ending.estimate
+    z, w = of_yaw(estimate.yaw)
+    pose = Pose(position=Point(x=estimate.x, y=estimate.y), orientation=Quaternion(z=z, w=w))
+    return {'success': ending.code is Code.NONE, 'error_code': ending.code,
+            'message': ending.text, 'pose': PoseStamped(pose=pose)}
 
 
-def fill_show(result: Any, shown: Tune | Animation) -> str:
-    """Fill in how a tune or an animation ended; return that for the log."""
+def show_result(shown: Tune | Animation) -> Values:
+    """Return how a tune or an animation ended."""
     assert shown.outcome is not None
-    fill(result, shown.outcome)
-    result.runtime = messages.duration(shown.seconds)
-    if isinstance(shown, Tune):
-        result.iterations_played = shown.iterations_played
-    return f'ended: {shown.outcome.text}'
+    return {**answer(shown.outcome), 'runtime': duration(shown.seconds)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,12 +163,12 @@ class Action:
         lambda driver, goal, now: driver.goals.start(goal, now))
     """Hands that to the driver, with the time, s."""
     cancel: Callable[..., None] = cancel_goal
-    feedback: Callable[[Any, Any], None]
-    """Fills feedback."""
+    feedback: Callable[[Any], Values]
+    """Returns the fields of feedback."""
     news: Callable[[Any], object] | None = None
     """Returns what must change for feedback to be sent; None: it is sent ten times a second."""
-    fill: Callable[[Any, Any], str] = fill_ending
-    """Fills the result; returns a text for the log."""
+    result: Callable[[Any], Values] = goal_result
+    """Returns the fields of the result."""
 
 
 ACTIONS = (
@@ -226,8 +199,8 @@ ACTIONS = (
     Action(
         name='dock', type=Dock, about='look for the Home Base and charge there; '
         'the service `dock` only starts to',
-        make=lambda goal: goals.Dock(allowance(goal)),
-        feedback=dock_seen),
+        make=lambda goal: goals.Dock(allowance(goal)), feedback=dock_seen,
+        result=lambda goal: {**goal_result(goal), 'is_docked': goal.outcome.docked}),
     Action(
         name='undock', type=Undock, about='leave the Home Base, 30 cm backwards',
         make=lambda goal: goals.Undock(allowance(goal)),
@@ -236,7 +209,8 @@ ACTIONS = (
         name='wall_follow', type=WallFollow, about='follow a wall on the right for a while',
         make=lambda goal: goals.WallFollow(
             goal.follow_side, messages.seconds(goal.max_runtime), allowance(goal)),
-        feedback=wall_engaged),
+        feedback=lambda goal: {'engaged': goal.progress.phase is Phase.ENGAGED},
+        result=lambda goal: {**goal_result(goal), 'runtime': duration(goal.outcome.seconds)}),
 )
 """The actions that drive the robot."""
 ALL_ACTIONS = (
@@ -246,12 +220,14 @@ ALL_ACTIONS = (
         about='play a tune of any length: notes with their seconds, or a ring tone (RTTTL)',
         make=tune, start=lambda driver, tune, now: driver.outputs.play_tune(tune, now),
         cancel=cancel_show, feedback=note_played,
-        news=lambda tune: (tune.iterations_played, tune.note), fill=fill_show),
+        news=lambda tune: (tune.iterations_played, tune.note),
+        result=lambda tune: {**show_result(tune), 'iterations_played': tune.iterations_played}),
     Action(
         name='led_animation', type=LedAnimation, about='blink LEDs, or light them in turn',
         make=animation,
         start=lambda driver, animation, now: driver.outputs.animate(animation, now),
-        cancel=cancel_show, feedback=runtime_left, fill=fill_show),
+        cancel=cancel_show, result=show_result, feedback=lambda animation: {
+            'remaining_runtime': duration(animation.max_seconds - animation.seconds)}),
 )
 
 
@@ -271,7 +247,6 @@ class Pursued:
     def __init__(self, action: Action, started: Any, handle: ServerGoalHandle) -> None:
         """Report on what the driver has started."""
         self.action, self.started, self.handle = action, started, handle
-        self.feedback = action.type.Feedback()
         self._frames = 0
         self._news = self._newest()
         self.unheard = 0
@@ -287,8 +262,8 @@ class Pursued:
         self._frames += 1
         before, self._news = self._news, self._newest()
         if self._news != before and self.started.outcome is None:
-            self.action.feedback(self.feedback, self.started)
-            self.handle.publish_feedback(self.feedback)
+            self.handle.publish_feedback(
+                self.action.type.Feedback(**self.action.feedback(self.started)))
 
     def cancel(self, session: Session, *, gone: bool = False) -> None:
         """End what was started, if it has not ended; `gone`: because its client has gone."""
@@ -349,11 +324,13 @@ class Actions:
             ended = future_of(pursued.started, self._node)
         await ended
         self._pursued.remove(pursued)
-        result = action.type.Result()
-        if hasattr(result, 'pose'):
-            stamp = messages.time(self._stamps.newest or 0)  # the frame's, so that tf2 knows it
-            result.pose.header = Header(frame_id=self._odom_frame, stamp=stamp)
-        self._node.get_logger().info(f'{action.name} {action.fill(result, pursued.started)}')
+        result = action.type.Result(**action.result(made))
+        how = 'ended'
+        if isinstance(made, Goal):
+            stamp = Time(nanoseconds=self._stamps.newest or 0)  # the frame's, so that tf2 knows it
+            result.pose.header = Header(frame_id=self._odom_frame, stamp=stamp.to_msg())
+            how = 'succeeded' if result.success else f'ended, {Code(result.error_code).name}'
+        self._node.get_logger().info(f'{action.name} {how}: {result.message}')
         if result.success:
             handle.succeed()
         elif handle.is_cancel_requested:

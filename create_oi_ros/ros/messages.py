@@ -8,10 +8,11 @@ by `empty...`; a function returns the values of its fields that change, by their
 """
 
 from collections.abc import Callable
+from enum import IntFlag
 from math import atan2, cos, nan, remainder, sin, tau
 from typing import Any
 
-from builtin_interfaces.msg import Duration, Time
+from builtin_interfaces.msg import Duration
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -24,15 +25,7 @@ from .. import oi
 from ..driver import ModeStatus
 from ..driver.events import NO_ROBOT
 from ..odometry import Estimate
-from ..oi import (
-    BumpsAndWheelDrops,
-    ChargingSources,
-    ChargingState,
-    DigitalInputs,
-    Infrared,
-    Overcurrents,
-    Readings,
-)
+from ..oi import ChargingState, Infrared, Readings
 from ..robot import MILLI, MOST_CHARGE
 
 NANOSECONDS = 1_000_000_000
@@ -52,12 +45,6 @@ UNKNOWN_CODE, UNKNOWN_SIGNAL = Mode.UNKNOWN, 0xffff
 Values = dict[str, Any]
 """Values of fields of a message, by their paths in it, such as `pose.covariance[7]`."""
 WHEEL_JOINTS = ('left_wheel_joint', 'right_wheel_joint')
-
-
-def time(nanoseconds: int) -> Time:
-    """Return a ROS time from nanoseconds since the epoch."""
-    seconds, rest = divmod(nanoseconds, NANOSECONDS)
-    return Time(sec=seconds, nanosec=rest)
 
 
 def seconds(duration: Duration) -> float:
@@ -140,28 +127,20 @@ def joint_states(estimate: Estimate) -> Values:
         'velocity[0]': estimate.left_wheel_speed, 'velocity[1]': estimate.right_wheel_speed}
 
 
-def flags(field: str, **bits: int) -> Callable[[Readings], Values]:
-    """Return a function from readings to flags: which bits of a field are set."""
-    numbers = {name: int(bit) for name, bit in bits.items()}
+def flags(field: str, kind: type[IntFlag], prefix: str = '') -> Callable[[Readings], Values]:
+    """Return a function from readings to flags: which bits of a field are set, by their names."""
+    bits = {bit.name.removeprefix(prefix).lower(): int(bit)
+            for bit in kind if bit.name is not None and bit.name.startswith(prefix)}
     return lambda readings: {
-        name: readings.number(field, 0) & bit != 0 for name, bit in numbers.items()}
+        name: readings.number(field, 0) & bit != 0 for name, bit in bits.items()}
 
 
-bumper = flags('bumps_and_wheel_drops', left=BumpsAndWheelDrops.BUMP_LEFT,
-               right=BumpsAndWheelDrops.BUMP_RIGHT)
-wheel_drop = flags('bumps_and_wheel_drops', left=BumpsAndWheelDrops.WHEEL_DROP_LEFT,
-                   right=BumpsAndWheelDrops.WHEEL_DROP_RIGHT,
-                   caster=BumpsAndWheelDrops.WHEEL_DROP_CASTER)
-buttons = flags('buttons', play=oi.Buttons.PLAY, advance=oi.Buttons.ADVANCE)
-overcurrent = flags('overcurrents', left_wheel=Overcurrents.LEFT_WHEEL,
-                    right_wheel=Overcurrents.RIGHT_WHEEL, driver_0=Overcurrents.DRIVER_0,
-                    driver_1=Overcurrents.DRIVER_1, driver_2=Overcurrents.DRIVER_2)
-digital_inputs = flags('digital_inputs', input_0=DigitalInputs.INPUT_0,
-                       input_1=DigitalInputs.INPUT_1, input_2=DigitalInputs.INPUT_2,
-                       input_3=DigitalInputs.INPUT_3,
-                       baud_rate_pin=DigitalInputs.BAUD_RATE_CHANGE)
-charging_sources = flags('charging_sources', home_base=ChargingSources.HOME_BASE,
-                         internal_charger=ChargingSources.INTERNAL_CHARGER)
+bumper = flags('bumps_and_wheel_drops', oi.BumpsAndWheelDrops, 'BUMP_')
+wheel_drop = flags('bumps_and_wheel_drops', oi.BumpsAndWheelDrops, 'WHEEL_DROP_')
+buttons = flags('buttons', oi.Buttons)
+overcurrent = flags('overcurrents', oi.Overcurrents)
+digital_inputs = flags('digital_inputs', oi.DigitalInputs)
+charging_sources = flags('charging_sources', oi.ChargingSources)
 
 
 def known_signal(strength: int | None) -> int:
@@ -274,13 +253,10 @@ def song(readings: Readings) -> Values:
 
 def cargo_bay(readings: Readings) -> Values:
     """Return the inputs of the cargo bay connector (packets 32 and 33)."""
-    return {**digital_inputs(readings), 'analog': readings.analog_volts}
-
-
-def age(stamp: Time, nanoseconds: int) -> float:
-    """Return the seconds from a stamp to a time in nanoseconds; 0 if the stamp is not set."""
-    stamped = stamp.sec * NANOSECONDS + stamp.nanosec
-    return (nanoseconds - stamped) / NANOSECONDS if stamped else 0.0
+    values = digital_inputs(readings)
+    values['baud_rate_pin'] = values.pop('baud_rate_change')
+    values['analog'] = readings.analog_volts
+    return values
 
 
 def leds(request: Any) -> oi.Leds:

@@ -10,12 +10,12 @@ from functools import partial
 import sys
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
+from rclpy.time import Time
 from std_msgs.msg import Header
 
 from .. import __version__
@@ -148,8 +148,9 @@ class CreateNode(Node):
 
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
-    def _on_velocity(self, linear: float, angular: float, stamp: Time | None) -> None:
-        age = 0.0 if stamp is None else messages.age(stamp, self.get_clock().now().nanoseconds)
+    def _on_velocity(self, linear: float, angular: float, stamp: int) -> None:
+        now = self.get_clock().now().nanoseconds
+        age = (now - stamp) / messages.NANOSECONDS if stamp else 0.0
         if age <= self.parameters.cmd_vel_timeout:
             self.session.drive(linear, angular)
             return
@@ -184,7 +185,7 @@ class CreateNode(Node):
         self._mode_waits = stamp is None
         if stamp is not None:
             header = Header(
-                frame_id=self.parameters.base_frame, stamp=messages.time(stamp))
+                frame_id=self.parameters.base_frame, stamp=Time(nanoseconds=stamp).to_msg())
             self._mode.publish(messages.mode(status, header))
 
     def _watch_and_report(self) -> None:

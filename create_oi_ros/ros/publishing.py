@@ -20,6 +20,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, PointCloud2, PointField
 from std_msgs.msg import Header
 
@@ -336,7 +337,7 @@ class ContactCloud:
             return
         self._count = len(points)
         self._due_at = stamp + (1 / parameters.sensor_rate if points else EMPTY_PERIOD)
-        self._cloud.header.stamp = messages.time(nanoseconds)
+        self._cloud.header.stamp = Time(nanoseconds=nanoseconds).to_msg()
         self._cloud.width, self._cloud.row_step = len(points), len(points) * POINT.size
         self._cloud.data = b''.join(POINT.pack(x, y, HEIGHT) for x, y in points)
         self._publisher.publish(self._cloud)

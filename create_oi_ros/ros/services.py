@@ -41,7 +41,7 @@ from ..link.session import Session
 from ..oi.script import commands_of
 from ..oi.tools.text import format_command, parse_script
 from . import messages
-from .messages import yaw_of
+from .messages import Values, yaw_of
 from .odometry_model import ModelKeeper
 
 Result = TypeVar('Result')
@@ -77,19 +77,18 @@ def define_script(driver: Driver, request: DefineScript.Request, _now: float) ->
     return driver.scripts.define(script)
 
 
-def fill(response: Any, outcome: Outcome) -> Any:
-    """Put how a request ended into a response."""
-    response.success, response.message = outcome.ok, outcome.text
-    return response
+def answer(outcome: Outcome) -> Values:
+    """Return how a request ended, as fields of a response."""
+    return {'success': outcome.ok, 'message': outcome.text}
 
 
-def fill_script(response: ShowScript.Response, outcome: Outcome) -> Any:
-    """Put the script that the robot has sent into a response."""
-    response.code = outcome.payload
+def script_answer(outcome: Outcome) -> Values:
+    """Return the script that the robot has sent, as fields of a response."""
+    values = {**answer(outcome), 'code': outcome.payload}
+    script = oi.Script(script=outcome.payload)
     with suppress(ValueError):  # where its bytes are no commands, there is no text
-        response.text = ''.join(f'{format_command(each)}\n' for each in commands_of(
-            oi.Script(script=outcome.payload)))
-    return fill(response, outcome)
+        values['text'] = ''.join(f'{format_command(each)}\n' for each in commands_of(script))
+    return values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,8 +100,8 @@ class Service:
     about: str
     request: Callable[[Driver, Any, float], Pending] | None
     """Hands a request to the driver, with the time, s; None: it is not for the driver."""
-    fill: Callable[[Any, Outcome], Any] = fill
-    """Fills the response and returns it."""
+    answer: Callable[[Outcome], Values] = answer
+    """Returns the fields of the response."""
 
 
 SERVICES = (
@@ -173,7 +172,7 @@ SERVICES = (
         request=lambda driver, request, now: driver.scripts.play(now, force=request.force),
         about='play the stored script; one that cannot end only by `force`'),
     Service(
-        name='show_script', type=ShowScript, fill=fill_script,
+        name='show_script', type=ShowScript, answer=script_answer,
         request=lambda driver, _, now: driver.scripts.show(now),
         about='read the stored script back'),
 )
@@ -195,10 +194,12 @@ class Services:
     async def serve(self, service: Service, request: Any, response: Any) -> Any:
         """Hand a request to the driver, and return the response when it has ended."""
         if service.request is None:
-            return service.fill(response, self._model.save(self._session))
-        with self._session.request() as (driver, now):
-            ended = future_of(service.request(driver, request, now), self._node)
-        return service.fill(response, await ended)
+            outcome = self._model.save(self._session)
+        else:
+            with self._session.request() as (driver, now):
+                ended = future_of(service.request(driver, request, now), self._node)
+            outcome = await ended
+        return type(response)(**service.answer(outcome))
 
 
 def future_of(awaited: Awaited[Result], node: Node) -> Future:

@@ -13,7 +13,6 @@ import threading
 import time
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import SingleThreadedExecutor
@@ -21,6 +20,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
+from rclpy.time import Time
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from .topics import CMD_VEL, type_name
@@ -43,12 +43,12 @@ class VelocityInput:
     """
 
     def __init__(self, node: Node, type_: str,
-                 on_command: Callable[[float, float, Time | None], None],
+                 on_command: Callable[[float, float, int], None],
                  *, on_failure: Callable[[], None]) -> None:
         """
         Subscribe for a node, with one of TYPES; `start` begins to take commands.
 
-        `on_command` gets forward speed, m/s, turn rate, rad/s, and the stamp, if it has one.
+        `on_command` gets forward speed, m/s, turn rate, rad/s, and the stamp, ns; 0: none.
         `on_failure` is called when the thread ends with an error, whose traceback is printed.
         """
         self._topic = node.resolve_topic_name(CMD_VEL)
@@ -141,8 +141,8 @@ class VelocityInput:
     def _take(self, message: Twist | TwistStamped, info: dict[str, Any]) -> None:
         stamped = isinstance(message, TwistStamped)
         twist = message.twist if stamped else message
-        self._on_command(
-            twist.linear.x, twist.angular.z, message.header.stamp if stamped else None)
+        stamp = Time.from_msg(message.header.stamp).nanoseconds if stamped else 0
+        self._on_command(twist.linear.x, twist.angular.z, stamp)
         number = info['publication_sequence_number']
         if number is None:
             return

@@ -36,6 +36,7 @@ from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 from std_srvs.srv import Trigger
 
@@ -43,7 +44,6 @@ from create_oi_ros import oi
 from create_oi_ros.driver.contacts import OUTSIDE
 from create_oi_ros.oi.tools.text import parse_script
 from create_oi_ros.robot import BODY_RADIUS
-from create_oi_ros.ros import messages
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import LATCHED
 from support.ros import Ready
@@ -231,7 +231,7 @@ def test_without_a_robot_every_service_answers_with_what_to_do(stage):
 
 def typical_rate(heard: list) -> float:
     """Return messages a second by their stamps; those that a busy computer loses count little."""
-    stamps = [-messages.age(message.header.stamp, 0) for message in heard]
+    stamps = [Time.from_msg(message.header.stamp).nanoseconds / 1e9 for message in heard]
     stretch = min(3, len(stamps) - 1)
     return stretch / median(later - earlier for earlier, later in zip(stamps, stamps[stretch:]))
 
@@ -274,7 +274,7 @@ def test_stale_commands_are_dropped_by_their_stamp(stage):
     def publish() -> None:
         now = ready.ros.node.get_clock().now().nanoseconds
         command = TwistStamped(twist=Twist(linear=Vector3(x=0.2)))
-        command.header.stamp = messages.time(now - round(old[0] * messages.NANOSECONDS))
+        command.header.stamp = Time(nanoseconds=now - round(old[0] * 1e9)).to_msg()
         velocity.publish(command)
     ready.ros.node.create_timer(0.1, publish)
     ready.ros.until(lambda: 'is dropped' in ready.node.output)

@@ -14,12 +14,12 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import DescribeParameters, ListParameters
+from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_srvs.srv import Trigger
 
 from create_oi_ros import oi
-from create_oi_ros.ros import messages
 from create_oi_ros.ros.messages import yaw_of
 from create_oi_ros.ros.topics import LATCHED, PUBLISHED
 from create_oi_ros.sim.body.config import DEFAULT_BODY
@@ -69,7 +69,7 @@ def test_with_use_sim_time_nothing_is_published_before_the_clock_and_stamps_foll
 
     def tick() -> None:  # half as fast as time
         newest[0] = next(ticks) * 5_000_000
-        clock.publish(Clock(clock=messages.time(newest[0])))
+        clock.publish(Clock(clock=Time(nanoseconds=newest[0]).to_msg()))
     stage.ros.node.create_timer(0.01, tick)
     stage.ros.until(lambda: all(heard.values()) and len(heard['odom']) > 50, 'all topics')
     for received in heard.values():

@@ -12,12 +12,13 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
+from rclpy.time import Time
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
-from create_oi_ros.ros import messages as ros_messages
 from create_oi_ros.ros.bags import definitions
+from create_oi_ros.ros.messages import of_yaw
 
 STORE = definitions()
 BEGAN = 1_700_000_000_000_000_000
@@ -30,7 +31,7 @@ def name_of(kind: type) -> str:
 
 def header(time: float) -> Header:
     """Return the header of a message."""
-    return Header(stamp=ros_messages.time(BEGAN + round(time * 1e9)))
+    return Header(stamp=Time(nanoseconds=BEGAN + round(time * 1e9)).to_msg())
 
 
 def twist(speed: float, turn: float) -> Twist:
@@ -43,7 +44,7 @@ def odometry(time: float, turn: float = 0.5) -> Odometry:
     yaw, made = turn * time, Odometry(header=header(time))
     pose, made.twist.twist = made.pose.pose, twist(0.2, turn)
     pose.position.x, pose.position.y = 0.4 * sin(yaw), 0.4 - 0.4 * cos(yaw)
-    pose.orientation.z, pose.orientation.w = ros_messages.of_yaw(yaw)
+    pose.orientation.z, pose.orientation.w = of_yaw(yaw)
     return made
 
 
