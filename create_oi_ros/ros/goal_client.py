@@ -29,7 +29,7 @@ from .actions import ALL_ACTIONS, malformed
 from .process import end_in_time, STOP_SIGNALS
 from .programs import INTERRUPTED
 from .services import SERVICES
-from .waiting import DISCOVERY_TIMEOUT, waits_for
+from .waiting import DISCOVERY_TIMEOUT, say_if_waiting
 
 ANSWER_TIMEOUT = 10.0
 """Seconds in which it must answer a call of a service."""
@@ -244,17 +244,15 @@ class GoalClient:
 
     def _find(self, name: str, what: str, ready: Callable[[], bool]) -> None:
         """Wait for the driver, and say so; GoalFailed: there is none."""
-        began, said = time.monotonic(), False
+        if not ready():
+            say_if_waiting(self.node, what, lambda: not ready(), lambda why: print(
+                f'{self._name}: {why}', file=sys.stderr, flush=True))
+        until = time.monotonic() + DISCOVERY_TIMEOUT
         while not ready():
-            waited = time.monotonic() - began
-            if waited >= DISCOVERY_TIMEOUT:
+            if time.monotonic() > until:
                 domain = self.node.context.get_domain_id()
                 raise GoalFailed(f'{name}: no driver was found in ROS domain {domain}')
-            why = None if said else waits_for(self.node, what, waited)
-            if why is not None:
-                said = True
-                print(f'{self._name}: {why}', file=sys.stderr, flush=True)
-            time.sleep(LOOK_EVERY)
+            self._spin()
 
     def _cancel_running(self) -> bool:
         """Cancel a goal that was sent and has not ended; return whether it has ended now."""

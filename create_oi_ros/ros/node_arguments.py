@@ -14,7 +14,7 @@ from rclpy.utilities import remove_ros_args
 import yaml
 
 from .. import __version__
-from .parameters import listed, Parameters, shown, suggestion
+from .parameters import allowed, Parameters, shown, suggestion
 
 WIDTH = 96
 NODE = 'create'
@@ -124,12 +124,11 @@ def parameter_help() -> str:
     lines = ['parameters (give them as --ros-args -p NAME:=VALUE, or --params-file FILE):']
     for declared in fields(Parameters):
         facts = declared.metadata
-        allowed = f' One of {listed(facts["choices"])}.' if facts['choices'] else ''
-        if facts['low'] is not None:
-            allowed = f' {facts["low"]} to {facts["high"]}.'
+        text = f'{facts["description"]}. '
+        if values := allowed(facts):
+            text += f'{"One of " if facts["choices"] else ""}{values}.'
         lines.append(f'  {declared.name}:={shown(declared.default)}')
-        lines += textwrap.wrap(f'{facts["description"]}.{allowed}', WIDTH,
-                               initial_indent=' ' * 6, subsequent_indent=' ' * 6)
+        lines += textwrap.wrap(text, WIDTH, initial_indent=' ' * 6, subsequent_indent=' ' * 6)
     return '\n'.join(lines)
 
 

@@ -7,7 +7,7 @@ Name, type and default are the dataclass field's; description, range and whether
 while the node runs are in its metadata. `declare` declares them to ROS in one loop.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, MISSING, replace
 from difflib import get_close_matches
 from math import isfinite, radians
@@ -369,6 +369,13 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     """Return a question for the nearest known name; empty where none is near."""
     found = get_close_matches(name, list(known), 1)
     return f': did you mean {found[0]}?' if found else ''
+
+
+def allowed(facts: Mapping[str, Any]) -> str:
+    """Return the allowed values of a parameter, by its metadata; empty: all."""
+    if facts['low'] is not None:
+        return f'{facts["low"]} to {facts["high"]}'
+    return listed(facts['choices'])
 
 
 def listed(choices: tuple[Any, ...]) -> str:

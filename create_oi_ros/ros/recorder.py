@@ -123,15 +123,8 @@ class Recorder:
 
 def bag_qos(qos: QoSProfile) -> Qos:
     """Return a quality of service in the form of a bag; `ros2 bag play` offers it again."""
-    from rosbags.interfaces import (
-        Qos,
-        QosDurability,
-        QosHistory,
-        QosLiveliness,
-        QosReliability,
-        QosTime,
-    )
-    never = QosTime(9223372036, 854775807)
-    return Qos(  # both number the policies as the middleware does
-        QosHistory.KEEP_LAST, qos.depth, QosReliability(qos.reliability),
-        QosDurability(qos.durability), never, never, QosLiveliness.AUTOMATIC, never, False)
+    from rosbags import interfaces as bag
+    never = bag.QosTime(9223372036, 854775807)
+    return bag.Qos(  # both number the policies as the middleware does
+        bag.QosHistory.KEEP_LAST, qos.depth, bag.QosReliability(qos.reliability),
+        bag.QosDurability(qos.durability), never, never, bag.QosLiveliness.AUTOMATIC, never, False)

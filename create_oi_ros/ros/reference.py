@@ -8,17 +8,16 @@ with their defaults. In any other file it replaces the blocks between their mark
 docs/interface.md, and the names in config/sros2_policy.xml.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import fields
 import json
 from pathlib import Path
 import sys
 from textwrap import wrap
-from typing import Any
 
 from ..oi.tools import markdown
 from .actions import ALL_ACTIONS
-from .parameters import Parameters, shown
+from .parameters import allowed, Parameters, shown
 from .services import SERVICES
 from .topics import ALL_TOPICS, type_name
 
@@ -54,7 +53,7 @@ def parameters() -> str:
     for declared in fields(Parameters):
         facts = declared.metadata
         rows.append((
-            f'`{declared.name}`', f'`{shown(declared.default)}`', _allowed(facts),
+            f'`{declared.name}`', f'`{shown(declared.default)}`', allowed(facts),
             'at start' if facts['fixed'] else 'any time', facts['description']))
     return markdown.table(('parameter', 'default', 'allowed', 'set', 'what'), rows)
 
@@ -83,17 +82,11 @@ def config() -> str:
     """Return a parameter file with all defaults."""
     lines = []
     for declared in fields(Parameters):
-        about, allowed = declared.metadata['description'], _allowed(declared.metadata)
-        about += f' ({allowed})' if allowed else ''
+        about, values = declared.metadata['description'], allowed(declared.metadata)
+        about += f' ({values})' if values else ''
         lines += [f'    # {line}' for line in wrap(about, CONFIG_WIDTH)]
         lines.append(f'    {declared.name}: {json.dumps(declared.default)}')
     return CONFIG_HEAD + '\n'.join(lines) + '\n'
-
-
-def _allowed(facts: Mapping[str, Any]) -> str:
-    if facts['low'] is not None:
-        return f'{facts["low"]} to {facts["high"]}'
-    return ', '.join(str(choice) for choice in facts['choices'])
 
 
 def rewritten(text: str) -> str:
