@@ -66,12 +66,10 @@ PHASES: dict[Phase | None, int] = {
 
 
 def distance_left(goal: Goal) -> Values:
-    """Return the distance that is left."""
     return {'remaining_travel_distance': goal.progress.distance}
 
 
 def angle_left(goal: Goal) -> Values:
-    """Return the angle that is left."""
     return {'remaining_angle_travel': goal.progress.angle}
 
 
@@ -145,7 +143,6 @@ def goal_result(goal: Goal) -> Values:
 
 
 def show_result(shown: Tune | Animation) -> Values:
-    """Return how a tune or an animation ended."""
     assert shown.outcome is not None
     return {**answer(shown.outcome), 'runtime': duration(shown.seconds)}
 
@@ -245,7 +242,6 @@ class Pursued:
     """A request that the driver follows, and the goal of the client that waits for its end."""
 
     def __init__(self, action: Action, started: Any, handle: ServerGoalHandle) -> None:
-        """Report on what the driver has started."""
         self.action, self.started, self.handle = action, started, handle
         self._frames = 0
         self._news = self._newest()
@@ -296,7 +292,6 @@ class Actions:
     # On the executor's thread.
 
     def _check(self, action: Action, request: Any) -> GoalResponse:
-        """Reject malformed goals of an action."""
         try:
             self._make(action, request)
         except ValueError as error:
@@ -313,7 +308,6 @@ class Actions:
         return action.make(request)
 
     async def _execute(self, action: Action, handle: ServerGoalHandle) -> Any:
-        """Pursue a goal of an action."""
         made = self._make(action, handle.request)
         with self._session.request() as (driver, now):
             action.start(driver, made, now)

@@ -145,7 +145,6 @@ def _known(number: float, digits: int | None = None) -> float | str:
 
 def _battery(readings: oi.Readings, charge: float, temperature: float,
              watched: BatteryLevel) -> tuple[bytes, str]:
-    """Return level and message."""
     if readings.charging_state == oi.ChargingState.FAULT:
         return ERROR, 'charging fault: check battery and charger'
     if temperature >= TOO_HOT:

@@ -130,7 +130,6 @@ class GoalClient:
     """
 
     def __init__(self, name: str = 'goal_client', namespace: str = '') -> None:
-        """Take the name of the node, and the namespace of the robot."""
         self._name, self._namespace = name, namespace
         self._clients: dict[str, ActionClient] = {}
         self._services: dict[str, Client] = {}

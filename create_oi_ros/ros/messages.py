@@ -53,7 +53,6 @@ def seconds(duration: Duration) -> float:
 
 
 def duration(length: float) -> Duration:
-    """Return a duration from seconds."""
     sec, nanosec = divmod(round(length * NANOSECONDS), NANOSECONDS)
     return Duration(sec=sec, nanosec=nanosec)
 
@@ -260,7 +259,6 @@ def cargo_bay(readings: Readings) -> Values:
 
 
 def leds(request: Any) -> oi.Leds:
-    """Return the LEDs that a request chooses."""
     bits = oi.LedBits.PLAY * request.play | oi.LedBits.ADVANCE * request.advance
     return oi.Leds(bits=bits, color=request.power_color, intensity=request.power_intensity)
 

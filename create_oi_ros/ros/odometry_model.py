@@ -84,7 +84,6 @@ def write(path: Path, knowledge: Knowledge, verdict: Mapping[str, object] | None
 
 
 def text_of(knowledge: Knowledge, verdict: Mapping[str, object] | None = None) -> str:
-    """Return the content of a file."""
     content: dict[str, object] = {
         'format': FORMAT, **({} if verdict is None else {'verdict': dict(verdict)}),
         'rounding': {kind.value: _short(p) for kind, p in knowledge.rounding.items()},

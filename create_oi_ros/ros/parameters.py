@@ -155,7 +155,6 @@ class Parameters:
         'overwritten: where it exists, a number is added to its name', fixed=True)
 
     def settings(self) -> Settings:
-        """Return the settings of the driver."""
         return Settings(
             baud=self.baud, mode_on_start=START_MODES[self.mode_on_start],
             mode_on_exit=START_MODES[self.mode_on_exit], recover_mode=self.recover_mode,
@@ -209,7 +208,6 @@ TAKES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: '
 
 
 def descriptor(name: str) -> ParameterDescriptor:
-    """Describe a parameter to ROS."""
     facts = DECLARED[name].metadata
     described = ParameterDescriptor(description=facts['description'], read_only=facts['fixed'])
     if facts['low'] is not None:

@@ -192,7 +192,6 @@ class Children:
         self._processes: list[tuple[str, subprocess.Popen[bytes]]] = []
 
     def start(self, program: str, *arguments: str) -> None:
-        """Start a program."""
         self._processes.insert(0, (program, start(program, *arguments)))
 
     def ended(self) -> str | None:

@@ -47,7 +47,6 @@ EARLY = SLOT / 2
 
 
 def publisher(node: Node, topic: Topic) -> Publisher:
-    """Create the publisher of a topic."""
     return node.create_publisher(topic.type, topic.name, topic.qos)
 
 
@@ -78,7 +77,6 @@ class StampClock:
     """
 
     def __init__(self, node: Node) -> None:
-        """Take the clock of a node."""
         clock = node.get_clock()
         assert isinstance(clock, ROSClock), 'the clock of every node'
         self._clock = clock
@@ -152,7 +150,7 @@ class FrameTopic:
         `values` returns those of the message from an estimate or readings; `header` is the path
         of its header.
         """
-        self._publisher = publisher(node, topic)
+        self.publisher = publisher(node, topic)
         self._log = node.get_logger()
         self._message = message
         self._values = values
@@ -161,24 +159,19 @@ class FrameTopic:
         self.heard = False
         """Whether there are subscribers."""
 
-    def check(self) -> None:
-        """Check for subscribers."""
-        self.heard = self._publisher.get_subscription_count() > 0
-
     def publish(self, stamp: int, source: Any) -> None:
         """Publish the message of an estimate or of readings with this stamp, ns."""
         values = self._values(source)
         values[self._seconds], values[self._nanoseconds] = divmod(stamp, messages.NANOSECONDS)
         if self._encode is None:
             self._encode = encoder(self._log, self._message, values)
-        self._publisher.publish(self._encode(values))
+        self.publisher.publish(self._encode(values))
 
 
 class SensorFrameTopic(FrameTopic):
     """Publishes a topic that is made from readings: when they change, else when it is told to."""
 
     def __init__(self, node: Node, topic: SensorTopic, parameters: Parameters) -> None:
-        """Create the publisher."""
         message = topic.type(header=Header(frame_id=parameters.base_frame))
         if topic.type is CargoBay:
             message.input_names = list(parameters.input_names)
@@ -218,7 +211,6 @@ class FramePublisher:
     """Publishes where the robot is, how it moves and what it senses, frame by frame."""
 
     def __init__(self, node: Node, parameters: Parameters) -> None:
-        """Create the publishers."""
         self.stamps = StampClock(node)
         frames = parameters.odom_frame, parameters.base_frame
         self._motion = [FrameTopic(
@@ -294,9 +286,8 @@ class FramePublisher:
         return changed
 
     def _check(self) -> None:
-        """Check for subscribers."""
         for topic in self._checked:
-            topic.check()
+            topic.heard = topic.publisher.get_subscription_count() > 0
 
 
 HEIGHT = 0.05
@@ -310,7 +301,6 @@ class ContactCloud:
     """Fills the cloud and publishes it, frame by frame."""
 
     def __init__(self, node: Node, parameters: Parameters) -> None:
-        """Create the publisher."""
         self._publisher = publisher(node, topics.CONTACTS)
         self._contacts = Contacts()
         self._count = 0

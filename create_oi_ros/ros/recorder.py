@@ -66,7 +66,6 @@ class Recorder:
 
     @property
     def topics(self) -> list[str]:
-        """Names of the topics that are recorded."""
         return [connection.topic for connection in self._writer.connections]
 
     def describe(self) -> None:

@@ -27,20 +27,17 @@ POLICY_INDENT = 12 * ' '
 
 
 def topics() -> str:
-    """Return the table of published topics."""
     return markdown.table(('topic', 'type', 'when', 'what'), (
         (f'`{topic.name}`', type_name(topic.type), topic.when, topic.about)
         for topic in ALL_TOPICS))
 
 
 def services() -> str:
-    """Return the table of services."""
     return markdown.table(('service', 'type', 'what'), (
         (f'`{service.name}`', type_name(service.type), service.about) for service in SERVICES))
 
 
 def actions() -> str:
-    """Return the table of actions."""
     return markdown.table(('action', 'type', 'goal', 'what'), (
         (f'`{action.name}`', type_name(action.type),
          ', '.join(f'`{name}`' for name in action.type.Goal.get_fields_and_field_types()),
@@ -48,7 +45,6 @@ def actions() -> str:
 
 
 def parameters() -> str:
-    """Return the table of parameters."""
     rows = []
     for declared in fields(Parameters):
         facts = declared.metadata

@@ -17,7 +17,6 @@ class RobotState:
     """The newest message of each type."""
 
     def __init__(self) -> None:
-        """Know nothing."""
         self._newest: dict[type, Any] = {}
 
     def newest(self, type_: type[Message]) -> Message | None:

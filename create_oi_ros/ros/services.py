@@ -50,7 +50,6 @@ QUEUE = QoSProfile(depth=200)
 
 
 def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pending:
-    """Store a song, and play it if asked to."""
     song = request.number, list(request.pitches), list(request.seconds)
     return (driver.outputs.define_and_play(*song, now) if request.play
             else driver.outputs.define_song(*song))
@@ -59,14 +58,12 @@ def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pend
 def set_digital_outputs(
     driver: Driver, request: SetDigitalOutputs.Request, _now: float,
 ) -> Pending:
-    """Set the digital outputs."""
     outputs = request.output_0, request.output_1, request.output_2
     return driver.outputs.set_outputs(
         oi.OutputBits(sum(bit for bit, high in zip(oi.OutputBits, outputs) if high)))
 
 
 def define_script(driver: Driver, request: DefineScript.Request, _now: float) -> Pending:
-    """Store a script."""
     if request.text and request.code:
         return refused('both text and code are given: leave one empty')
     try:
@@ -183,7 +180,6 @@ class Services:
     """The servers of all services."""
 
     def __init__(self, node: Node, session: Session, model: ModelKeeper) -> None:
-        """Offer all services."""
         self._node, self._session, self._model = node, session, model
         # A service that waits for the robot must not keep the other callbacks from running.
         group = ReentrantCallbackGroup()

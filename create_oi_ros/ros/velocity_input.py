@@ -76,7 +76,6 @@ class VelocityInput:
         self._thread = threading.Thread(target=self._run, name=CMD_VEL)
 
     def start(self) -> None:
-        """Begin to take commands."""
         self._thread.start()
 
     def close(self) -> None:
