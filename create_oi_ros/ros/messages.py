@@ -12,7 +12,7 @@ from enum import IntFlag
 from math import atan2, cos, nan, remainder, sin, tau
 from typing import Any
 
-from builtin_interfaces.msg import Duration
+from builtin_interfaces.msg import Duration, Time
 from create_oi_msgs.msg import Mode
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -256,6 +256,11 @@ def cargo_bay(readings: Readings) -> Values:
     values['baud_rate_pin'] = values.pop('baud_rate_change')
     values['analog'] = readings.analog_volts
     return values
+
+
+def nanoseconds(stamp: Time) -> int:
+    """Return a stamp in nanoseconds, also one before 1970, which rclpy's Time refuses."""
+    return int(stamp.sec * NANOSECONDS + stamp.nanosec)
 
 
 def leds(request: Any) -> oi.Leds:

@@ -20,9 +20,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
-from rclpy.time import Time
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from .messages import nanoseconds
 from .topics import CMD_VEL, type_name
 
 TYPES: dict[str, tuple[type, ...]] = {
@@ -140,7 +140,7 @@ class VelocityInput:
     def _take(self, message: Twist | TwistStamped, info: dict[str, Any]) -> None:
         stamped = isinstance(message, TwistStamped)
         twist = message.twist if stamped else message
-        stamp = Time.from_msg(message.header.stamp).nanoseconds if stamped else 0
+        stamp = nanoseconds(message.header.stamp) if stamped else 0
         self._on_command(twist.linear.x, twist.angular.z, stamp)
         number = info['publication_sequence_number']
         if number is None:
