@@ -32,13 +32,12 @@ from ..link.capture import begin, Capture, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
-from . import diagnostics, messages, node_arguments, parameters, topics
+from . import diagnostics, messages, node_arguments, parameters, services, topics
 from .actions import Actions, ALL_ACTIONS
 from .graph_watch import GraphWatch
 from .odometry_model import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import CLOCK_WARNING_INTERVAL, ContactCloud, FramePublisher, publisher
-from .services import SERVICES, Services
 from .velocity_input import VelocityInput
 from .waiting import announce
 
@@ -49,7 +48,7 @@ STALE_WARNING_INTERVAL = 5.0
 NAMES = (
     topics.CMD_VEL, topics.GOAL_POSE, *(topic.name for topic in topics.ALL_TOPICS),
     '/tf_static', '/clock', '/rosout', '/parameter_events',
-    *(service.name for service in SERVICES),
+    *(service.name for service in services.SERVICES),
     *(f'~/{name}_parameters' for name in ('describe', 'get', 'list', 'set')),
     '~/get_parameter_types', '~/set_parameters_atomically', '~/get_type_description',
     *(f'{action.name}/_action/{part}' for action in ALL_ACTIONS for part in (
@@ -91,7 +90,7 @@ class CreateNode(Node):
             open_port=partial(CapturedPort, self.capture) if self.capture else Port)
         self._stale = 0
         self._declare_topics()
-        Services(self, self.session, self.model)  # the node keeps it, by its callbacks
+        services.offer(self, self.session, self.model)
         self._actions = Actions(self, self.session, self.parameters, self._stamps)
         self._counts = LinkCounts()
         self._hardware_id = diagnostics.hardware_id(self.parameters.port, self.get_namespace())

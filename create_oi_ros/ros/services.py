@@ -13,21 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
 
-from create_oi_msgs.srv import (
-    DefineScript,
-    DefineSong,
-    PlayScript,
-    PlaySong,
-    ResetPose,
-    SendIr,
-    SetDigitalOutput,
-    SetDigitalOutputs,
-    SetLeds,
-    SetLowSideDrivers,
-    SetMode,
-    ShowScript,
-    StartDemo,
-)
+from create_oi_msgs import srv
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -49,21 +35,21 @@ QUEUE = QoSProfile(depth=200)
 """Requests that may arrive at once; more than the depth are never answered (ROS default: 10)."""
 
 
-def define_song(driver: Driver, request: DefineSong.Request, now: float) -> Pending:
+def define_song(driver: Driver, request: srv.DefineSong.Request, now: float) -> Pending:
     song = request.number, list(request.pitches), list(request.seconds)
     return (driver.outputs.define_and_play(*song, now) if request.play
             else driver.outputs.define_song(*song))
 
 
 def set_digital_outputs(
-    driver: Driver, request: SetDigitalOutputs.Request, _now: float,
+    driver: Driver, request: srv.SetDigitalOutputs.Request, _now: float,
 ) -> Pending:
     outputs = request.output_0, request.output_1, request.output_2
     return driver.outputs.set_outputs(
         oi.OutputBits(sum(bit for bit, high in zip(oi.OutputBits, outputs) if high)))
 
 
-def define_script(driver: Driver, request: DefineScript.Request, _now: float) -> Pending:
+def define_script(driver: Driver, request: srv.DefineScript.Request, _now: float) -> Pending:
     if request.text and request.code:
         return refused('both text and code are given: leave one empty')
     try:
@@ -103,7 +89,7 @@ class Service:
 
 SERVICES = (
     Service(
-        name='set_mode', type=SetMode,
+        name='set_mode', type=srv.SetMode,
         request=lambda driver, request, now: driver.modes.set(request.mode, now),
         about='enter Passive (1), Safe (2) or Full (3); answers when the robot reports it'),
     Service(
@@ -114,7 +100,7 @@ SERVICES = (
         request=lambda driver, _, now: driver.reset_odometry(),
         about='begin `odom` again where the robot is'),
     Service(
-        name='reset_pose', type=ResetPose,
+        name='reset_pose', type=srv.ResetPose,
         request=lambda driver, request, _: driver.reset_pose(
             request.pose.position.x, request.pose.position.y, yaw_of(request.pose.orientation)),
         about='say where the robot is in `odom_frame`: `odom` goes on from there'),
@@ -122,35 +108,35 @@ SERVICES = (
         name='save_odometry_model', type=Trigger, request=None,
         about='write what the odometry has learned of the robot to `odometry_model`'),
     Service(
-        name='define_song', type=DefineSong, request=define_song,
+        name='define_song', type=srv.DefineSong, request=define_song,
         about='store a song as MIDI numbers and seconds, and play it if `play` is set'),
     Service(
-        name='play_song', type=PlaySong,
+        name='play_song', type=srv.PlaySong,
         request=lambda driver, request, now: driver.outputs.play_song(request.number, now),
         about='play a song that was stored'),
     Service(
-        name='set_leds', type=SetLeds,
+        name='set_leds', type=srv.SetLeds,
         request=lambda driver, request, _: driver.outputs.set_leds(messages.leds(request)),
         about='Play and Advance; colour and intensity of Power'),
     Service(
-        name='set_digital_outputs', type=SetDigitalOutputs, request=set_digital_outputs,
+        name='set_digital_outputs', type=srv.SetDigitalOutputs, request=set_digital_outputs,
         about='the three digital outputs of the cargo bay'),
     Service(
-        name='set_digital_output', type=SetDigitalOutput,
+        name='set_digital_output', type=srv.SetDigitalOutput,
         request=lambda driver, request, _: driver.outputs.set_output(
             request.output, high=request.high),
         about='one of them, by its name in `output_names`; the others stay'),
     Service(
-        name='set_low_side_drivers', type=SetLowSideDrivers,
+        name='set_low_side_drivers', type=srv.SetLowSideDrivers,
         request=lambda driver, request, _: driver.outputs.set_drivers(
             (request.driver_0, request.driver_1, request.driver_2)),
         about='duty cycles of the three low side drivers, 0.0 (off) to 1.0 (on)'),
     Service(
-        name='send_ir', type=SendIr,
+        name='send_ir', type=srv.SendIr,
         request=lambda driver, request, _: driver.outputs.send_ir(request.character),
         about='send an infrared character by low side driver 1'),
     Service(
-        name='start_demo', type=StartDemo,
+        name='start_demo', type=srv.StartDemo,
         request=lambda driver, request, _: driver.modes.start_demo(request.demo),
         about='let the robot play a built-in demo, 0 (Cover) to 9 (Banjo)'),
     Service(
@@ -162,40 +148,40 @@ SERVICES = (
         about='start the demo that looks for the Home Base, and answer at once; the action `dock` '
         'also says how it ends'),
     Service(
-        name='define_script', type=DefineScript, request=define_script,
+        name='define_script', type=srv.DefineScript, request=define_script,
         about='store a script, as lines of text or as bytes'),
     Service(
-        name='play_script', type=PlayScript,
+        name='play_script', type=srv.PlayScript,
         request=lambda driver, request, now: driver.scripts.play(now, force=request.force),
         about='play the stored script; one that cannot end only by `force`'),
     Service(
-        name='show_script', type=ShowScript, answer=script_answer,
+        name='show_script', type=srv.ShowScript, answer=script_answer,
         request=lambda driver, _, now: driver.scripts.show(now),
         about='read the stored script back'),
 )
 """All services."""
 
 
-class Services:
-    """The servers of all services."""
+def offer(node: Node, session: Session, model: ModelKeeper) -> None:
+    """Offer all services."""
+    # A service that waits for the robot must not keep the other callbacks from running.
+    group = ReentrantCallbackGroup()
+    for service in SERVICES:
+        node.create_service(
+            service.type, service.name, partial(serve, node, session, model, service),
+            qos_profile=QUEUE, callback_group=group)
 
-    def __init__(self, node: Node, session: Session, model: ModelKeeper) -> None:
-        self._node, self._session, self._model = node, session, model
-        # A service that waits for the robot must not keep the other callbacks from running.
-        group = ReentrantCallbackGroup()
-        for service in SERVICES:
-            node.create_service(service.type, service.name, partial(self.serve, service),
-                                qos_profile=QUEUE, callback_group=group)
 
-    async def serve(self, service: Service, request: Any, response: Any) -> Any:
-        """Hand a request to the driver, and return the response when it has ended."""
-        if service.request is None:
-            outcome = self._model.save(self._session)
-        else:
-            with self._session.request() as (driver, now):
-                ended = future_of(service.request(driver, request, now), self._node)
-            outcome = await ended
-        return type(response)(**service.answer(outcome))
+async def serve(node: Node, session: Session, model: ModelKeeper, service: Service,
+                request: Any, response: Any) -> Any:
+    """Hand a request to the driver, and return the response when it has ended."""
+    if service.request is None:
+        outcome = model.save(session)
+    else:
+        with session.request() as (driver, now):
+            ended = future_of(service.request(driver, request, now), node)
+        outcome = await ended
+    return type(response)(**service.answer(outcome))
 
 
 def future_of(awaited: Awaited[Result], node: Node) -> Future:

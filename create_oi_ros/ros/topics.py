@@ -12,19 +12,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
-from create_oi_msgs.msg import (
-    Bumper,
-    Buttons,
-    CargoBay,
-    Charging,
-    Cliff,
-    IrOmni,
-    Mode,
-    Overcurrent,
-    Song,
-    Wall,
-    WheelDrop,
-)
+from create_oi_msgs import msg
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -99,7 +87,7 @@ IMU = Topic(
     name='imu/data', type=Imu, when='every frame in which the gyro is believed',
     about=f'turn rate by the gyro, in `{messages.GYRO_FRAME}`; with parameter `gyro` (REP 145)')
 MODE = Topic(
-    name='mode', type=Mode, when='on change, latched', qos=LATCHED,
+    name='mode', type=msg.Mode, when='on change, latched', qos=LATCHED,
     about='the actual mode (255: no robot, or not known), the wanted one, and why they differ')
 DIAGNOSTICS = Topic(
     name='/diagnostics', type=DiagnosticArray, when='1 Hz',
@@ -111,43 +99,43 @@ CONTACTS = Topic(
 
 SENSOR_TOPICS: tuple[SensorTopic, ...] = (
     SensorTopic(
-        name='bumper', type=Bumper, values=messages.bumper,
+        name='bumper', type=msg.Bumper, values=messages.bumper,
         watch=('bumps_and_wheel_drops',), bits=BUMPS,
         about='the two halves of the bumper'),
     SensorTopic(
-        name='wheel_drop', type=WheelDrop, values=messages.wheel_drop,
+        name='wheel_drop', type=msg.WheelDrop, values=messages.wheel_drop,
         watch=('bumps_and_wheel_drops',), bits=~BUMPS,
         about='wheels and caster that hang in the air'),
     SensorTopic(
-        name='cliff', type=Cliff, values=messages.cliff,
+        name='cliff', type=msg.Cliff, values=messages.cliff,
         watch=CLIFFS, needs=tuple(f'{name}_signal' for name in CLIFFS),
         about='the four cliff sensors, with signal strengths (65535: not known)'),
     SensorTopic(
-        name='wall', type=Wall, values=messages.wall,
+        name='wall', type=msg.Wall, values=messages.wall,
         watch=('wall', 'virtual_wall'), needs=('wall_signal',),
         about='the wall sensor on the right, with its signal strength (65535: not known), and '
         'virtual walls'),
     SensorTopic(
-        name='cargo_bay', type=CargoBay, values=messages.cargo_bay, qos=LATCHED,
+        name='cargo_bay', type=msg.CargoBay, values=messages.cargo_bay, qos=LATCHED,
         watch=('digital_inputs',), needs=('analog_signal',),
         when='on change at once, else at `sensor_rate`; latched',
         about='digital inputs, analog input in volts (NaN: not known), baud rate pin'),
     StateTopic(
-        name='buttons', type=Buttons, values=messages.buttons, watch=('buttons',),
+        name='buttons', type=msg.Buttons, values=messages.buttons, watch=('buttons',),
         about='Play and Advance'),
     StateTopic(
-        name='ir_omni', type=IrOmni, values=messages.ir_omni, watch=('infrared',),
+        name='ir_omni', type=msg.IrOmni, values=messages.ir_omni, watch=('infrared',),
         about='infrared character that is received, with its name'),
     StateTopic(
-        name='charging', type=Charging, values=messages.charging,
+        name='charging', type=msg.Charging, values=messages.charging,
         watch=('charging_state', 'charging_sources'),
         about='charging state (255: not known), charger and Home Base'),
     StateTopic(
-        name='overcurrent', type=Overcurrent, values=messages.overcurrent,
+        name='overcurrent', type=msg.Overcurrent, values=messages.overcurrent,
         watch=('overcurrents',),
         about='wheels and low side drivers that draw too much'),
     StateTopic(
-        name='song', type=Song, values=messages.song,
+        name='song', type=msg.Song, values=messages.song,
         watch=('song_number', 'song_playing'),
         about='the song that plays, or played last (255: not known)'),
     SensorTopic(

@@ -28,7 +28,7 @@ from create_oi_ros.ros.actions import ACTIONS
 from create_oi_ros.ros.node import CreateNode
 from create_oi_ros.ros.odometry_model import ModelKeeper
 from create_oi_ros.ros.parameters import declare, Parameters
-from create_oi_ros.ros.services import SERVICES, Services
+from create_oi_ros.ros.services import serve, SERVICES
 from support.anything import anything
 from support.loop import Loop
 from support.measuring import UNMEASURED
@@ -60,9 +60,8 @@ class Desk:
             self.loop.run(1.0)
         assert (self.loop.driver.state.answered) == (state != 'away')
         self.loop.heard.clear()
-        node = SimpleNamespace(
-            create_service=lambda *_, **__: None, get_logger=lambda: None, executor=None)
-        self._services = Services(node, self, ModelKeeper(node, ''))
+        self._node = SimpleNamespace(get_logger=lambda: None, executor=None)
+        self._model = ModelKeeper(self._node, '')
 
     @contextmanager
     def request(self):
@@ -77,7 +76,8 @@ class Desk:
 
     def call(self, service, request):
         """Return the reply, or fail when none comes."""
-        answer = self._services.serve(service, request, service.type.Response())
+        answer = serve(
+            self._node, self, self._model, service, request, service.type.Response())
         until = self.loop.now + PATIENCE
         while self.loop.now < until:
             try:
