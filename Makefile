@@ -37,7 +37,7 @@ demo: build ; @$(ENTER) exec create_demo $(ARGS)
 test: build lint ; @$(ENTER) $(if $(ARGS),python -m pytest $(ARGS),$(PYTEST))
 nightly: build $(TESTS) $(MUTANTS) ; @$(ENTER) $(if $(ARGS),,$(PYTEST) --cov --cov-report= && python tools/coverage_floors.py &&) python -m pytest -m nightly -rP $(ARGS)
 build: $(BUILT)
-bench: build $(TESTS) ; @$(ENTER) for each in latency cost web start; do python bench/bench_$$each.py || exit; done
+bench: build $(TESTS) ; @$(ENTER) for each in latency cost web; do python bench/bench_$$each.py || exit; done
 bench-odometry: build $(TESTS) ; @$(ENTER) python bench/bench_odometry.py $(ARGS)
 bench-goals: build $(TESTS) ; @$(ENTER) python bench/bench_goals.py $(ARGS)
 docs: build $(TESTS) ; @$(ENTER) python -m create_oi_ros.ros.reference docs/interface.md config/create.yaml config/sros2_policy.xml && python -m create_oi_ros.oi document docs/open_interface.md && python bench/document.py docs/performance.md docs/odometry.md docs/goals.md docs/gyro.md && xacro urdf/create.urdf.xacro -o urdf/create.urdf && python bench/draw_odometry.py && python bench/draw_lidar.py

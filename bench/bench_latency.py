@@ -1,12 +1,13 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Latency of messages and commands: `python bench/bench_latency.py`, three minutes, a table.
+Latency of messages, commands and start-up: `python bench/bench_latency.py`, four minutes, tables.
 
 Robot, driver, listener and commander are processes. All times are of the monotonic clock, which
 they share. The time of a frame is when its last byte was written; of a message, when its callback
 ran; of a command, just before it was published, and when all of Drive Direct had arrived. The
-floor (programs/floor.py) is measured in the same way. Node and floor take turns.
+floor (programs/floor.py) is measured in the same way. Node and floor take turns. Start-up is
+measured from the start of the process to its first `odom` in a listener that runs already.
 """
 
 from collections import Counter
@@ -22,8 +23,8 @@ from create_oi_ros.driver.stream import StreamPlan
 from results import Figure, repeated, run
 from scene import drives, Scene, scene
 
-REPETITIONS = 3
-# Seconds to wait after the last command, and seconds in which odometry is measured.
+REPETITIONS, STARTS = 3, 5
+# Seconds to wait until all is quiet, and seconds in which odometry is measured.
 SETTLE, LISTEN = 1.0, 6.0
 COMMANDS, PRESSES = 100, 100
 
@@ -141,5 +142,25 @@ def measure() -> list[Figure]:
     ]
 
 
+def first_odom(*, floor: bool = False) -> float:
+    """Return the seconds from the start of a process to its first `odom`."""
+    with scene() as stage:
+        stage.robot()
+        listener = stage.listener('odom')
+        sleep(SETTLE)
+        begun = monotonic()
+        stage.driver(floor=floor)
+        listener.line()
+        return float(listener.result()['odom'][0][0]) - begun
+
+
+def measure_start() -> list[Figure]:
+    """Start floor and node in turn; return the figures."""
+    floor, node = zip(*((first_odom(floor=True), first_odom()) for _ in range(STARTS)))
+    return [repeated('process start to first odom', node, 's', 1.5),
+            repeated('floor: process start to first odom', floor, 's')]
+
+
 if __name__ == '__main__':
     run('bench_latency', measure)
+    run('bench_start', measure_start)
