@@ -142,20 +142,13 @@ digital_inputs = flags('digital_inputs', oi.DigitalInputs)
 charging_sources = flags('charging_sources', oi.ChargingSources)
 
 
-def known_signal(strength: int | None) -> int:
-    """Return the strength of a signal; UNKNOWN_SIGNAL where it is not known."""
-    return UNKNOWN_SIGNAL if strength is None else strength
-
-
 def cliff(readings: Readings) -> Values:
     """Return the cliff sensors and their signals (packets 9 to 12 and 28 to 31)."""
     return {
         'left': readings.cliff_left, 'front_left': readings.cliff_front_left,
         'front_right': readings.cliff_front_right, 'right': readings.cliff_right,
-        'left_signal': known_signal(readings.cliff_left_signal),
-        'front_left_signal': known_signal(readings.cliff_front_left_signal),
-        'front_right_signal': known_signal(readings.cliff_front_right_signal),
-        'right_signal': known_signal(readings.cliff_right_signal)}
+        **{f'{side}_signal': readings.number(f'cliff_{side}_signal', UNKNOWN_SIGNAL)
+           for side in ('left', 'front_left', 'front_right', 'right')}}
 
 
 CHARGING: dict[ChargingState | None, int] = {
@@ -229,7 +222,7 @@ def charging_name(code: int) -> str:
 def wall(readings: Readings) -> Values:
     """Return the wall sensor and the virtual wall (packets 8, 13 and 27)."""
     return {'wall': readings.wall, 'virtual_wall': readings.virtual_wall,
-            'signal': known_signal(readings.wall_signal)}
+            'signal': readings.number('wall_signal', UNKNOWN_SIGNAL)}
 
 
 def ir_omni(readings: Readings) -> Values:

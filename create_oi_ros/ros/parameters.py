@@ -8,7 +8,7 @@ while the node runs are in its metadata. `declare` declares them to ROS in one l
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields, MISSING, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from math import isfinite, radians
 from typing import Any
@@ -27,7 +27,6 @@ from .topics import CMD_VEL
 
 START_MODES = {mode.name.lower(): mode for mode in (Mode.PASSIVE, Mode.SAFE, Mode.FULL)}
 ACTIONS = {action.value: action for action in LowBatteryAction}
-BUMP_STOPS = {'none': False, 'forward': True}
 BAUDS = tuple(code.rate for code in BaudCode)
 
 
@@ -87,7 +86,7 @@ class Parameters:
         'RViz) starts `navigate_to_position`; off where Nav2 follows it', fixed=True)
     bump_stop: str = parameter(
         'none', 'What a pressed bumper holds back of velocity commands: nothing, or all that '
-        'drives forward; backing and turning stay possible', choices=tuple(BUMP_STOPS))
+        'drives forward; backing and turning stay possible', choices=('none', 'forward'))
     contact_persistence: float = parameter(
         2.0, 'Seconds for which `contacts` keeps what was felt, unless the robot moves away',
         low=0.0, high=60.0)
@@ -185,7 +184,7 @@ class Parameters:
             timeout=self.cmd_vel_timeout,
             linear_acceleration=self.max_linear_acceleration,
             angular_acceleration=self.max_angular_acceleration,
-            bump_stop=BUMP_STOPS[self.bump_stop],
+            bump_stop=self.bump_stop == 'forward',
             commands_interrupt=self.cmd_vel_interrupts)
 
 
@@ -236,11 +235,10 @@ def declare(node: Node) -> Parameters:
                 f'parameter {unknown} is unknown and ignored{suggestion(unknown, DECLARED)}')
             node.undeclare_parameter(unknown)
     values = {}
-    for declaration in fields(Parameters):
-        assert declaration.default is not MISSING
-        name = declaration.name
-        value = _as_declared(name, given.get(name, declaration.default))
-        reason = (refusal(name, value) if type(value) is type(declaration.default)
+    for name in DECLARED:
+        default = _default(name)
+        value = _as_declared(name, given.get(name, default))
+        reason = (refusal(name, value) if type(value) is type(default)
                   else wrong_type(name, value))
         if reason is not None:
             raise ValueError(reason)
