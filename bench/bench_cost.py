@@ -64,7 +64,6 @@ def node(*topics: str) -> Node:
 
 
 def measure() -> list[Figure]:
-    """Run all in turn; return the figures."""
     floors, most, heard = zip(*((floor(), node(*ALL), node('odom')) for _ in range(REPETITIONS)))
     theirs = [figure.value for figure in figures_of(load(), 'create_driver')]
     return [

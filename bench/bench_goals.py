@@ -35,8 +35,6 @@ MM = 1000.0
 
 
 class Score(NamedTuple):
-    """How one goal was reached."""
-
     kind: str
     goal: str
     error: float
@@ -106,7 +104,6 @@ def figures(scores: list[Score]) -> list[Figure]:
 
 
 def measure() -> list[Figure]:
-    """Pursue all goals; return the figures."""
     jobs = [(kind, FIRST_SEED + i) for i in range(GOALS // EACH // len(KINDS)) for kind in KINDS]
     with Pool() as pool:
         scores = [each for some in pool.imap_unordered(series, jobs) for each in some]

@@ -118,7 +118,6 @@ def compared(what: str, node: list[list[float]], floor: list[list[float]], share
 
 
 def measure() -> list[Figure]:
-    """Run floor and node in turn; return the figures."""
     floor, node = [], []
     for _ in range(REPETITIONS):
         floor.append(measured(floor=True))
@@ -155,7 +154,6 @@ def first_odom(*, floor: bool = False) -> float:
 
 
 def measure_start() -> list[Figure]:
-    """Start floor and node in turn; return the figures."""
     floor, node = zip(*((first_odom(floor=True), first_odom()) for _ in range(STARTS)))
     return [repeated('process start to first odom', node, 's', 1.5),
             repeated('floor: process start to first odom', floor, 's')]

@@ -111,7 +111,6 @@ def press_times(port: int) -> list[float]:
 
 
 def measure() -> list[Figure]:
-    """Measure all."""
     with scene() as stage:
         robot = stage.robot()
         web, port = started(stage)

@@ -43,7 +43,6 @@ def documented(page: str, results: dict[str, Any]) -> str:
 
 
 def main() -> None:
-    """Write the pages."""
     results = load()
     for path in map(Path, sys.argv[1:]):
         path.write_text(documented(path.read_text('utf-8'), results), 'utf-8')

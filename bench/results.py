@@ -77,7 +77,6 @@ def load_before(seconds: float = 1.0) -> float:
 
 
 def machine() -> dict[str, Any]:
-    """Return the date and a description of this machine."""
     models = [line.partition(':')[2].strip() for line in Path('/proc/cpuinfo').read_text().split(
         '\n') if line.startswith('model name')]
     return {
@@ -129,7 +128,6 @@ def load(path: Path = RESULTS) -> dict[str, Any]:
 
 
 def figures_of(results: dict[str, Any], program: str) -> list[Figure]:
-    """Return the figures of a program."""
     return [Figure(**each) for each in results[program]['figures']]
 
 
@@ -160,5 +158,4 @@ def run(program: str, measure: Callable[[], list[Figure]]) -> None:
 
 
 def show_all(figures: Sequence[Figure]) -> None:
-    """Print figures as a table."""
     print(columns(rows(figures)))

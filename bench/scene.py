@@ -43,7 +43,6 @@ class Process:
     """A Python program as a child process; its standard output is read line by line."""
 
     def __init__(self, *arguments: str) -> None:
-        """Start it."""
         self.process = subprocess.Popen(
             [sys.executable, *arguments], stdout=subprocess.PIPE, text=True,
             stderr=subprocess.PIPE,
@@ -120,18 +119,15 @@ class Scene:
     """The processes of one measurement; all of them end with it."""
 
     def __init__(self, folder: Path, stack: ExitStack) -> None:
-        """Begin without processes."""
         self.folder = folder
         self._stack = stack
 
     def start(self, *arguments: str) -> Process:
-        """Start a Python program."""
         process = Process(*arguments)
         self._stack.callback(process.close)
         return process
 
     def program(self, name: str, *arguments: str) -> Process:
-        """Start one of the programs in bench/programs."""
         return self.start(str(PROGRAM_FOLDER / f'{name}.py'), *arguments)
 
     def robot(self) -> Process:
@@ -142,12 +138,10 @@ class Scene:
 
     @property
     def port(self) -> Path:
-        """The robot's serial port."""
         return self.folder / 'create'
 
     @property
     def control(self) -> Path:
-        """The robot's control socket."""
         return self.folder / 'control'
 
     @contextmanager

@@ -30,13 +30,11 @@ odom = node.create_publisher(Odometry, 'odom', 10)
 
 
 def drive(twist: Twist) -> None:
-    """Send a speed for both wheels."""
     speed = round(twist.linear.x * 1000)
     port.write(struct.pack('>Bhh', opcode, speed, speed))
 
 
 def read() -> None:
-    """Publish an Odometry for each frame."""
     port.write(bytes.fromhex(sys.argv[2]))
     while True:
         right, left = layout.unpack(port.read(layout.size))

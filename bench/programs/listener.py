@@ -28,7 +28,6 @@ silent = set(received)
 
 
 def log(name: str, message: Any) -> None:
-    """Log a message."""
     received[name].append((monotonic(), getattr(message, 'left', None)))
     if name in silent:
         silent.remove(name)

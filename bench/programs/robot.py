@@ -26,7 +26,6 @@ class LoggingLine(PtyLine):
     """A pseudo terminal that logs what goes through it."""
 
     def __init__(self, link: Path) -> None:
-        """Make the terminal and point the link to it."""
         self.sent: list[float] = []
         self.received: list[tuple[float, str]] = []
         super().__init__(link)
@@ -51,7 +50,6 @@ class LoggingBody(Body):
     presses: list[float] = []
 
     def force(self, **sensors: float) -> None:
-        """Hold sensors at values."""
         super().force(**sensors)
         if sensors.get('bump_left'):
             self.presses.append(monotonic())

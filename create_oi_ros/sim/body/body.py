@@ -126,7 +126,6 @@ class Body:
     # What somebody outside does.
 
     def truth(self) -> Truth:
-        """Return what really happened."""
         return self._mechanics.truth()
 
     def force(self, *, seconds: float = math.inf, **values: int) -> None:
@@ -187,7 +186,6 @@ class Body:
         self._sensed = None
 
     def plug_charger(self, plugged: bool) -> None:
-        """Plug the internal charger in or out."""
         self._electrics.charger = plugged
         self._sensed = None
 

@@ -77,7 +77,6 @@ class Mechanics:
         self._lost = 0.0
 
     def truth(self) -> Truth:
-        """Return what really happened."""
         speed, rate = self.wheels.twist()
         if self.pushed:
             speed, rate = self.pushed

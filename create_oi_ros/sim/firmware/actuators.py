@@ -38,7 +38,6 @@ class ActuatorState:
         self.reset()
 
     def reset(self) -> None:
-        """Return to the state after power-on."""
         self.velocity = self.radius = self.right = self.left = 0
         self.outputs = OutputBits(0)
         self.lights = DARK

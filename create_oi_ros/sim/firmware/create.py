@@ -66,7 +66,6 @@ class Create:
         self._reset()
 
     def _reset(self) -> None:
-        """Return to the state after power-on."""
         self.mode = Mode.OFF
         self.script = b''
         self._queue = oi.CommandReader()
@@ -259,7 +258,6 @@ class Create:
 
     @property
     def powered(self) -> bool:
-        """Whether the robot is switched on."""
         return self._power.on
 
     def power(self, on: bool, now: float) -> None:
@@ -312,7 +310,6 @@ class Create:
 
     @property
     def demo(self) -> oi.DemoNumber | None:
-        """The demo that runs."""
         return self._demos.demo
 
     def _sound(self, notes: Sequence[oi.Note]) -> None:

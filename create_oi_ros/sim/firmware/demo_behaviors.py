@@ -77,7 +77,6 @@ class Controls:
         return self._body.distance_total
 
     def drive(self, right: float, left: float) -> None:
-        """Set the wheel speeds."""
         self._actuators.turn_wheels(WheelSpeeds(right, left))
 
     def curve(self, speed: float, radius: float) -> None:
@@ -353,7 +352,6 @@ class DemoPlayer:
         self.reset()
 
     def reset(self) -> None:
-        """Return to the state after power-on."""
         self._selected = DemoNumber.COVER
         self._pressed = (False, False)
         self.stop()
@@ -371,7 +369,6 @@ class DemoPlayer:
         self.demo = self._behaviour = None
 
     def step(self) -> None:
-        """Advance the demo by a slot."""
         if self._behaviour is not None and next(self._behaviour, ENDED) is ENDED:
             self.stop()
 

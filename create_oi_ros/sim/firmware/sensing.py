@@ -84,7 +84,6 @@ class Telemetry:
         self.reset()
 
     def reset(self) -> None:
-        """Return to the state after power-on."""
         self.streaming = False
         """Whether a frame is sent in every slot."""
         self._list = PacketList(())

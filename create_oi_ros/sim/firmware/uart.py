@@ -192,7 +192,6 @@ class Power:
         self._pin = BaudPin(time)
 
     def booting(self, time: float) -> bool:
-        """Return whether the boot loader still runs."""
         return time < self._boot_end - TOLERANCE
 
     def update_play(self, play: bool, time: float) -> bool:

@@ -116,7 +116,6 @@ class Interpreter:
         return 'ok' if answer is None else answer
 
     def facts(self) -> dict[str, Any]:
-        """Return the true motion and the robot's state."""
         create, truth = self._create, self._body.truth()
         actuators, speaker = create.actuators, create.speaker
         return {

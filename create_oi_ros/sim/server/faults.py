@@ -34,8 +34,6 @@ MOST_GARBAGE = 20
 
 
 class FaultKind(Enum):
-    """The kinds of faults."""
-
     FLIP = 'flip'
     DROP = 'drop'
     GARBAGE = 'garbage'

@@ -50,7 +50,6 @@ class Map(NamedTuple):
 
 
 def map_of(world: World) -> Map:
-    """Draw the map of a world."""
     low_x, low_y, high_x, high_y = _bounds(world)
     left, bottom = floor(low_x / RESOLUTION), floor(low_y / RESOLUTION)
     width, height = ceil(high_x / RESOLUTION) - left, ceil(high_y / RESOLUTION) - bottom
