@@ -29,11 +29,11 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from ..ros.bags import Recorder
 from ..ros.goal_client import GoalClient, GoalFailed
 from ..ros.messages import yaw_of
 from ..ros.process import call_on_signal, Children, ros_executor, start
 from ..ros.programs import check_environment, INTERRUPTED
-from ..ros.recorder import Recorder
 from ..ros.robot_state import RobotState
 from ..ros.simulated_run import run_domain, run_folder
 from ..ros.topics import CMD_VEL

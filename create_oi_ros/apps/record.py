@@ -16,8 +16,8 @@ import rclpy
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
+from ..ros.bags import Recorder
 from ..ros.process import call_on_signal, ros_executor, spin_until
-from ..ros.recorder import Recorder
 from ..ros.waiting import say_if_waiting
 
 

@@ -14,7 +14,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 
 from rosbags.rosbag2 import Reader
 
-from create_oi_ros.ros.recorder import Recorder
+from create_oi_ros.ros.bags import Recorder
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED, PUBLISHED
 from support.pages import blocks, ROOT
 from support.ros import scene

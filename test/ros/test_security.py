@@ -26,8 +26,8 @@ from create_oi_ros.apps.web.live_robot import LiveRobot
 from create_oi_ros.apps.web.page_messages import GOALS
 from create_oi_ros.apps.web.web_node import WebNode
 from create_oi_ros.ros.actions import ALL_ACTIONS
+from create_oi_ros.ros.bags import Recorder
 from create_oi_ros.ros.node import CreateNode
-from create_oi_ros.ros.recorder import Recorder
 from create_oi_ros.ros.services import SERVICES
 from create_oi_ros.ros.topics import ALL_TOPICS, LATCHED
 from support.ros import Listener, own_domain, scene, TIMEOUT
