@@ -6,8 +6,6 @@ Bags: what a damaged one causes, and a recorder of the driver's topics and its c
 The library `rosbags` reads and writes them without an installed rosbag2.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -16,23 +14,24 @@ from pathlib import Path
 import struct
 import sys
 import time
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
+from rosbags import interfaces as bag
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2.storage_mcap import McapWriter
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from rosbags.typesys.store import Typestore
 from std_msgs.msg import String
 
 from tf2_msgs.msg import TFMessage
 
 from .programs import UserError
 from .topics import ALL_TOPICS, CMD_VEL, LATCHED, type_name
-
-if TYPE_CHECKING:
-    from rosbags.interfaces import Connection, Qos
-    from rosbags.typesys.store import Typestore
 
 Item = TypeVar('Item')
 DESCRIPTION = 'robot_description'
@@ -83,7 +82,6 @@ def guarded(items: Iterable[Item]) -> Iterator[Item]:
 
 def definitions() -> Typestore:
     """Return the message definitions of ROS 2 Jazzy and ours, installed or in the repository."""
-    from rosbags.typesys import get_types_from_msg, get_typestore, Stores
     store = get_typestore(Stores.ROS2_JAZZY)
     try:
         share = Path(get_package_share_directory('create_oi_msgs'))
@@ -99,8 +97,6 @@ class Recorder:
 
     def __init__(self, node: Node, folder: Path, velocity: type = Twist) -> None:
         """Create a bag in a new folder; `velocity` is the type of cmd_vel."""
-        from rosbags.rosbag2 import StoragePlugin, Writer
-        from rosbags.rosbag2.storage_mcap import McapWriter
         self._node = node
         self._store = definitions()
         self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
@@ -135,7 +131,7 @@ class Recorder:
         model = Path(get_package_share_directory('create_oi_ros')) / 'urdf' / 'create.urdf'
         self._write(self._description, serialize_message(String(data=model.read_text('utf-8'))))
 
-    def _record(self, name: str, type_: type, qos: QoSProfile) -> Connection:
+    def _record(self, name: str, type_: type, qos: QoSProfile) -> bag.Connection:
         package, kind = type_name(type_).split('/')
         connection = self._writer.add_connection(
             self._node.resolve_topic_name(name), f'{package}/msg/{kind}', typestore=self._store,
@@ -148,7 +144,7 @@ class Recorder:
         self._node.create_subscription(type_, name, write, deep, raw=True)
         return connection
 
-    def _write(self, connection: Connection, raw: bytes) -> None:
+    def _write(self, connection: bag.Connection, raw: bytes) -> None:
         self._writer.write(connection, time.time_ns(), raw)
         self.counts[connection.topic] += 1
 
@@ -182,9 +178,8 @@ class Recorder:
                 self._writer.close()
 
 
-def bag_qos(qos: QoSProfile) -> Qos:
+def bag_qos(qos: QoSProfile) -> bag.Qos:
     """Return a quality of service in the form of a bag; `ros2 bag play` offers it again."""
-    from rosbags import interfaces as bag
     never = bag.QosTime(9223372036, 854775807)
     return bag.Qos(  # both number the policies as the middleware does
         bag.QosHistory.KEEP_LAST, qos.depth, bag.QosReliability(qos.reliability),
