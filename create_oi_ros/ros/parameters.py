@@ -32,11 +32,11 @@ BAUDS = tuple(code.rate for code in BaudCode)
 
 def parameter(
     default: Any, description: str, *, low: float | None = None, high: float | None = None,
-    choices: tuple[Any, ...] = (), fixed: bool = False,
+    choices: tuple[Any, ...] = (), live: bool = False,
 ) -> Any:
-    """Declare one parameter; a fixed one is read only when the node starts."""
+    """Declare one parameter; a live one may be set while the node runs, others at its start."""
     return field(default=default, metadata={
-        'description': description, 'low': low, 'high': high, 'choices': choices, 'fixed': fixed})
+        'description': description, 'low': low, 'high': high, 'choices': choices, 'live': live})
 
 
 @dataclass(frozen=True)
@@ -44,114 +44,108 @@ class Parameters:
     """All parameters of the node; SI units."""
 
     port: str = parameter(
-        '/dev/ttyUSB0', 'Serial device of the robot, or a pyserial URL (socket://HOST:PORT)',
-        fixed=True)
+        '/dev/ttyUSB0', 'Serial device of the robot, or a pyserial URL (socket://HOST:PORT)')
     baud: int = parameter(
         Settings.baud, 'Baud rate, bit/s; 0 looks for the robot at 57600, 19200, then the others',
-        choices=(0, *BAUDS), fixed=True)
+        choices=(0, *BAUDS))
     mode_on_start: str = parameter(
         Settings.mode_on_start.name.lower(), 'Mode that the robot is put into',
-        choices=tuple(START_MODES), fixed=True)
+        choices=tuple(START_MODES))
     mode_on_exit: str = parameter(
         Settings.mode_on_exit.name.lower(),
         'Mode that the robot is left in; only in passive does it charge',
-        choices=tuple(START_MODES), fixed=True)
+        choices=tuple(START_MODES))
     recover_mode: bool = parameter(
         Settings.recover_mode, 'Whether a fresh velocity command brings back a mode that a cliff, '
-        'a wheel drop or a charger ended, once its cause has been gone for a second', fixed=True)
+        'a wheel drop or a charger ended, once its cause has been gone for a second')
     cmd_vel_timeout: float = parameter(
         MotionLimits.timeout, 'Seconds after the last velocity command at which the wheels stop',
-        low=0.05, high=10.0)
+        low=0.05, high=10.0, live=True)
     cmd_vel_type: str = parameter(
         'auto', 'Message of cmd_vel: geometry_msgs/Twist, TwistStamped, or auto: Twist until all '
-        'publishers send TwistStamped, and back', choices=('auto', 'twist', 'stamped'),
-        fixed=True)
+        'publishers send TwistStamped, and back', choices=('auto', 'twist', 'stamped'))
     wheel_separation: float = parameter(
-        MotionLimits.wheel_separation, 'Distance between the wheels, m', low=0.1, high=0.5,
-        fixed=True)
+        MotionLimits.wheel_separation, 'Distance between the wheels, m', low=0.1, high=0.5)
     max_wheel_speed: float = parameter(
         MotionLimits.max_wheel_speed, 'Highest speed of either wheel, m/s', low=0.0,
-        high=TOP_SPEED)
+        high=TOP_SPEED, live=True)
     max_linear_acceleration: float = parameter(
         MotionLimits.linear_acceleration, 'Highest change of the forward speed, m/s2; 0: no '
-        'limit. The end of commands and `stop` know none', low=0.0, high=10.0)
+        'limit. The end of commands and `stop` know none', low=0.0, high=10.0, live=True)
     max_angular_acceleration: float = parameter(
         MotionLimits.angular_acceleration,
-        'Highest change of the turning speed, rad/s2; 0: no limit', low=0.0, high=100.0)
+        'Highest change of the turning speed, rad/s2; 0: no limit', low=0.0, high=100.0, live=True)
     cmd_vel_interrupts: bool = parameter(
         MotionLimits.commands_interrupt, 'Whether a velocity command that is not zero ends the '
-        'goal of an action that runs; else it is ignored meanwhile')
+        'goal of an action that runs; else it is ignored meanwhile', live=True)
     goal_pose: bool = parameter(
         False, 'Whether a message on `goal_pose` (geometry_msgs/PoseStamped, "2D Goal Pose" of '
-        'RViz) starts `navigate_to_position`; off where Nav2 follows it', fixed=True)
+        'RViz) starts `navigate_to_position`; off where Nav2 follows it')
     bump_stop: str = parameter(
         'none', 'What a pressed bumper holds back of velocity commands: nothing, or all that '
-        'drives forward; backing and turning stay possible', choices=('none', 'forward'))
+        'drives forward; backing and turning stay possible',
+        choices=('none', 'forward'), live=True)
     contact_persistence: float = parameter(
         2.0, 'Seconds for which `contacts` keeps what was felt, unless the robot moves away',
-        low=0.0, high=60.0)
+        low=0.0, high=60.0, live=True)
     linear_scale: float = parameter(
-        1.0, 'True distance over the distance that the robot reports', low=0.5, high=2.0,
-        fixed=True)
+        1.0, 'True distance over the distance that the robot reports', low=0.5, high=2.0)
     angular_scale: float = parameter(
-        1.0, 'True angle over the angle that the robot reports', low=0.5, high=2.0, fixed=True)
+        1.0, 'True angle over the angle that the robot reports', low=0.5, high=2.0)
     odometry_window: float = parameter(
         Settings.odometry_window, 'Seconds, about, between readings of distance and angle, of '
-        'which the robot drops the fractions', low=0.1, high=10.0, fixed=True)
+        'which the robot drops the fractions', low=0.1, high=10.0)
     odometry_model: str = parameter(
         '', 'File of what the odometry knows of this robot (YAML, of `create_check` or of this '
         'node): read at start, written at the end and by `save_odometry_model`; where it does '
-        'not exist, it is made. Empty: none', fixed=True)
+        'not exist, it is made. Empty: none')
     gyro: str = parameter(
         'none', 'Gyro on the analog input of the cargo bay: its turning is published on '
         '`imu/data`, and the odometry uses it (docs/gyro.md). Needs 57600 baud or more',
-        choices=('none', 'analog'), fixed=True)
+        choices=('none', 'analog'))
     gyro_scale: float = parameter(
         80.0, 'Degrees a second for each volt of that gyro, by its data sheet: sign and exact '
-        'value are learned, and kept in `odometry_model`',
-        low=-1000.0, high=1000.0, fixed=True)
+        'value are learned, and kept in `odometry_model`', low=-1000.0, high=1000.0)
     gyro_range: float = parameter(
-        150.0, 'Degrees a second up to which it measures', low=1.0, high=5000.0, fixed=True)
-    odom_frame: str = parameter('odom', 'Frame of the odometry', fixed=True)
-    base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor', fixed=True)
+        150.0, 'Degrees a second up to which it measures', low=1.0, high=5000.0)
+    odom_frame: str = parameter('odom', 'Frame of the odometry')
+    base_frame: str = parameter('base_footprint', 'Frame of the robot, on the floor')
     dock_pose: str = parameter(
         '', 'Where the robot is when it stands on its dock, in `odom_frame`: x, y (m) and yaw '
         "(rad) as '1.0 2.0 3.14'. Each time it docks, the odometry goes on from there. Empty: not "
-        'known', fixed=True)
-    publish_tf: bool = parameter(True, 'Whether to publish odom_frame -> base_frame on /tf',
-                                 fixed=True)
+        'known')
+    publish_tf: bool = parameter(True, 'Whether to publish odom_frame -> base_frame on /tf')
     sensor_rate: float = parameter(
         20.0, 'Rate at which sensor topics are published when nothing changes, Hz',
-        low=0.1, high=66.0)
+        low=0.1, high=66.0, live=True)
     odom_rate: float = parameter(
         0.0, 'Highest rate of `odom`, `/tf` and `joint_states`, Hz; 0: with every frame (66.7). '
-        'The odometry uses every frame at any rate', low=0.0, high=66.0)
+        'The odometry uses every frame at any rate', low=0.0, high=66.0, live=True)
     battery_technology: str = parameter(
         'nimh', 'Battery in the robot; the charge of an alkaline pack is not known',
-        choices=('nimh', 'alkaline'), fixed=True)
+        choices=('nimh', 'alkaline'))
     battery_low: float = parameter(
         Settings.battery_low, 'Voltage below which the battery is reported as low, V',
-        low=0.0, high=20.0, fixed=True)
+        low=0.0, high=20.0)
     battery_empty: float = parameter(
         Settings.battery_empty, 'Voltage below which it is reported as nearly empty, V',
-        low=0.0, high=20.0, fixed=True)
+        low=0.0, high=20.0)
     low_battery_action: str = parameter(
         Settings.low_battery_action.value, 'What to do when the battery is nearly empty: nothing, '
-        'stop in Passive, or look for the dock', choices=tuple(ACTIONS), fixed=True)
+        'stop in Passive, or look for the dock', choices=tuple(ACTIONS))
     reset_when_not_charging: bool = parameter(
         Settings.reset_when_not_charging, 'Whether a robot that does not charge on its Home Base '
-        'is restarted (opcode 7)', fixed=True)
+        'is restarted (opcode 7)')
     input_names: tuple[str, ...] = parameter(
         ('input_0', 'input_1', 'input_2', 'input_3'), 'Names of the digital inputs of the cargo '
-        'bay, of the first ones where there are fewer; `cargo_bay` has them', fixed=True)
+        'bay, of the first ones where there are fewer; `cargo_bay` has them')
     output_names: tuple[str, ...] = parameter(
-        Settings.output_names, 'Names of its digital outputs, for `set_digital_output`',
-        fixed=True)
+        Settings.output_names, 'Names of its digital outputs, for `set_digital_output`')
     dead_man: bool = parameter(
-        True, 'Whether a process of its own stops the robot when the node dies', fixed=True)
+        True, 'Whether a process of its own stops the robot when the node dies')
     capture: str = parameter(
         '', 'File to write every byte of the serial line to, both ways, with times; nothing is '
-        'overwritten: where it exists, a number is added to its name', fixed=True)
+        'overwritten: where it exists, a number is added to its name')
 
     def settings(self) -> Settings:
         return Settings(
@@ -208,7 +202,7 @@ TAKES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: '
 
 def descriptor(name: str) -> ParameterDescriptor:
     facts = DECLARED[name].metadata
-    described = ParameterDescriptor(description=facts['description'], read_only=facts['fixed'])
+    described = ParameterDescriptor(description=facts['description'], read_only=not facts['live'])
     if facts['low'] is not None:
         described.floating_point_range = [
             FloatingPointRange(from_value=facts['low'], to_value=facts['high'])]

@@ -50,7 +50,7 @@ def parameters() -> str:
         facts = declared.metadata
         rows.append((
             f'`{declared.name}`', f'`{shown(declared.default)}`', allowed(facts),
-            'at start' if facts['fixed'] else 'any time', facts['description']))
+            'any time' if facts['live'] else 'at start', facts['description']))
     return markdown.table(('parameter', 'default', 'allowed', 'set', 'what'), rows)
 
 
