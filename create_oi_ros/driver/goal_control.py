@@ -31,7 +31,7 @@ from .goals.goal import (
 from .mode import docked, Modes
 from .motion import Motion, Velocity
 from .outbox import END_DEMO, HALT
-from .state import Activity, Owner, REFUSALS, StateEvent
+from .state import Activity, REFUSALS, StateEvent
 from .tracking import Tracking
 
 MODE_WAIT = 1.0
@@ -146,7 +146,7 @@ class GoalControl:
     def _refusal(self, goal: Goal, now: float) -> Over | None:
         """Say why a goal cannot be pursued now; None where it can."""
         state = self._core.state
-        if state.owner is Owner.NOBODY:
+        if not state.answered:
             return Over(Code.NO_ROBOT, REFUSALS[state.activity])
         if state.pursues:
             return None

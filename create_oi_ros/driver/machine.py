@@ -35,7 +35,7 @@ from .motion import Motion
 from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
 from .script import ScriptControl
-from .state import Activity, Owner, StateEvent
+from .state import Activity, StateEvent
 from .stream import StreamPlan
 from .tracking import ANGLE_STUCK, Tracking, TurnCheck
 
@@ -78,7 +78,7 @@ class Driver:
     def _follow(self, event: StateEvent) -> None:
         """Tell the wheels and the other parts what follows from an event."""
         self.motion.handled(event)
-        if self.state.owner is not Owner.ROBOT:
+        if not self.state.robot_moves:
             self.core.outbox.call_off_motion()
         if event in ROBOT_UNKNOWN:
             self.outputs.fail(LOST)

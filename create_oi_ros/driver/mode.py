@@ -16,7 +16,7 @@ from .core import Core
 from .events import Cause, ModeStatus, Severity
 from .outbox import done, END_DEMO, MODE_COMMANDS, Pending, refused
 from .outputs import Outputs
-from .state import Owner, StateEvent
+from .state import StateEvent
 
 PAUSE = 'let commands pause and send again'
 CLEAR_TIME = 1.0
@@ -266,7 +266,7 @@ class Modes:
         why = self._core.refusal(oi.Demo)
         if why is not None:
             return refused(why)
-        if self._core.state.owner is not Owner.ROBOT and self._core.status.can_drive:
+        if not self._core.state.robot_moves and self._core.status.can_drive:
             return done('no demo runs: the robot obeys cmd_vel')
         self._core.handle(StateEvent.DEMO_ENDED)
         return self._core.outbox.send(

@@ -17,7 +17,7 @@ from .core import Core
 from .events import MotionLimits, Severity
 from .mode import Modes, PAUSE
 from .outbox import HALT
-from .state import Activity, Owner, StateEvent
+from .state import Activity, StateEvent
 from .stream import requested_speeds
 
 REPORT_TIMEOUT = 10 * SLOT
@@ -134,7 +134,7 @@ class Motion:
         if not self.follow(linear, angular, now):
             if state.activity is Activity.HOLDING:
                 self._core.handle(StateEvent.HALTED)
-        elif state.owner is Owner.NOBODY:
+        elif not state.answered:
             self.stop()
         elif why := self._refusal(now):
             self.stop()

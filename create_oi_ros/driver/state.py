@@ -5,9 +5,9 @@ What the driver is doing, as one value, and what leads from one activity to anot
 
 Everything that changes the activity goes through `State.handle`. `TRANSITIONS` says which events
 lead to another activity, `STAYS` which change nothing. An event that neither lists is a mistake of
-the driver: tests fail, in the field it is logged and changes nothing. Who owns the wheels, whether
-the robot takes commands, and why a request is refused follow from the activity, in the tables
-below. To add an activity, add a row to each table.
+the driver: tests fail, in the field it is logged and changes nothing. What the robot follows and
+takes now, and why a request is refused, follow from the activity. To add one, add a row to each
+table.
 
     CLOSED --OPENED--> CALLING --ANSWERED--> IDLE <--VELOCITY/HALTED--> DRIVING
     CALLING --RETURNED--> HOLDING --HALTED--> IDLE; IDLE, DRIVING, ... --MODE_LEFT--> HOLDING
@@ -80,19 +80,6 @@ class StateEvent(Enum):
     SHOW_ENDED = auto()
 
 
-class Owner(Enum):
-    """Who decides how the wheels turn."""
-
-    NOBODY = auto()
-    """No robot answers: nothing can be decided."""
-    COMMANDS = auto()
-    """Velocity commands, as long as they are fresh."""
-    GOAL = auto()
-    """A goal of the driver."""
-    ROBOT = auto()
-    """The robot itself: a demo or a script."""
-
-
 _A, _E = Activity, StateEvent
 TRANSITIONS: dict[Activity, dict[StateEvent, Activity]] = {
     _A.CLOSED: {_E.OPENED: _A.CALLING},
@@ -144,13 +131,6 @@ STAYS = {
 }
 """Events that change nothing in an activity."""
 
-OWNERS = {
-    _A.CLOSED: Owner.NOBODY, _A.CALLING: Owner.NOBODY,
-    _A.IDLE: Owner.COMMANDS, _A.HOLDING: Owner.COMMANDS, _A.DRIVING: Owner.COMMANDS,
-    _A.GOAL: Owner.GOAL,
-    _A.DOCKING: Owner.ROBOT, _A.DEMO: Owner.ROBOT, _A.SCRIPT: Owner.ROBOT,
-    _A.SILENCING: Owner.COMMANDS, _A.READING: Owner.COMMANDS,
-}
 REFUSALS = {
     _A.CLOSED: f'{_A.CLOSED.value}: check cable and power, the driver keeps trying',
     _A.CALLING: f'{_A.CALLING.value}: check cable and power, the driver keeps trying',
@@ -185,8 +165,8 @@ class State:
         self.activity = activity
         self.answered = activity not in (Activity.CLOSED, Activity.CALLING)
         """Whether the robot answers."""
-        self.owner = OWNERS[activity]
-        """Who decides how the wheels turn."""
+        self.robot_moves = activity in (Activity.DEMO, Activity.DOCKING, Activity.SCRIPT)
+        """Whether the robot itself decides how the wheels turn."""
         self.refusal = REFUSALS.get(activity)
         """Why the robot takes no commands now, and what to do; None where it takes them."""
         self.drive_refusal = DRIVE_REFUSALS.get(activity)

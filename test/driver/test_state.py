@@ -8,15 +8,7 @@ from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.goals import Dock
 from create_oi_ros.driver.outbox import CALLED_OFF, HALT
-from create_oi_ros.driver.state import (
-    Activity,
-    Owner,
-    OWNERS,
-    State,
-    StateEvent,
-    STAYS,
-    TRANSITIONS,
-)
+from create_oi_ros.driver.state import Activity, State, StateEvent, STAYS, TRANSITIONS
 from support.loop import Loop, said, STEP
 
 
@@ -31,7 +23,7 @@ def reachable(start: Activity) -> set[Activity]:
 
 
 def test_every_activity_has_a_row_in_every_table():
-    assert TRANSITIONS.keys() == OWNERS.keys() == set(Activity)
+    assert TRANSITIONS.keys() == STAYS.keys() == set(Activity)
 
 
 def test_every_activity_can_be_reached_and_left():
@@ -44,7 +36,7 @@ def test_every_activity_can_be_reached_and_left():
 def test_a_robot_out_of_reach_ends_everything(event, leads_to):
     for state in map(State, list(Activity)[1:]):
         state.handle(event)
-        assert (state.activity, state.owner) == (leads_to, Owner.NOBODY)
+        assert state.activity is leads_to and not state.answered
 
 
 def test_only_a_velocity_and_a_goal_make_the_wheels_turn():
@@ -59,11 +51,10 @@ def test_who_takes_no_commands_says_why():
     for state in map(State, Activity):
         assert state.takes_commands == (state.refusal is None)
         assert state.takes_commands or state.drive_refusal
-        assert state.drive_refusal or state.owner is not Owner.ROBOT
+        assert state.drive_refusal or not state.robot_moves
 
 
 def test_each_event_is_listed_once_at_most():
-    assert STAYS.keys() == TRANSITIONS.keys()
     assert all(not STAYS[activity] & TRANSITIONS[activity].keys() for activity in Activity)
 
 
