@@ -116,16 +116,17 @@ class Outputs:
         self._to_restore: dict[type[oi.Command], oi.Command] = {}
         self.songs: dict[int, oi.Song] = {}
         """The songs that were defined, by number."""
+        self._now = 0.0
         self._player: Pending = done('no song')
         """A tune, or who waits for a single song to begin."""
         self._playing: Iterator[None] = iter(())
         """What is done for that, from poll to poll."""
         self._number = SONGS
         """Number of the song that was sent to play."""
-        self._now = 0.0
-        self._animation: Animation | None = None
-        """The animation that is shown."""
-        self._animation_started_at = 0.0
+        self._animation: Pending = done('no animation')
+        """The newest animation."""
+        self._animating: Iterator[None] = iter(())
+        """What is done for that, from poll to poll."""
         self._shown: oi.Leds | None = None
         """The step of an animation that was sent last; None where the LEDs may show another."""
 
@@ -134,7 +135,8 @@ class Outputs:
     def set_leds(self, leds: oi.Leds) -> Pending:
         """Light Play and Advance, and Power in a colour (0 green, 255 red) and intensity."""
         return self._set(leds, (
-            'LEDs sent' if self._animation is None else 'these LEDs show after the animation'))
+            'these LEDs show after the animation' if self._animation.outcome is None else
+            'LEDs sent'))
 
     def set_output(self, name: str, *, high: bool) -> Pending:
         """Set one digital output; the others stay, those that nobody has set are low."""
@@ -252,16 +254,9 @@ class Outputs:
 
     def cancel(self, request: Tune | Animation, why: str = 'canceled') -> None:
         """End a tune or an animation, if it goes on; the song that plays is heard to its end."""
-        if request is self._player:
-            self._end_song(f'{why}; the song that plays goes on to its end')
-        elif request is self._animation:
-            self._end_animation(False, why)
-
-    def _end_song(self, why: str) -> None:
-        self._playing = iter(())
-        self._player.end(False, why)
-
-    # What is done from poll to poll.
+        if isinstance(request, Tune):
+            why = f'{why}; the song that plays goes on to its end'
+        request.end(False, why)
 
     def _play_one(self, request: Pending, number: int, text: str) -> Iterator[None]:
         """Send a song to play, and wait until the robot reports it."""
@@ -323,46 +318,46 @@ class Outputs:
 
     def animate(self, animation: Animation, now: float) -> None:
         """Show an animation; its outcome says how that ended, or why it cannot be shown."""
-        why = self._core.refusal(oi.Leds) if self._animation is None else (
+        why = self._core.refusal(oi.Leds) if self._animation.outcome is not None else (
             'the LEDs are animated: cancel that goal, or wait until it has ended')
-        if why is None:
-            self._animation, self._animation_started_at, self._shown = animation, now, None
-        else:
-            animation.end(False, why)
-
-    def _show_step(self, animation: Animation, now: float) -> None:
-        """Send the step that is due, or end the animation."""
-        animation.seconds = min(now - self._animation_started_at, animation.max_seconds)
-        why = self._core.refusal(oi.Leds)
         if why is not None:
-            self._end_animation(False, f'the animation ended before its end; {why}')
-        elif animation.seconds == animation.max_seconds:
-            self._end_animation(True, 'the animation was shown')
-        elif animation.step != self._shown:
-            self._shown = animation.step
-            self._core.outbox.send(animation.step)
+            animation.end(False, why)
+            return
+        self._to_restore.setdefault(oi.Leds, DARK)
+        self._animation, self._animating = animation, self._show(animation, now)
+        self._shown = None
 
-    def _end_animation(self, ok: bool, why: str) -> None:
-        """End the animation, if there is one; `poll` shows what was set before or meanwhile."""
-        animation, self._animation = self._animation, None
-        if animation is not None:
-            self._to_restore.setdefault(oi.Leds, DARK)
-            animation.end(ok, why)
+    def _show(self, animation: Animation, begun_at: float) -> Iterator[None]:
+        """Send each step when it is due."""
+        while (seconds := self._now - begun_at) < animation.max_seconds:
+            animation.seconds = seconds
+            why = self._core.refusal(oi.Leds)
+            if why is not None:
+                animation.end(False, f'the animation ended before its end; {why}')
+                return
+            if animation.step != self._shown:
+                self._shown = animation.step
+                self._core.outbox.send(animation.step)
+            yield
+        animation.seconds = animation.max_seconds
+        animation.end(True, 'the animation was shown')
 
     def poll(self, now: float) -> None:
-        """Go on with a song, a tune and an animation."""
+        """Go on with a song, a tune and an animation; after it, show the LEDs that were set."""
         self._now = now
-        next(self._playing, None)
-        if self._animation is not None:
-            self._show_step(self._animation, now)
-        if self._animation is None and self._shown and self._core.refusal(oi.Leds) is None:
+        if self._player.outcome is None:
+            next(self._playing, None)
+        if self._animation.outcome is None:
+            next(self._animating, None)
+        over = self._animation.outcome is not None
+        if over and self._shown and self._core.refusal(oi.Leds) is None:
             self._core.outbox.send(self._to_restore[oi.Leds])
             self._shown = None
 
     def fail(self, why: str) -> None:
         """End tune and animation, and the request for a song that has not been reported."""
-        self._end_song(why)
-        self._end_animation(False, why)
+        self._player.end(False, why)
+        self._animation.end(False, why)
 
 
 def _seconds(notes: Sequence[oi.Note]) -> float:
