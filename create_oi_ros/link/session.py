@@ -15,7 +15,6 @@ from dataclasses import replace
 from math import inf
 import threading
 import time
-from types import TracebackType
 
 from ..driver import DEAD_MAN_STOP, Driver, DriverEvent, Health, Notice, Severity
 from .dead_man import DeadMan
@@ -32,30 +31,6 @@ CHECK_INTERVAL = 0.1
 LEAST_LIFE = 1.0
 """Seconds that a dead-man must have run to be started again."""
 UNGUARDED = 'if this process dies, the robot drives on'
-
-
-class DriverUse:
-    """Gives the driver to one thread at a time, with the time; an error ends the session."""
-
-    def __init__(self, fail: Callable[[], None]) -> None:
-        """`fail` is called after an error."""
-        self.lock = threading.RLock()
-        self._fail = fail
-
-    def __enter__(self) -> float:
-        self.lock.acquire()
-        return time.monotonic()
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
-        try:
-            if isinstance(error, Exception):
-                try:
-                    self._fail()
-                finally:
-                    raise error from None  # what fails because of it is not reported
-        finally:
-            self.lock.release()
 
 
 class Session:
@@ -81,8 +56,9 @@ class Session:
         self._on_failure = on_failure
         self._wants_dead_man = dead_man
         self._open_port = open_port
-        self._driver_use = DriverUse(self._fail)
-        self._port: Port | None = None
+        self._lock = threading.RLock()
+        self.port: Port | None = None
+        """The open port; None while there is none. Use it only within a `request`."""
         self._dead_man: DeadMan | None = None
         self._dead_man_started_at = self._check_at = 0.0
         self._lasting_name: str | None = None
@@ -98,9 +74,21 @@ class Session:
         self._thread.start()
 
     @contextmanager
+    def _use_driver(self) -> Iterator[float]:
+        """Keep the driver to this thread, and give the time; an error ends the session."""
+        with self._lock:
+            try:
+                yield time.monotonic()
+            except Exception as error:
+                try:
+                    self._fail()
+                finally:
+                    raise error from None  # what fails because of it is not reported
+
+    @contextmanager
     def request(self) -> Iterator[tuple[Driver, float]]:
         """Lend the driver, with the time; what it decides to send is written."""
-        with self._driver_use as now:
+        with self._use_driver() as now:
             yield self.driver, now
             self._send()  # first: a command must not wait for the rest
             self._exchange(now)
@@ -120,7 +108,7 @@ class Session:
         It is written at once. All else waits for the next frame, unless it made the driver queue
         more, such as a change of mode.
         """
-        with self._driver_use as now:
+        with self._use_driver() as now:
             self.driver.drive(linear, angular, now)
             self._send()
             if self.driver.busy:
@@ -130,21 +118,16 @@ class Session:
 
     def health(self) -> Health:
         """Return what is known of driver, line and robot; nothing is sent."""
-        with self._driver_use as now:
+        with self._use_driver() as now:
             health = self.driver.health(now)
             return replace(health, line_problem=self._reported or health.line_problem)
-
-    @property
-    def port(self) -> Port | None:
-        """The open port; None while there is none. Use it only within a `request`."""
-        return self._port
 
     def close(self) -> None:
         """Stop the robot, leave it in the mode for exit, and close the port."""
         failed, stopped = self._closing.is_set(), False
         self._closing.set()
         try:
-            with self._driver_use.lock:
+            with self._lock:
                 self._stop_robot()
                 stopped = True
                 if not failed:  # else whoever listens may be what failed
@@ -152,7 +135,7 @@ class Session:
         finally:
             if self._thread.is_alive():
                 self._thread.join()
-            port = self._port
+            port = self.port
             self._leave_port(stopped=stopped)
             if port is not None:
                 port.close()
@@ -163,10 +146,10 @@ class Session:
             self.driver.shut_down(time.monotonic())
         finally:
             farewell = self.driver.data_to_send()
-            if self._port is not None and farewell:
+            if self.port is not None and farewell:
                 try:
-                    self._write(self._port, farewell)
-                    self._port.flush()
+                    self._write(self.port, farewell)
+                    self.port.flush()
                 except PortError as error:
                     self._leave_port(stopped=False)
                     self._report(error)
@@ -177,9 +160,9 @@ class Session:
             while not self._closing.is_set():
                 began = time.monotonic()
                 port = self._open()
-                while port is not None and self._port is port and not self._closing.is_set():
+                while port is not None and self.port is port and not self._closing.is_set():
                     self._read(port)
-                if port is not None and self._port is not port:
+                if port is not None and self.port is not port:
                     port.close()  # lost; only here, since this thread may just be reading it
                 if time.monotonic() - began > RETRY_MOST:
                     pause = RETRY_FIRST
@@ -208,12 +191,12 @@ class Session:
         except PortError as error:
             self._report(error)
             return None
-        with self._driver_use as now:
+        with self._use_driver() as now:
             if self._closing.is_set():
                 port.close()
                 return None
             self._reported = None
-            self._port = port
+            self.port = port
             self._on_event(Notice(Severity.INFO, f'{url} opened, calling the robot'))
             self._start_dead_man(port)
             self._named_at = now + NAMES_SETTLED
@@ -253,9 +236,9 @@ class Session:
             received = port.read()
         except PortError as error:
             received = error
-        with self._driver_use as now:
+        with self._use_driver() as now:
             # Another thread may have lost it meanwhile, while writing.
-            if self._closing.is_set() or self._port is not port:
+            if self._closing.is_set() or self.port is not port:
                 return
             if isinstance(received, PortError):
                 self._lose(received)
@@ -279,10 +262,10 @@ class Session:
 
     def _send(self) -> None:
         outgoing = self.driver.data_to_send()
-        if not outgoing or self._port is None:
+        if not outgoing or self.port is None:
             return
         try:
-            self._write(self._port, outgoing)
+            self._write(self.port, outgoing)
         except PortError as error:
             self._lose(error)
 
@@ -312,7 +295,7 @@ class Session:
             else:
                 self._dead_man.trigger()
             self._dead_man = None
-        self._port = None
+        self.port = None
 
     def _report(self, error: PortError) -> None:
         """Report what is wrong with the port, once until it changes; skip what may go away."""
