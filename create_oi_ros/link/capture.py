@@ -51,15 +51,15 @@ class Capture:
     """A file that grows; a write that fails ends the capture, and nothing else."""
 
     def __init__(
-        self, file: int, facts: Mapping[str, object], on_failure: Callable[[str], None],
+        self, wanted: str, facts: Mapping[str, object], on_failure: Callable[[str], None],
     ) -> None:
         """
-        Start on an open file, whose head holds the facts; OSError where it cannot be written.
+        Start in a new file, whose head holds the facts; OSError where it cannot be written.
 
         `on_failure` is called, on any thread, with the reason why records are dropped, or why
         nothing more is written.
         """
-        self._file = file
+        self._file, self.path = new_file(wanted)
         self._on_failure = on_failure
         self._dropped = 0
         """Records dropped since the last one that was kept."""
@@ -130,14 +130,6 @@ class Capture:
             unwritten, self._pending = self._pending, bytearray()
         while unwritten:
             del unwritten[:os.write(self._file, unwritten)]
-
-
-def begin(
-    wanted: str, facts: Mapping[str, object], on_failure: Callable[[str], None],
-) -> tuple[Capture, Path]:
-    """Start a capture in a new file, and return it with the file's path; OSError on failure."""
-    file, path = new_file(wanted)
-    return Capture(file, facts, on_failure), path
 
 
 class CapturedPort(Port):

@@ -28,7 +28,7 @@ from ..driver import (
     Notice,
     Severity,
 )
-from ..link.capture import begin, Capture, CapturedPort
+from ..link.capture import Capture, CapturedPort
 from ..link.port import Port
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
@@ -109,12 +109,12 @@ class CreateNode(Node):
         facts = {'driver': f'create_oi_ros {__version__}', **asdict(self.parameters)}
         log = self.get_logger()
         try:
-            capture, path = begin(
+            capture = Capture(
                 wanted, facts, lambda why: log.error(f'capture {wanted}: {why}'))
         except OSError as error:
             raise ValueError(
                 f'parameter capture: {wanted} cannot be written: {error.strerror}') from error
-        log.info(f'every byte of the line is written to {path}')
+        log.info(f'every byte of the line is written to {capture.path}')
         return capture
 
     def _declare_topics(self) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.link import capture
-from create_oi_ros.link.capture import begin, Capture, CapturedPort, new_file
+from create_oi_ros.link.capture import Capture, CapturedPort, new_file
 from create_oi_ros.link.port import PortError
 from create_oi_ros.oi.tools.capture_format import (
     CaptureError,
@@ -284,7 +284,7 @@ def test_a_file_that_is_none_gets_a_sentence(tmp_path: Path) -> None:
 
 def test_bytes_of_both_directions_are_captured_in_order(tmp_path: Path) -> None:
     robot, host = os.openpty()
-    ours, path = begin(str(tmp_path / 'c'), {}, print)
+    ours = Capture(str(tmp_path / 'c'), {}, print)
     name = os.ttyname(host)
     port = CapturedPort(ours, name, 57600, timeout=TIMEOUT)
     os.close(host)
@@ -303,7 +303,7 @@ def test_bytes_of_both_directions_are_captured_in_order(tmp_path: Path) -> None:
         port.write(b'\x83')
     ours.close()
     ours.add_text(RecordKind.NOTE, 'too late')
-    records, wrong = captures.read(path)
+    records, wrong = captures.read(ours.path)
     assert not wrong
     told = [(record.kind, record.text) for record in records if record.kind in (
         RecordKind.OPENED, RecordKind.BAUD)]
@@ -319,10 +319,9 @@ def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
     def on_failure(why: str) -> None:
         told.append(why)
         full.set()
-    file, _ = new_file(str(tmp_path / 'c'))
-    ours = Capture(file, {}, on_failure)
+    ours = Capture(str(tmp_path / 'c'), {}, on_failure)
     disk = os.open('/dev/full', os.O_WRONLY)
-    os.dup2(disk, file)
+    os.dup2(disk, ours._file)
     os.close(disk)
     ours.add_text(RecordKind.NOTE, 'too much')
     assert full.wait(TIMEOUT)
@@ -343,8 +342,7 @@ def test_while_a_disk_hangs_records_are_dropped_counted_and_said(
             assert goes_on.wait(TIMEOUT)
         return write(file, data)
     monkeypatch.setattr(os, 'write', hanging_write)
-    file, path = new_file(str(tmp_path / 'c'))
-    ours = Capture(file, {}, told.append)
+    ours = Capture(str(tmp_path / 'c'), {}, told.append)
     ours.add(RecordKind.FROM_ROBOT, b'first')
     assert hangs.wait(TIMEOUT)
     for _ in range(100):
@@ -354,7 +352,7 @@ def test_while_a_disk_hangs_records_are_dropped_counted_and_said(
     ours.close()
     goes_on.set()
     ours._thread.join(TIMEOUT)
-    records, wrong = captures.read(path)
+    records, wrong = captures.read(ours.path)
     dropped = 100 - len(said(records)[len(b'first'):]) // 100
     assert not wrong and dropped > 75
     assert records[-2].text == f'{dropped} records were dropped: the disk took no bytes'
@@ -362,9 +360,12 @@ def test_while_a_disk_hangs_records_are_dropped_counted_and_said(
                     records[-2].text, 'the disk takes no bytes; the end is not written']
 
 
-def test_a_disk_that_is_full_from_the_beginning_is_refused() -> None:
+def test_a_disk_that_is_full_from_the_beginning_is_refused(
+        monkeypatch: pytest.MonkeyPatch) -> None:
+    full = os.open('/dev/full', os.O_WRONLY)
+    monkeypatch.setattr(capture, 'new_file', lambda wanted: (full, Path(wanted)))
     with pytest.raises(OSError, match='No space'):
-        Capture(os.open('/dev/full', os.O_WRONLY), {}, print)
+        Capture('c', {}, print)
 
 
 def test_a_home_is_found_and_nothing_overwritten(

@@ -137,7 +137,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             seen, health, parameters = GuidedCheck(line, person).run()
         _conclude(seen, health, options.output)
         tell('\n'.join(in_lines(parameters)))
-        tell(f'{line.path}: all bytes of the check; send both files if something looks wrong')
+        tell(f'{line.capture.path}: all bytes of the check; send both files if something looks '
+             'wrong')
     except KeyboardInterrupt:
         print('\ncreate_check: interrupted; the wheels stand', file=sys.stderr)
         return INTERRUPTED

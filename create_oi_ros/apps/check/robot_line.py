@@ -10,7 +10,7 @@ import time
 
 from ... import __version__, oi
 from ...driver import Driver, DriverEvent, Health, Notice, Outcome, Settings, Severity
-from ...link.capture import begin, Capture, CapturedPort
+from ...link.capture import Capture, CapturedPort
 from ...link.session import Session
 from ...odometry import GyroSettings
 from ...oi.tools.capture_format import RecordKind
@@ -49,7 +49,7 @@ class RobotLine:
         self.heard = bytearray()
         self.lost = threading.Event()
         """Set when the session has ended by itself."""
-        self.capture, self.path = begin(
+        self.capture = Capture(
             capture_file, {'driver': f'create_check of create_oi_ros {__version__}', 'port': url},
             lambda why: print(f'create_check: capture: {why}'))
         self.session = Session(
