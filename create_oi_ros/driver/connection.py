@@ -21,7 +21,7 @@ from .core import Core
 from .events import LinkCounts, Severity
 from .outbox import HALT, WAKE_UP
 from .state import Activity, StateEvent
-from .stream import CommandNews, IGNORES, POLL_INTERVAL, Probe, StreamPlan
+from .stream import Doubt, IGNORES, POLL_INTERVAL, Probe, StreamPlan
 
 CALL_INTERVAL = 0.3
 """Seconds between two calls; more at rates where a call and its answer take longer."""
@@ -303,26 +303,24 @@ class Connection:
         self._stale_until = now + STALE_BYTES_FOR
         self.frame_at = self._stale_until - self._call_interval
 
-    def watch_commands(self, missed_since: float | None, now: float) -> bool:
-        """
-        React to a robot that may ignore commands.
-
-        True when the robot obeys again: then what it may have missed must be sent again.
-        """
+    def watch_commands(self, missed_since: float | None, now: float) -> None:
+        """React to a robot that may ignore commands."""
         core, watch = self._core, self._core.watch
         if not core.state.takes_commands:
             watch.restart()
-            return False
-        news = watch.check(missed_since, now)
-        if news is CommandNews.SUSPECT:
-            self._probe.begin(now)
-        elif news is CommandNews.WAKE:
-            core.outbox.send_raw(WAKE_UP)
-        elif news is CommandNews.IGNORES:
-            core.notice(Severity.ERROR, IGNORES)
+            return
+        before = watch.doubt
+        watch.check(missed_since, now)
+        if watch.doubt > before:
+            match watch.doubt:
+                case Doubt.HOLD_BACK:
+                    self._probe.begin(now)
+                case Doubt.WAKE:
+                    core.outbox.send_raw(WAKE_UP)
+                case Doubt.REPORT:
+                    core.notice(Severity.ERROR, IGNORES)
         if watch.suspects:
             self._probe.poll(now)
-        return news is CommandNews.OBEYS_AGAIN
 
     def _call(self, now: float, event: StateEvent) -> None:
         """Stop the robot and start its stream, whatever it was doing before."""

@@ -143,10 +143,9 @@ class Driver:
             self.goals.poll(now)
         self.motion.poll(now)
         suspected = self.core.watch.suspects
-        if self._connection.watch_commands(self.motion.missed_since, now):
+        self._connection.watch_commands(self.motion.missed_since, now)
+        if suspected and not self.core.watch.suspects:
             self._send_again()
-        elif suspected and not self.core.watch.suspects:
-            self.motion.resume()
         self._connection.ask(now, motion_due=self._tracking.odometry.reading_due)
         self.core.outbox.release(now)
 
@@ -354,6 +353,7 @@ class Driver:
     def _send_again(self) -> None:
         """Send again what the robot may have missed: speeds, songs, LEDs, outputs."""
         self.motion.resume()
-        self.outputs.restore_songs()
-        if self.status.actual in oi.ACTUATE:
-            self.outputs.restore()
+        if self.state.takes_commands:
+            self.outputs.restore_songs()
+            if self.status.actual in oi.ACTUATE:
+                self.outputs.restore()

@@ -18,7 +18,7 @@ full. So it is sent next to nothing, and nothing whose loss in part can do harm.
 """
 
 from collections.abc import Iterator
-from enum import auto, Enum
+from enum import IntEnum
 from itertools import cycle
 
 from .. import oi
@@ -120,9 +120,6 @@ class StreamPlan:
         return oi.Stream(packets=packets.ids)
 
 
-SUSPECTED, WOKEN, REPORTED = 0.3, 0.9, 1.5
-"""Seconds without a sign that commands are taken until the driver holds them back, sends what ends
-a command that was cut short, and tells the user."""
 IGNORES = ('the robot ignores commands, even a stop: damaged bytes may have told it to wait; '
            'lift it, switch it off and on')
 POLL_INTERVAL, POLL_FRACTION = 0.2, 0.2
@@ -130,19 +127,20 @@ POLL_INTERVAL, POLL_FRACTION = 0.2, 0.2
 was polled, so that a long wait gets few."""
 
 
-class CommandNews(Enum):
-    """News about whether the robot takes commands."""
+class Doubt(IntEnum):
+    """What the driver does as long as the robot shows no sign that it takes commands."""
 
-    SUSPECT = auto()
-    """It may wait, or be in the middle of a command."""
-    WAKE = auto()
-    """It may need what ends a command."""
-    IGNORES = auto()
-    OBEYS_AGAIN = auto()
+    NONE = 0
+    HOLD_BACK = 1
+    """Send next to nothing: it may wait, or be in the middle of a command."""
+    WAKE = 2
+    """Send what ends a command that was cut short."""
+    REPORT = 3
+    """Tell the user."""
 
 
-STAGES = ((CommandNews.IGNORES, REPORTED), (CommandNews.WAKE, WOKEN),
-          (CommandNews.SUSPECT, SUSPECTED))
+DOUBT_TIMES = (0.3, 0.9, 1.5)
+"""Seconds without a sign after which each of these begins."""
 
 
 class CommandWatch:
@@ -154,19 +152,19 @@ class CommandWatch:
     @property
     def suspects(self) -> bool:
         """Whether the robot may not take commands."""
-        return self._stage is not None
+        return self.doubt is not Doubt.NONE
 
     @property
     def ignores(self) -> bool:
         """Whether the robot ignores commands, and the user was told."""
-        return self._stage is CommandNews.IGNORES
+        return self.doubt is Doubt.REPORT
 
     def restart(self) -> None:
         """Start again: the robot was away, takes commands, or cannot take them now."""
         self._list: tuple[int, ...] | None = None
         """The packets of the newest frame."""
         self._unseen_since: float | None = None
-        self._stage: CommandNews | None = None
+        self.doubt = Doubt.NONE
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
         """Note that the robot was asked for frames with these packets."""
@@ -178,19 +176,14 @@ class CommandWatch:
         if packets != self._list:
             self._list, self._unseen_since = packets, None
 
-    def check(self, missed_since: float | None, now: float) -> CommandNews | None:
-        """Return what is new; `missed_since`: when speeds were sent that it has not taken."""
+    def check(self, missed_since: float | None, now: float) -> None:
+        """Update the doubt; `missed_since`: when speeds were sent that the robot has not taken."""
         times = [since for since in (missed_since, self._unseen_since) if since is not None]
         if not times:
-            if not self.suspects:
-                return None  # as in most frames
-            self._stage = None
-            return CommandNews.OBEYS_AGAIN
-        stage = next((stage for stage, after in STAGES if now - min(times) > after), None)
-        if stage is None or self._stage is not None and stage.value <= self._stage.value:
-            return None
-        self._stage = stage
-        return stage
+            self.doubt = Doubt.NONE
+            return
+        waits = now - min(times)
+        self.doubt = max(self.doubt, Doubt(sum(waits > limit for limit in DOUBT_TIMES)))
 
 
 class Probe:
