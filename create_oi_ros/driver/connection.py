@@ -55,13 +55,11 @@ class BaudSearch:
         self.calls = 0
         """Calls since the robot answered, or since the port was opened."""
         self._garbage = bytearray()
-        self.problem: str | None = None
-        """What the user was told of a robot that does not answer."""
 
     def restart(self) -> None:
         """Start anew: the robot answered until now, or the port has just been opened."""
         self._next = _rates(START_BAUDS[0] if self.raises else self.baud)
-        self.calls, self.problem = 0, None
+        self.calls = 0
         self._garbage.clear()
 
     @property
@@ -83,22 +81,18 @@ class BaudSearch:
 
     def find_problem(self) -> str | None:
         """Return once what may be wrong, after some calls without an answer."""
-        if self.problem is not None or self.calls < CALLS_BEFORE_NOTICE:
+        if self.calls != CALLS_BEFORE_NOTICE:
             return None
         at = ' and '.join(map(str, START_BAUDS)) if self.searching else str(self.baud)
         calls = f'The driver keeps calling{", at every rate" if self.searching else ""}'
         if len(self._garbage) >= GARBAGE_LIMIT:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])
             rate = '' if self.searching else ', or another baud rate (`baud: 0` tries all)'
-            self.problem = (
-                f'something sends on the port, but not like a Create at {at} baud (it sent '
-                f'{shown} ...): is it another device{rate}? {calls}')
-        else:
-            hint = '' if self.searching else '; the parameter `baud: 0` tries other rates'
-            self.problem = (
-                f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
+            return (f'something sends on the port, but not like a Create at {at} baud (it sent '
+                    f'{shown} ...): is it another device{rate}? {calls}')
+        hint = '' if self.searching else '; the parameter `baud: 0` tries other rates'
+        return (f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
                 f'serial cable, plugged in all the way{hint}? {calls}')
-        return self.problem
 
 
 WINDOW = 3.0
@@ -191,8 +185,8 @@ class Connection:
         self._ran_at = inf
         """When the driver was called last; in no past before the port is open."""
         self._stale_until = -inf
-        self._silence: str | None = None
-        """What the user was told when the robot fell silent; None before."""
+        self._unanswered: str | None = None
+        """What the user was told of a robot that does not answer; None before."""
         budget = self.plan.budget
         if not budget.fits:
             core.notice(Severity.ERROR, (
@@ -209,13 +203,13 @@ class Connection:
         """What the user was told of the line; None while nothing is wrong with it."""
         if self._core.state.answered:
             return self._frame_rate.problem
-        return self._search.problem or self._silence
+        return self._unanswered
 
     def opened(self, now: float) -> None:
         """Start to call: the port has been opened."""
         self.present_at = min(self.present_at, now)
         self._search.restart()
-        self._silence = None
+        self._unanswered = None
         self._ran_at = now
         self._call(now, StateEvent.OPENED)
 
@@ -277,13 +271,14 @@ class Connection:
             elif garbage > self.plan.full.frame_size:
                 why = (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
                        'the robot at another baud rate')
-            self._silence = f'no frame for {SILENCE} s: {why}; calling it until it answers'
-            self._core.notice(Severity.ERROR, self._silence)
+            self._unanswered = f'no frame for {SILENCE} s: {why}; calling it until it answers'
+            self._core.notice(Severity.ERROR, self._unanswered)
         rest = self.reader.flush()
         if rest is not None:
             self._search.add_garbage(rest.data)
         problem = self._search.find_problem()
         if problem is not None:
+            self._unanswered = problem
             self._core.notice(Severity.ERROR, problem)
         self._call(now, StateEvent.NO_ANSWER)
 
@@ -298,6 +293,7 @@ class Connection:
         self._core.outbox.clear(HALT)
         self.reader.flush()
         self._search.restart()
+        self._unanswered = None
         self._core.handle(StateEvent.NO_ANSWER)
         # Old bytes are dropped first: an answer among them would be lost, with its distance.
         self._stale_until = now + STALE_BYTES_FOR

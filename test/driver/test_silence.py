@@ -30,6 +30,18 @@ def test_silence_is_said_once_and_the_robot_is_called_until_it_answers(loop):
     assert loop.body.truth().speed == 0
 
 
+def test_a_silence_that_has_ended_is_not_shown_after_a_standstill_of_the_driver(loop):
+    loop.cut = True
+    loop.run(2 * SILENCE)
+    assert loop.driver.health(loop.now).line_problem.startswith('no frame for')
+    loop.cut = False
+    loop.run(1.0)
+    loop.now += 5.0
+    loop.driver.poll(loop.now)
+    assert loop.driver.state.activity is Activity.CALLING
+    assert loop.driver.health(loop.now).line_problem is None
+
+
 def test_odometry_goes_on_after_silence_without_a_jump(loop):
     loop.drive(0.2, 0.0, 1.0)
     loop.run(0.5)
