@@ -22,32 +22,23 @@ CHECKS_TO_REPEAT = 10
 """Checks between two times that the stop is written while the driver stays suspended."""
 SUSPENDED = (b'T', b't')
 """Process states: stopped by a signal, and by a debugger (proc(5))."""
-STATUS_LIMIT = 4096
 
 
-def open_status(process: int) -> int | None:
-    """Open the kernel's status file of a process; None for one that is gone or hidden."""
-    try:
-        return os.open(f'/proc/{process}/stat', os.O_RDONLY)
-    except OSError:
-        return None
-
-
-def is_suspended(status: int | None) -> bool:
+def is_suspended(process: int) -> bool:
     """Tell whether a process is suspended; one that is gone or hidden is not."""
     try:
-        # The process name, in brackets, may hold anything.
-        text = b'' if status is None else os.pread(status, STATUS_LIMIT, 0)
-        return text.rpartition(b') ')[2][:1] in SUSPENDED
+        with open(f'/proc/{process}/stat', 'rb') as status:
+            # The process name, in brackets, may hold anything.
+            return status.read().rpartition(b') ')[2][:1] in SUSPENDED
     except OSError:
         return False
 
 
 def watch(pipe: int, line: int, stop_bytes: bytes, driver: int) -> None:
     """Wait for the driver's goodbye or its death; write the stop after its death."""
-    status, found, wait = open_status(driver), 0, CHECK_INTERVAL
+    found, wait = 0, CHECK_INTERVAL
     while not select.select([pipe], [], [], wait)[0]:
-        found = found + 1 if is_suspended(status) else 0
+        found = found + 1 if is_suspended(driver) else 0
         wait = CONFIRM_INTERVAL if found == 1 else CHECK_INTERVAL
         if found % CHECKS_TO_REPEAT == 2:
             write_all(line, stop_bytes)

@@ -152,19 +152,15 @@ def test_a_parent_that_is_suspended_for_two_looks_is_spoken_for_at_once_and_each
 
 
 def test_only_a_stopped_process_is_seen_as_stopped():
-    assert not dead_man_process.is_suspended(dead_man_process.open_status(os.getpid()))
-    assert dead_man_process.open_status(2 ** 22 + 1) is None, 'no process has such a number'
-    assert not dead_man_process.is_suspended(None)
+    assert not dead_man_process.is_suspended(os.getpid())
+    assert not dead_man_process.is_suspended(2 ** 22 + 1), 'no process has such a number'
     ended = subprocess.Popen(['cat'], stdin=subprocess.PIPE)
-    status = dead_man_process.open_status(ended.pid)
     ended.send_signal(signal.SIGSTOP)
     os.waitpid(ended.pid, os.WUNTRACED)
-    assert dead_man_process.is_suspended(status)
+    assert dead_man_process.is_suspended(ended.pid)
     ended.kill()
     ended.communicate()
-    assert not dead_man_process.is_suspended(status)
-    assert status is not None
-    os.close(status)
+    assert not dead_man_process.is_suspended(ended.pid)
 
 
 def test_a_line_that_is_gone_ends_the_last_words():
