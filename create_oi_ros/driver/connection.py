@@ -68,14 +68,12 @@ class BaudSearch:
         return self.searching and self.baud < SLOWEST_BAUD
 
     def next_baud(self) -> int:
-        """Return the rate of the next call."""
         self.calls += 1
         if self.searching:
             self.baud = next(self._next)
         return self.baud
 
     def add_garbage(self, garbage: bytes) -> None:
-        """Note bytes that are no frame."""
         if len(self._garbage) < GARBAGE_LIMIT:
             self._garbage += garbage[:GARBAGE_LIMIT]
 

@@ -54,7 +54,6 @@ class Core:
             self.notice(Severity.WARNING, mistake)
 
     def notice(self, severity: Severity, text: str) -> None:
-        """Tell the user something."""
         self.events.append(Notice(severity, text))
 
     def refusal(self, command: type[oi.Command]) -> str | None:

@@ -101,7 +101,6 @@ class GoalControl:
             self.finish(why, now)
 
     def driver_ends(self) -> None:
-        """End the goal that runs."""
         if self._goal is not None:
             self._end(self._goal, DRIVER_ENDS)
 

@@ -200,7 +200,6 @@ class Motion:
 
     @property
     def stop_sent(self) -> bool:
-        """Whether a stop was sent last."""
         return self._sent == (0, 0)
 
     def resume(self) -> None:

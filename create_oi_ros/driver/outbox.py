@@ -87,12 +87,10 @@ class Pending(Awaited[Outcome]):
     __slots__ = ()
 
     def end(self, ok: bool, text: str, payload: bytes = b'') -> None:
-        """End the request."""
         self.settle(Outcome(ok, text, payload))
 
 
 def done(text: str) -> Pending:
-    """Return a request that has succeeded."""
     return Pending(Outcome(True, text))
 
 

@@ -51,7 +51,6 @@ class StreamPlan:
     """Decides which Stream command to send next."""
 
     def __init__(self, baud: int) -> None:
-        """Plan for a baud rate."""
         self.call = oi.PacketList(['infrared'])
         """Asked for to see whether a robot listens: no part of this Stream can do harm, not even
         read at another rate, where the mode's restarts the robot or starts Cover."""

@@ -144,7 +144,6 @@ class CapturedPort(Port):
         capture.add_text(RecordKind.OPENED, f'{url} at {baud} baud')
 
     def read(self) -> bytes:
-        """Read as `Port` does."""
         try:
             received = super().read()
         except PortError as error:

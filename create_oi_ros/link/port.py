@@ -111,7 +111,6 @@ class Port:
             raise PortError(f'{self.url}: reading failed ({error}); is the cable in?') from error
 
     def write(self, encoded: bytes) -> None:
-        """Write all bytes."""
         try:
             if self.baud < FAST_BAUD:
                 self._serial.write(encoded)

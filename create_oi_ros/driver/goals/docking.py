@@ -96,7 +96,6 @@ class Dock(Goal):
             yield Instruction.GO_ON
 
     def timed_out(self) -> Over:
-        """Return how the goal ends when its time is over."""
         if self._seen:
             return Over(Code.TIMEOUT, 'the Home Base was seen, but not reached in '
                         f'{self.allowance:.0f} s: free the way to it, or allow more time')
@@ -116,7 +115,6 @@ class Undock(DrivingGoal):
         self._by = ''
 
     def hazard(self) -> Over | None:
-        """Return what ends the motion."""
         if self._docked:  # the dock may press the bumper, and let it go, and press it
             self.known_cliff = self.known_bump = True
         if self._docked and self._mode is not oi.Mode.FULL:
@@ -169,7 +167,6 @@ class Undock(DrivingGoal):
         return ''
 
     def _step(self) -> Order:
-        """Follow the way."""
         order = self._leg.step(self.view)
         self.progress = self._leg.progress()
         if order is not None:
@@ -188,5 +185,4 @@ class Undock(DrivingGoal):
         return self.view.readings.oi_mode
 
     def way(self, seconds: float) -> str:
-        """Say how far the robot has gone."""
         return f'after {self._leg.way()}'

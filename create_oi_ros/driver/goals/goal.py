@@ -344,7 +344,6 @@ class DrivingGoal(Goal):
         self.stall = Stall()
 
     def hazard(self) -> Over | None:
-        """Return what ends the motion."""
         view, readings = self.view, self.view.readings
         if view.limits.max_wheel_speed < MIN_SPEED:
             return NO_SPEED

@@ -243,15 +243,12 @@ class Straight(Leg):
         self._aside = 0.0
 
     def progress(self, phase: Phase | None = None) -> Progress:
-        """Return the distance that is left."""
         return Progress(distance=abs(self._left), phase=phase)
 
     def way(self) -> str:
-        """Say how far the robot has got, in metres."""
         return f'{abs(self._whole - self._left):.2f} m'
 
     def done(self) -> str:
-        """Say what was done, in metres."""
         return f'drove {self._whole - self._left:.3f} m'
 
     def _locate(self, estimate: Estimate) -> Place:
@@ -302,15 +299,12 @@ class Arc(Leg):
         return (self._whole - self._left) / self._reach
 
     def progress(self, phase: Phase | None = None) -> Progress:
-        """Return the angle that is left."""
         return Progress(angle=abs(self._left / self._reach), phase=phase)
 
     def way(self) -> str:
-        """Say how far the robot has got, in degrees."""
         return f'{abs(degrees(self._turned)):.0f} degrees'
 
     def done(self) -> str:
-        """Say what was done, in radians and degrees."""
         circle = f' on a radius of {self._radius:g} m' if self._radius else ''
         return f'turned by {self._turned:.3f} rad ({degrees(self._turned):.1f} degrees){circle}'
 

@@ -77,11 +77,9 @@ class MotionGoal(DrivingGoal):
             'max_wheel_speed')
 
     def way(self, seconds: float) -> str:
-        """Say how far the robot has got."""
         return 'at the start' if self.leg is None else f'after {self.leg.way()}'
 
     def done(self) -> str:
-        """Say what was done, after the last leg."""
         assert self.leg is not None
         return self.leg.done()
 
@@ -96,7 +94,6 @@ class DriveDistance(MotionGoal):
         self._distance = distance
 
     def legs(self) -> Legs:
-        """Yield the straight line."""
         yield None, Straight(self.view, self._distance, self.view.estimate.yaw, self.speed)
 
 
@@ -110,7 +107,6 @@ class RotateAngle(MotionGoal):
         self._angle = angle
 
     def legs(self) -> Legs:
-        """Yield the turn."""
         yield None, Arc(self.view, self._angle, 0.0, 1, self.turning)
 
 
@@ -136,7 +132,6 @@ class DriveArc(MotionGoal):
         self._angle, self._radius, self._direction = angle, radius, direction
 
     def legs(self) -> Legs:
-        """Yield the arc."""
         yield None, Arc(self.view, self._angle, self._radius, self._direction,
                         self.speed / self._radius)
 
@@ -181,11 +176,9 @@ class NavigateToPosition(MotionGoal):
         return atan2(self._y - at.y, self._x - at.x)
 
     def way(self, seconds: float) -> str:
-        """Say how far the robot is from the place."""
         return 'at the start' if self.leg is None else f'{self._far:.2f} m from the goal'
 
     def done(self) -> str:
-        """Say where the robot is."""
         at = self.view.estimate
         return f'at x {at.x:.3f} m, y {at.y:.3f} m, {self._far:.3f} m from the goal'
 
@@ -248,7 +241,6 @@ class WallFollow(DrivingGoal):
         return bool(self.view.readings.number('wall', 0))
 
     def _velocities(self) -> Iterator[Velocity]:
-        """Yield a velocity for each frame."""
         while True:
             if self._touches:
                 for velocity, seconds in BACK_OFF:
