@@ -17,7 +17,6 @@ What it is sent meanwhile may be lost, in part even, or be obeyed afterwards unt
 full. So it is sent next to nothing, and nothing whose loss in part can do harm.
 """
 
-from collections.abc import Iterator
 from enum import IntEnum
 from itertools import cycle
 
@@ -64,34 +63,32 @@ class StreamPlan:
         self.asked: oi.PacketList | None = None
         """The list that was asked for last; None where the robot must be asked anew."""
         self._asked_at = 0.0
-        self._parts: list[oi.PacketList] = []
-        """Where not all fits into a slot: lists that bring the rest in turn."""
         self.full = oi.PacketList(ALL)
         """All packets; where that does not fit, those with distance and angle."""
-        self.short = oi.PacketList([*ESSENTIAL, *FREQUENT])
-        """What is asked for in most frames."""
+        self._parts = [oi.PacketList([*ESSENTIAL, *FREQUENT])]
+        """Asked for in turn in most frames; several where not all fits into a slot."""
         self.script = oi.PacketList([*ESSENTIAL, *FREQUENT, *DRIVE_REQUEST])
         """While a script plays. A waiting robot cannot be asked for another list, and to read
         distance and angle in every frame would lose most of them."""
         if not self.script.budget(baud).fits:
             self.script = oi.PacketList([*ESSENTIAL, *DRIVE_REQUEST])
         if not self.full.budget(baud).fits:
-            part = list(ESSENTIAL)
+            self._parts, part = [], list(ESSENTIAL)
             for name in FREQUENT + SLOW:
                 if not oi.PacketList([*part, name]).budget(baud).fits:
                     self._parts.append(oi.PacketList(part))
                     part = list(ESSENTIAL)
                 part.append(name)
             self._parts.append(oi.PacketList(part))
-            self.short = self._parts[0]
             self.full = oi.PacketList([*ESSENTIAL, *MOTION])
         self.budget = self.full.budget(baud)
-        self._rotation: Iterator[oi.PacketList] = cycle(self._parts or [self.short])
+        self.short = self._parts[0]
+        self._rotation = cycle(self._parts)
 
     @property
     def lists(self) -> tuple[oi.PacketList, ...]:
         """All lists whose frames may arrive."""
-        return (self.short, self.full, *self._parts, self.marker, self.script, self.call)
+        return (*self._parts, self.full, self.marker, self.script, self.call)
 
     def restart(self) -> None:
         """Forget what was asked for: the robot may have been switched off."""
@@ -110,7 +107,7 @@ class StreamPlan:
             return None
         if motion_due and self.asked is not self.full:
             return self._ask(self.full, now)
-        if self._parts or self.asked is self.full and not motion_due:
+        if len(self._parts) > 1 or self.asked is self.full and not motion_due:
             return self._ask(next(self._rotation), now)
         return None
 
