@@ -55,8 +55,6 @@ class Contacts:
         bumps = readings.number('bumps_and_wheel_drops', 0) & BUMPS
         if bumps:
             found.append(BUMPERS[bumps])
-        if not found and not self._hits:
-            return
         for name in found:
             bearing, far = at.yaw + radians(BEARINGS[name]), BODY_RADIUS + OUTSIDE
             self._hits[name] = Hit(
@@ -71,8 +69,6 @@ class Contacts:
 
     def points(self, at: Estimate) -> tuple[tuple[float, float], ...]:
         """Return the points, m, forward and to the left of a robot that is here."""
-        if not self._hits:
-            return ()
         c, s = cos(at.yaw), sin(at.yaw)
         return tuple((c * (hit.x - at.x) + s * (hit.y - at.y),
                       c * (hit.y - at.y) - s * (hit.x - at.x)) for hit in self._hits.values())

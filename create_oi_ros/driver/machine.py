@@ -36,7 +36,6 @@ from .outbox import done, END_DEMO, farewell, HALT, LOST, Pending, refused
 from .outputs import Outputs
 from .script import ScriptControl
 from .state import Activity, StateEvent
-from .stream import StreamPlan
 from .tracking import ANGLE_STUCK, Tracking, TurnCheck
 
 ROBOT_UNKNOWN = (StateEvent.OPENED, StateEvent.NO_ANSWER, StateEvent.PORT_CLOSED)
@@ -60,10 +59,12 @@ class Driver:
         self.counts = core.counts
         self._connection = Connection(core)
         self._tracking = Tracking(core, odometry)
+        self.plan = self._connection.plan
+        """The lists of packets that the robot is asked to stream."""
         self.outputs = Outputs(core)
         self.modes = Modes(core, self.outputs)
         self.motion = Motion(core, self.modes)
-        self.scripts = ScriptControl(core, self._connection.plan)
+        self.scripts = ScriptControl(core, self.plan)
         self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
         self._battery = BatteryGuard(core, self.modes)
         self._charging = ChargeWatch(core)
@@ -180,11 +181,6 @@ class Driver:
         """Whether commands wait to be made ready by `poll`."""
         return self.core.outbox.busy
 
-    @property
-    def plan(self) -> StreamPlan:
-        """The lists of packets that the robot is asked to stream."""
-        return self._connection.plan
-
     def health(self, now: float) -> Health:
         """Return what is known of driver, line and robot."""
         readings, connection = self.core.readings, self._connection
@@ -196,7 +192,7 @@ class Driver:
             readings=readings, odd=dict(self._tracking.odd.newest), counts=copy(self.counts),
             line_problem=connection.problem,
             frame_age=now - connection.frame_at if self.counts.frames else None,
-            spare_bytes=connection.plan.budget.spare, checksum=connection.reader.checksum,
+            spare_bytes=self.plan.budget.spare, checksum=connection.reader.checksum,
             ignores_commands=self.core.watch.ignores,
             suspects_commands=self.core.watch.suspects, angle_stuck=self._turn_check.stuck,
             robot=self._tracking.robot, gyro=self._tracking.gyro,

@@ -42,15 +42,13 @@ hazard_numbers = oi.Readings.numbers(
 
 def causes_in(readings: oi.Readings) -> tuple[Cause, ...]:
     """Name what in these readings would take the robot out of Safe mode."""
-    hazards, sources = hazard_numbers(readings), readings.number('charging_sources', 0)
-    if not sources and not any(hazards):
-        return ()  # as in nearly all frames
-    drops, left, front_left, front_right, right = hazards
+    drops, left, front_left, front_right, right = hazard_numbers(readings)
     seen = (
         (Cause.CLIFF_LEFT, left), (Cause.CLIFF_FRONT_LEFT, front_left),
         (Cause.CLIFF_FRONT_RIGHT, front_right), (Cause.CLIFF_RIGHT, right),
         (Cause.WHEEL_DROP_LEFT, drops & LEFT_DROP), (Cause.WHEEL_DROP_RIGHT, drops & RIGHT_DROP),
-        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP), (Cause.CHARGER, sources))
+        (Cause.WHEEL_DROP_CASTER, drops & CASTER_DROP),
+        (Cause.CHARGER, readings.number('charging_sources', 0)))
     return tuple(cause for cause, present in seen if present)
 
 
