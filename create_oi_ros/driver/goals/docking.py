@@ -8,7 +8,7 @@ real robots there: docked in Safe one may not move until it is full, and one in 
 begin to charge.
 """
 
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 
 from ... import oi
 from ...oi.codes import BEAMS
@@ -127,44 +127,34 @@ class Undock(DrivingGoal):
             yield Over(Code.NO_DOCK, 'the robot is on no dock: there is nothing to leave')
         self._measure()
         self.allowance = self.allowance or 2 * (self._leg.seconds() + HELD_TIME + 2 * MODE_WAIT)
-        if self._mode is oi.Mode.FULL:
-            yield from self._drive(oi.Mode.FULL)
+        mode = first = oi.Mode.FULL if self._mode is oi.Mode.FULL else oi.Mode.SAFE
+        driven = waited = 0.0
+        why = ''
         while True:
-            held = yield from self._drive(oi.Mode.SAFE)
-            self._measure()  # while it is held the odometry may believe that it moves
-            self._by = ', by FULL, now in SAFE again'
-            yield from self._drive(
-                oi.Mode.FULL, f'{held}: it leaves the dock in FULL, then returns to SAFE')
+            if self._docked and mode is oi.Mode.SAFE and (
+                    driven > HELD_TIME or waited >= MODE_WAIT):
+                held = ('docked, the robot does not stay in SAFE' if waited >= MODE_WAIT else
+                        'docked in SAFE the robot does not move')
+                why = f'{held}: it leaves the dock in FULL, then returns to SAFE'
+                mode, driven, waited = oi.Mode.FULL, 0.0, 0.0
+                self._measure()  # while it is held the odometry may believe that it moves
+                self._by = ', by FULL, now in SAFE again'
+            elif mode is not first and not self._docked:
+                mode, driven, waited = first, 0.0, 0.0
+            if self._mode is mode:
+                yield self._step()
+                driven, waited = driven + self.view.dt, 0.0
+            elif waited < MODE_WAIT:
+                yield Velocity() if waited else Enter(mode, why)
+                waited, why = waited + self.view.dt, ''
+            else:
+                yield Over(Code.MODE, f'the robot does not enter {mode.name}: send the goal '
+                           'again, or pull it off its dock')
 
     def _measure(self) -> None:
         """Begin the way here."""
         self._leg = Straight(self.view, -AWAY, self.view.estimate.yaw, SPEED)
         self.progress = self._leg.progress()
-
-    def _drive(self, mode: oi.Mode, why: str = '') -> Generator[Order, None, str]:
-        """
-        Drive back in a mode, to the end of the way.
-
-        Return early why Safe holds the robot; with a reason, once it is off its dock.
-        """
-        off_dock = bool(why)
-        seconds = waited = 0.0
-        while self._docked or not off_dock:
-            held = self._docked and mode is oi.Mode.SAFE
-            if self._mode is mode:
-                if held and seconds > HELD_TIME:
-                    return 'docked in SAFE the robot does not move'
-                yield self._step()
-                seconds, waited = seconds + self.view.dt, 0.0
-            elif waited < MODE_WAIT:
-                yield Velocity() if waited else Enter(mode, why)
-                waited, why = waited + self.view.dt, ''
-            elif held:
-                return 'docked, the robot does not stay in SAFE'
-            else:
-                yield Over(Code.MODE, f'the robot does not enter {mode.name}: send the goal '
-                           'again, or pull it off its dock')
-        return ''
 
     def _step(self) -> Order:
         order = self._leg.step(self.view)
