@@ -154,10 +154,10 @@ class NavigateToPosition(MotionGoal):
 
     def legs(self) -> Legs:
         """Yield a turn and a straight line to the place, unless the robot is there, and a turn."""
-        if self._far > STRAIGHT_TOLERANCE:
-            yield Phase.TURNING_TO_PLACE, self._turn_to(self._direction_to_place)
-            yield Phase.DRIVING, Straight(
-                self.view, self._far, self._direction_to_place, self.speed)
+        far, direction = self._to_place()
+        if far > STRAIGHT_TOLERANCE:
+            yield Phase.TURNING_TO_PLACE, self._turn_to(direction)
+            yield Phase.DRIVING, Straight(self.view, *self._to_place(), self.speed)
         if self._heading is not None:
             yield Phase.TURNING_TO_HEADING, self._turn_to(self._heading)
 
@@ -165,22 +165,18 @@ class NavigateToPosition(MotionGoal):
         turn = remainder(heading - self.view.estimate.yaw, tau)
         return Arc(self.view, turn, 0.0, 1, self.turning)
 
-    @property
-    def _far(self) -> float:
-        at = self.view.estimate
-        return hypot(self._x - at.x, self._y - at.y)
-
-    @property
-    def _direction_to_place(self) -> float:
-        at = self.view.estimate
-        return atan2(self._y - at.y, self._x - at.x)
+    def _to_place(self) -> tuple[float, float]:
+        """Return how far the place is, m, and in which direction, rad."""
+        x, y = self._x - self.view.estimate.x, self._y - self.view.estimate.y
+        return hypot(x, y), atan2(y, x)
 
     def way(self, seconds: float) -> str:
-        return 'at the start' if self.leg is None else f'{self._far:.2f} m from the goal'
+        return 'at the start' if self.leg is None else f'{self._to_place()[0]:.2f} m from the goal'
 
     def done(self) -> str:
         at = self.view.estimate
-        return f'at x {at.x:.3f} m, y {at.y:.3f} m, {self._far:.3f} m from the goal'
+        far, _ = self._to_place()
+        return f'at x {at.x:.3f} m, y {at.y:.3f} m, {far:.3f} m from the goal'
 
 
 def check_angle(angle: float) -> str:
