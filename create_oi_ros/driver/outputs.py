@@ -66,11 +66,6 @@ class Tune(Pending):
         bounds = [len(notes) * part // songs for part in range(songs + 1)]
         self.songs = [notes[low:high] for low, high in zip(bounds, bounds[1:])]
 
-    def order(self) -> Iterator[int]:
-        """Yield which song is played, one after the other."""
-        rounds = count() if self.iterations == FOREVER else range(self.iterations)
-        return (song for _ in rounds for song in range(len(self.songs)))
-
     def follow(self, song: int, since: float) -> None:
         """Find the note that sounds so many seconds after a song began."""
         ends = accumulate(note.duration / oi.NOTES_PER_SECOND for note in self.songs[song])
@@ -266,7 +261,9 @@ class Outputs:
     def _play_all(self, tune: Tune) -> Iterator[None]:
         """Play the songs of a tune; while one plays, the next is stored."""
         begun_at, number = self._now, self._store(tune.songs[0])
-        for song, following in pairwise(chain(tune.order(), (None,))):
+        rounds = count() if tune.iterations == FOREVER else range(tune.iterations)
+        order = (song for _ in rounds for song in range(len(tune.songs)))
+        for song, following in pairwise(chain(order, (None,))):
             assert song is not None
             if number in self.songs:  # somebody has defined it in the meantime
                 number = self._store(tune.songs[song])
