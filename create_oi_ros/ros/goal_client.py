@@ -9,6 +9,7 @@ not receive anything afterwards: while rclpy runs, the handler only notes it.
 """
 
 from collections.abc import Callable, Mapping
+from math import inf
 from numbers import Integral, Real
 import signal
 import sys
@@ -186,8 +187,7 @@ class GoalClient:
         self._sent = self._clients[name].send_goal_async(
             request, lambda message: setattr(self, 'feedback', message.feedback))
         try:
-            while not self._sent.done():
-                self._spin()
+            self._wait(self._sent.done)
         except KeyboardInterrupt:
             self._cancel_running()
             raise
@@ -228,11 +228,9 @@ class GoalClient:
         if name not in self._services:
             self._services[name] = self.node.create_client(SERVICE_TYPES[name], name)
         self._find(name, f'the service {name}', self._services[name].service_is_ready)
-        answer, until = self._services[name].call_async(request), time.monotonic() + ANSWER_TIMEOUT
-        while not answer.done():
-            if time.monotonic() > until:
-                raise GoalFailed(f'{name}: the driver does not answer')
-            self._spin()
+        answer = self._services[name].call_async(request)
+        if not self._wait(answer.done, ANSWER_TIMEOUT):
+            raise GoalFailed(f'{name}: the driver does not answer')
         if not answer.result().success:
             raise GoalFailed(f'{name}: {answer.result().message}')
         return answer.result()
@@ -241,26 +239,28 @@ class GoalClient:
         """Receive for a while; KeyboardInterrupt: a signal came."""
         _interrupts.spin_once(self.node, LOOK_EVERY)
 
+    def _wait(self, done: Callable[[], bool], seconds: float = inf) -> bool:
+        """Receive until something is done; return whether it is, after so many seconds at most."""
+        until = time.monotonic() + seconds
+        while not done() and time.monotonic() < until:
+            self._spin()
+        return done()
+
     def _find(self, name: str, what: str, ready: Callable[[], bool]) -> None:
         """Wait for the driver, and say so; GoalFailed: there is none."""
         if not ready():
             say_if_waiting(self.node, what, lambda: not ready(), lambda why: print(
                 f'{self._name}: {why}', file=sys.stderr, flush=True))
-        until = time.monotonic() + DISCOVERY_TIMEOUT
-        while not ready():
-            if time.monotonic() > until:
-                domain = self.node.context.get_domain_id()
-                raise GoalFailed(f'{name}: no driver was found in ROS domain {domain}')
-            self._spin()
+        if not self._wait(ready, DISCOVERY_TIMEOUT):
+            domain = self.node.context.get_domain_id()
+            raise GoalFailed(f'{name}: no driver was found in ROS domain {domain}')
 
     def _cancel_running(self) -> bool:
         """Cancel a goal that was sent and has not ended; return whether it has ended now."""
         if self._sent is None or (self._awaited is not None and self._awaited.done()):
             return True
-        rclpy.spin_until_future_complete(self.node, self._sent, timeout_sec=CANCEL_WAIT)
-        if not self._sent.done() or not self._sent.result().accepted:
+        if not self._wait(self._sent.done, CANCEL_WAIT) or not self._sent.result().accepted:
             return bool(self._sent.done())
         self._sent.result().cancel_goal_async()
         self._awaited = self._awaited or self._sent.result().get_result_async()
-        rclpy.spin_until_future_complete(self.node, self._awaited, timeout_sec=CANCEL_WAIT)
-        return bool(self._awaited.done())
+        return self._wait(self._awaited.done, CANCEL_WAIT)
