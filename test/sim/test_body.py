@@ -1,14 +1,20 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated robot's motion."""
+"""The simulated robot's motion, its unsteady wheels, and its gyro."""
 
+from dataclasses import replace
+from itertools import pairwise
 import math
+from math import degrees, radians
+from statistics import fmean, mean, pstdev, stdev
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
-from create_oi_ros.sim.body.config import BodyConfig
+from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY
+from create_oi_ros.sim.body.gyro import Gyro
+from create_oi_ros.sim.firmware.guesses import parse_guesses
 from create_oi_ros.sim.world import shipped, World
 from support.bodies import B, Body, body_at_speed, FRAME, ideal
 
@@ -100,3 +106,113 @@ def story(seed):
 def test_the_same_seed_gives_the_same_robot():
     assert story(5) == story(5)
     assert story(5) != story(6)
+
+
+# Wheels that do not run steadily, as those of several real robots.
+
+
+ASKED = 0.2
+
+
+def ways(seconds: int, *, seed: int = 1, cuts: int = 10, asked: float = ASKED,
+         **unsteadiness: float) -> list[float]:
+    """Return what a wheel travels in each second of steady driving, over what was asked."""
+    body = Body(World(), config=replace(DEFAULT_BODY, encoder_tick=0.0, **unsteadiness), seed=seed)
+    body.drive(right=asked, left=asked)
+    body.step(3.0)
+    found, before = [], body.truth().travelled
+    for _ in range(seconds):
+        for _ in range(cuts):
+            body.step(1.0 / cuts)
+        now = body.truth().travelled
+        found.append((now - before) / asked)
+        before = now
+    return found
+
+
+def test_the_likeliest_robot_runs_steadily():
+    assert (DEFAULT_BODY.speed_jitter, DEFAULT_BODY.speed_wander) == (0.0, 0.0)
+    assert ways(20) == pytest.approx([1.0] * 20, abs=1e-4)
+
+
+def test_jitter_is_what_the_mean_speed_of_a_second_strays_by():
+    """Both wheels stray on their own: their mean does by less, by the root of two."""
+    found = ways(400, speed_jitter=0.02)
+    assert fmean(found) == pytest.approx(1.0, abs=0.003)
+    assert pstdev(found) * 2 ** 0.5 == pytest.approx(0.02, rel=0.15)
+    assert pstdev(b - a for a, b in pairwise(found)) == pytest.approx(0.02, rel=0.15)
+
+
+def test_wander_comes_within_half_a_minute():
+    found = [ways(31, seed=seed, cuts=2, speed_wander=0.05) for seed in range(40)]
+    assert pstdev(each[0] for each in found) * 2 ** 0.5 == pytest.approx(0.05, rel=0.35)
+    soon = [abs(each[1] - each[0]) for each in found]
+    late = [abs(each[30] - each[0]) for each in found]
+    assert fmean(soon) < 0.02 < fmean(late)
+
+
+def test_the_same_seed_is_the_same_robot_however_time_is_cut():
+    fine, coarse = (ways(20, cuts=cuts, speed_jitter=0.02, speed_wander=0.05)
+                    for cuts in (67, 4))
+    assert fine == pytest.approx(coarse, abs=1e-6)
+    assert fine != pytest.approx(ways(20, seed=2, speed_jitter=0.02, speed_wander=0.05), abs=1e-3)
+
+
+def test_a_pushed_wheel_has_the_speed_of_the_floor():
+    body = Body(World(), config=replace(DEFAULT_BODY, speed_jitter=0.1))
+    body.push(speed=0.2, rate=0.0, seconds=1.0)
+    body.step(0.5)
+    assert body.truth().measured_travelled == pytest.approx(0.1, abs=0.001)
+    assert body.truth().speed == 0.2
+
+
+@pytest.mark.parametrize('name', ['speed_jitter', 'speed_wander'])
+def test_it_is_a_guess_of_the_command_line(name):
+    config, _ = parse_guesses([f'{name}=0.02'])
+    assert getattr(config, name) == 0.02
+    for value in (-0.01, 0.2):
+        with pytest.raises(ValueError, match=f'{name} is {value}; allowed: 0 to 0.1'):
+            parse_guesses([f'{name}={value}'])
+
+
+# The gyro: an ADXRS613 on ten bits.
+
+
+UNITS = 1023 / 5 * 0.0125
+"""Of packet 33, for each degree a second."""
+SEEDS = range(40)
+
+
+def read(seed: int, rate: float, time: float = 0.0, count: int = 400) -> list[int]:
+    gyro = Gyro(seed)
+    return [gyro.read(radians(rate), time) for _ in range(count)]
+
+
+def test_each_robot_has_another_zero_and_scale_within_the_tolerances_of_the_part():
+    zeros = [mean(read(seed, 0.0)) for seed in SEEDS]
+    scales = [(mean(read(seed, 100.0)) - zero) / 100 / UNITS for seed, zero in zip(SEEDS, zeros)]
+    assert 490 < min(zeros) < 505 < 519 < max(zeros) < 534
+    assert 0.948 < min(scales) < 0.98 < 1.02 < max(scales) < 1.052
+
+
+def test_it_is_noisy_drifts_and_ends_at_its_range():
+    assert stdev(read(1, 0.0)) == pytest.approx(1.0, abs=0.2)
+    drift = (mean(read(1, 0.0, time=3600.0)) - mean(read(1, 0.0))) / UNITS
+    assert abs(drift) == pytest.approx(0.02 * 60, abs=0.05)
+    assert mean(read(1, 200.0)) == pytest.approx(mean(read(1, 150.0)), abs=0.2)
+    assert mean(read(1, -200.0)) == pytest.approx(mean(read(1, -150.0)), abs=0.2)
+
+
+def test_it_feels_wheels_and_hands_and_is_there_only_on_request():
+    body = Body(World(), config=replace(DEFAULT_BODY, gyro=True))
+    zero = body.sense().analog
+    body.drive(right=0.1, left=-0.1)
+    body.step(2.0)
+    turning = body.sense().analog - zero
+    assert turning / UNITS == pytest.approx(degrees(0.2 / 0.262), rel=0.1)
+    body.drive(right=0.0, left=0.0)
+    body.lift(True)
+    body.push(speed=0.0, rate=-1.0, seconds=1.0)
+    body.step(0.5)
+    assert (body.sense().analog - zero) / UNITS == pytest.approx(-degrees(1.0), rel=0.1)
+    assert Body(World(), config=DEFAULT_BODY).sense().analog == 0
