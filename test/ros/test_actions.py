@@ -5,34 +5,96 @@
 from math import inf, nan, pi
 import re
 import signal
+from typing import Any
 
 from action_msgs.msg import GoalStatus
 from builtin_interfaces.msg import Duration
 from create_oi_msgs.action import (
+    AudioNoteSequence,
     Dock,
     DriveArc,
     DriveDistance,
+    LedAnimation,
     NavigateToPosition,
     RotateAngle,
     Undock,
     WallFollow,
 )
 from create_oi_msgs.msg import Mode
+from create_oi_msgs.srv import SetLeds
 from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, Vector3
 import pytest
+from rclpy.action.client import ActionClient
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
+from create_oi_ros import oi
 from create_oi_ros.driver.goals import Code
-from create_oi_ros.ros.actions import ACTIONS, ALL_ACTIONS
+from create_oi_ros.ros.actions import ACTIONS, ALL_ACTIONS, malformed
 from create_oi_ros.sim.world import parse
-from support.actions import Client
-from support.ros import Ready
+from support.ros import Listener, Ready
 from support.source import ROOT
 
 FILES = sorted((ROOT / 'msg_defs' / 'action').glob('*.action'))
 OF_GOALS = [path for path in FILES if path.stem in {each.type.__name__ for each in ACTIONS}]
+TUNE, LEDS = (AudioNoteSequence, 'audio_note_sequence'), (LedAnimation, 'led_animation')
 BASE = parse('start 0.4 0 180\nhome_base 0 0 0', 'base')
+
+
+class Sent:
+    """A goal that was accepted."""
+
+    def __init__(self, ros: Listener, handle: Any, feedback: list[Any]) -> None:
+        self._ros, self._handle = ros, handle
+        self._result = handle.get_result_async()
+        self.feedback = feedback
+        self.status = 0
+
+    def result(self) -> Any:
+        """Wait for the result; its status is in `status` then."""
+        self._ros.until(self._result.done, 'a result')
+        wrapped = self._result.result()
+        self.status = wrapped.status
+        return wrapped.result
+
+    def cancel(self) -> bool:
+        """Cancel the goal; return whether that was accepted."""
+        answer = self._handle.cancel_goal_async()
+        self._ros.until(answer.done, 'the answer to a cancel')
+        return bool(answer.result().goals_canceling)
+
+
+class Client:
+    """Sends goals of any action."""
+
+    def __init__(self, ros: Listener) -> None:
+        self._ros = ros
+        self._clients: dict[str, ActionClient] = {}
+
+    def send(self, type_: Any, name: str, **fields: Any) -> Sent | None:
+        """Send a goal; return it, None where it was rejected."""
+        if name not in self._clients:
+            self._clients[name] = ActionClient(self._ros.node, type_, name)
+        client = self._clients[name]
+        self._ros.until(client.server_is_ready, f'action {name}')
+        feedback: list[Any] = []
+        answer = client.send_goal_async(
+            type_.Goal(**fields),
+            feedback_callback=lambda message: feedback.append(message.feedback))
+        self._ros.until(answer.done, f'the answer of {name}')
+        handle = answer.result()
+        return Sent(self._ros, handle, feedback) if handle.accepted else None
+
+    def result(self, type_: Any, name: str, **fields: Any) -> Any:
+        """Send a goal that is accepted, and wait for its result."""
+        sent = self.send(type_, name, **fields)
+        assert sent is not None, f'{name} was rejected'
+        return sent.result()
+
+    def close(self) -> None:
+        """Destroy the clients, before their node."""
+        for client in self._clients.values():
+            client.destroy()
 
 
 class Driving:
@@ -147,13 +209,26 @@ def test_the_robot_drives_to_a_place_that_is_published(start):
      "goal_pose is in frame 'map'; allowed: 'odom'"),
     (WallFollow, 'wall_follow', {'follow_side': WallFollow.Goal.FOLLOW_LEFT},
      'follow_side = 1; allowed: -1'),
+    (*TUNE, {'notes': 'C4:9'}, "'C4:9' lasts 9 s; allowed: 1/64 to 255/64 s"),
+    (*TUNE, {'notes': ''}, 'a tune needs a note, such as C4:1/4'),
+    (*TUNE, {'notes': 'C4:1', 'iterations': 0}, 'iterations = 0; allowed: above 0, or -1'),
+    (*LEDS, {'animation_type': 3, 'play': True},
+     'animation_type = 3; allowed: 1 (blink), 2 (spin)'),
+    (*LEDS, {'animation_type': 1, 'power_color': 9},
+     'no LED is chosen: set play, advance or power_int'),
+    (*LEDS, {'animation_type': 1, 'play': True, 'period': Duration(nanosec=200_000_000)},
+     'period = 0.2 s; allowed: 0.3 or more'),
+    (*LEDS, {'animation_type': 1, 'play': True, 'max_runtime': Duration(sec=-1)},
+     'max_runtime = -1 s; allowed: 0 or more'),
 ], ids=lambda value: value if isinstance(value, str) else '')
 def test_a_malformed_goal_is_rejected_and_the_log_says_why(
         shared_robot, type_, name, fields, says):
     assert shared_robot.send(type_, name, **fields) is None
-    shared_robot.ros.until(lambda: f'{name} rejected: ' in shared_robot.node.output
-                           and says in shared_robot.node.output, says)
+    shared_robot.ros.until(
+        lambda: f'{name} rejected: {says}' in shared_robot.node.output, says)
     assert shared_robot.asked_to_stand
+    if type_ is not NavigateToPosition:  # its frame is the driver's
+        assert says in malformed(name, type_.Goal(**fields))
 
 
 def test_a_cancel_stops_the_wheels(driving):
@@ -273,3 +348,77 @@ def test_every_action_has_a_file_and_a_server():
         assert 'time_allowance' in action.type.Goal.get_fields_and_field_types()
         assert {'success', 'error_code', 'message', 'pose'} <= (
             action.type.Result.get_fields_and_field_types().keys())
+
+
+# Actions that move no wheel.
+
+
+RING_TONE = f'scale:d=16,o=5,b=180:{",".join(4 * "c c# d d# e f f# g g# a a#".split())}'
+"""44 notes."""
+
+
+@pytest.fixture
+def client(driving):
+    """Return a client of the shared robot's actions."""
+    return driving.client
+
+
+def play(client, notes, **fields):
+    """Ask for a tune."""
+    return client.send(AudioNoteSequence, 'audio_note_sequence', notes=notes, **fields)
+
+
+def test_a_long_tune_is_played_while_the_robot_drives(ready, client):
+    tune = play(client, RING_TONE)
+    drive = client.send(DriveDistance, 'drive_distance', distance=0.1)
+    assert drive.result().success
+    assert tune.result().success, tune.result().message
+    assert tune.status == GoalStatus.STATUS_SUCCEEDED
+    result, told = tune.result(), tune.feedback
+    assert (result.iterations_played, result.message) == (1, 'the tune was played')
+    assert [each.place for each in told] == sorted({each.place for each in told})
+    assert (told[0].note, told[0].place) == ('C5', 0) and told[-1].place == 43
+    seconds = result.runtime.sec + result.runtime.nanosec / 1e9
+    assert 44 / 12 - 0.1 < seconds < 44 / 12 + 2
+
+
+def test_a_tune_is_canceled(ready, client):
+    tune = play(client, '60:1/8 rest:1/8', iterations=AudioNoteSequence.Goal.INFINITE)
+    ready.ros.until(lambda: tune.feedback and tune.feedback[-1].iterations_played > 1, 'rounds')
+    assert {each.note for each in tune.feedback} == {'C4', 'rest'}
+    assert 'a tune plays: cancel its goal' in play(client, 'C4:1').result().message
+    assert tune.cancel()
+    assert 'canceled; the song that plays goes on' in tune.result().message
+    assert tune.status == GoalStatus.STATUS_CANCELED
+
+
+def animate(client, **fields):
+    """Ask for an animation of the LEDs."""
+    return client.send(LedAnimation, 'led_animation', **fields)
+
+
+def test_leds_blink_while_the_robot_drives_and_are_then_as_before(ready, client):
+    ready.ask(SetLeds, 'set_leds', advance=True)
+    lights = animate(client, animation_type=LedAnimation.Goal.BLINK_LIGHTS, play=True,
+                     power_color=255, power_intensity=9, period=Duration(nanosec=300_000_000),
+                     max_runtime=Duration(sec=2))
+    robot = ready.robot.create
+    ready.ros.until(lambda: robot.lights == (oi.LedBits.PLAY, 255, 9), 'lights')
+    assert client.result(DriveDistance, 'drive_distance', distance=0.1).success
+    result = lights.result()
+    assert (result.success, result.message) == (True, 'the animation was shown')
+    assert lights.status == GoalStatus.STATUS_SUCCEEDED and result.runtime == Duration(sec=2)
+    left = [each.remaining_runtime.sec + each.remaining_runtime.nanosec / 1e9
+            for each in lights.feedback]
+    assert left == sorted(left, reverse=True) and 1.5 < left[0] < 2 and left[-1] < 0.5
+    ready.ros.until(lambda: robot.lights == (oi.LedBits.ADVANCE, 0, 0), 'the own setting')
+
+
+def test_an_animation_is_canceled(ready, client):
+    lights = animate(client, animation_type=LedAnimation.Goal.SPIN_LIGHTS, play=True, advance=True)
+    ready.ros.until(lambda: lights.feedback, 'feedback')
+    assert 'the LEDs are animated' in animate(
+        client, animation_type=LedAnimation.Goal.BLINK_LIGHTS, play=True).result().message
+    assert lights.cancel()
+    assert lights.result().message == 'canceled'
+    assert lights.status == GoalStatus.STATUS_CANCELED

@@ -1,16 +1,32 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Start and end of a program, also where ROS hangs."""
+"""Start and end of a program, also where ROS hangs; its domain, its folder, its waiting."""
 
+import os
 from pathlib import Path
+import signal
 import subprocess
 import sys
+import tempfile
 import threading
+from types import SimpleNamespace
 
+from create_oi_msgs.msg import Mode
+from create_oi_msgs.srv import SetMode
+from geometry_msgs.msg import Twist, Vector3
+from nav_msgs.msg import Odometry
 import pytest
 
-from create_oi_ros.ros import process
+from create_oi_ros.ros import process, simulated_run, waiting
 from create_oi_ros.ros.programs import PROGRAMS, UserError
+from create_oi_ros.ros.simulated_run import run_domain, run_folder
+from create_oi_ros.ros.waiting import (
+    announce,
+    DISCOVERY_TIMEOUT,
+    drivers,
+    waits_for,
+    WARNING_DELAY,
+)
 from support.ros import own_domain, TIMEOUT
 
 READY = 2
@@ -96,3 +112,153 @@ def test_a_node_on_a_port_that_nobody_finishes_ends_and_names_it(monkeypatch):
 
     assert (done.stdout, done.returncode) == ('', 2)
     assert done.stderr.startswith(f'create_node: ROS waits for {port} for ever')
+
+
+# The middleware as users have it: over shared memory, where all other tests use UDP.
+
+
+def test_the_node_drives_answers_and_ends_over_shared_memory(default_transport, stage):
+    robot = stage.robot()
+    node = stage.node(robot.link)
+    odom = stage.ros.listen(Odometry, 'odom')
+    velocity = stage.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+
+    def drives():
+        velocity.publish(Twist(linear=Vector3(x=0.2)))
+        return odom and odom[-1].twist.twist.linear.x > 0.1
+    stage.ros.until(drives)
+    assert default_transport(stage.domain), 'no shared memory is in use'
+    assert stage.ros.call(SetMode, 'set_mode', mode=Mode.FULL).success
+    node.send(signal.SIGINT)
+    assert node.ended() == 0
+    assert robot.create.actuators.wheels == (0, 0)
+
+
+# A simulated run has a ROS domain and a folder to itself, and leaves nothing behind.
+
+
+@pytest.fixture
+def no_domain(monkeypatch):
+    """Unset ROS_DOMAIN_ID; whatever a test sets is undone."""
+    monkeypatch.setenv('ROS_DOMAIN_ID', '')
+    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
+    monkeypatch.delenv('ROS_DOMAIN_ID')
+    monkeypatch.delenv('ROS_AUTOMATIC_DISCOVERY_RANGE')
+    return monkeypatch
+
+
+def test_two_runs_have_different_domains(no_domain):
+    with run_domain() as first:
+        assert os.environ['ROS_DOMAIN_ID'] == first
+        assert os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'LOCALHOST'
+        no_domain.delenv('ROS_DOMAIN_ID')
+        with run_domain() as second:
+            assert second != first
+
+
+def test_a_domain_that_is_set_is_kept(no_domain):
+    no_domain.setenv('ROS_DOMAIN_ID', '7')
+    with run_domain() as domain:
+        assert domain == '7'
+        assert 'ROS_AUTOMATIC_DISCOVERY_RANGE' not in os.environ
+
+
+def test_a_domain_is_free_again_after_its_run(no_domain):
+    no_domain.setattr(simulated_run, 'DOMAINS', range(228, 229))
+    for _ in range(2):
+        with run_domain() as domain:
+            assert domain == '228'
+            no_domain.delenv('ROS_DOMAIN_ID')
+
+
+def test_when_all_domains_are_taken_it_says_so(no_domain):
+    no_domain.setattr(simulated_run, 'DOMAINS', range(229, 230))
+    with run_domain():
+        no_domain.delenv('ROS_DOMAIN_ID')
+        with pytest.raises(UserError, match='choose a domain yourself with ROS_DOMAIN_ID'):
+            with run_domain():
+                pass
+
+
+def dead_process() -> int:
+    """Return the id of a process that has ended."""
+    done = subprocess.Popen([sys.executable, '-c', ''])
+    done.wait()
+    return done.pid
+
+
+def test_folders_of_dead_processes_are_removed_and_no_others(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
+    dead = tmp_path / f'create-{dead_process()}-abc_123'
+    kept = [tmp_path / name for name in (
+        f'create-{os.getppid()}-abc', 'create-me-now', 'create-12', 'create-oi', 'create')]
+    for folder in (dead, *kept):
+        folder.mkdir()
+    (dead / 'create').symlink_to('/dev/pts/99')
+    with run_folder() as own:
+        assert own.name.startswith(f'create-{os.getpid()}-')
+        assert not dead.exists()
+        assert all(folder.exists() for folder in kept)
+    assert not own.exists()
+
+
+# A program that waits says for what, in which ROS domain, and where a driver runs.
+
+
+WAITS = """
+import rclpy
+from create_oi_ros.ros.waiting import wait_for_robot
+rclpy.init()
+wait_for_robot(rclpy.create_node('waits'))
+print('found', flush=True)
+"""
+
+
+def node(namespace: str = '/') -> SimpleNamespace:
+    """Return what stands for a node in domain 7."""
+    return SimpleNamespace(context=SimpleNamespace(get_domain_id=lambda: 7),
+                           get_namespace=lambda: namespace)
+
+
+def test_drivers_of_this_computer_are_known_while_they_run():
+    with announce(221, '/robot1/create'), announce(221, '/robot1/create'):
+        assert drivers().count((221, '/robot1/create')) == 1
+    assert (221, '/robot1/create') not in drivers()
+    with announce(221, '/' + 200 * 'long'):
+        assert (221, '/long') not in drivers()
+
+
+@pytest.mark.parametrize(('found', 'namespace', 'words'), [
+    ([], '/', 'waits for odom in ROS domain 7; on this computer no driver runs: start one with '
+              'create_run'),
+    ([(215, '/create'), (216, '/r/create')], '/',
+     '/create runs in domain 215 (export ROS_DOMAIN_ID=215), /r/create runs in domain 216 '
+     '(export ROS_DOMAIN_ID=216, --ros-args -r __ns:=/r)'),
+    ([(7, '/robot1/create')], '/',
+     '/robot1/create runs in domain 7 (--ros-args -r __ns:=/robot1)'),
+    ([(7, '/create')], '/robot1',
+     'in ROS domain 7, namespace /robot1; on this computer /create runs in domain 7 '
+     '(--ros-args -r __ns:=/)'),
+])
+def test_it_says_what_it_waits_for_and_where_a_driver_runs(monkeypatch, found, namespace, words):
+    monkeypatch.setattr(waiting, 'drivers', lambda: found)
+    assert waits_for(node(namespace), 'odom', WARNING_DELAY - 0.1) is None
+    assert words in waits_for(node(namespace), 'odom', WARNING_DELAY)
+
+
+def test_a_driver_that_runs_here_is_given_more_time_to_be_found(monkeypatch):
+    monkeypatch.setattr(waiting, 'drivers', lambda: [(7, '/robot1/create')])
+    assert waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT - 0.1) is None
+    assert 'but ROS does not find it' in waits_for(node('/robot1'), 'odom', DISCOVERY_TIMEOUT)
+
+
+def test_a_program_waits_for_a_driver_then_for_its_robot(stage, tmp_path):
+    script = tmp_path / 'waits.py'
+    script.write_text(WAITS)
+    program = stage.script(script)
+    stage.ros.until(lambda: f'in ROS domain {stage.domain}; on this' in program.output)
+    stage.node(tmp_path / 'create')
+    stage.ros.until(lambda: 'waits for a robot (no robot answers)' in program.output)
+    stage.robot()
+    assert program.ended() == 0
+    assert program.printed[-1] == 'found\n'
