@@ -1,9 +1,11 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of `create_web`: who may open the page, and who drives."""
+"""The rules of `create_web`: who may open the page, who drives, and what a page may send."""
 
+import json
 from math import inf, nan
 
+from create_oi_msgs.action import AudioNoteSequence, Dock, DriveArc, NavigateToPosition
 import pytest
 
 from create_oi_ros.apps.web.access import (
@@ -15,8 +17,18 @@ from create_oi_ros.apps.web.access import (
     OLDEST_VIEW,
     RATE,
     Refused,
+    TOP_TURN,
+)
+from create_oi_ros.apps.web.page_messages import (
+    CALLS,
+    feedback_part,
+    GOALS,
+    MessageError,
+    MESSAGES,
+    read,
 )
 from create_oi_ros.driver.goals.goal import Velocity
+from create_oi_ros.robot import TOP_SPEED
 from support.source import PACKAGE, ROOT
 
 AHEAD = Velocity(0.2, 0.0)
@@ -131,3 +143,116 @@ def test_the_page_puts_every_text_in_as_text():
     assert len(scripts) > 5
     for word in ('innerHTML', 'outerHTML', 'insertAdjacentHTML', 'document.write', 'eval('):
         assert not any(word in script for script in scripts)
+
+
+# What a page may send: every message, every goal, and what is refused.
+
+
+GOOD = {
+    'drive': {'linear': 0.1, 'angular': -1, 'seen': 12.5},
+    'release': {}, 'take_over': {}, 'leave': {},
+    'cancel': {'what': 'goal'}, 'ping': {}, 'record': {'on': True},
+}
+GOOD_GOALS = {
+    'drive_distance': {'distance': -0.5, 'max_translation_speed': 0.2},
+    'rotate_angle': {'angle': 1.5, 'max_rotation_speed': 1},
+    'drive_arc': {'angle': 1.5, 'radius': 0.4, 'translate_direction': -1},
+    'navigate_to_position': {'goal_pose': {'pose': {'position': {'x': 1, 'y': -2.5}}}},
+    'dock': {}, 'undock': {},
+    'wall_follow': {'follow_side': -1, 'max_runtime': {'sec': 30}},
+    'audio_note_sequence': {'notes': 'C4:1/4 60:0.5'},
+}
+GOOD_CALLS = {
+    'set_mode': {'mode': 2}, 'stop': {}, 'reset_odometry': {},
+    'set_leds': {'play': True, 'power_color': 255},
+}
+BAD = [
+    ('drive', 'linear', value) for value in (TOP_SPEED + 0.01, nan, inf, '0', None, True, [], {},
+                                             10 ** 400)
+] + [('drive', 'angular', -TOP_TURN - 0.1), ('drive', 'seen', -1), ('drive', 'seen', 'now'),
+     ('cancel', 'what', 'all'), ('record', 'on', 1)]
+BAD_REQUESTS = [
+    ('drive_distance', {'distance': 1001}, 'allowed: -1000 to 1000'),
+    ('drive_distance', {'distance': nan}, 'not finite'),
+    ('drive_distance', {'distance': 10 ** 400}, 'distance = 1000.* of type float'),
+    ('drive_distance', {'far': 1}, "has no field 'far'; allowed: distance, max_translation_speed"),
+    ('navigate_to_position', {'goal_pose': {'pose': {'position': {'x': 'far'}}}},
+     "goal_pose: pose: position: x = 'far'; allowed"),
+    ('audio_note_sequence', {'notes': 'la'}, 'such as C4:1/4'),
+    ('set_mode', {'mode': 'safe'}, "mode = 'safe'; allowed"),
+    ('stop', {'now': True}, "has no field 'now'; allowed: none"),
+    ('set_leds', {'power_color': 256}, 'of type uint8'),
+]
+"""What may be in a field is told by the tests of `filled` and of the actions."""
+
+
+@pytest.mark.parametrize('type_', MESSAGES)
+def test_every_message_is_read_if_no_field_is_missing_or_too_many(type_):
+    message = read(json.dumps({'type': type_, **GOOD[type_]}))
+    assert (message.type, message.fields) == (type_, GOOD[type_])
+    with pytest.raises(MessageError, match=f'{type_}: allowed fields'):
+        read(json.dumps({'type': type_, **GOOD[type_], 'more': 1}))
+    for name in GOOD[type_]:
+        with pytest.raises(MessageError, match=name):
+            read(json.dumps({'type': type_, **{
+                key: value for key, value in GOOD[type_].items() if key != name}}))
+
+
+@pytest.mark.parametrize(('type_', 'name', 'value'), BAD, ids=str)
+def test_a_value_out_of_range_is_refused_and_what_is_allowed_is_said(type_, name, value):
+    with pytest.raises(MessageError, match=f'{type_}: {name} is not allowed; allowed: '):
+        read(json.dumps({'type': type_, **GOOD[type_], name: value}))
+
+
+@pytest.mark.parametrize(('texts', 'why'), [
+    (('', 'hello', '{', '[' * 4000, '9' * 5000, '"\\ud800', '\x00', '{"type": 1',
+      "{'type': 'stop'}"), 'no JSON'),
+    (('1', 'null', '[]', '"stop"', '["type"]'), 'a JSON object'),
+    (map(json.dumps, ({'type': type_} for type_ in (
+        None, 1, [], {}, '', 'Drive', '__class__', 'drive ', 'led_animation'))),
+     'unknown type; allowed: drive, release, take_over')])
+def test_what_is_no_message_is_refused_with_what_is_allowed(texts, why):
+    for text in texts:
+        with pytest.raises(MessageError, match=why):
+            read(text)
+
+
+# Goals.
+
+@pytest.mark.parametrize('name', GOALS)
+def test_every_action_that_the_page_shows_takes_a_goal_with_its_own_fields(name):
+    goal = read(json.dumps({'type': name, **GOOD_GOALS[name]})).request
+    assert isinstance(goal, GOALS[name].Goal)
+
+
+@pytest.mark.parametrize('name', CALLS)
+def test_a_service_gets_a_request_with_its_own_fields(name):
+    request = read(json.dumps({'type': name, **GOOD_CALLS[name]})).request
+    assert isinstance(request, CALLS[name].Request)
+    assert {field: getattr(request, field) for field in GOOD_CALLS[name]} == GOOD_CALLS[name]
+
+
+def test_what_a_goal_leaves_out_has_its_default_and_what_it_has_is_taken():
+    goal = read(json.dumps({'type': 'drive_distance', 'distance': 1})).request
+    assert (goal.distance, goal.max_translation_speed) == (1.0, pytest.approx(0.3))
+    goal = read(json.dumps(
+        {'type': 'navigate_to_position', **GOOD_GOALS['navigate_to_position']})).request
+    place = goal.goal_pose.pose.position
+    assert (place.x, place.y, goal.achieve_goal_heading) == (1.0, -2.5, False)
+
+
+@pytest.mark.parametrize(('type_', 'fields', 'why'), BAD_REQUESTS, ids=str)
+def test_a_request_that_no_robot_could_follow_is_refused_by_name(type_, fields, why):
+    with pytest.raises(MessageError, match=f'^{type_}.*{why}') as refused:
+        read(json.dumps({'type': type_, **fields}))
+    assert refused.value.to == type_
+
+
+def test_feedback_becomes_json_and_leaves_out_what_is_no_number():
+    made = NavigateToPosition.Feedback(
+        navigate_state=2, remaining_angle_travel=nan, remaining_travel_distance=0.12345)
+    assert feedback_part(made) == {'navigate_state': 2, 'remaining_travel_distance': 0.123}
+    assert feedback_part(Dock.Feedback(sees_dock=True))['sees_dock'] is True
+    assert feedback_part(DriveArc.Feedback()) == {'remaining_angle_travel': 0.0}
+    assert feedback_part(AudioNoteSequence.Feedback(note='C4', place=2)) == {
+        'note': 'C4', 'place': 2, 'iterations_played': 0}
