@@ -6,15 +6,18 @@ A robot that waits for another reason than the driver's own script.
 Whether it loses or queues what it is sent meanwhile is not known: both, and queues of many sizes.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Severity
-from create_oi_ros.driver.outbox import DRAIN
+from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, WAKE_UP
 from create_oi_ros.sim.firmware import Create
+from create_oi_ros.sim.firmware.actuators import DARK, Lights
 from support.loop import Loop, said
+from support.robot import GENTLE, Robot
 
 QUEUES = (0, 40, 135, 256, 330, 341, 342, 343, 344, 345, 360, 1000)
 """Sizes of the robot's queue; some are full in the middle of what the driver sends."""
@@ -130,3 +133,123 @@ def test_what_is_suspected_is_said_and_a_line_that_only_lost_a_speed_is_not_susp
     assert loop.driver.health(loop.now).suspects_commands
     loop.run(0.5)
     assert said(loop, Severity.ERROR, 'ignores commands') == 1
+
+
+# Commands that the robot did not hear, or misheard.
+
+
+@pytest.mark.parametrize('begun', [
+    oi.Song(number=0, notes=(oi.Note(60, 10),) * 16).encode()[:3],
+    oi.Script(script=bytes(100)).encode()[:2], bytes([oi.Stream.opcode, 255])])
+def test_a_robot_in_the_middle_of_a_command_hears_a_stop_within_a_second(begun):
+    loop = Loop()
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    loop.robot.receive(begun, loop.now)
+    loop.driver.stop(loop.now)
+    loop.run(1.5)
+    assert loop.body.truth().speed == 0
+    assert loop.driver.state.answered
+
+
+def test_a_robot_that_stands_and_waits_is_told_of_and_told_all_again_when_it_hears():
+    loop = Loop()
+    loop.run(1)
+    pending = loop.driver.outputs.set_leds(
+        oi.Leds(bits=oi.LedBits(0), color=7, intensity=8))
+    loop.run(0.5)
+    assert pending.outcome.ok
+    loop.robot.receive(oi.WaitTime(time=40).encode(), loop.now)
+    loop.run(3.5)
+    assert said(loop, Severity.ERROR, 'ignores commands') == 1
+    assert not loop.driver.stop(loop.now).outcome.ok
+    loop.robot.actuators.lights = DARK
+    loop.run(2.5)
+    assert not loop.driver.health(loop.now).ignores_commands
+    assert loop.robot.actuators.lights == Lights(oi.LedBits(0), 7, 8)
+    assert loop.driver.stop(loop.now).outcome == (True, 'stop sent', b'')
+
+
+def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on():
+    loop = Loop()
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    loop.robot.receive(oi.WaitEvent(event=oi.Event.PLAY_BUTTON).encode(), loop.now)
+    loop.run(3.0)
+    assert said(loop, Severity.ERROR, 'switch it off and on') == 1
+    loop.robot.power(False, loop.now)
+    loop.run(1.0)
+    loop.robot.power(True, loop.now)
+    loop.run(5.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert not loop.driver.health(loop.now).ignores_commands
+    assert loop.body.truth().speed == 0
+
+
+def test_a_robot_that_spoke_before_it_was_called_is_not_said_to_have_left_its_mode():
+    loop = Loop(delay=0.03)
+    loop.run(1)
+    loop.driver.disconnected('cable out')
+    loop.driver.connected(loop.now)
+    loop.run(1)
+    assert not said(loop, Severity.WARNING, 'robot left')
+    assert loop.robot.mode is oi.Mode.SAFE
+
+
+# A robot that waits for the rest of a command: what stops it, and how soon.
+
+
+BYTE = oi.PacketList((7,)).budget(57600).seconds / oi.PacketList((7,)).frame_size
+"""Seconds that a byte takes."""
+AT_ONCE, DRAINED = 0.003, 0.06
+"""Seconds until the wheels stand, for commands of known and of counted length."""
+
+
+def cuts(command: type[oi.Command]) -> Iterator[bytes]:
+    """Yield all beginnings of commands with this opcode, for some data bytes."""
+    for data in (0, 1, 16, 100, 254):
+        begun = bytes([command.opcode])
+        while len(begun) < min(command.size(begun), 40):
+            yield begun
+            begun += bytes([data])
+
+
+def turning_after(begun: bytes, words: bytes) -> float:
+    """Return the seconds after which the wheels of a robot that drove are asked for zero."""
+    robot = Robot(oi.Mode.FULL)
+    robot.say(GENTLE)
+    robot.create.receive(begun, robot.now)
+    last = 0.0
+    for count, byte in enumerate(words, 1):
+        robot.say(bytes([byte]))
+        robot.run(BYTE)
+        if robot.wheels != (0, 0):
+            last = count * BYTE
+    return last
+
+
+WAITS = [command for command in oi.COMMANDS if command.title.startswith('Wait ')]
+OTHERS = [command for command in oi.COMMANDS if command not in WAITS]
+words = pytest.mark.parametrize('words', [WAKE_UP, DEAD_MAN_STOP], ids=['wake up', 'last words'])
+
+
+@words
+@pytest.mark.parametrize('command', OTHERS, ids=lambda command: command.title)
+def test_wheels_stop_whatever_command_was_cut_short(command, words):
+    counted = command.size(bytes([command.opcode, 255, 255])) > 8
+    soon = DRAINED if counted else AT_ONCE
+    for begun in cuts(command):
+        assert turning_after(begun, words) < soon, begun.hex(' ')
+
+
+@words
+def test_a_song_that_takes_the_stop_for_its_length_ends_within_the_drain(words):
+    assert turning_after(bytes([oi.Song.opcode, 0]), words) < DRAINED
+
+
+@words
+@pytest.mark.parametrize('command', WAITS, ids=lambda command: command.title)
+def test_a_wait_that_was_cut_short_waits_as_the_page_says(command, words):
+    """No bytes end it: they would have to be few for Wait, and none of these for Baud."""
+    waits = turning_after(bytes([command.opcode]), words) > DRAINED / 2
+    assert waits is (command is not oi.WaitEvent)
