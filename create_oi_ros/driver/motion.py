@@ -117,8 +117,6 @@ class Motion:
         self._sent_at = -inf
         self._reported: tuple[int, int] | None = None
         """What the robot reports."""
-        self._blocked = False
-        """Whether the bumper is pressed."""
         self.missed_since: float | None = None
         """When the first of the speeds was sent that the robot has not taken; None: none was."""
         self._refusal_reported = self._tiny_reported = self._not_finite = False
@@ -223,12 +221,11 @@ class Motion:
 
     def observe(self, readings: oi.Readings, now: float) -> None:
         """
-        Take in a frame: the bumper, and the requested speeds; what the robot missed is sent again.
+        Take in the speeds that a frame reports; what the robot missed is sent again.
 
         A robot that stopped without being told, for somebody pressed a button or another program
         did it, starts from rest. While speeds are held back, only a change shows that it obeys.
         """
-        self._blocked = bool(readings.number('bumps_and_wheel_drops', 0) & BUMPS)
         status, reported, before = self._core.status, requested_speeds(readings), self._reported
         if (None in reported or not self._core.state.takes_commands
                 or not (status.can_drive or status.unknown)):
@@ -263,7 +260,8 @@ class Motion:
         """
         limits = self._core.limits
         since, self._ramped_at = min(now - self._ramped_at, RAMP_STEP), now
-        blocked = self._blocked and limits.bump_stop
+        bumps = self._core.readings.number('bumps_and_wheel_drops', 0) & BUMPS
+        blocked = bool(bumps) and limits.bump_stop
         if self._core.watch.suspects:  # only a stop is sent, and once
             if self.stop_sent or not blocked and self._wanted != STOPPED:
                 return None
