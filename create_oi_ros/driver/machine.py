@@ -326,9 +326,7 @@ class Driver:
             self.goals.see(moved, now)
         self.modes.observe(readings, now)
         self.motion.observe(readings, now)
-        if (self.state.takes_commands and not self.core.watch.suspects
-                and self.modes.must_retry(now)):
-            self.modes.enter(self.status.wanted, now)
+        self.modes.retry(now)
         if self._turn_check.observe(moved.brought, moved.dt, drives=self.status.can_drive):
             self.core.notice(Severity.WARNING, ANGLE_STUCK)
         if now >= self._check_at:

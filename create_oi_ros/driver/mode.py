@@ -123,14 +123,17 @@ class Modes:
             self._outputs.restore()
         return sent
 
-    def must_retry(self, now: float) -> bool:
-        """Tell whether the robot seems to have missed the command to enter the wanted mode."""
-        status = self._core.status
-        if status.actual in (None, status.wanted) or now - self._tried_at <= RETRY_INTERVAL:
-            return False
+    def retry(self, now: float) -> None:
+        """Enter the wanted mode again where the robot seems to have missed the command."""
+        core, status = self._core, self._core.status
+        if (not core.state.takes_commands or core.watch.suspects
+                or status.actual in (None, status.wanted)
+                or now - self._tried_at <= RETRY_INTERVAL):
+            return
         # Full instead of Safe, or Safe instead of Full: no safety stop, but a damaged command.
         damaged = status.actual in oi.ACTUATE and status.wanted in oi.ACTUATE
-        return damaged or not status.causes and 0 < self._tries < MAX_TRIES
+        if damaged or not status.causes and 0 < self._tries < MAX_TRIES:
+            self.enter(status.wanted, now)
 
     def allow_driving(self, now: float) -> str | None:
         """
