@@ -182,9 +182,6 @@ REPORT_INTERVAL = 5.0
 LIFTED = int(oi.BumpsAndWheelDrops.WHEEL_DROP_LEFT | oi.BumpsAndWheelDrops.WHEEL_DROP_RIGHT)
 """A wheel that hangs does not move the robot, whatever it counts."""
 STANDING: Speeds = (0.0, 0.0)
-DRIVEN = frozenset(map(int, oi.DriveDirect.modes))
-"""Modes in which the wheels obey, as plain numbers: Python hashes a member by its name."""
-wheel_drops_and_mode = oi.Readings.numbers('bumps_and_wheel_drops', 'oi_mode')
 
 
 class Tracking:
@@ -274,10 +271,11 @@ class Tracking:
             self._core.counts.impossible_jumps += 1
             measured = False
         right, left = speeds or STANDING
-        drops, mode = wheel_drops_and_mode(readings)
+        drops = readings.number('bumps_and_wheel_drops', 0)
         increment = Increment(
             dt=dt, right=right, left=left,
-            driven=mode in DRIVEN and speeds is not None, lifted=bool(drops & LIFTED),
+            driven=readings.oi_mode in oi.DriveDirect.modes and speeds is not None,
+            lifted=bool(drops & LIFTED),
             lost=self.clock.gap or self._reading_dropped or has_distance and not measured,
             distance=readings.distance if measured else None,
             angle=readings.angle if measured else None)
