@@ -217,7 +217,7 @@ class Connection:
 
     def forget(self) -> None:
         """Forget how well the line works: no robot answers."""
-        self.plan.restart()
+        self.plan.asked = None
         self._core.watch.restart()
         self._frame_rate.restart()
 
@@ -363,5 +363,5 @@ class Connection:
             self._ask_again_at = now + POLL_INTERVAL
             self.frame_at = now
             core.watch.restart()
-            self.plan.restart()
+            self.plan.asked = None
         return again and not core.watch.suspects

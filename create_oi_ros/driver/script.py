@@ -176,7 +176,7 @@ class ScriptControl:
 
     def end(self) -> None:
         """Note that the script has ended, or was never sent to be played."""
-        self._plan.restart()
+        self._plan.asked = None
         self._core.handle(StateEvent.SCRIPT_ENDED)
 
     @property
@@ -211,7 +211,7 @@ class ScriptControl:
         self._end_show(True, _described(script), script.script)
 
     def _end_show(self, ok: bool, text: str, script: bytes = b'') -> None:
-        self._plan.restart()
+        self._plan.asked = None
         self._core.handle(StateEvent.SHOW_ENDED)
         self._show_request.end(ok, text, script)
 

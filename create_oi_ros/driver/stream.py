@@ -90,10 +90,6 @@ class StreamPlan:
         """All lists whose frames may arrive."""
         return (*self._parts, self.full, self.marker, self.script, self.call)
 
-    def restart(self) -> None:
-        """Forget what was asked for: the robot may have been switched off."""
-        self.asked = None
-
     def next_stream(self, now: float, *, motion_due: bool) -> oi.Stream | None:
         """
         Return the command that changes the list, when it is time for one.
