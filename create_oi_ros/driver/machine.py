@@ -58,13 +58,13 @@ class Driver:
         self.state = core.state
         self.counts = core.counts
         self._connection = Connection(core)
-        self._tracking = Tracking(core, odometry)
         self.plan = self._connection.plan
         """The lists of packets that the robot is asked to stream."""
         self.outputs = Outputs(core)
         self.modes = Modes(core, self.outputs)
         self.motion = Motion(core, self.modes)
         self.scripts = ScriptControl(core, self.plan)
+        self._tracking = Tracking(core, self.scripts, odometry)
         self.goals = GoalControl(core, self.motion, self.modes, self._tracking)
         self._battery = BatteryGuard(core, self.modes)
         self._charging = ChargeWatch(core)
@@ -280,7 +280,7 @@ class Driver:
     def _take_frame(self, frame: oi.Frame, now: float) -> None:
         """Report a frame at once: a bump must not wait until `poll` has checked everything."""
         before = self.core.readings
-        moved = self._tracking.take(frame, self._connection.baud, now, self.scripts.speeds)
+        moved = self._tracking.take(frame, self._connection.baud, now)
         self._connection.add_frame(frame.packets, now)
         if moved is None:
             return

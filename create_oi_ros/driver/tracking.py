@@ -9,7 +9,6 @@ learned of the robot is told in the same words by the log, `/diagnostics` and `c
 """
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 from math import degrees, inf, isnan, nan
 
@@ -43,7 +42,7 @@ from .core import Core
 from .events import Moved, Severity
 from .frame_clock import FrameClock
 from .motion import BUMPS
-from .script import Speeds
+from .script import ScriptControl, Speeds
 from .stream import requested_speeds
 
 BATTERY = {
@@ -187,7 +186,9 @@ STANDING: Speeds = (0.0, 0.0)
 class Tracking:
     """Follows the robot from frame to frame."""
 
-    def __init__(self, core: Core, odometry: Odometry | None = None) -> None:
+    def __init__(
+        self, core: Core, scripts: ScriptControl, odometry: Odometry | None = None,
+    ) -> None:
         settings, robot = core.settings, core.settings.robot
         wheels = odometry or Odometry(
             settings.geometry, window=settings.odometry_window, robot=robot)
@@ -196,6 +197,7 @@ class Tracking:
         self.odometry = self._gyro or wheels
         self.clock = FrameClock() if robot is None else FrameClock(robot.frame_period)
         self._core = core
+        self._scripts = scripts
         self._reported = None if robot is None else robot.likeliest
         """What the user was told of the robot, or has told the driver."""
         self._report_at = 0.0
@@ -240,13 +242,8 @@ class Tracking:
         self._jumps.restart()
         self.odometry.interrupted()
 
-    def take(self, frame: oi.Frame, baud: int, now: float,
-             speeds_of: Callable[[oi.Readings], Speeds | None]) -> Moved | None:
-        """
-        Take a verified frame in, and report how the robot moved; None where `OddValues` drops it.
-
-        `speeds_of` returns the speeds that are requested of the wheels; None where not known.
-        """
+    def take(self, frame: oi.Frame, baud: int, now: float) -> Moved | None:
+        """Take a verified frame in; return how the robot moved, None where it is dropped."""
         garbage, self._garbage = self._garbage, self._core.counts.garbage_bytes
         stamp, dt = self.clock.stamp(
             now, frame.packets.budget(baud).seconds, lost=garbage != self._garbage)
@@ -258,18 +255,17 @@ class Tracking:
         dt, self._unseen = self._unseen, 0.0
         self._core.counts.frames += 1
         self._core.readings = self._core.readings.updated(readings)
-        estimate = self.odometry.update(
-            self._increment(readings, stamp, dt, speeds_of(readings)))
+        estimate = self.odometry.update(self._increment(readings, stamp, dt))
         return Moved(stamp, self._core.readings, estimate, dt, readings)
 
-    def _increment(self, readings: oi.Readings, stamp: float, dt: float,
-                   speeds: Speeds | None) -> Increment:
+    def _increment(self, readings: oi.Readings, stamp: float, dt: float) -> Increment:
         """Return what a frame tells the odometry."""
         has_distance = readings.has('distance')
         measured = has_distance and readings.has('angle')
         if measured and not self._jumps.possible(readings, stamp) and not self.clock.gap:
             self._core.counts.impossible_jumps += 1
             measured = False
+        speeds = self._scripts.speeds(readings)
         right, left = speeds or STANDING
         drops = readings.number('bumps_and_wheel_drops', 0)
         increment = Increment(
