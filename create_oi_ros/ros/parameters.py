@@ -232,17 +232,16 @@ def declare(node: Node) -> Parameters:
     for name in DECLARED:
         default = _default(name)
         value = _as_declared(name, given.get(name, default))
-        reason = (refusal(name, value) if type(value) is type(default)
-                  else wrong_type(name, value))
-        if reason is not None:
+        if type(value) is not type(default):
+            raise ValueError(wrong_type(name, value))
+        if reason := refusal(name, value):
             raise ValueError(reason)
         if name in given:
             node.undeclare_parameter(name)
         values[name] = node.declare_parameter(
             name, value, descriptor(name), ignore_override=True).value
     parameters = Parameters(**values)
-    reason = contradiction(parameters)
-    if reason is not None:
+    if reason := contradiction(parameters):
         raise ValueError(reason)
     return parameters
 
@@ -264,10 +263,8 @@ def _as_declared(name: str, value: Any) -> Any:
 
 def check(parameters: list[Parameter]) -> SetParametersResult:
     """Refuse new values that are not allowed; ROS has checked their types."""
-    reasons = [
-        reason for parameter in parameters
-        if parameter.name in DECLARED
-        and (reason := refusal(parameter.name, parameter.value)) is not None]
+    reasons = [reason for parameter in parameters if parameter.name in DECLARED
+               and (reason := refusal(parameter.name, parameter.value))]
     return SetParametersResult(successful=not reasons, reason='; '.join(reasons))
 
 

@@ -31,7 +31,7 @@ from ..robot import SLOT
 from . import messages, topics
 from .messages import Values
 from .parameters import Parameters
-from .serialized import filled, SerializedMessage
+from .serialized import SerializedMessage, set_fields
 from .topics import SensorTopic, Topic
 
 CHECK_INTERVAL = 0.1
@@ -65,7 +65,7 @@ def encoder(log: Any, message: Any, example: Values) -> Callable[[Values], Any]:
                 f'{type(message).__name__}: {error}. It is published as an object instead, which '
                 'takes more processor time; please report it, with the versions of ROS and of '
                 'its middleware')
-    return lambda values: filled(message, values)
+    return lambda values: set_fields(message, values)
 
 
 class StampClock:

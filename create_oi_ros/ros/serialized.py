@@ -30,7 +30,7 @@ ARRAY = re.compile(r'sequence<([^,>]*).*|(.*)\[\d+\]')
 """Type of a sequence or an array; the groups are the types of an item."""
 
 
-def filled(message: Any, values: Mapping[str, Any]) -> Any:
+def set_fields(message: Any, values: Mapping[str, Any]) -> Any:
     """Set fields of a message, by their paths, and return it."""
     for path, value in values.items():
         *parents, last = re.findall(r'\w+', path)
@@ -107,7 +107,7 @@ class SerializedMessage:
         self._pack = struct.Struct(f'{layout}{length - end}s').pack
         with suppress(RuntimeError):  # which rclpy raises for bytes that it cannot read
             if len(body) == length and (
-                    deserialize(self(numbers), type(message)) == filled(message, numbers)):
+                    deserialize(self(numbers), type(message)) == set_fields(message, numbers)):
                 return
         raise ValueError('its bytes do not say what was packed')
 

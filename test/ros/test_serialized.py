@@ -25,7 +25,7 @@ from create_oi_ros.odometry import Estimate
 from create_oi_ros.ros import messages, publishing, topics
 from create_oi_ros.ros.parameters import Parameters
 from create_oi_ros.ros.publishing import FramePublisher
-from create_oi_ros.ros.serialized import filled, locate, SerializedMessage
+from create_oi_ros.ros.serialized import locate, SerializedMessage, set_fields
 
 FRAMES = st.text(st.characters(min_codepoint=1, max_codepoint=0x2fff), max_size=40)
 EMPTY: dict[type, Any] = {
@@ -86,7 +86,7 @@ def test_a_subscriber_gets_what_an_object_would_have_brought(type_, drawn):
     values = {path: drawn.draw(value(places[path][0])) for path in paths}
     in_another_order = dict(reversed(values.items()))
     brought = deserialize_message(encode(in_another_order), type_)
-    assert brought == filled(message, values)
+    assert brought == set_fields(message, values)
 
 
 def test_what_is_no_number_of_the_message_or_does_not_fit_is_refused():
