@@ -38,7 +38,7 @@ from .graph_watch import GraphWatch
 from .odometry_model import ModelKeeper
 from .process import call_on_signal, ros_executor, spin_ready, spin_until
 from .publishing import CLOCK_WARNING_INTERVAL, ContactCloud, FramePublisher, publisher
-from .velocity_input import VelocityInput
+from .velocity import VelocityInput
 from .waiting import announce
 
 DIAGNOSTICS_PERIOD = 1.0

@@ -335,7 +335,7 @@ def fail(*_):
 bumper = messages.bumper
 messages.bumper = lambda readings: (
     fail() if readings.bumps_and_wheel_drops else bumper(readings))
-from create_oi_ros.ros.velocity_input import VelocityInput
+from create_oi_ros.ros.velocity import VelocityInput
 take = VelocityInput._take
 VelocityInput._take = lambda commands, message, info: (
     fail() if message.linear.z else take(commands, message, info))

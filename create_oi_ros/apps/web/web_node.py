@@ -22,7 +22,7 @@ from rclpy.task import Future
 
 from ...ros import topics
 from ...ros.diagnostics import of_driver
-from ...ros.velocity_output import NEWEST, VelocityOutput
+from ...ros.velocity import NEWEST, VelocityOutput
 from .live_robot import LiveRobot, PARTS
 from .page_messages import CALLS, feedback_part, GOALS, PageMessage
 

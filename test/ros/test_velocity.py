@@ -12,7 +12,7 @@ import pytest
 from rclpy.qos import qos_profile_sensor_data, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from create_oi_ros.ros.velocity_input import RELIABLE_CHECKS, VelocityInput
+from create_oi_ros.ros.velocity import RELIABLE_CHECKS, VelocityInput
 from support.ros import Listener, own_domain, TIMEOUT
 
 RELIABLE, BEST_EFFORT = QoSProfile(depth=1), qos_profile_sensor_data
