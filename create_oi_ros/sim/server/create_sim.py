@@ -13,6 +13,7 @@ import re
 import signal
 import socket
 import sys
+from typing import TypeVar
 
 from ...oi import Checksum
 from ...oi.tools.capture_format import CaptureError
@@ -21,17 +22,18 @@ from ..body import Body
 from ..body.config import BodyConfig
 from ..firmware import Create
 from ..firmware.guesses import Guesses, parse_guesses
-from ..world import shipped_names, World, WorldError
+from ..world import shipped_names, World
 from ..world.floor_plan import map_of, sdf_of
 from ..world_files import read_world
 from .control import ControlPort
 from .faults import Fault, Faults
-from .lines import Line, naming, PtyLine, sentence, TcpLine
+from .lines import Line, naming, PtyLine, TcpLine
 from .replay import play, Player
 from .serve import Server
 
 REPLAY_HAS = ('replay', 'link', 'tcp', 'speed')
 """Options that work with --replay."""
+Value = TypeVar('Value')
 SUFFIXES = ('.yaml', '.sdf')
 """Of a file for --export."""
 
@@ -43,19 +45,14 @@ def _address(text: str) -> tuple[str, int]:
     return host.strip('[]') or '127.0.0.1', int(port)
 
 
-def _world(text: str) -> World:
-    """Read a shipped room or a file."""
-    try:
-        return read_world(text)
-    except WorldError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def _fault(text: str) -> Fault:
-    try:
-        return Fault.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+def _told(read: Callable[[str], Value]) -> Callable[[str], Value]:
+    """Return a function that reads an option, of whose errors argparse shows the words."""
+    def told(text: str) -> Value:
+        try:
+            return read(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+    return told
 
 
 def _export(text: str) -> Path:
@@ -85,7 +82,7 @@ def _arguments() -> argparse.ArgumentParser:
                        help='symbolic link to the pseudo terminal')
     where.add_argument('--tcp', type=_address, metavar='HOST:PORT',
                        help='serve socket:// clients instead (no host: loopback only)')
-    add('--world', type=_world, default='empty', metavar='NAME|FILE',
+    add('--world', type=_told(read_world), default='empty', metavar='NAME|FILE',
         help=f'{", ".join(shipped_names())}, or a file (default: %(default)s)')
     add('--odometry', choices=[each.value for each in Rounding],
         default=Rounding.TRUNCATE.value,
@@ -95,7 +92,7 @@ def _arguments() -> argparse.ArgumentParser:
         help='of stream frames: without the header (manual) or with it (default: %(default)s)')
     add('--guess', action='append', default=[], metavar='NAME=VALUE',
         help='change a guess about what the manual leaves open; see docs/simulator.md')
-    add('--fault', action='append', type=_fault, default=[], metavar='SPEC',
+    add('--fault', action='append', type=_told(Fault.parse), default=[], metavar='SPEC',
         help='cause a fault, such as flip:0.05 or unplug@20+3; see docs/simulator.md')
     add('--gyro', action='store_true', help='put a gyro on the analog input of the cargo bay')
     add('--seed', type=int, default=0, help='of all random numbers (default: %(default)s)')
@@ -234,6 +231,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f'create_sim: {error}', file=sys.stderr)
         return 1
     except OSError as error:
-        print(f'create_sim: {sentence(error)}', file=sys.stderr)
+        where = f'{error.filename}: ' if error.filename else ''
+        print(f'create_sim: {where}{error.strerror or error}', file=sys.stderr)
         return 2
     return 0

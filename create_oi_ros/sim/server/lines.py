@@ -88,11 +88,6 @@ def naming(given: object) -> Iterator[None]:
         raise OSError(error.errno, error.strerror or str(error), str(given)) from None
 
 
-def sentence(error: OSError) -> str:
-    """Return the error as one line."""
-    return f'{error.filename}: {error.strerror}' if error.filename else str(error)
-
-
 class PtyLine:
     """A pseudo terminal, with an optional symbolic link that always points to it."""
 
