@@ -148,8 +148,8 @@ class CreateNode(Node):
     # From ROS to the robot: velocities on a thread of their own, the rest on the executor's.
 
     def _on_velocity(self, linear: float, angular: float, stamp: int) -> None:
-        now = self.get_clock().now().nanoseconds
-        age = (now - stamp) / messages.NANOSECONDS if stamp else 0.0
+        age = 0.0 if not stamp else (
+            self.get_clock().now().nanoseconds - stamp) / messages.NANOSECONDS
         if age <= self.parameters.cmd_vel_timeout:
             self.session.drive(linear, angular)
             return
