@@ -21,7 +21,7 @@ from .core import Core
 from .events import LinkCounts, Severity
 from .outbox import HALT, WAKE_UP
 from .state import Activity, StateEvent
-from .stream import Doubt, IGNORES, POLL_INTERVAL, Probe, StreamPlan
+from .stream import Escalation, IGNORES, POLL_INTERVAL, Probe, StreamPlan
 
 CALL_INTERVAL = 0.3
 """Seconds between two calls; more at rates where a call and its answer take longer."""
@@ -303,15 +303,15 @@ class Connection:
         if not core.state.takes_commands:
             watch.restart()
             return
-        before = watch.doubt
+        before = watch.level
         watch.check(missed_since, now)
-        if watch.doubt > before:
-            match watch.doubt:
-                case Doubt.HOLD_BACK:
+        if watch.level > before:
+            match watch.level:
+                case Escalation.HOLD_BACK:
                     self._probe.begin(now)
-                case Doubt.WAKE:
+                case Escalation.WAKE:
                     core.outbox.send_raw(WAKE_UP)
-                case Doubt.REPORT:
+                case Escalation.REPORT:
                     core.notice(Severity.ERROR, IGNORES)
         if watch.suspects:
             self._probe.poll(now)

@@ -119,7 +119,7 @@ POLL_INTERVAL, POLL_FRACTION = 0.2, 0.2
 was polled, so that a long wait gets few."""
 
 
-class Doubt(IntEnum):
+class Escalation(IntEnum):
     """What the driver does as long as the robot shows no sign that it takes commands."""
 
     NONE = 0
@@ -131,7 +131,7 @@ class Doubt(IntEnum):
     """Tell the user."""
 
 
-DOUBT_TIMES = (0.3, 0.9, 1.5)
+ESCALATION_TIMES = (0.3, 0.9, 1.5)
 """Seconds without a sign after which each of these begins."""
 
 
@@ -144,19 +144,19 @@ class CommandWatch:
     @property
     def suspects(self) -> bool:
         """Whether the robot may not take commands."""
-        return self.doubt is not Doubt.NONE
+        return self.level is not Escalation.NONE
 
     @property
     def ignores(self) -> bool:
         """Whether the robot ignores commands, and the user was told."""
-        return self.doubt is Doubt.REPORT
+        return self.level is Escalation.REPORT
 
     def restart(self) -> None:
         """Start again: the robot was away, takes commands, or cannot take them now."""
         self._list: tuple[int, ...] | None = None
         """The packets of the newest frame."""
         self._unseen_since: float | None = None
-        self.doubt = Doubt.NONE
+        self.level = Escalation.NONE
 
     def asked(self, packets: tuple[int, ...], now: float) -> None:
         """Note that the robot was asked for frames with these packets."""
@@ -169,13 +169,13 @@ class CommandWatch:
             self._list, self._unseen_since = packets, None
 
     def check(self, missed_since: float | None, now: float) -> None:
-        """Update the doubt; `missed_since`: when speeds were sent that the robot has not taken."""
+        """Update the level; `missed_since`: when speeds were sent that the robot has not taken."""
         times = [since for since in (missed_since, self._unseen_since) if since is not None]
         if not times:
-            self.doubt = Doubt.NONE
+            self.level = Escalation.NONE
             return
         waits = now - min(times)
-        self.doubt = max(self.doubt, Doubt(sum(waits > limit for limit in DOUBT_TIMES)))
+        self.level = max(self.level, Escalation(sum(waits > limit for limit in ESCALATION_TIMES)))
 
 
 class Probe:
