@@ -3,10 +3,10 @@
 """
 Writes the raw line to a file: all bytes of both directions, as they pass, with their times.
 
-`CapturedPort` is a port that adds what passes to a `Capture`. A disk may be slow or full, and the
-line must not wait for it. So adding only appends to memory, and a thread of the capture's own
-writes twice a second: no more than that is lost when the process is killed. While a disk hangs,
-what does not fit into PENDING_LIMIT is dropped and counted.
+The session adds what passes. A disk may be slow or full, and the line must not wait for it. So
+adding only appends to memory, and a thread of the capture's own writes twice a second: no more
+than that is lost when the process is killed. While a disk hangs, what does not fit into
+PENDING_LIMIT is dropped and counted.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,7 +19,6 @@ import threading
 import time
 
 from ..oi.tools.capture_format import encode_head, encode_record, RECORD_LIMIT, RecordKind
-from .port import Port, PortError
 
 WRITE_INTERVAL = 0.5
 """Seconds between two writes."""
@@ -76,8 +75,10 @@ class Capture:
         self._thread = threading.Thread(target=self._run, name='create_capture', daemon=True)
         self._thread.start()
 
-    def add(self, kind: RecordKind, data: bytes = b'') -> None:
+    def add(self, kind: RecordKind, content: bytes | str = b'') -> None:
         """Add a record of something that happened just now; from any thread."""
+        data = content if isinstance(content, bytes) else (
+            content.encode('utf-8', 'backslashreplace')[:RECORD_LIMIT])
         with self._lock:
             if self._over:
                 return
@@ -100,10 +101,6 @@ class Capture:
         now = time.monotonic_ns() // 1000
         self._pending += encode_record(now - self._last, kind, data)
         self._last = now
-
-    def add_text(self, kind: RecordKind, text: str) -> None:
-        """Add a record in words."""
-        self.add(kind, text.encode('utf-8', 'backslashreplace')[:RECORD_LIMIT])
 
     def close(self) -> None:
         """Write the rest and the end of the file."""
@@ -130,43 +127,3 @@ class Capture:
             unwritten, self._pending = self._pending, bytearray()
         while unwritten:
             del unwritten[:os.write(self._file, unwritten)]
-
-
-class CapturedPort(Port):
-    """A port all of whose bytes are captured."""
-
-    def __init__(self, capture: Capture, url: str, baud: int, *, timeout: float) -> None:
-        """Open it as `Port` does; the capture lives longer than the port."""
-        super().__init__(url, baud, timeout=timeout)
-        self._capture = capture
-        self._lost = False
-        self._captured_baud = baud
-        capture.add_text(RecordKind.OPENED, f'{url} at {baud} baud')
-
-    def read(self) -> bytes:
-        try:
-            received = super().read()
-        except PortError as error:
-            self._lose(error)
-            raise
-        if received:
-            self._capture.add(RecordKind.FROM_ROBOT, received)
-        return received
-
-    def write(self, encoded: bytes) -> None:
-        """Write as `Port` does; captured before, so that an answer never comes first."""
-        if self.baud != self._captured_baud:
-            self._captured_baud = self.baud
-            self._capture.add_text(RecordKind.BAUD, str(self.baud))
-        self._capture.add(RecordKind.TO_ROBOT, encoded)
-        try:
-            super().write(encoded)
-        except PortError as error:
-            self._lose(error)
-            raise
-
-    def _lose(self, error: PortError) -> None:
-        # Reading and writing threads may both find out.
-        if not self._lost:
-            self._lost = True
-            self._capture.add_text(RecordKind.LOST, str(error))

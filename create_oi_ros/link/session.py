@@ -17,6 +17,7 @@ import threading
 import time
 
 from ..driver import DEAD_MAN_STOP, Driver, DriverEvent, Health, Notice, Severity
+from ..oi.tools.capture_format import RecordKind
 from .dead_man import DeadMan
 from .port import exists, lasting_name, Port, PortError
 
@@ -39,6 +40,7 @@ class Session:
     def __init__(
         self, driver: Driver, url: str, *, on_event: Callable[[DriverEvent], None],
         on_failure: Callable[[], None], dead_man: bool = False,
+        record: Callable[[RecordKind, bytes | str], None] | None = None,
         open_port: Callable[..., Port] = Port,
     ) -> None:
         """
@@ -47,14 +49,15 @@ class Session:
         `on_event` is called by whichever thread uses the driver. `on_failure` is called after an
         error, once the robot was stopped: `close` the session then. The error itself is raised
         in the thread that used the driver; in the session's own, its traceback is printed.
-        With `dead_man`, a process of its own stops the robot when this one dies. `open_port`
-        takes what `Port` takes.
+        With `dead_man`, a process of its own stops the robot when this one dies. `record` is
+        called with all that passes, as `Capture.add`. `open_port` takes what `Port` takes.
         """
         self.driver = driver
         self.url = url
         self._on_event = on_event
         self._on_failure = on_failure
         self._wants_dead_man = dead_man
+        self._record = record or (lambda kind, content: None)
         self._open_port = open_port
         self._lock = threading.RLock()
         self.port: Port | None = None
@@ -151,6 +154,7 @@ class Session:
                     self._write(self.port, farewell)
                     self.port.flush()
                 except PortError as error:
+                    self._record(RecordKind.LOST, str(error))
                     self._leave_port(stopped=False)
                     self._report(error)
 
@@ -191,6 +195,7 @@ class Session:
         except PortError as error:
             self._report(error)
             return None
+        self._record(RecordKind.OPENED, f'{url} at {port.baud} baud')
         with self._use_driver() as now:
             if self._closing.is_set():
                 port.close()
@@ -234,6 +239,8 @@ class Session:
         received: bytes | PortError
         try:
             received = port.read()
+            if received:
+                self._record(RecordKind.FROM_ROBOT, received)
         except PortError as error:
             received = error
         with self._use_driver() as now:
@@ -274,6 +281,8 @@ class Session:
         if baud != port.baud:
             port.flush()
             port.baud = baud
+            self._record(RecordKind.BAUD, str(baud))
+        self._record(RecordKind.TO_ROBOT, outgoing)  # before: an answer must never come first
         port.write(outgoing)
 
     def _report_events(self) -> None:
@@ -281,6 +290,7 @@ class Session:
             self._on_event(event)
 
     def _lose(self, error: PortError) -> None:
+        self._record(RecordKind.LOST, str(error))
         self._leave_port(stopped=False)
         self.driver.disconnected(str(error))
         self._report(error)

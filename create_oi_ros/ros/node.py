@@ -6,7 +6,6 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from functools import partial
 import sys
 from typing import Any
 
@@ -28,8 +27,7 @@ from ..driver import (
     Notice,
     Severity,
 )
-from ..link.capture import Capture, CapturedPort
-from ..link.port import Port
+from ..link.capture import Capture
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind
 from . import diagnostics, messages, node_arguments, parameters, services, topics
@@ -87,7 +85,7 @@ class CreateNode(Node):
             self.parameters.port,
             on_event=self._on_event, on_failure=self._on_failure,
             dead_man=self.parameters.dead_man,
-            open_port=partial(CapturedPort, self.capture) if self.capture else Port)
+            record=self.capture.add if self.capture else None)
         self._stale = 0
         self._declare_topics()
         services.offer(self, self.session, self.model)
@@ -231,7 +229,7 @@ class CreateNode(Node):
     def _log(self, notice: Notice) -> None:
         if self.capture is not None:
             severity = notice.severity.name.lower()
-            self.capture.add_text(RecordKind.NOTE, f'{severity}: {notice.text}')
+            self.capture.add(RecordKind.NOTE, f'{severity}: {notice.text}')
         match notice.severity:
             case Severity.INFO:
                 self.get_logger().info(notice.text)

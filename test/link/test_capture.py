@@ -1,6 +1,6 @@
 # Copyright 2026 create_oi_ros contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A capture as a file: what was written is read, whatever is cut off; as a story; at the port."""
+"""A capture as a file: what was written is read, whatever is cut off; as a story."""
 
 from collections.abc import Iterable
 import io
@@ -14,8 +14,7 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.link import capture
-from create_oi_ros.link.capture import Capture, CapturedPort, new_file
-from create_oi_ros.link.port import PortError
+from create_oi_ros.link.capture import Capture, new_file
 from create_oi_ros.oi.tools.capture_format import (
     CaptureError,
     CaptureReader,
@@ -279,38 +278,21 @@ def test_a_file_that_is_none_gets_a_sentence(tmp_path: Path) -> None:
     assert door(path) == (1, [], f'{path}: damaged at byte 18')
 
 
-# As it is written: the port and the file alone, without a node.
+# As it is written.
 
 
-def test_bytes_of_both_directions_are_captured_in_order(tmp_path: Path) -> None:
-    robot, host = os.openpty()
+def test_what_is_added_is_in_the_file_up_to_its_end(tmp_path: Path) -> None:
     ours = Capture(str(tmp_path / 'c'), {}, print)
-    name = os.ttyname(host)
-    port = CapturedPort(ours, name, 57600, timeout=TIMEOUT)
-    os.close(host)
-    port.baud = 19200
-    port.write(b'\x80')
-    assert os.read(robot, 1) == b'\x80'
-    os.write(robot, b'hello')
-    heard = b''
-    while heard != b'hello':
-        heard += port.read()
-    os.close(robot)
-    for _ in range(2):
-        with pytest.raises(PortError):
-            port.read()
-    with pytest.raises(PortError):
-        port.write(b'\x83')
+    ours.add(RecordKind.OPENED, '/dev/x at 57600 baud')
+    ours.add(RecordKind.TO_ROBOT, b'\x80')
+    ours.add(RecordKind.LOST, '\udcff' * RECORD_LIMIT)
     ours.close()
-    ours.add_text(RecordKind.NOTE, 'too late')
+    ours.add(RecordKind.NOTE, 'too late')
     records, wrong = captures.read(ours.path)
     assert not wrong
-    told = [(record.kind, record.text) for record in records if record.kind in (
-        RecordKind.OPENED, RecordKind.BAUD)]
-    assert told == [(RecordKind.OPENED, f'{name} at 57600 baud'), (RecordKind.BAUD, '19200')]
-    assert said(records) == b'hello' and said(records, RecordKind.TO_ROBOT) == b'\x80\x83'
-    assert [record.kind for record in records].count(RecordKind.LOST) == 1
-    assert records[-1].kind is RecordKind.END
+    assert [(record.kind, record.data) for record in records] == [
+        (RecordKind.OPENED, b'/dev/x at 57600 baud'), (RecordKind.TO_ROBOT, b'\x80'),
+        (RecordKind.LOST, (b'\\udcff' * RECORD_LIMIT)[:RECORD_LIMIT]), (RecordKind.END, b'')]
 
 
 def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
@@ -323,7 +305,7 @@ def test_a_full_disk_ends_the_capture_and_nothing_else(tmp_path: Path) -> None:
     disk = os.open('/dev/full', os.O_WRONLY)
     os.dup2(disk, ours._file)
     os.close(disk)
-    ours.add_text(RecordKind.NOTE, 'too much')
+    ours.add(RecordKind.NOTE, 'too much')
     assert full.wait(TIMEOUT)
     ours.add(RecordKind.FROM_ROBOT, b'\0')
     ours.close()

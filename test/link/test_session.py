@@ -7,9 +7,10 @@ import threading
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Driver, LinkCounts, Notice, Settings
-from create_oi_ros.driver.outbox import farewell
+from create_oi_ros.driver.outbox import farewell, HALT
 from create_oi_ros.link.port import PortError
 from create_oi_ros.link.session import RETRY_FIRST, RETRY_MOST, Session
+from create_oi_ros.oi.tools.capture_format import RecordKind
 from support.ros import TIMEOUT
 
 FAREWELL = b''.join(command.encode() for command in farewell(None, oi.Mode.FULL))
@@ -46,7 +47,9 @@ class ScriptedPort:
         self.did.append('close')
 
 
-def session_on(open_port: Callable[..., ScriptedPort], **settings) -> tuple[Session, list[str]]:
+def session_on(
+    open_port: Callable[..., ScriptedPort], record: Callable[..., None] | None = None, **settings,
+) -> tuple[Session, list[str]]:
     """Return a session that is not started, and what it says."""
     texts: list[str] = []
 
@@ -54,7 +57,8 @@ def session_on(open_port: Callable[..., ScriptedPort], **settings) -> tuple[Sess
         if isinstance(event, Notice):
             texts.append(event.text)
     return Session(Driver(Settings(**settings)), 'loop://', on_event=on_event,
-                   on_failure=lambda: texts.append('failure'), open_port=open_port), texts
+                   on_failure=lambda: texts.append('failure'), record=record,
+                   open_port=open_port), texts
 
 
 def test_a_session_closed_while_its_port_opens_writes_nothing_to_it():
@@ -172,3 +176,22 @@ def test_the_rate_changes_when_all_bytes_have_left_also_for_the_farewell():
     ours.driver._connection._search.baud = 19200
     ours.close()
     assert port.did[1:] == ['flush', 19200, FAREWELL, 'flush', 'close']
+
+
+def test_all_that_passes_is_recorded_in_its_order_and_a_loss_once():
+    passed, port = [], ScriptedPort(lambda: b'hello')
+    ours, _ = session_on(lambda *_, **__: port, lambda *what: passed.append(what), baud=0)
+    ours._open()
+    assert passed == [(RecordKind.OPENED, 'loop:// at 57600 baud'),
+                      (RecordKind.TO_ROBOT, port.did[0])]
+    passed.clear()
+    ours._read(port)
+    ours.driver._connection._search.baud = 19200
+    for failing in (False, True, True):
+        port.failing = failing
+        with ours.request() as (driver, now):
+            driver.stop(now)
+    halt = HALT.encode()
+    assert passed == [
+        (RecordKind.FROM_ROBOT, b'hello'), (RecordKind.BAUD, '19200'), (RecordKind.TO_ROBOT, halt),
+        (RecordKind.TO_ROBOT, halt), (RecordKind.LOST, 'writing failed')]

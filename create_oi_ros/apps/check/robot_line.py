@@ -4,13 +4,12 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 import threading
 import time
 
 from ... import __version__, oi
 from ...driver import Driver, DriverEvent, Health, Notice, Outcome, Settings, Severity
-from ...link.capture import Capture, CapturedPort
+from ...link.capture import Capture
 from ...link.session import Session
 from ...odometry import GyroSettings
 from ...oi.tools.capture_format import RecordKind
@@ -24,22 +23,6 @@ ANSWER = 15.0
 """Seconds within which a robot must answer."""
 
 
-class CheckedPort(CapturedPort):
-    """A captured port that keeps what the robot says, to look for a banner."""
-
-    def __init__(self, heard: bytearray, capture: Capture, url: str, baud: int, *,
-                 timeout: float) -> None:
-        """Open it; what is received is added to `heard`."""
-        super().__init__(capture, url, baud, timeout=timeout)
-        self._heard = heard
-
-    def read(self) -> bytes:
-        """Read as `Port` does."""
-        received = super().read()
-        self._heard += received
-        return received
-
-
 class RobotLine:
     """A driver with a notebook in place of its odometry."""
 
@@ -47,6 +30,7 @@ class RobotLine:
         """Prepare; OSError: the capture cannot be written."""
         self.notebook = Notebook()
         self.heard = bytearray()
+        """What the robot says, to look for a banner."""
         self.lost = threading.Event()
         """Set when the session has ended by itself."""
         self.capture = Capture(
@@ -56,13 +40,17 @@ class RobotLine:
             Driver(Settings(baud=baud, recover_mode=False, gyro=GyroSettings()), self.notebook),
             url,
             on_event=self._on_event, on_failure=self.lost.set, dead_man=True,
-            open_port=partial(CheckedPort, self.heard, self.capture))
+            record=self._record)
         self.runner = Runner(self.session.driver, self.notebook)
+
+    def _record(self, kind: RecordKind, content: bytes | str) -> None:
+        self.capture.add(kind, content)
+        if kind is RecordKind.FROM_ROBOT and isinstance(content, bytes):
+            self.heard += content
 
     def _on_event(self, event: DriverEvent) -> None:
         if isinstance(event, Notice):
-            self.capture.add_text(
-                RecordKind.NOTE, f'{event.severity.name.lower()}: {event.text}')
+            self.capture.add(RecordKind.NOTE, f'{event.severity.name.lower()}: {event.text}')
             if event.severity is not Severity.INFO and not self.runner.busy:
                 print(f'  ({event.text})', flush=True)
 
@@ -111,6 +99,7 @@ class RobotLine:
         with self.session.request():
             port = self.session.port
             if port is not None:
+                self.capture.add(RecordKind.TO_ROBOT, data)
                 port.write(data)
 
     def make(self, move: Move) -> bool:
