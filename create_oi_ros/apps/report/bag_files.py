@@ -25,6 +25,7 @@ from struct import unpack, unpack_from
 import sys
 from typing import Any, BinaryIO, NamedTuple
 
+from rosbags.rosbag2.storage_mcap import decompress
 import yaml
 
 from ...ros.bags import BagError, DamageError, guarded, reading
@@ -185,7 +186,6 @@ class BagFiles:
 
     def _flattened(self, stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
         """Yield the records of an MCAP file, those inside of chunks instead of the chunks."""
-        from rosbags.rosbag2.storage_mcap import decompress
         for opcode, body in _records(stream):
             if opcode != CHUNK:
                 yield opcode, body

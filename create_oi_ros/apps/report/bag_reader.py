@@ -7,13 +7,14 @@ Only curves and changes of state are kept. A sensor topic repeats itself 20 time
 message is not decoded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable
 from math import hypot, inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TYPE_CHECKING
+from typing import Any
+
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from rosbags.typesys.store import Typestore
 
 from ...oi import ChargingState, Mode
 from ...robot import TOP_SPEED
@@ -23,9 +24,6 @@ from ...ros.messages import charging_name, mode_name, yaw_of
 from ...ros.topics import CMD_VEL, PUBLISHED, type_name
 from .bag_files import BagFiles, Topic
 from .recording import Recording, Span, Spans, TOPICS
-
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
 
 GAP, SILENCE = 0.5, 2.0
 """Seconds without odometry, and without any message, that count as a gap."""
@@ -213,7 +211,6 @@ def _read_messages(
 
 def _decoder(topic: Topic) -> Typestore:
     """Return the definitions that decode a topic: those of the bag, if it has them as text."""
-    from rosbags.typesys import get_types_from_msg, get_typestore, Stores
     if topic.encoding != 'ros2msg':
         return definitions()
     with reading():
