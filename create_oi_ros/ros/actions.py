@@ -25,12 +25,7 @@ from create_oi_msgs.action import (
     WallFollow,
 )
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
-from rclpy.action.server import (
-    ActionServer,
-    CancelResponse,
-    GoalResponse,
-    ServerGoalHandle,
-)
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.time import Time

@@ -18,15 +18,7 @@ from rclpy.time import Time
 from std_msgs.msg import Header
 
 from .. import __version__
-from ..driver import (
-    Driver,
-    DriverEvent,
-    LinkCounts,
-    ModeStatus,
-    Moved,
-    Notice,
-    Severity,
-)
+from ..driver import Driver, DriverEvent, LinkCounts, ModeStatus, Moved, Notice, Severity
 from ..link.capture import Capture
 from ..link.session import Session
 from ..oi.tools.capture_format import RecordKind

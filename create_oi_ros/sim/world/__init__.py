@@ -2,13 +2,4 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rooms: walls, floors, cliffs, virtual walls, Home Bases, and the files that describe them."""
 
-from .world import (
-    HomeBase,
-    parse,
-    Pose,
-    shipped,
-    shipped_names,
-    VirtualWall,
-    World,
-    WorldError,
-)
+from .world import HomeBase, parse, Pose, shipped, shipped_names, VirtualWall, World, WorldError
