@@ -16,7 +16,7 @@ pytest.importorskip('rosbags', reason='no rosbags here: see tools/pins.txt')
 from create_oi_ros.apps.report.create_report import main
 from create_oi_ros.apps.report.page import write
 from create_oi_ros.apps.report.recording import Recording, Span
-from support.browser import browsers, OpenPage
+from support.browser import OpenPage
 from support.ros import Scene, scene
 
 SIZES = {'telephone': (360, 740), 'tablet': (768, 1024), 'desktop': (1440, 900)}
@@ -51,13 +51,6 @@ def page_file(tmp_path_factory) -> Path:
         bag = recorded(stage, folder)
     assert main([str(bag), '-o', str(folder / 'report.html')]) == 0
     return folder / 'report.html'
-
-
-@pytest.fixture(scope='module')
-def browser():
-    """Return one browser for all tests."""
-    with browsers() as made:
-        yield made
 
 
 @pytest.fixture

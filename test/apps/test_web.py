@@ -15,54 +15,8 @@ from create_oi_ros.apps.web.access import BURST, LONGEST_MESSAGE, MOST_VIEWERS
 from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import shipped
-from support.ros import Ready, scene
 from support.simulator import taught
-from support.web import PageClient, ready, Relay, served, standing
-
-LONG = 10.0
-"""`cmd_vel_timeout`, s: only the server stops the wheels in time, not the driver."""
-
-
-@pytest.fixture
-def pages():
-    """Return a function that opens a page; all are closed at the end."""
-    opened = []
-
-    def open_page(address, **arguments):
-        opened.append(PageClient(address, **arguments))
-        return opened[-1]
-    yield open_page
-    for page in opened:
-        page.close()
-
-
-class Shared:
-    """A robot, its driver and the server, which tests share."""
-
-    def __init__(self, stage) -> None:
-        self.driver = Ready(stage, cmd_vel_timeout=LONG)
-        self.robot, self.ros = self.driver.robot, stage.ros
-        self.address = served(stage)[1]
-
-    def driving(self, open_page):
-        """Return a page that drives the robot."""
-        page = ready(open_page(self.address))
-        page.drive(0.2, 0.0, lambda: page.known['pose']['speed'] > 0.1)
-        return page
-
-
-@pytest.fixture(scope='module')
-def server(tmp_path_factory):
-    """Return a server that lasts."""
-    with scene(tmp_path_factory.mktemp('shared')) as made:
-        yield Shared(made)
-
-
-@pytest.fixture
-def shared(server):
-    """Return it with its robot as new."""
-    server.driver.renew()
-    return server
+from support.web import LONG, ready, Relay, served, standing
 
 
 def started(stage, **parameters):

@@ -25,14 +25,12 @@ from create_oi_ros.driver.outputs import WAIT
 from create_oi_ros.driver.state import Activity, DRIVE_REFUSALS, REFUSALS, StateEvent
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse
-from support.browser import browsers, OpenPage
+from support.browser import OpenPage
 from support.ros import Ready, scene
-from support.web import free_port, PageClient, Relay, served, standing
+from support.web import free_port, LONG, PageClient, Relay, served, standing
 
 SIZES = {'telephone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
          'desktop': (1440, 900), 'wall': (2560, 1440), 'notebook': (1280, 720)}
-LONG = 10.0
-"""`cmd_vel_timeout`, s: only page and server stop the wheels in time, not the driver."""
 GAMEPAD = """
 window.pad = null;
 window.looks = 0;
@@ -47,13 +45,6 @@ window.push = (x, y, button = false, age = 0) => {
 window.buzzes = [];
 navigator.vibrate = pattern => window.buzzes.push(pattern);
 """
-
-
-@pytest.fixture(scope='module')
-def browser():
-    """Return one browser for all tests."""
-    with browsers() as made:
-        yield made
 
 
 @pytest.fixture(scope='module')

@@ -7,39 +7,21 @@ import signal
 
 import pytest
 
-from support.ros import Ready, scene
-from support.web import PageClient, ready, Relay, served, standing
+from support.web import ready, Relay, standing
 
 LONG_WAY = {'distance': 20.0, 'max_translation_speed': 0.3}
 
 
-@pytest.fixture(scope='module')
-def stage(tmp_path_factory):
-    """Return a scene with a robot, its driver and a server, which tests share."""
-    with scene(tmp_path_factory.mktemp('goals')) as made:
-        made.ready = Ready(made)
-        made.address = served(made)[1]
-        yield made
+@pytest.fixture
+def robot(shared):
+    """Return the shared robot."""
+    return shared.robot
 
 
 @pytest.fixture
-def robot(stage):
-    """Return the robot as new."""
-    stage.ready.renew()
-    return stage.ready.robot
-
-
-@pytest.fixture
-def pages(stage, robot):
-    """Return a function that opens a page of a robot in SAFE; all are closed at the end."""
-    opened = []
-
-    def open_page(through: str = stage.address):
-        opened.append(PageClient(through))
-        return ready(opened[-1])
-    yield open_page
-    for page in opened:
-        page.close()
+def opened(shared, pages):
+    """Return a function that opens a page of the robot, which is in SAFE."""
+    return lambda through=shared.address: ready(pages(through))
 
 
 def goal_of(page, kind: str = 'goal') -> dict[str, object]:
@@ -62,8 +44,8 @@ def sets_out(page, robot, name, **fields):
     assert not page.replies, 'it is under way'
 
 
-def test_goals_are_sent_watched_and_reached(robot, pages):
-    page, witness = pages(), pages()
+def test_goals_are_sent_watched_and_reached(robot, opened):
+    page, witness = opened(), opened()
     sets_out(page, robot, 'drive_distance', distance=0.15)
     way = witness.until(
         lambda: (goal_of(witness).get('feedback') or {}).get('remaining_travel_distance'))
@@ -88,8 +70,8 @@ def test_goals_are_sent_watched_and_reached(robot, pages):
     assert not page.reply()['ok']
 
 
-def test_a_goal_that_cannot_be_reached_says_why(robot, pages):
-    page = pages()
+def test_a_goal_that_cannot_be_reached_says_why(robot, opened):
+    page = opened()
     reply = pursued(page, 'undock')
     assert not reply['ok'] and reply['text']
     reply = pursued(page, 'drive_arc', angle=900, radius=900, translate_direction=1)
@@ -100,20 +82,20 @@ def test_a_goal_that_cannot_be_reached_says_why(robot, pages):
     assert not page.reply()['ok'] and standing(robot)
 
 
-def test_a_goal_ends_by_cancel_stop_and_take_over(stage, robot, pages):
-    page, other = pages(), pages()
+def test_a_goal_ends_by_cancel_stop_and_take_over(shared, robot, opened):
+    page, other = opened(), opened()
     for end in ('cancel', 'stop', 'take_over'):
         page.until(lambda: goal_of(page).get('state') not in ('sent', 'under way', 'canceling'))
         sets_out(page, robot, 'drive_distance', **LONG_WAY)
         other.send(end, **({'what': 'goal'} if end == 'cancel' else {}))
         assert not page.reply()['ok']
-        stage.ros.until(lambda: standing(robot))
+        shared.ros.until(lambda: standing(robot))
     page.send('drive_distance', **LONG_WAY)
     assert page.reply()['text'].startswith('another page drives')
 
 
-def test_the_stick_takes_over_from_a_goal(robot, pages):
-    page = pages()
+def test_the_stick_takes_over_from_a_goal(robot, opened):
+    page = opened()
     sets_out(page, robot, 'drive_distance', **LONG_WAY)
     page.drive(-0.1, 0.0, lambda: page.replies)
     reply = page.reply()
@@ -122,29 +104,29 @@ def test_the_stick_takes_over_from_a_goal(robot, pages):
     page.drive(-0.1, 0.0, lambda: page.known['pose']['speed'] < -0.05)
 
 
-def test_stop_right_behind_a_goal_stops_it(stage, robot, pages):
-    page = pages()
+def test_stop_right_behind_a_goal_stops_it(shared, robot, opened):
+    page = opened()
     page.send('drive_distance', **LONG_WAY)
     page.send('stop')
     replies = {reply['to']: reply['ok'] for reply in (page.reply(), page.reply())}
     assert replies == {'drive_distance': False, 'stop': True}
     page.until(lambda: goal_of(page).get('state') == 'canceled')
-    stage.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: standing(robot))
 
 
-def test_a_goal_ends_when_the_network_of_its_page_fails(stage, robot, pages):
-    witness = pages()
+def test_a_goal_ends_when_the_network_of_its_page_fails(shared, robot, opened):
+    witness = opened()
     relay = Relay(int(witness.address.rstrip('/').rpartition(':')[2]))
     with closing(relay):
-        page = pages(f'http://127.0.0.1:{relay.port}/')
+        page = opened(f'http://127.0.0.1:{relay.port}/')
         sets_out(page, robot, 'drive_distance', **LONG_WAY)
         relay.freeze()
         witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-        stage.ros.until(lambda: standing(robot))
+        shared.ros.until(lambda: standing(robot))
 
 
-def test_a_tune_plays_while_the_robot_drives_and_is_canceled_by_itself(robot, pages):
-    page, witness = pages(), pages()
+def test_a_tune_plays_while_the_robot_drives_and_is_canceled_by_itself(robot, opened):
+    page, witness = opened(), opened()
     page.send('audio_note_sequence', notes='G4:0.1 C5:0.1')
     assert page.reply()['ok']
     sets_out(page, robot, 'drive_distance', **LONG_WAY)
@@ -159,13 +141,13 @@ def test_a_tune_plays_while_the_robot_drives_and_is_canceled_by_itself(robot, pa
     assert not standing(robot)
 
 
-def test_a_goal_ends_when_its_page_or_the_driver_goes(stage, robot, pages):
-    page, witness = pages(), pages()
+def test_a_goal_ends_when_its_page_or_the_driver_goes(shared, robot, opened):
+    page, witness = opened(), opened()
     sets_out(page, robot, 'drive_distance', **LONG_WAY)
     page.close()
     witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))
-    stage.ros.until(lambda: standing(robot))
+    shared.ros.until(lambda: standing(robot))
     sets_out(witness, robot, 'drive_distance', **LONG_WAY)
-    stage.ready.node.send(signal.SIGTERM)  # so no test comes after this one
+    shared.driver.node.send(signal.SIGTERM)  # so no test comes after this one
     assert not witness.reply()['ok']
     witness.until(lambda: goal_of(witness).get('state') in ('canceled', 'ended'))

@@ -19,6 +19,8 @@ import aiohttp
 from support.ros import Program, Robot, Scene, TIMEOUT
 
 ADDRESS = re.compile(r'open (https?://\S+:(\d+)/\S*) in a browser')
+LONG = 10.0
+"""`cmd_vel_timeout`, s: only page and server stop the wheels in time, not the driver."""
 
 
 def served(stage: Scene, *arguments: str) -> tuple[Program, str]:

@@ -1,0 +1,58 @@
+# Copyright 2026 create_oi_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A browser, and a robot with the server of its page, which tests of applications share."""
+
+import pytest
+
+from support.browser import browsers
+from support.ros import Ready, scene
+from support.web import LONG, PageClient, ready, served
+
+
+@pytest.fixture(scope='module')
+def browser():
+    """Return one browser for all tests of a file."""
+    with browsers() as made:
+        yield made
+
+
+@pytest.fixture
+def pages():
+    """Return a function that opens a page; all are closed at the end."""
+    opened = []
+
+    def open_page(address, **arguments):
+        opened.append(PageClient(address, **arguments))
+        return opened[-1]
+    yield open_page
+    for page in opened:
+        page.close()
+
+
+class Shared:
+    """A robot, its driver and the server, which tests share."""
+
+    def __init__(self, stage) -> None:
+        self.driver = Ready(stage, cmd_vel_timeout=LONG)
+        self.robot, self.ros = self.driver.robot, stage.ros
+        self.address = served(stage)[1]
+
+    def driving(self, open_page):
+        """Return a page that drives the robot."""
+        page = ready(open_page(self.address))
+        page.drive(0.2, 0.0, lambda: page.known['pose']['speed'] > 0.1)
+        return page
+
+
+@pytest.fixture(scope='module')
+def server(tmp_path_factory):
+    """Return a server that lasts."""
+    with scene(tmp_path_factory.mktemp('shared')) as made:
+        yield Shared(made)
+
+
+@pytest.fixture
+def shared(server):
+    """Return it with its robot as new."""
+    server.driver.renew()
+    return server
