@@ -35,10 +35,8 @@ class Result:
     that was restarted is taken to be back MAX_ABSENCE after its last frame at the earliest."""
     zero: float | None = None
     """Seconds until the wheels had zero speed requested."""
-    wrong: list[str] = field(default_factory=list)
-    """Messages with wrong values that were published."""
     trouble: str = ''
-    """Why the try failed; empty if it did not."""
+    """Why the try failed, or a wrong value that was published meanwhile; empty if it did not."""
 
 
 Try = Callable[[Stage, Random], Result]
@@ -79,9 +77,9 @@ class Fault:
         try:
             self.prepare(stage)
             result = self.try_once(stage, random)
-        except (AssertionError, TimeoutError, OSError) as error:
+        except (AssertionError, OSError) as error:
             result = Result(trouble=str(error) or repr(error))
-        result.wrong = stage.watch.wrong[wrong:]
+        result.trouble = '; '.join(filter(None, (result.trouble, *stage.watch.wrong[wrong:][:1])))
         return result
 
     def failure(self, result: Result, slack: float) -> str:
@@ -90,7 +88,7 @@ class Fault:
                   (self.zero, result.zero, 'zero speed'))
         late = [f'{what} after {took:.3f} s, not {limit:g} s' for limit, took, what in limits
                 if limit is not None and took is not None and took > limit * slack]
-        return '; '.join(filter(None, (result.trouble, *late, *result.wrong[:1])))
+        return '; '.join(filter(None, (result.trouble, *late)))
 
 
 def start_driving(stage: Stage, random: Random) -> None:
@@ -344,8 +342,9 @@ raise SystemExit(programs.create_node())
 """A node whose bumper message and velocity callback can raise an exception."""
 
 
-def ending(end: Callable[[Stage], None], exit_code: int, program: str) -> Try:
-    """Return a try in which the node ends while the wheels turn."""
+def ending(name: str, end: Callable[[Stage], None], exit_code: int, *, zero: float = 0.1,
+           program: str = PROGRAMS['create_node']) -> Fault:
+    """Return the fault that the node ends while the wheels turn."""
     def attempt(stage: Stage, random: Random) -> Result:
         stage.start_node(code=program, cmd_vel_timeout='10.0')
         start_driving(stage, random)
@@ -362,37 +361,12 @@ def ending(end: Callable[[Stage], None], exit_code: int, program: str) -> Try:
         if stage.control.truth()['commands'] != truth['commands']:
             result.trouble = 'commands still arrive at the robot'
         return result
-    return attempt
+    return Fault(name, attempt, keeps_node=False, recovery=None, zero=zero)
 
 
-def killed(number: signal.Signals) -> Fault:
-    """Return the fault that a signal kills the node at once."""
-    return _ends(number.name, _send(number), 0.1, -number)
-
-
-def ended(number: signal.Signals) -> Fault:
-    """Return the fault that a signal asks the node to end."""
-    return _ends(number.name, _send(number), 0.1, 0)
-
-
-def raising(name: str, end: Callable[[Stage], None]) -> Fault:
-    """Return the fault that a callback of the node raises an exception."""
-    return _ends(name, end, 0.2, 1, RAISING)
-
-
-def _send(number: signal.Signals) -> Callable[[Stage], None]:
-    return lambda stage: stage.node.send(number)
-
-
-def _ends(name: str, end: Callable[[Stage], None], zero: float, exit_code: int,
-          program: str = PROGRAMS['create_node']) -> Fault:
-    return Fault(
-        name, ending(end, exit_code, program), keeps_node=False, recovery=None, zero=zero)
-
-
-def publishing(twist: Twist) -> Callable[[Stage], None]:
-    """Return a function that publishes one velocity."""
-    return lambda stage: stage.publish(twist)
+def signalled(number: signal.Signals, exit_code: int) -> Fault:
+    """Return the fault that a signal ends the node, with this exit code."""
+    return ending(number.name, lambda stage: stage.node.send(number), exit_code)
 
 
 def suspended(stage: Stage, random: Random) -> Result:
@@ -457,10 +431,11 @@ FAULTS = (
     Fault('command cut short before connecting', command_cut_short, keeps_node=False, zero=None),
     Fault('robot at 19200, baud: 0', at_other_rate, keeps_node=False, zero=None),
     Fault('SIGSTOP, SIGCONT', suspended, zero=0.2),
-    *map(killed, (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)),
-    *map(ended, (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)),
-    raising('exception in a subscription', publishing(Twist(linear=Vector3(z=1.0)))),
-    raising('exception on the serial thread', sending('bump left')),
+    *(signalled(number, -number) for number in (signal.SIGKILL, signal.SIGSEGV, signal.SIGABRT)),
+    *(signalled(number, 0) for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)),
+    ending('exception in a subscription', lambda stage: stage.publish(
+        Twist(linear=Vector3(z=1.0))), 1, zero=0.2, program=RAISING),
+    ending('exception on the serial thread', sending('bump left'), 1, zero=0.2, program=RAISING),
     Fault('commands end', commands_end, recovery=None, zero=0.7),
     Fault('stop', told_to_stop, recovery=None, zero=0.1),
 )
