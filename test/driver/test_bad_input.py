@@ -31,7 +31,7 @@ from create_oi_ros.ros.parameters import declare, Parameters
 from create_oi_ros.ros.services import serve, SERVICES
 from support.anything import anything
 from support.loop import Loop
-from support.measuring import UNMEASURED
+from support.nightly import UNMEASURED
 from support.ros import own_domain
 
 pytestmark = UNMEASURED

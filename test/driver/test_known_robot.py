@@ -18,7 +18,7 @@ from create_oi_ros.ros.odometry_model import parsed, text_of
 from create_oi_ros.sim.body.config import BodyConfig, DEFAULT_BODY, EncoderSign
 from create_oi_ros.sim.body.wheels import Response, TimeConstant
 from support.loop import Loop, said
-from support.measuring import UNMEASURED
+from support.nightly import UNMEASURED
 
 pytestmark = UNMEASURED
 

@@ -7,6 +7,8 @@ import os
 import pytest
 
 NIGHTLY = pytest.mark.nightly
+UNMEASURED = pytest.mark.no_cover
+"""For long drives: short tests run the same lines, and coverage makes these 2.5 times as long."""
 SHARE = float(os.environ.get('SHARE', '1'))
 
 
