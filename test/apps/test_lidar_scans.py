@@ -15,12 +15,7 @@ import yaml
 from create_oi_ros.ros.topics import LATCHED
 from tf2_msgs.msg import TFMessage
 
-FILES = Path(__file__).parents[2] / 'config' / 'with'
-
-
-def parameters(file: str) -> dict:
-    """Return the contents of a file for another package."""
-    return yaml.safe_load((FILES / file).read_text())
+SLAM = Path(__file__).parents[2] / 'config' / 'with' / 'slam_toolbox.yaml'
 
 
 def test_scans_of_a_room_come_as_slam_and_nav2_expect_them(stage):
@@ -29,7 +24,7 @@ def test_scans_of_a_room_come_as_slam_and_nav2_expect_them(stage):
     transforms = stage.ros.listen(TFMessage, '/tf_static', LATCHED)
     odom = stage.ros.listen(Odometry, 'odom')
     stage.ros.until(lambda: len(scans) > 10 and odom)
-    slam = parameters('slam_toolbox.yaml')['slam_toolbox']['ros__parameters']
+    slam = yaml.safe_load(SLAM.read_text())['slam_toolbox']['ros__parameters']
     scan = scans[-1]
     assert slam['scan_topic'] == '/scan'
     assert scan.range_max == pytest.approx(slam['max_laser_range'])
@@ -48,18 +43,6 @@ def test_scans_of_a_room_come_as_slam_and_nav2_expect_them(stage):
     run.send(signal.SIGINT)
     assert run.ended() == 0
     assert 'Traceback' not in run.output
-
-
-def test_nav2_sees_no_farther_than_the_lidar():
-    nav2 = parameters('nav2.yaml')
-    for costmap in ('local_costmap', 'global_costmap'):
-        layers = nav2[costmap][costmap]['ros__parameters']
-        found = [layer['scan'] for layer in layers.values()
-                 if isinstance(layer, dict) and 'scan' in layer]
-        assert found
-        for source in found:
-            assert source['topic'] == '/scan'
-            assert source['obstacle_max_range'] <= source['raytrace_max_range'] <= 8.0
 
 
 def test_where_nothing_is_near_all_ranges_are_infinite_and_the_end_of_the_robot_is_its_end(stage):

@@ -104,13 +104,18 @@ def test_the_robot_is_as_wide_as_its_model():
 
 
 @pytest.mark.parametrize('costmap', COSTMAPS)
-def test_both_costmaps_feel_the_bumper_and_keep_what_it_felt(costmap):
+def test_both_costmaps_see_as_far_as_the_lidar_feel_the_bumper_and_keep_what_it_felt(costmap):
     found = nav2(costmap)
     for layer in (name.removesuffix('.observation_sources') for name in found
                   if name.endswith('.observation_sources')):
         # Nav2's own default is 0: no lidar is as low as that.
         source = found[f'{layer}.observation_sources']
         assert found[f'{layer}.{source}.max_obstacle_height'] > HEIGHT
+        if source == 'scan':
+            scan = f'{layer}.scan'
+            assert found[f'{scan}.topic'] == '/scan'
+            assert found[f'{scan}.obstacle_max_range'] <= found[f'{scan}.raytrace_max_range'] <= 8
+    assert any(name.endswith('.scan.topic') for name in found)
     layer = {name.removeprefix('contact_layer.'): value for name, value in found.items()
              if name.startswith('contact_layer.')}
     assert layer['observation_sources'] == 'contacts'
