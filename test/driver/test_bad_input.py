@@ -283,3 +283,5 @@ def test_a_parameter_is_set_at_run_time_or_is_for_the_start_only(node, declared)
 
 def test_the_driver_has_no_setting_that_no_parameter_reaches():
     assert Driver(Parameters().settings()).settings == Settings()
+    with pytest.raises(AttributeError):
+        Settings().baud = 19200

@@ -164,3 +164,28 @@ def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(rob
         if driver.baud != robot.baud:
             robot.receive(sent, now, driver.baud)
             assert robot.mode is oi.Mode.PASSIVE and robot.demo is None and not robot.waiting
+
+
+def test_a_robot_that_drives_is_stopped_when_the_driver_connects():
+    loop = Loop()
+    loop.robot.receive(b''.join(command.encode() for command in (
+        oi.Start(), oi.Full(), oi.DriveDirect(right=300, left=300))), loop.now)
+    loop.run(1.5)
+    assert loop.body.truth().speed == 0
+
+
+def test_without_a_port_nothing_is_counted_and_a_stop_and_the_end_send_nothing():
+    driver = Driver()
+    assert set(vars(driver.counts).values()) == {0}
+    assert driver.status.reason == 'no robot answers'
+    assert driver.stop(0.0).outcome.ok is False
+    driver.shut_down(0.1)
+    assert driver.data_to_send() == b''
+
+
+def test_a_driver_is_busy_until_its_commands_are_made_ready(loop):
+    assert not loop.driver.busy
+    loop.driver.modes.set(oi.Mode.FULL, loop.now)
+    assert loop.driver.busy
+    loop.run(0.3)
+    assert not loop.driver.busy

@@ -261,13 +261,6 @@ def test_a_velocity_becomes_wheel_speeds_and_one_that_is_too_fast_keeps_its_curv
     assert wheel_speeds(linear, angular, FREE) == pytest.approx((right, left), abs=1e-9)
 
 
-def test_the_default_limits_are_those_of_the_pages() -> None:
-    limits = MotionLimits()
-    assert (limits.wheel_separation, limits.max_wheel_speed, limits.timeout) == (0.258, 0.5, 0.5)
-    assert (limits.linear_acceleration, limits.angular_acceleration) == (1.0, 4.0)
-    assert (limits.bump_stop, limits.commands_interrupt) == (False, True)
-
-
 @pytest.mark.parametrize(('wanted', 'after'), [
     ((500, 500), (31.25, 31.25)), ((-500, -500), (-31.25, -31.25)),
     ((200, -200), (15.625, -15.625)), ((-200, 200), (-15.625, 15.625)),
