@@ -53,6 +53,12 @@ class Core:
             self._mistakes.add(mistake)
             self.notice(Severity.WARNING, mistake)
 
+    def set_status(self, status: ModeStatus) -> None:
+        """Note what is known of the mode; it is an event where it has changed."""
+        if status != self.status:
+            self.status = status
+            self.events.append(status)
+
     def notice(self, severity: Severity, text: str) -> None:
         self.events.append(Notice(severity, text))
 

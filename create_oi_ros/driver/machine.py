@@ -74,7 +74,6 @@ class Driver:
         self._unchecked: deque[Moved] = deque()
         """Frames that were reported as events, and that `poll` still has to check."""
         self._check_at = -inf
-        self._reported_status = self.status
 
     def _follow(self, event: StateEvent) -> None:
         """Tell the wheels and the other parts what follows from an event."""
@@ -156,13 +155,7 @@ class Driver:
 
     def next_event(self) -> DriverEvent | None:
         """Remove and return what has happened, oldest first."""
-        if self.core.events:
-            return self.core.events.popleft()
-        before, status = self._reported_status, self.core.status
-        if status is before:
-            return None
-        self._reported_status = status
-        return status if status != before else None
+        return self.core.events.popleft() if self.core.events else None
 
     # What is known.
 

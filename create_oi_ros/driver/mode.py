@@ -107,8 +107,8 @@ class Modes:
     def want(self, mode: oi.Mode) -> None:
         """Change the wanted mode; why the robot left the last one no longer matters."""
         status = self._core.status
-        self._core.status = ModeStatus(
-            status.actual, mode, status.causes if status.actual is None else ())
+        self._core.set_status(ModeStatus(
+            status.actual, mode, status.causes if status.actual is None else ()))
         self._tries = 0
 
     def enter(self, mode: oi.Mode, now: float) -> Pending:
@@ -160,7 +160,7 @@ class Modes:
 
     def forget(self) -> None:
         """Forget the actual mode: no robot answers."""
-        self._core.status = ModeStatus(None, self._core.status.wanted)
+        self._core.set_status(ModeStatus(None, self._core.status.wanted))
         self._tries = 0
 
     def observe(self, readings: oi.Readings, now: float) -> None:
@@ -189,8 +189,7 @@ class Modes:
         elif before.unknown or tried_in_vain:
             causes = present or (Cause.UNKNOWN,)
         self._causes_before = present
-        if (actual, causes) != (before.actual, before.causes):
-            self._core.status = ModeStatus(actual, before.wanted, causes)
+        self._core.set_status(ModeStatus(actual, before.wanted, causes))
         if dropped:
             self._mode_left(now)
         if actual is self._requested:
