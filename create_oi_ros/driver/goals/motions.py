@@ -195,7 +195,8 @@ CORNER = 0.6
 WALL_ENDED_TIME, ENGAGED = 0.5, 2.0
 """Seconds without the wall after which it has ended, and after which none is followed."""
 MINUTE = 60.0
-BACK_OFF = ((Velocity(-0.1, 0.0), 0.4), (Velocity(0.0, 1.2), 0.5))
+BACK, BACK_TIME = Velocity(-0.1, 0.0), 0.4
+TURN, TURN_TIME = Velocity(0.0, 1.2), 0.5
 """Velocities after a touch, and for how many seconds: back a little, then turn left."""
 
 
@@ -211,42 +212,31 @@ class WallFollow(DrivingGoal):
         check_range('max_runtime', runtime, 's', 0.0)
         self._runtime = runtime or MINUTE
         self.allowance = self.allowance or 2 * self._runtime
-        self._seen_at = -inf
-        """When the wall was seen or touched last, s."""
         self.progress = Progress(phase=Phase.SEARCHING)
 
     def orders(self) -> Iterator[Order]:
         """Follow the wall until the time is over."""
-        begun_at, velocities = self.view.now, self._velocities()
-        while self.view.now - begun_at < self._runtime:
-            if self._touches or self._sees:
-                self._seen_at = self.view.now
-            engaged = self.view.now - self._seen_at <= ENGAGED
-            self.progress = Progress(phase=Phase.ENGAGED if engaged else Phase.SEARCHING)
-            velocity = next(velocities)
+        begun_at, seen_at, touched_at = self.view.now, -inf, -inf
+        while (now := self.view.now) - begun_at < self._runtime:
+            touches = bool(bumps(self.view.readings))
+            sees = bool(self.view.readings.number('wall', 0))
+            if touches or sees:
+                seen_at = now
+            if touches and now - touched_at >= BACK_TIME + TURN_TIME:
+                touched_at = now
+            unseen, touched = now - seen_at, now - touched_at
+            self.progress = Progress(
+                phase=Phase.ENGAGED if unseen <= ENGAGED else Phase.SEARCHING)
+            if touched < BACK_TIME:
+                velocity = BACK
+            elif touched < BACK_TIME + TURN_TIME:
+                velocity = TURN
+            elif unseen == inf:
+                velocity = Velocity(SPEED, 0.0)
+            elif sees:
+                velocity = Velocity(SPEED, BEND)
+            else:
+                velocity = Velocity(SPEED, -CORNER if unseen > WALL_ENDED_TIME else -BEND)
             self.forward = velocity.linear > 0
             yield velocity
         yield Over(Code.NONE, f'followed for {self._runtime:g} s')
-
-    @property
-    def _touches(self) -> bool:
-        return bool(bumps(self.view.readings))
-
-    @property
-    def _sees(self) -> bool:
-        return bool(self.view.readings.number('wall', 0))
-
-    def _velocities(self) -> Iterator[Velocity]:
-        while True:
-            if self._touches:
-                for velocity, seconds in BACK_OFF:
-                    since = self.view.now
-                    while self.view.now - since < seconds:
-                        yield velocity
-            unseen = self.view.now - self._seen_at
-            if unseen == inf:
-                yield Velocity(SPEED, 0.0)
-            elif self._sees:
-                yield Velocity(SPEED, BEND)
-            else:
-                yield Velocity(SPEED, -CORNER if unseen > WALL_ENDED_TIME else -BEND)
