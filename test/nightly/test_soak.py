@@ -13,8 +13,7 @@ The test fails if the sizes differ, the node has ended, a wrong value was publis
 goal was not answered, or the newest command was late.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing
 import os
 from pathlib import Path
 from random import Random
@@ -34,6 +33,7 @@ from std_srvs.srv import Trigger
 from create_oi_ros.ros.services import QUEUE
 from nightly.stage import Stage, staged
 from support.nightly import SHARE
+from support.ros import Program
 
 SETTLE = 60.0
 """Seconds after which the node must have its final size."""
@@ -104,7 +104,9 @@ class Soak:
         stage.start_robot(*ROBOT)
         stage.start_node(baud=0)
         stage.set_outputs()
-        with frozen_subscriber(stage.domain):
+        with closing(Program('-c', SUBSCRIBER, domain=stage.domain)) as subscriber:
+            stage.until(lambda: 'received' in subscriber.output, 'a subscriber that hears odom')
+            subscriber.send(signal.SIGSTOP)
             begun = time.monotonic()
             while (passed := time.monotonic() - begun) < 60 * minutes:
                 if first is None and passed >= min(SETTLE, 20 * minutes):
@@ -165,8 +167,14 @@ class Soak:
 
     def _busy(self) -> None:
         """Publish velocities while other processes keep all cores busy."""
-        with all_cores_busy():
+        loops = [subprocess.Popen([sys.executable, '-S', '-c', ENDLESS_LOOP])
+                 for _ in range(os.cpu_count())]
+        try:
             self._flood(3.0)
+        finally:
+            for loop in loops:
+                loop.kill()
+                loop.wait()
 
     def _newest_wins(self) -> None:
         """After a flood, measure how long the newest command takes to reach the robot."""
@@ -207,37 +215,6 @@ class Soak:
         if self._results != self._goals:
             self.troubles.append(f'{self._goals - self._results} goals had no result')
         self.troubles += self._stage.watch.wrong[:5]
-
-
-@contextmanager
-def all_cores_busy() -> Iterator[None]:
-    """Keep every core busy meanwhile."""
-    loops = [subprocess.Popen([sys.executable, '-S', '-c', ENDLESS_LOOP])
-             for _ in range(os.cpu_count())]
-    try:
-        yield
-    finally:
-        for loop in loops:
-            loop.kill()
-            loop.wait()
-
-
-@contextmanager
-def frozen_subscriber(domain: int) -> Iterator[None]:
-    """Run a process that subscribes to `odom`, receives one message and is then stopped."""
-    subscriber = subprocess.Popen(
-        [sys.executable, '-c', SUBSCRIBER], stdout=subprocess.PIPE,
-        env={**os.environ, 'ROS_DOMAIN_ID': str(domain)})
-    assert subscriber.stdout is not None
-    try:
-        # The middleware may print lines of its own before.
-        if b'received\n' not in subscriber.stdout:
-            raise ChildProcessError('the subscriber ended before it received odom')
-        subscriber.send_signal(signal.SIGSTOP)
-        yield
-    finally:
-        subscriber.kill()
-        subscriber.wait()
 
 
 @pytest.mark.nightly
