@@ -154,8 +154,8 @@ class Session:
                     self._write(self.port, farewell)
                     self.port.flush()
                 except PortError as error:
-                    self._record(RecordKind.LOST, str(error))
                     self._leave_port(stopped=False)
+                    self._record(RecordKind.LOST, str(error))
                     self._report(error)
 
     def _run(self) -> None:
@@ -290,8 +290,8 @@ class Session:
             self._on_event(event)
 
     def _lose(self, error: PortError) -> None:
-        self._record(RecordKind.LOST, str(error))
         self._leave_port(stopped=False)
+        self._record(RecordKind.LOST, str(error))
         self.driver.disconnected(str(error))
         self._report(error)
         self._report_events()  # the thread that reads has no other reason to, without a port
