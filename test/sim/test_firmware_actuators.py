@@ -107,12 +107,6 @@ def test_when_switched_on_the_digital_outputs_are_high_for_the_first_3_seconds()
     assert robot.create.outputs == 0
 
 
-def test_passive_stops_the_drivers() -> None:
-    robot = Robot(Mode.SAFE)
-    robot.say(oi.LowSideDrivers(bits=7), oi.Start())
-    assert robot.create.actuators.duties == (0, 0, 0)
-
-
 # Song and Play Song.
 
 def test_you_can_specify_up_to_sixteen_songs_of_up_to_sixteen_notes(robot: Robot) -> None:

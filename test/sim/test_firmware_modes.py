@@ -45,18 +45,6 @@ def test_a_command_is_obeyed_in_its_modes_only_and_enters_the_manuals(
         assert state(robot) == before and robot.speed == 0
 
 
-# Passive Mode.
-
-
-def test_in_passive_the_battery_is_charged() -> None:
-    robot = Robot(Mode.PASSIVE)
-    robot.body.plug_charger(True)
-    before = robot.read('battery_charge')
-    robot.run(60)
-    assert robot.read('charging_state') is oi.ChargingState.FULL_CHARGING
-    assert robot.read('battery_charge') > before
-
-
 # Safe Mode.
 
 def driving_robot(mode: Mode, *, forward: bool = True, radius: int = 32767) -> Robot:
