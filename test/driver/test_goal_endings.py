@@ -233,16 +233,6 @@ def test_a_goal_whose_mode_does_not_come_is_given_up():
     assert running.outcome.text.startswith('not started; robot is in PASSIVE')
 
 
-def test_a_goal_is_as_good_as_a_pause_of_commands():
-    loop = met()
-    loop.cut = True
-    loop.drive(0.2, 0.0, 3.0)
-    loop.cut = False
-    loop.drive(0.2, 0.0, 1.0)
-    assert loop.driver.state.activity is Activity.HOLDING
-    assert pursue(loop, distance(0.1)).code is Code.NONE
-
-
 def test_another_goal_takes_over_from_a_search_for_the_dock_and_drives():
     loop = met()
     search = start(loop, Dock(0.0))

@@ -6,9 +6,10 @@ import pytest
 
 from create_oi_ros import oi
 from create_oi_ros.driver import Settings, Severity
-from create_oi_ros.driver.goals import Dock
+from create_oi_ros.driver.goals import Code, Dock
 from create_oi_ros.driver.outbox import CALLED_OFF, HALT
 from create_oi_ros.driver.state import Activity, State, StateEvent, STAYS, TRANSITIONS
+from support.goals import distance, pursue
 from support.loop import Loop, said, STEP
 
 
@@ -207,13 +208,16 @@ def test_a_hiccup_of_driver_port_or_line_needs_no_pause(hiccup, phase):
     assert loop.robot.actuators.wheels == (200, 200)
 
 
-def test_setting_the_mode_is_as_good_as_a_pause():
+@pytest.mark.parametrize('order', [
+    lambda loop: loop.driver.modes.set(oi.Mode.SAFE, loop.now),
+    lambda loop: pursue(loop, distance(0.1)).code is Code.NONE], ids=['mode', 'goal'])
+def test_setting_the_mode_and_a_goal_are_as_good_as_a_pause(order):
     loop = in_safe()
     loop.cut = True
     loop.drive(0.2, 0.0, 3.0)
     loop.cut = False
     loop.drive(0.2, 0.0, 1.0)
     assert loop.driver.state.activity is Activity.HOLDING
-    loop.driver.modes.set(oi.Mode.SAFE, loop.now)
+    assert order(loop)
     loop.drive(0.2, 0.0, 1.0)
     assert loop.driver.state.activity is Activity.DRIVING
