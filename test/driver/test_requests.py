@@ -232,15 +232,6 @@ def test_before_docking_the_robot_rests_a_second_in_passive(loop):
     assert loop.robot.demo is oi.DemoNumber.COVER_AND_DOCK
 
 
-def test_stop_ends_a_demo_that_is_about_to_begin(loop):
-    loop.driver.modes.start_demo(oi.DemoNumber.COVER_AND_DOCK)
-    loop.run(0.5)
-    assert loop.driver.stop(loop.now).outcome.ok
-    loop.run(1.0)
-    assert loop.robot.demo is None
-    assert loop.body.truth().speed == 0
-
-
 def test_a_driver_that_ends_ends_a_demo_that_has_just_begun(loop):
     loop.driver.modes.start_demo(oi.DemoNumber.COVER)
     loop.turn()
