@@ -4,8 +4,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
-import math
-from math import degrees, radians
+from math import cos, degrees, inf, nan, pi, radians, remainder, sin, tau
 from statistics import fmean, mean, pstdev, stdev
 
 from hypothesis import given, settings
@@ -30,11 +29,11 @@ def test_an_arc_at_constant_speed_is_the_closed_form(right, left):
     body.step(seconds)
     v, w = (right + left) / 2, (right - left) / B
     end = body.truth().pose
-    assert end.x == pytest.approx(x + v / w * (math.sin(yaw + w * seconds) - math.sin(yaw)),
+    assert end.x == pytest.approx(x + v / w * (sin(yaw + w * seconds) - sin(yaw)),
                                   abs=1e-7)
-    assert end.y == pytest.approx(y - v / w * (math.cos(yaw + w * seconds) - math.cos(yaw)),
+    assert end.y == pytest.approx(y - v / w * (cos(yaw + w * seconds) - cos(yaw)),
                                   abs=1e-7)
-    assert math.remainder(end.yaw - yaw - w * seconds, math.tau) == pytest.approx(0, abs=1e-9)
+    assert remainder(end.yaw - yaw - w * seconds, tau) == pytest.approx(0, abs=1e-9)
 
 
 @given(st.lists(st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.integers(1, 40)),
@@ -80,7 +79,7 @@ def test_a_slip_burst_ends_by_itself():
     assert after.travelled - before.travelled == pytest.approx(0.15)
 
 
-@pytest.mark.parametrize('dt', [-0.001, math.inf, math.nan])
+@pytest.mark.parametrize('dt', [-0.001, inf, nan])
 def test_a_step_of_no_sensible_length_is_refused(dt):
     with pytest.raises(ValueError, match='dt is'):
         Body(World()).step(dt)
@@ -88,7 +87,7 @@ def test_a_step_of_no_sensible_length_is_refused(dt):
 
 @pytest.mark.parametrize(('name', 'value'), [
     ('wheel_separation', 0.0), ('wheel_acceleration', -1.0), ('left_slip', 1.5),
-    ('right_speed_gain', math.nan)])
+    ('right_speed_gain', nan)])
 def test_impossible_constants_are_refused_by_name(name, value):
     with pytest.raises(ValueError, match=name):
         BodyConfig(**{name: value})
@@ -315,5 +314,5 @@ def test_once_the_wheels_rest_a_push_counts_up_again():
 
 def test_the_firmwares_own_wheel_separation_scales_its_angle():
     body = body_at_speed(0.129, -0.129, config=ideal(encoder_separation=0.516))
-    body.step(math.pi / 2)
+    body.step(pi / 2)
     assert body.take_angle() == 45
