@@ -306,13 +306,12 @@ class Connection:
         before = watch.level
         watch.check(missed_since, now)
         if watch.level > before:
-            match watch.level:
-                case Escalation.HOLD_BACK:
-                    self._probe.begin(now)
-                case Escalation.WAKE:
-                    core.outbox.send_raw(WAKE_UP)
-                case Escalation.REPORT:
-                    core.notice(Severity.ERROR, IGNORES)
+            if watch.level is Escalation.HOLD_BACK:
+                self._probe.begin(now)
+            elif watch.level is Escalation.WAKE:
+                core.outbox.send_raw(WAKE_UP)
+            else:
+                core.notice(Severity.ERROR, IGNORES)
         if watch.suspects:
             self._probe.poll(now)
 
