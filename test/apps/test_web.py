@@ -16,7 +16,7 @@ from create_oi_ros.apps.web.create_web import main
 from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import shipped
 from support.simulator import taught
-from support.web import LONG, ready, Relay, served, standing
+from support.web import IN_TIME, LONG, ready, Relay, served, standing, stops_in_time
 
 
 def started(stage, **parameters):
@@ -47,7 +47,7 @@ def test_a_page_is_told_of_the_robot_and_drives_it(shared, pages):
     assert page.known['top_speed'] == 0.5
     page.drive(0.2, 0.0, lambda: page.known['pose']['x'] > 0.05 and len(page.known['track']) > 4)
     page.send('release')
-    shared.ros.until(lambda: standing(shared.robot))
+    stops_in_time(shared.ros, shared.robot)
     page.until(lambda: page.known['samples'] and {
         'bump', 'cliff', 'drop', 'wall', 'battery', 'charging', 'mode'} <= page.known.keys())
     page.until(lambda: page.known.get('diagnostics', {}).get('driver', {}).get(
@@ -67,7 +67,7 @@ def test_wheels_do_not_brake_gently_for_a_page_that_is_gone(stage, pages, gone):
     def stands() -> bool:
         seen.append(robot.create.actuators.wheels.left)
         return standing(robot)
-    stage.ros.until(stands)
+    stage.ros.until(stands, within=IN_TIME)
     assert [speed for speed in seen if 0 < speed < last] == []
 
 
@@ -78,7 +78,7 @@ def test_the_wheels_stop_when_the_network_fails_and_old_commands_move_nothing(sh
         page = ready(pages(f'http://127.0.0.1:{relay.port}/'))
         page.drive(0.2, 0.0, lambda: not standing(robot))
         relay.freeze()
-        shared.ros.until(lambda: standing(robot))
+        stops_in_time(shared.ros, robot)
         heard = shared.ros.listen(Twist, 'cmd_vel', 100)
         seen = page.known['at']
         witness = pages(address)
@@ -102,7 +102,7 @@ def test_the_wheels_stop_when_the_server_ends_or_is_killed(stage, pages, end, ti
     if end is signal.SIGTERM:
         assert web.ended() == 0
         assert page.closed() == aiohttp.WSCloseCode.GOING_AWAY
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
     assert 'Traceback' not in web.output
 
 
@@ -116,14 +116,14 @@ def test_one_page_drives_and_others_watch_until_they_take_over(shared, pages):
     other.send('dock')
     assert not other.reply()['ok']
     other.send('take_over')
-    shared.ros.until(lambda: standing(robot))
+    stops_in_time(shared.ros, robot)
     other.until(lambda: other.known['seat'] == {
         'driver': other.known['you'], 'device': 'computer', 'viewers': 2, 'stopped': False})
     other.drive(-0.1, 0.0, lambda: not standing(robot))
     page.send('drive', linear=0.1, angular=0.0, seen=page.known['at'])
     assert not page.reply()['ok']
     other.send('leave')
-    shared.ros.until(lambda: standing(robot))
+    stops_in_time(shared.ros, robot)
     page.until(lambda: page.known['seat']['driver'] is None)
 
 
@@ -167,7 +167,7 @@ def test_a_page_that_comes_again_takes_the_place_of_its_dead_connection(shared, 
     page = ready(pages(address, name='telephone-1'))
     page.drive(0.2, 0.0, lambda: not standing(robot))
     again = pages(address, name='telephone-1')
-    shared.ros.until(lambda: standing(robot))
+    stops_in_time(shared.ros, robot)
     again.until(lambda: again.known['seat']['viewers'] == 1)
     again.drive(0.2, 0.0, lambda: not standing(robot))
     again.send('ping')

@@ -27,7 +27,7 @@ from create_oi_ros.oi import LedBits, Mode
 from create_oi_ros.sim.world import parse
 from support.browser import OpenPage
 from support.ros import Ready, scene
-from support.web import free_port, LONG, PageClient, Relay, served, standing
+from support.web import free_port, LONG, PageClient, Relay, served, standing, stops_in_time
 
 SIZES = {'telephone': (360, 740), 'sideways': (740, 360), 'tablet': (768, 1024),
          'desktop': (1440, 900), 'wall': (2560, 1440), 'notebook': (1280, 720)}
@@ -120,7 +120,7 @@ def test_dragging_the_stick_moves_the_robot_and_letting_go_stops_it(stage, robot
         assert page.text('#chip-seat') == 'you drive'
         assert not page.page.locator('#why').is_visible()
         page.page.mouse.up()
-        stage.ros.until(lambda: standing(robot))
+        stops_in_time(stage.ros, robot)
     assert abs(robot.body.truth().pose.y) < 0.05
 
 
@@ -136,7 +136,7 @@ def test_stop_stops_while_the_stick_is_still_held(stage, robot, shown):
             if stop == 'Enter':
                 page.page.locator('#stop').focus()
             page.page.keyboard.press(stop)
-        stage.ros.until(lambda: standing(robot))
+        stops_in_time(stage.ros, robot)
         page.until("""document.getElementById('stop-text').hidden
             && document.getElementById('toast').textContent === 'Stopped'""")
         page.page.mouse.move(300, 300)
@@ -152,18 +152,19 @@ def test_a_page_that_goes_or_is_not_looked_at_stops_the_robot(stage, robot, show
         page.page.mouse.up()
         page.grab(0.3, 0.5)
         stage.ros.until(lambda: not standing(robot))
-    drive()
-    page.evaluate("dispatchEvent(new Event('blur'))")
-    stage.ros.until(lambda: standing(robot))
+    for gone in ('blur', 'pagehide'):
+        drive()
+        page.evaluate(f"dispatchEvent(new Event('{gone}'))")
+        stops_in_time(stage.ros, robot)
     drive()
     page.evaluate("""() => {
         Object.defineProperty(document, 'hidden', { value: true });
         document.dispatchEvent(new Event('visibilitychange'));
     }""")
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
     drive()
     page.close()
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
 
 
 def test_keys_drive_while_they_are_held(stage, robot, shown):
@@ -175,7 +176,7 @@ def test_keys_drive_while_they_are_held(stage, robot, shown):
         stage.ros.until(lambda least=0.1 * times: robot.body.truth().travelled > least)
         for key in reversed(keys):
             page.keyboard.up(key)
-        stage.ros.until(lambda: standing(robot))
+        stops_in_time(stage.ros, robot)
 
 
 def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage, robot, shown):
@@ -195,14 +196,14 @@ def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage,
 
     def must_be_let_go() -> None:
         """Check that it stands, and drives only after the gamepad was let go."""
-        stage.ros.until(lambda: standing(robot))
+        stops_in_time(stage.ros, robot)
         push(0, -0.6)
         assert standing(robot)
     push(0, -0.5)
     must_be_let_go()
     drives()
     push(0.05, 0.05)
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
     for end in ('push(0, -0.5, true)',           # a button is STOP
                 'push(0, -0.5, false, 10_000)',  # nothing new from it: its battery is empty
                 'window.pad = null',             # unplugged
@@ -215,7 +216,7 @@ def test_a_gamepad_drives_while_it_is_pushed_and_only_after_it_was_let_go(stage,
         document.hasFocus = () => false;
         dispatchEvent(new Event('blur'));
     }""")
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
 
 
 def test_the_speed_limit_limits_and_is_remembered(stage, robot, shown):
@@ -237,7 +238,7 @@ def test_another_page_watches_until_it_takes_over(stage, robot, shown):
     stage.ros.until(lambda: not standing(robot))
     second.until(why('the computer drives'))
     second.page.get_by_role('button', name='Take over').click()
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
     first.until('document.getElementById("chip-seat").textContent.startsWith("another page")')
     assert second.text('#chip-seat') == 'you drive, 2 pages open'
     first.page.mouse.up()
@@ -258,7 +259,7 @@ def test_stop_on_another_page_lets_the_stick_go(stage, robot, shown):
     with ThreadPoolExecutor() as pool:
         pool.submit(press_stop, page.page.url).result()
     page.until('document.getElementById("toast").textContent === "STOP was pressed"')
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
     assert page.page.locator('#stick.held').count() == 0
     page.page.mouse.up()
 
@@ -528,7 +529,7 @@ def test_a_way_through_a_wall_is_red_and_a_cancel_is_no_error(stage, robot, show
     page.page.get_by_role('button', name='Go here').click()
     stage.ros.until(lambda: robot.body.truth().pose.x > 0.1)
     page.page.locator('#here-cancel').click()
-    stage.ros.until(lambda: standing(robot))
+    stops_in_time(stage.ros, robot)
     page.until("document.getElementById('goal-text').textContent === 'Go to a place: cancelled'")
     assert re.search(r'\bnavigate to position: stopped 0\.\d+ m from the goal; canceled$',
                      page.text('#log-list'), re.MULTILINE)

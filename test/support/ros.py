@@ -205,9 +205,11 @@ class Listener:
         self.node.create_subscription(type_, name, received.append, qos)
         return received
 
-    def until(self, happened: Callable[[], Any], what: str = '') -> Any:
-        """Spin until a condition is true and return its value; fail after TIMEOUT."""
-        deadline = time.monotonic() + TIMEOUT
+    def until(
+        self, happened: Callable[[], Any], what: str = '', within: float = TIMEOUT,
+    ) -> Any:
+        """Spin until a condition is true and return its value; fail after so many seconds."""
+        deadline = time.monotonic() + within
         while not (result := happened()):
             assert time.monotonic() < deadline, f'{what or happened} did not happen'
             self._executor.spin_once(timeout_sec=0.1)

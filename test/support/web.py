@@ -16,11 +16,13 @@ from typing import Any
 
 import aiohttp
 
-from support.ros import Program, Robot, Scene, TIMEOUT
+from support.ros import Listener, Program, Robot, Scene, TIMEOUT
 
 ADDRESS = re.compile(r'open (https?://\S+:(\d+)/\S*) in a browser')
 LONG = 10.0
 """`cmd_vel_timeout`, s: only page and server stop the wheels in time, not the driver."""
+IN_TIME = 0.8 * LONG
+"""Seconds to wait for wheels that stop before the driver ends the last command."""
 
 
 def served(stage: Scene, *arguments: str) -> tuple[Program, str]:
@@ -146,6 +148,11 @@ def standing(robot: Robot) -> bool:
     """Return whether a simulated robot was told to stand."""
     wheels = robot.create.actuators.wheels
     return (wheels.left, wheels.right) == (0, 0)
+
+
+def stops_in_time(ros: Listener, robot: Robot) -> None:
+    """Wait until a robot was told to stand by page or server, not by the driver's timeout."""
+    ros.until(lambda: standing(robot), 'a stop by page or server', IN_TIME)
 
 
 class Relay:
