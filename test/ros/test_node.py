@@ -173,10 +173,14 @@ def test_set_mode_answers_when_the_robot_is_in_it_and_refuses_others(ready):
 def test_stop_and_reset_odometry(ready):
     odom = ready.ros.listen(Odometry, 'odom')
     assert ready.set('cmd_vel_timeout', 10.0)
-    ready.drive(0.2, 0.0, lambda: odom and odom[-1].pose.pose.position.x > 0.1)
+    velocity = ready.ros.node.create_publisher(Twist, 'cmd_vel', 1)
+    ready.ros.until(velocity.get_subscription_count)
+    velocity.publish(Twist(linear=Vector3(x=0.2)))
+    ready.ros.until(lambda: odom and odom[-1].pose.pose.position.x > 0.1)
     ready.ask(Trigger, 'stop')
     # The odometry predicts braking after a stop; the rest of it would come after the reset.
     ready.ros.until(lambda: odom[-1].twist.twist.linear.x == 0)
+    assert odom[-1].pose.pose.position.x < 1.5, 'stopped before the timeout, which is after 2 m'
     ready.ask(Trigger, 'reset_odometry')
     ready.ros.until(lambda: abs(odom[-1].pose.pose.position.x) < 1e-9)
     place = Pose(position=Point(x=1.0, y=2.0), orientation=Quaternion(z=1.0, w=0.0))
