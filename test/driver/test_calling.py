@@ -166,11 +166,12 @@ def test_a_call_at_another_rate_neither_restarts_the_robot_nor_starts_a_demo(rob
             assert robot.mode is oi.Mode.PASSIVE and robot.demo is None and not robot.waiting
 
 
-def test_a_robot_that_drives_is_stopped_when_the_driver_connects():
+@pytest.mark.parametrize('begun', [b'', bytes([oi.Song.opcode, 0, 16])])
+def test_a_robot_that_drives_is_stopped_when_the_driver_connects(begun):
     loop = Loop()
     loop.robot.receive(b''.join(command.encode() for command in (
-        oi.Start(), oi.Full(), oi.DriveDirect(right=300, left=300))), loop.now)
-    loop.run(1.5)
+        oi.Start(), oi.Full(), oi.DriveDirect(right=300, left=300))) + begun, loop.now)
+    loop.run(0.3)  # the first call
     assert loop.body.truth().speed == 0
 
 
