@@ -198,7 +198,9 @@ def test_a_known_robot_is_followed_from_its_first_second():
     config = replace(DEFAULT_BODY, right_speed_gain=1.04, encoder_sign=EncoderSign.DRIVE)
     known = Ride(config=config).mixed(11, 90.0).odometry.knowledge
     ride = Ride(config=config, robot=known)
-    ride.go(0.15, -0.15, 5.0)
+    turned, rolled = ride.go(0.15, -0.15, 5.0), 0.15 * 5.0 / Geometry().wheel_radius
+    assert turned.right_wheel == pytest.approx(rolled, rel=0.1)
+    assert turned.left_wheel == pytest.approx(-rolled, rel=0.1)
     ride.go(0.0, 0.0, 2.0)
     assert ride.off[0] < 3.0
     assert ride.most < 5.0
