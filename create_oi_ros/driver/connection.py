@@ -87,7 +87,8 @@ class BaudSearch:
             shown = ' '.join(str(byte) for byte in self._garbage[:12])
             rate = '' if self.searching else ', or another baud rate (`baud: 0` tries all)'
             return (f'something sends on the port, but not like a Create at {at} baud (it sent '
-                    f'{shown} ...): is it another device{rate}? {calls}')
+                    f'{shown} ...): if it is a Create, switch it off and on; is it another '
+                    f'device{rate}? {calls}')
         hint = '' if self.searching else '; the parameter `baud: 0` tries other rates'
         return (f"no answer at {at} baud: is the robot on (Power light)? is it the Create's own "
                 f'serial cable, plugged in all the way{hint}? {calls}')
@@ -266,6 +267,8 @@ class Connection:
             why = 'the robot is off, asleep or unplugged'
             if not self.plan.budget.fits:
                 why = f'frame budget exceeded: at {self.baud} baud long frames are cut'
+            elif now < self._ask_again_at:
+                why = IGNORES  # it sends the shortest list, but none that it was asked for since
             elif garbage > self.plan.full.frame_size:
                 why = (f'{garbage} bytes came, but no frame among them: is the line disturbed, or '
                        'the robot at another baud rate')
@@ -360,7 +363,8 @@ class Connection:
                 core.outbox.send(stream)
         elif now >= self._ask_again_at:
             self._ask_again_at = now + POLL_INTERVAL
-            self.frame_at = now
+            if not core.state.takes_commands:  # a script's round may last
+                self.frame_at = now
             core.watch.restart()
             self.plan.asked = None
         return again and not core.watch.suspects

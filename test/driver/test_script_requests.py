@@ -255,6 +255,17 @@ def test_a_robot_that_falls_silent_while_it_waits_is_found_again():
     assert loop.body.truth().speed == 0
 
 
+def test_a_script_that_streams_the_list_of_a_call_is_not_taken_for_silence(loop):
+    call = oi.Stream(packets=loop.driver.plan.call.ids)
+    ask(loop, loop.driver.scripts.define, build_script([call, oi.WaitTime(time=20)]))
+    ask(loop, loop.driver.scripts.play, loop.now, force=False)
+    loop.run(1.5)
+    assert loop.driver.scripts.playing
+    loop.run(1.5)
+    assert not loop.driver.scripts.playing
+    assert loop.driver.counts.silences == 0
+
+
 def test_a_script_is_asked_for_when_the_line_has_been_silent_for_a_while(loop):
     ask(loop, loop.driver.scripts.define, WAITING)
     loop.run(5.0)

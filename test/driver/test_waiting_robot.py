@@ -8,15 +8,18 @@ Whether it loses or queues what it is sent meanwhile is not known: both, and que
 
 from collections.abc import Iterator
 from dataclasses import replace
+from random import Random
 
 import pytest
 
 from create_oi_ros import oi
-from create_oi_ros.driver import Severity
+from create_oi_ros.driver import Settings, Severity
 from create_oi_ros.driver.outbox import DEAD_MAN_STOP, DRAIN, WAKE_UP
 from create_oi_ros.sim.firmware import Create
 from create_oi_ros.sim.firmware.actuators import DARK, Lights
+from create_oi_ros.sim.server.faults import DAMAGE_TO_ROBOT, Fault, Faults
 from support.loop import Loop, said
+from support.nightly import NIGHTLY, times
 from support.robot import GENTLE, Robot
 
 QUEUES = (0, 40, 135, 256, 330, 341, 342, 343, 344, 345, 360, 1000)
@@ -184,6 +187,78 @@ def test_a_robot_that_was_told_to_wait_is_well_after_it_was_switched_off_and_on(
     assert loop.robot.mode is oi.Mode.SAFE
     assert not loop.driver.health(loop.now).ignores_commands
     assert loop.body.truth().speed == 0
+
+
+def waits_once_it_has_answered(wait: oi.Command, **guesses: object) -> Loop:
+    """Return a driver whose robot sends the list of a call, and nothing else since it waits."""
+    loop = Loop()
+    loop.robot.guesses = replace(loop.robot.guesses, **guesses)
+    loop.run(0.5)
+    loop.drive(0.3, 0.0, 0.5)
+    call = oi.Stream(packets=loop.driver.plan.call.ids)
+    loop.robot.receive(call.encode() + wait.encode(), loop.now)
+    return loop
+
+
+def test_a_robot_that_waits_once_it_has_answered_is_told_of():
+    loop = waits_once_it_has_answered(oi.WaitEvent(event=oi.Event.PLAY_BUTTON))
+    loop.drive(0.2, 0.0, 3.0)
+    assert said(loop, Severity.ERROR, 'switch it off and on') == 1
+    assert loop.driver.status.actual is None
+    loop.robot.power(False, loop.now)
+    loop.run(1.0)
+    loop.robot.power(True, loop.now)
+    loop.run(5.0)
+    assert loop.robot.mode is oi.Mode.SAFE
+    assert loop.body.truth().speed == 0
+
+
+@pytest.mark.parametrize('queue', [0, 135, 256, 1000])
+def test_a_robot_that_waits_once_it_has_answered_drives_after_it(queue):
+    loop = waits_once_it_has_answered(oi.WaitTime(time=40), wait_queue=queue)
+    loop.drive(0.2, 0.0, 5.0)
+    loop.run(1.0)  # it was away: commands have to pause
+    loop.drive(0.2, 0.0, 1.0)
+    assert loop.body.truth().speed == pytest.approx(0.2, abs=0.01)
+
+
+class DamagedLoop(Loop):
+    """Damages a part of what the robot is sent, of each kind."""
+
+    faults = Faults([])
+
+    def _carry(self, line, data):
+        if line is self._up and data:
+            data = self.faults.to_robot(data, self.now)
+        super()._carry(line, data)
+
+
+def follows_after_damage(seed: int) -> bool:
+    """Tell whether a robot drives that was sent damaged bytes, or the user is told what to do."""
+    loop, random = DamagedLoop(Settings(baud=0), robot_baud=57600), Random(seed)
+    loop.robot.guesses = replace(loop.robot.guesses, boot_seconds=0.0)
+    loop.run(0.5)
+    loop.drive(random.uniform(0.1, 0.4), random.uniform(-1.0, 1.0), 0.5)
+    loop.run(random.uniform(0.0, 0.2))
+    loop.faults = Faults([Fault(kind, 0.1) for kind in DAMAGE_TO_ROBOT], seed)
+    until = loop.now + random.uniform(0.5, 2.0)
+    while loop.now < until:
+        loop.drive(random.uniform(-0.4, 0.4), 0.0, 0.05)
+    loop.faults = Faults([])
+    until = loop.now + 6.0
+    while loop.now < until and loop.robot.actuators.right != 50:
+        loop.driver.drive(0.0, 0.0, loop.now)
+        loop.drive(0.05, 0.0, 0.1)
+    return loop.robot.actuators.right == 50 or any(
+        said(loop, Severity.ERROR, words) for words in ('switch it off and on', 'no answer at'))
+
+
+@pytest.mark.parametrize('seeds', [
+    (5, 402), (767, 1094, 1470, 1667, 1678, 2054), range(6, 14),
+    pytest.param(range(3000, 3000 + times(3000)), marks=NIGHTLY)],
+    ids=['infrared only', 'garbage', 'any', 'many'])
+def test_whatever_a_robot_was_sent_it_follows_again_or_the_user_is_told_what_to_do(seeds):
+    assert not [seed for seed in seeds if not follows_after_damage(seed)]
 
 
 def test_a_robot_that_spoke_before_it_was_called_is_not_said_to_have_left_its_mode():
